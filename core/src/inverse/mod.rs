@@ -1,0 +1,26 @@
+//! Inverse kinematics: from the platform's pose, velocity and acceleration to those of the legs.
+//!
+//! Three stages, each made from the one before it: position -> velocity -> acceleration, for one
+//! leg at a time ([`Leg`]'s functions), so that a leg's intermediate values are done with before
+//! the next leg begins. A scene that wants positions only stops at the first.
+//!
+//! [`Leg`]: crate::machine::Leg
+
+mod acceleration;
+mod position;
+mod velocity;
+
+pub use position::{LegPosition, Position, Rotation};
+
+use crate::linkage::rrr::{Accelerations, Rates};
+
+/// How the links of one leg move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegMotion<N> {
+    /// Where the joints are,
+    pub position: LegPosition<N>,
+    /// how fast the links turn,
+    pub rates: Rates<N>,
+    /// and how that changes.
+    pub accelerations: Accelerations<N>,
+}

@@ -1,0 +1,173 @@
+//! The RRR dyad: two links A -> B -> C, revolute joints at A, B and C; the motions of A and C are
+//! known, the inner joint B is wanted.
+//!
+//! With d = C - A and sigma the branch (the side of A -> C on which B lies, +1 for the left):
+//!
+//! ```text
+//! k   = (d^2 + l1^2 - l2^2) / 2
+//! S^2 = ((l1 + l2)^2 - d^2) (d^2 - (l1 - l2)^2) / 4       twice the area of ABC, squared
+//! r1  = (k d + sigma S E d) / d^2                          A -> B
+//! r2  = d - r1                                             B -> C
+//! r1 x r2 = -sigma S
+//! ```
+//!
+//! S^2 is formed from its factors: near a stretched or folded dyad the expanded form
+//! d^2 l1^2 - k^2 loses every digit. No angle is needed anywhere; whoever wants one takes the
+//! arctangent of r1 or r2. Source: thesis (3.2) to (3.21), corrected; the sign of r2 is B -> C.
+
+use crate::number::{Number, dot};
+use nalgebra::Vector2;
+
+/// Coefficients of an RRR dyad, built from its two lengths and its branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rrr<N> {
+    /// (l1 + l2)^2
+    stretched_sq: N,
+    /// (l1 - l2)^2
+    folded_sq: N,
+    /// l1^2 - l2^2
+    difference_of_squares: N,
+    /// l1^2 + l2^2
+    sum_of_squares: N,
+    /// l1
+    l1: N,
+    /// l1^2
+    l1_sq: N,
+    /// l2^2
+    l2_sq: N,
+    /// sigma
+    branch: N,
+}
+
+/// The end joints are too far apart or too close, or exactly so far that the two links lie on one
+/// line, where the inner joint has no defined velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutOfReach {
+    /// d > l1 + l2 or d < |l1 - l2|.
+    Unreachable,
+    /// d = l1 + l2 or d = |l1 - l2|: stretched or folded, a serial singularity.
+    Singular,
+}
+
+/// A dyad's configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Position<N> {
+    /// A -> B.
+    pub r1: Vector2<N>,
+    /// B -> C.
+    pub r2: Vector2<N>,
+    /// r1 x r2 = -sigma S: zero where the dyad is stretched or folded, at most l1 l2 in size.
+    pub r1_cross_r2: N,
+    /// 1 / (r1 x r2).
+    inverse_cross: N,
+    /// d^2, d = A -> C.
+    distance_sq: N,
+}
+
+/// Angular velocities of the two links, positive counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates<N> {
+    /// Of link A -> B.
+    pub proximal: N,
+    /// Of link B -> C.
+    pub distal: N,
+}
+
+/// Angular accelerations of the two links, positive counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accelerations<N> {
+    /// Of link A -> B.
+    pub proximal: N,
+    /// Of link B -> C.
+    pub distal: N,
+}
+
+impl<N: Number> Rrr<N> {
+    /// The dyad with lengths `l1` (A -> B) and `l2` (B -> C), both positive, whose inner joint
+    /// lies to the left of A -> C for `branch` = +1, to the right for -1.
+    pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
+        Self {
+            stretched_sq: N::from_f64((l1 + l2) * (l1 + l2)),
+            folded_sq: N::from_f64((l1 - l2) * (l1 - l2)),
+            difference_of_squares: N::from_f64((l1 - l2) * (l1 + l2)),
+            sum_of_squares: N::from_f64(l1 * l1 + l2 * l2),
+            l1: N::from_f64(l1),
+            l1_sq: N::from_f64(l1 * l1),
+            l2_sq: N::from_f64(l2 * l2),
+            branch: N::from_f64(branch),
+        }
+    }
+
+    /// The configuration for `d`, the vector A -> C.
+    #[inline(always)]
+    pub fn position(&self, d: Vector2<N>) -> Result<Position<N>, OutOfReach> {
+        let distance_sq = dot(d, d);
+        let four_s_sq = (self.stretched_sq - distance_sq) * (distance_sq - self.folded_sq);
+        if !(four_s_sq > N::ZERO) {
+            return Err(if four_s_sq == N::ZERO {
+                OutOfReach::Singular
+            } else {
+                OutOfReach::Unreachable
+            });
+        }
+        let two_sigma_s = self.branch * four_s_sq.sqrt();
+        let two_k = distance_sq + self.difference_of_squares;
+        // 1 / (2 d^2): the halves of k and S are taken here, once.
+        let half_inverse = N::HALF.div(distance_sq);
+        let along = two_k * half_inverse;
+        let across = two_sigma_s * half_inverse;
+        let r1 = Vector2::new(
+            N::ab_minus_cd(along, d.x, across, d.y),
+            N::ab_plus_cd(along, d.y, across, d.x),
+        );
+        Ok(Position {
+            r1,
+            r2: d - r1,
+            r1_cross_r2: -(N::HALF * two_sigma_s),
+            inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
+            distance_sq,
+        })
+    }
+
+    /// Direction of A -> B, counter-clockwise from the x axis, in (-pi, pi].
+    #[inline(always)]
+    pub fn proximal_angle(&self, at: &Position<N>) -> N::Angle {
+        N::direction(at.r1.x, at.r1.y, self.l1)
+    }
+
+    /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
+    #[inline(always)]
+    pub fn r1_dot_r2(&self, at: &Position<N>) -> N {
+        N::HALF * (at.distance_sq - self.sum_of_squares)
+    }
+
+    /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).
+    #[inline(always)]
+    pub fn rates(&self, at: &Position<N>, v: Vector2<N>) -> Rates<N> {
+        Rates {
+            proximal: dot(at.r2, v) * at.inverse_cross,
+            distal: -(dot(at.r1, v) * at.inverse_cross),
+        }
+    }
+
+    /// Link accelerations for `a`, the acceleration of C relative to A.
+    #[inline(always)]
+    pub fn accelerations(
+        &self,
+        at: &Position<N>,
+        rates: &Rates<N>,
+        a: Vector2<N>,
+    ) -> Accelerations<N> {
+        // b = a + rate1^2 r1 + rate2^2 r2 is what the angular accelerations have to supply. Its
+        // products with r1 and r2 are formed from l1^2, l2^2 and r1.r2, which saves forming b.
+        let w1 = rates.proximal * rates.proximal;
+        let w2 = rates.distal * rates.distal;
+        let r1_dot_r2 = self.r1_dot_r2(at);
+        let r2_dot_b = dot(at.r2, a) + N::ab_plus_cd(w1, r1_dot_r2, w2, self.l2_sq);
+        let r1_dot_b = dot(at.r1, a) + N::ab_plus_cd(w1, self.l1_sq, w2, r1_dot_r2);
+        Accelerations {
+            proximal: r2_dot_b * at.inverse_cross,
+            distal: -(r1_dot_b * at.inverse_cross),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The edge: a description is checked here once, nothing behind it validates again.
+
+use super::{BuildError, LegParameters, LinkParameters, Parameters, Quantity};
+use crate::number::Number;
+
+const FINITE: &str = "a finite number within the range of the number type";
+const POSITIVE: &str = "a positive number within the range of the number type";
+const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
+
+impl Parameters {
+    /// Refuses what cannot be a machine in the number type `N`: a value that is not finite, a link
+    /// without length, a negative mass or inertia. A massless platform is accepted.
+    ///
+    /// # Errors
+    /// The first quantity that is refused.
+    pub fn check<N: Number>(&self) -> Result<(), BuildError> {
+        for (index, leg) in self.legs.iter().enumerate() {
+            check_leg::<N>(leg).map_err(|error| BuildError {
+                leg: Some(index),
+                ..error
+            })?;
+        }
+        not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
+        not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
+        for (quantity, vector) in [
+            (Quantity::PlatformCentreOfMass, self.platform.com_m),
+            (Quantity::Gravity, self.gravity_m_s2),
+            (Quantity::WrenchForce, self.wrench_force_n),
+        ] {
+            finite::<N>(quantity, vector.x)?;
+            finite::<N>(quantity, vector.y)?;
+        }
+        finite::<N>(Quantity::WrenchTorque, self.wrench_torque_nm)
+    }
+}
+
+fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
+    finite::<N>(Quantity::Base, leg.base_m.x)?;
+    finite::<N>(Quantity::Base, leg.base_m.y)?;
+    positive::<N>(Quantity::ProximalLength, leg.proximal_m)?;
+    positive::<N>(Quantity::DistalLength, leg.distal_m)?;
+    not_negative::<N>(Quantity::JointRadius, leg.joint_radius_m)?;
+    finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;
+    let proximal = [
+        Quantity::ProximalMass,
+        Quantity::ProximalCentreOfMass,
+        Quantity::ProximalInertia,
+    ];
+    check_link::<N>(&leg.proximal, proximal)?;
+    let distal = [
+        Quantity::DistalMass,
+        Quantity::DistalCentreOfMass,
+        Quantity::DistalInertia,
+    ];
+    check_link::<N>(&leg.distal, distal)?;
+    not_negative::<N>(Quantity::RotorInertia, leg.rotor_inertia_kgm2)
+}
+
+fn check_link<N: Number>(
+    link: &LinkParameters,
+    [mass, com, inertia]: [Quantity; 3],
+) -> Result<(), BuildError> {
+    not_negative::<N>(mass, link.mass_kg)?;
+    finite::<N>(com, link.com_m)?;
+    not_negative::<N>(inertia, link.inertia_kgm2)
+}
+
+fn finite<N: Number>(quantity: Quantity, value: f64) -> Result<(), BuildError> {
+    require::<N>(true, quantity, value, FINITE)
+}
+
+fn positive<N: Number>(quantity: Quantity, value: f64) -> Result<(), BuildError> {
+    // After rounding to N: a length that vanishes there is no length.
+    require::<N>(N::from_f64(value) > N::ZERO, quantity, value, POSITIVE)
+}
+
+fn not_negative<N: Number>(quantity: Quantity, value: f64) -> Result<(), BuildError> {
+    require::<N>(value >= 0.0, quantity, value, NOT_NEGATIVE)
+}
+
+fn require<N: Number>(
+    condition: bool,
+    quantity: Quantity,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), BuildError> {
+    if condition && N::from_f64(value).is_finite() {
+        Ok(())
+    } else {
+        Err(BuildError {
+            quantity,
+            leg: None,
+            value,
+            expected,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::example;
+    use std::string::ToString;
+
+    #[test]
+    fn names_the_quantity_the_leg_and_the_value() {
+        let mut parameters = example();
+        parameters.legs[1].distal_m = -0.2;
+        let error = parameters.check::<f64>().unwrap_err();
+        assert_eq!(
+            (error.quantity, error.leg),
+            (Quantity::DistalLength, Some(1))
+        );
+        assert_eq!(
+            error.to_string(),
+            "DistalLength of leg 2 is -0.2, expected a positive number within the range of the \
+             number type"
+        );
+    }
+
+    #[test]
+    fn refuses_what_the_number_type_cannot_hold() {
+        let mut parameters = example();
+        parameters.legs[2].proximal_m = 1e-60;
+        assert_eq!(parameters.check::<f64>(), Ok(()));
+        let error = parameters.check::<f32>().unwrap_err();
+        assert_eq!(
+            (error.quantity, error.leg),
+            (Quantity::ProximalLength, Some(2))
+        );
+
+        let mut parameters = example();
+        parameters.platform.mass_kg = 1e60;
+        assert_eq!(parameters.check::<f64>(), Ok(()));
+        let error = parameters.check::<f32>().unwrap_err();
+        assert_eq!((error.quantity, error.leg), (Quantity::PlatformMass, None));
+    }
+
+    #[test]
+    fn refuses_every_value_that_is_not_finite() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let spoilt: [fn(&mut Parameters) -> &mut f64; 19] = [
+                |p| &mut p.legs[0].base_m.x,
+                |p| &mut p.legs[0].base_m.y,
+                |p| &mut p.legs[0].proximal_m,
+                |p| &mut p.legs[0].distal_m,
+                |p| &mut p.legs[0].joint_radius_m,
+                |p| &mut p.legs[0].joint_angle_rad,
+                |p| &mut p.legs[0].proximal.mass_kg,
+                |p| &mut p.legs[0].proximal.com_m,
+                |p| &mut p.legs[0].proximal.inertia_kgm2,
+                |p| &mut p.legs[0].distal.mass_kg,
+                |p| &mut p.legs[0].distal.com_m,
+                |p| &mut p.legs[0].distal.inertia_kgm2,
+                |p| &mut p.legs[0].rotor_inertia_kgm2,
+                |p| &mut p.platform.mass_kg,
+                |p| &mut p.platform.inertia_kgm2,
+                |p| &mut p.platform.com_m.x,
+                |p| &mut p.gravity_m_s2.y,
+                |p| &mut p.wrench_force_n.x,
+                |p| &mut p.wrench_torque_nm,
+            ];
+            for place in spoilt {
+                let mut parameters = example();
+                *place(&mut parameters) = bad;
+                let error = parameters.check::<f64>().unwrap_err();
+                assert!(!error.value.is_finite(), "{error}");
+            }
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! The machine: what it is made of ([`Parameters`], SI units, `f64`), and the immutable
+//! coefficients that the pipeline reads ([`Geometry`], any number type).
+
+mod check;
+mod error;
+mod geometry;
+mod parameters;
+
+pub use error::{BuildError, Quantity};
+pub use geometry::{Geometry, Leg};
+pub use parameters::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
+
+#[cfg(test)]
+pub(crate) use parameters::example;

@@ -1,0 +1,85 @@
+//! Joint reactions (thesis (4.1) to (4.7)): the forces in the nine joints, from the balance of the
+//! links. They size bearings and links; the torque does not need them.
+
+use crate::machine::Parameters;
+use crate::number::{Number, perpendicular};
+use crate::tick::Motion;
+use nalgebra::Vector2;
+
+/// Coefficients of the reactions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reactions<N> {
+    legs: [LegMasses<N>; 3],
+    gravity: Vector2<N>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LegMasses<N> {
+    /// m1
+    proximal: N,
+    /// c1 / l1
+    proximal_com: N,
+    /// m2
+    distal: N,
+    /// c2 / l2
+    distal_com: N,
+}
+
+/// The forces in the joints of one leg, in the fixed frame. Each acts on the outer of the two
+/// bodies that meet; the inner one feels the opposite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointForces<N> {
+    /// At A, of the frame on the proximal link.
+    pub base: Vector2<N>,
+    /// At B, of the proximal on the distal link.
+    pub elbow: Vector2<N>,
+    /// At C, of the distal link on the platform.
+    pub platform: Vector2<N>,
+}
+
+impl<N: Number> Reactions<N> {
+    /// Builds the coefficients from checked parameters.
+    pub fn build(parameters: &Parameters) -> Self {
+        Self {
+            legs: parameters.legs.each_ref().map(|leg| LegMasses {
+                proximal: N::from_f64(leg.proximal.mass_kg),
+                proximal_com: N::from_f64(leg.proximal.com_m / leg.proximal_m),
+                distal: N::from_f64(leg.distal.mass_kg),
+                distal_com: N::from_f64(leg.distal.com_m / leg.distal_m),
+            }),
+            gravity: parameters.gravity_m_s2.map(N::from_f64),
+        }
+    }
+
+    /// The forces in the joints of each leg, for a motion of the same machine.
+    pub fn forces(&self, motion: &Motion<N>) -> [JointForces<N>; 3] {
+        let forces = |leg: usize| {
+            let masses = &self.legs[leg];
+            let (at, rates, acc) = (
+                &motion.legs[leg].position.links,
+                &motion.legs[leg].rates,
+                &motion.legs[leg].accelerations,
+            );
+            // Along the distal link as the balance has it, across from the link's own inertia.
+            let mut platform = at.r2 * motion.forces.along[leg];
+            if let Some(q) = motion.loads[leg].distal_over_l2_sq {
+                platform -= perpendicular(at.r2) * q;
+            }
+            // Acceleration of the outer end of a link relative to the inner one.
+            let of_link = |r: Vector2<N>, rate: N, acceleration: N| {
+                perpendicular(r) * acceleration - r * (rate * rate)
+            };
+            let b = of_link(at.r1, rates.proximal, acc.proximal);
+            let c_from_b = of_link(at.r2, rates.distal, acc.distal);
+            let distal_com = b + c_from_b * masses.distal_com - self.gravity;
+            let elbow = platform + distal_com * masses.distal;
+            let proximal_com = b * masses.proximal_com - self.gravity;
+            JointForces {
+                base: elbow + proximal_com * masses.proximal,
+                elbow,
+                platform,
+            }
+        };
+        [forces(0), forces(1), forces(2)]
+    }
+}

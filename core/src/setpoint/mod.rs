@@ -1,0 +1,60 @@
+//! Setpoints: where the platform is meant to be at a tick, with its velocity and acceleration.
+//!
+//! Time is a whole number of ticks, an argument and never a clock. Both kinds of move are
+//! evaluated from whichever end is nearer, so that the first and the last tick of a move give its
+//! two poses exactly, and a chain of moves neither drifts nor jumps.
+
+mod hermite;
+mod rest_to_rest;
+
+pub use hermite::Hermite;
+pub use rest_to_rest::RestToRest;
+
+use crate::number::Number;
+use nalgebra::{Vector2, Vector3};
+
+/// Position of the platform's reference point D and orientation of the platform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<N: Number> {
+    /// D in the fixed frame.
+    pub position: Vector2<N>,
+    /// alpha, counter-clockwise from the fixed x axis, not wrapped.
+    pub angle: N::Angle,
+}
+
+/// Pose, velocity and acceleration at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint<N: Number> {
+    /// Where.
+    pub pose: Pose<N>,
+    /// (vx, vy, alphadot).
+    pub velocity: Vector3<N>,
+    /// (ax, ay, alphaddot).
+    pub acceleration: Vector3<N>,
+}
+
+impl<N: Number> Pose<N> {
+    /// The pose nearest to (`x`, `y`) in m and `alpha` in rad.
+    pub fn from_f64(x: f64, y: f64, alpha: f64) -> Self {
+        Self {
+            position: Vector2::new(N::from_f64(x), N::from_f64(y)),
+            angle: N::angle_from_f64(alpha),
+        }
+    }
+
+    /// `self` moved by (dx, dy, dalpha).
+    #[inline(always)]
+    pub(crate) fn displaced(&self, by: Vector3<N>) -> Self {
+        Self {
+            position: self.position + by.xy(),
+            angle: self.angle + N::angle(by.z),
+        }
+    }
+
+    /// The displacement from `self` to `to`, (dx, dy, dalpha).
+    #[inline(always)]
+    fn displacement(&self, to: &Self) -> Vector3<N> {
+        let position = to.position - self.position;
+        Vector3::new(position.x, position.y, N::radians(to.angle - self.angle))
+    }
+}

@@ -1,0 +1,84 @@
+//! Scale-free distances to the two kinds of singularity: 0 at the singularity, at most 1.
+//!
+//! | singularity | where | distance |
+//! |---|---|---|
+//! | serial \[type I\] | a leg is stretched or folded | abs(r1 x r2) / (l1 l2), the sine of the angle between the links |
+//! | parallel \[type II\] | the three distal lines meet in one point or are parallel | abs(det A) / (l2_1 l2_2 l2_3 s), s half the perimeter of the platform's triangle |
+//!
+//! det A is the determinant of the rows [r2x, r2y, c x r2]. No distal links, however turned, give
+//! it a size above l2_1 l2_2 l2_3 s; an equilateral platform held by links at right angles to its
+//! radii reaches that.
+
+use crate::inverse::Position;
+use crate::machine::Parameters;
+use crate::number::{Number, cross};
+use nalgebra::Vector2;
+
+/// Coefficients of the distances; only who asks for the distances holds them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distances<N> {
+    /// 1 / (l1 l2) of each leg.
+    serial: [N; 3],
+    /// 1 / (l2_1 l2_2 l2_3 s).
+    parallel: N,
+}
+
+impl<N: Number> Distances<N> {
+    /// Builds the coefficients from checked parameters.
+    pub fn build(parameters: &Parameters) -> Self {
+        let greatest = greatest_det_a(parameters);
+        Self {
+            serial: parameters
+                .legs
+                .map(|leg| N::from_f64(1.0 / (leg.proximal_m * leg.distal_m))),
+            // A platform whose joints coincide is singular everywhere.
+            parallel: N::from_f64(if greatest > 0.0 { 1.0 / greatest } else { 0.0 }),
+        }
+    }
+
+    /// Distance of each leg from its serial singularity.
+    #[inline]
+    pub fn serial(&self, position: &Position<N>) -> [N; 3] {
+        let distance = |leg: usize| (position.legs[leg].links.r1_cross_r2 * self.serial[leg]).abs();
+        [distance(0), distance(1), distance(2)]
+    }
+
+    /// Distance of the machine from its parallel singularity.
+    #[inline]
+    pub fn parallel(&self, position: &Position<N>) -> N {
+        (det_a(position) * self.parallel).abs()
+    }
+}
+
+/// det A, for who needs it without the torques: its sign tells the two sides of a parallel
+/// singularity apart, and a path on which it changes crosses one.
+#[inline]
+pub fn det_a<N: Number>(position: &Position<N>) -> N {
+    let [c1, c2, c3] = position.legs.each_ref().map(|leg| leg.platform_joint);
+    let [d1, d2, d3] = position.legs.each_ref().map(|leg| leg.links.r2);
+    // Moments about C_1, as in the balance: the determinant is the same about every point.
+    N::ab_plus_cd(
+        cross(d1, d2),
+        cross(c3 - c1, d3),
+        cross(d3, d1),
+        cross(c2 - c1, d2),
+    )
+}
+
+/// The greatest size that det A can have: l2_1 l2_2 l2_3 times half the perimeter of the
+/// platform's triangle, m^4.
+pub fn greatest_det_a(parameters: &Parameters) -> f64 {
+    let joints = parameters.legs.map(|leg| {
+        let (sin, cos) = f64::sin_cos(leg.joint_angle_rad);
+        Vector2::new(cos, sin) * leg.joint_radius_m
+    });
+    let side = |a: usize, b: usize| {
+        let edge: Vector2<f64> = joints[b] - joints[a];
+        Number::sqrt(edge.x * edge.x + edge.y * edge.y)
+    };
+    let half_perimeter = (side(0, 1) + side(1, 2) + side(2, 0)) / 2.0;
+    parameters
+        .legs
+        .iter()
+        .fold(half_perimeter, |product, leg| product * leg.distal_m)
+}

@@ -1,0 +1,152 @@
+//! One tick: from a setpoint to what the three motors have to do.
+//!
+//! The types of a [`Tick`] say what the scene holds: its number type `N`, its platform `P`, its
+//! links `L`. What a scene does not use is not in them, so it is not in the image either.
+
+use crate::inverse::{LegMotion, Position, Rotation};
+use crate::machine::{BuildError, Geometry, Parameters};
+use crate::number::Number;
+use crate::setpoint::Setpoint;
+use crate::status::Status;
+use crate::torque::balance::{Balance, Forces};
+use crate::torque::links::{LegLoad, Links, Massless};
+use crate::torque::payload::{Centred, Payload};
+
+/// The pipeline with its coefficients, immutable once built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick<N, P = Centred<N>, L = Massless> {
+    geometry: Geometry<N>,
+    balance: Balance<N>,
+    payload: P,
+    links: L,
+}
+
+/// What one motor has to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<N: Number> {
+    /// theta_i1: direction of the proximal link, in (-pi, pi], counter-clockwise from the x axis.
+    pub angle: N::Angle,
+    /// Angular velocity, positive counter-clockwise.
+    pub rate: N,
+    /// Angular acceleration.
+    pub acceleration: N,
+    /// Torque of the motor on the proximal link, positive counter-clockwise.
+    pub torque: N,
+}
+
+impl<N: Number> Motion<N> {
+    /// Where every joint is, for the singularity distances.
+    pub fn position(&self) -> Position<N> {
+        Position {
+            legs: self.legs.each_ref().map(|leg| leg.position),
+        }
+    }
+}
+
+impl<N: Number> Motor<N> {
+    /// P_i = tau_i thetadot_i1 (5.11): mechanical power of the motor on the machine.
+    pub fn power(&self) -> N {
+        self.torque * self.rate
+    }
+}
+
+/// Everything that one tick computes; what a caller does not read is not computed, as long as the
+/// call is inlined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<N: Number> {
+    /// The three motors.
+    pub motors: [Motor<N>; 3],
+    /// How the links of each leg move.
+    pub legs: [LegMotion<N>; 3],
+    /// Loads of the legs' own masses.
+    pub loads: [LegLoad<N>; 3],
+    /// Forces along the distal links, and det A.
+    pub forces: Forces<N>,
+}
+
+impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
+    /// Checks `parameters` and builds the coefficients. Parts of the parameters that `P` and `L`
+    /// have no room for are left out: it is the scene's business to choose types that fit.
+    ///
+    /// # Errors
+    /// The first quantity that is refused.
+    pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
+        Ok(Self {
+            geometry: Geometry::build(parameters)?,
+            balance: Balance::build(parameters),
+            payload: P::build(parameters),
+            links: L::build(parameters),
+        })
+    }
+
+    /// The geometry, for whoever needs positions only.
+    pub fn geometry(&self) -> &Geometry<N> {
+        &self.geometry
+    }
+
+    /// Position, rates, accelerations and motor angle of leg `index`: all of one leg before the
+    /// next begins, so that few values are alive at a time.
+    #[inline(always)]
+    fn kinematics(
+        &self,
+        index: usize,
+        setpoint: &Setpoint<N>,
+        rotation: &Rotation<N>,
+    ) -> Result<(LegMotion<N>, N::Angle), Status> {
+        let leg = &self.geometry.legs[index];
+        let position = leg.position(index, setpoint.pose.position, rotation)?;
+        let rates = leg.rates(&position, &setpoint.velocity);
+        let accelerations = leg.accelerations(&position, &rates, setpoint);
+        let motion = LegMotion {
+            position,
+            rates,
+            accelerations,
+        };
+        Ok((motion, leg.dyad.proximal_angle(&position.links)))
+    }
+
+    /// One tick: inverse kinematics, rates, accelerations, torques.
+    ///
+    /// # Errors
+    /// The [`Status`] that leaves the setpoint without a motion. A motion that is returned holds
+    /// no infinity and nothing that is not a number.
+    #[inline(always)]
+    pub fn evaluate(&self, setpoint: &Setpoint<N>) -> Result<Motion<N>, Status> {
+        let rotation = Rotation::new(setpoint.pose.angle);
+        let kinematics = |leg| self.kinematics(leg, setpoint, &rotation);
+        let [(leg1, angle1), (leg2, angle2), (leg3, angle3)] =
+            [kinematics(0)?, kinematics(1)?, kinematics(2)?];
+        let (legs, angles) = ([leg1, leg2, leg3], [angle1, angle2, angle3]);
+
+        let load = |leg: usize| {
+            let dyad = &self.geometry.legs[leg].dyad;
+            self.links.load(leg, dyad, &legs[leg])
+        };
+        let loads = [load(0), load(1), load(2)];
+        let demand = self.payload.demand(setpoint, &rotation);
+        let forces = self.balance.forces(&legs, &demand, &loads)?;
+        let torques = forces.torques(&self.geometry, &legs, &loads);
+
+        let motor = |leg: usize| Motor {
+            angle: angles[leg],
+            rate: legs[leg].rates.proximal,
+            acceleration: legs[leg].accelerations.proximal,
+            torque: torques[leg],
+        };
+        let motors = [motor(0), motor(1), motor(2)];
+        // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
+        // with a part that is not finite is not finite.
+        let sum = |value: fn(&Motor<N>) -> N| {
+            value(&motors[0]) + value(&motors[1]) + value(&motors[2])
+        };
+        if !(sum(|motor| motor.acceleration) + sum(|motor| motor.torque)).is_finite() {
+            return Err(Status::OutOfRange);
+        }
+        Ok(Motion {
+            motors,
+            legs,
+            loads,
+            forces,
+        })
+    }
+}

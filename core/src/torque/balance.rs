@@ -1,0 +1,120 @@
+//! The balance of platform and legs: three forces along the distal links, then three torques.
+
+use super::links::LegLoad;
+use super::payload::Demand;
+use crate::inverse::LegMotion;
+use crate::machine::{Geometry, Parameters};
+use crate::number::{Number, cross, dot, perpendicular};
+use crate::singularity;
+use crate::status::Status;
+use nalgebra::Vector2;
+
+/// Coefficients of the balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance<N> {
+    /// 1 / l2^2 of leg 1.
+    inverse_l2_sq: N,
+    /// Below this size det A is rounding noise.
+    least_det_a: N,
+}
+
+/// The solution of the balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forces<N> {
+    /// f_i: force along distal link i on the platform, divided by l2_i; positive pushes.
+    pub along: [N; 3],
+    /// Determinant of the rows [r2x, r2y, c x r2].
+    pub det_a: N,
+}
+
+impl<N: Number> Balance<N> {
+    /// Builds the coefficients from checked parameters.
+    pub fn build(parameters: &Parameters) -> Self {
+        let l2 = parameters.legs[0].distal_m;
+        // The rows of A are rounded at the size of the links, so det A carries an error of a few
+        // unit roundoffs of its largest possible value.
+        let noise = 2.0 * N::UNIT_ROUNDOFF.to_f64();
+        Self {
+            inverse_l2_sq: N::from_f64(1.0 / (l2 * l2)),
+            least_det_a: N::from_f64(noise * singularity::greatest_det_a(parameters)),
+        }
+    }
+
+    /// Solves for the forces along the distal links.
+    ///
+    /// Moments are taken about C_1, so that leg 1 drops out of them, and forces across leg 1, so
+    /// that two equations in f_2 and f_3 are left. det A is the same about every point.
+    ///
+    /// # Errors
+    /// [`Status::ParallelSingular`].
+    #[inline(always)]
+    pub fn forces(
+        &self,
+        legs: &[LegMotion<N>; 3],
+        demand: &Demand<N>,
+        loads: &[LegLoad<N>; 3],
+    ) -> Result<Forces<N>, Status> {
+        let [c1, c2, c3] = legs.each_ref().map(|leg| leg.position.platform_joint);
+        let [d1, d2, d3] = legs.each_ref().map(|leg| leg.position.links.r2);
+        let (arm2, arm3) = (c2 - c1, c3 - c1);
+
+        let mut moment = demand.moment - cross(c1, demand.force);
+        let mut force = demand.force;
+        // The forces across the distal links, -q E r2, are known: they go to the other side.
+        for (load, distal, arm) in [
+            (&loads[0], d1, None),
+            (&loads[1], d2, Some(arm2)),
+            (&loads[2], d3, Some(arm3)),
+        ] {
+            if let Some(q) = load.distal_over_l2_sq {
+                force += perpendicular(distal) * q;
+                if let Some(arm) = arm {
+                    moment += dot(arm, distal) * q;
+                }
+            }
+        }
+
+        let (moment2, moment3) = (cross(arm2, d2), cross(arm3, d3));
+        let (d1_x_d2, d3_x_d1) = (cross(d1, d2), cross(d3, d1));
+        let det_a = N::ab_plus_cd(d1_x_d2, moment3, d3_x_d1, moment2);
+        if !(det_a.abs() > self.least_det_a) {
+            return Err(Status::ParallelSingular);
+        }
+        let across = cross(d1, force);
+        let inverse = N::ONE.div(det_a);
+        let f2 = N::ab_plus_cd(across, moment3, d3_x_d1, moment) * inverse;
+        let f3 = N::ab_minus_cd(d1_x_d2, moment, moment2, across) * inverse;
+        let left = Vector2::new(
+            force.x - N::ab_plus_cd(f2, d2.x, f3, d3.x),
+            force.y - N::ab_plus_cd(f2, d2.y, f3, d3.y),
+        );
+        Ok(Forces {
+            along: [dot(d1, left) * self.inverse_l2_sq, f2, f3],
+            det_a,
+        })
+    }
+}
+
+impl<N: Number> Forces<N> {
+    /// tau_i = D_i f_i + Q1_i - q_i (r1_i . r2_i).
+    #[inline(always)]
+    pub fn torques(
+        &self,
+        geometry: &Geometry<N>,
+        legs: &[LegMotion<N>; 3],
+        loads: &[LegLoad<N>; 3],
+    ) -> [N; 3] {
+        let torque = |index: usize| {
+            let (links, load) = (&legs[index].position.links, &loads[index]);
+            let mut torque = links.r1_cross_r2 * self.along[index];
+            if let Some(q) = load.distal_over_l2_sq {
+                torque -= q * geometry.legs[index].dyad.r1_dot_r2(links);
+            }
+            if let Some(q1) = load.proximal {
+                torque += q1;
+            }
+            torque
+        };
+        [torque(0), torque(1), torque(2)]
+    }
+}

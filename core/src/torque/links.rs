@@ -1,0 +1,191 @@
+//! What the legs' own masses add. The scene chooses the kind by type: with [`Massless`] links an
+//! image holds no link code.
+
+use crate::inverse::LegMotion;
+use crate::linkage::rrr::Rrr;
+use crate::machine::{LegParameters, Parameters};
+use crate::number::{Number, dot, perpendicular};
+use nalgebra::Vector2;
+
+/// The inertia and weight of one leg's links against their angles. `None` is not zero but absent:
+/// known at compile time, so that nothing is computed with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegLoad<N> {
+    /// Q1: against theta_1, rotor included.
+    pub proximal: Option<N>,
+    /// q = Q2 / l2^2: against theta_2.
+    pub distal_over_l2_sq: Option<N>,
+}
+
+/// A kind of links.
+pub trait Links<N: Number>: Sized {
+    /// Builds the coefficients from checked parameters.
+    fn build(parameters: &Parameters) -> Self;
+
+    /// The load of leg `leg`, 0 to 2, whose links are `dyad`.
+    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N>;
+}
+
+/// Links without mass, motors without rotor inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Massless;
+
+impl<N: Number> Links<N> for Massless {
+    fn build(_: &Parameters) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
+        LegLoad {
+            proximal: None,
+            distal_over_l2_sq: None,
+        }
+    }
+}
+
+/// Links without mass, motors with rotor inertia: N^2 Jr at the joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotors<N>([N; 3]);
+
+impl<N: Number> Links<N> for Rotors<N> {
+    fn build(parameters: &Parameters) -> Self {
+        Self(
+            parameters
+                .legs
+                .map(|leg| N::from_f64(leg.rotor_inertia_kgm2)),
+        )
+    }
+
+    #[inline(always)]
+    fn load(&self, leg: usize, _: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
+        LegLoad {
+            proximal: Some(self.0[leg] * motion.accelerations.proximal),
+            distal_over_l2_sq: None,
+        }
+    }
+}
+
+/// Links with mass and inertia, motors with rotor inertia. `G` says whether gravity has a
+/// component in the plane: [`Horizontal`] or [`InPlane`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Massive<N, G> {
+    legs: [MassiveLeg<N>; 3],
+    gravity: G,
+}
+
+/// With centres of mass at c1, c2 from the inner joints and central inertias I1, I2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct MassiveLeg<N> {
+    /// m1 c1^2 + I1 + m2 l1^2 + N^2 Jr
+    proximal_inertia: N,
+    /// m1 c1 / l1 + m2
+    proximal_weight: N,
+    /// m2 c2 / l2
+    coupling: N,
+    /// (m2 c2^2 + I2) / l2^2
+    distal_inertia: N,
+    /// m2 c2 / l2^3
+    distal_coupling: N,
+}
+
+impl<N: Number> MassiveLeg<N> {
+    fn build(leg: &LegParameters) -> Self {
+        let (l1, l2) = (leg.proximal_m, leg.distal_m);
+        let (m1, c1) = (leg.proximal.mass_kg, leg.proximal.com_m);
+        let (m2, c2) = (leg.distal.mass_kg, leg.distal.com_m);
+        Self {
+            proximal_inertia: N::from_f64(
+                m1 * c1 * c1 + leg.proximal.inertia_kgm2 + m2 * l1 * l1 + leg.rotor_inertia_kgm2,
+            ),
+            proximal_weight: N::from_f64(m1 * c1 / l1 + m2),
+            coupling: N::from_f64(m2 * c2 / l2),
+            distal_inertia: N::from_f64((m2 * c2 * c2 + leg.distal.inertia_kgm2) / (l2 * l2)),
+            distal_coupling: N::from_f64(m2 * c2 / (l2 * l2 * l2)),
+        }
+    }
+}
+
+impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
+    fn build(parameters: &Parameters) -> Self {
+        Self {
+            legs: parameters.legs.each_ref().map(MassiveLeg::build),
+            gravity: G::build(parameters.gravity_m_s2),
+        }
+    }
+
+    /// Thesis (4.3) to (4.6), corrected. With D = r1 x r2:
+    ///
+    /// ```text
+    /// Q1 = J1 acc1 + (m2 c2 / l2) ((r1.r2) acc2 - D rate2^2) - (m1 c1 / l1 + m2) g.E r1
+    /// Q2 = J2 acc2 + (m2 c2 / l2) ((r1.r2) acc1 + D rate1^2 - g.E r2)
+    /// ```
+    #[inline(always)]
+    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
+        let link = &self.legs[leg];
+        let (at, rates, acc) = (&motion.position.links, &motion.rates, &motion.accelerations);
+        let r1_dot_r2 = dyad.r1_dot_r2(at);
+
+        let centripetal = rates.distal * rates.distal;
+        let reaction = N::ab_minus_cd(r1_dot_r2, acc.distal, at.r1_cross_r2, centripetal);
+        let mut proximal =
+            N::ab_plus_cd(link.proximal_inertia, acc.proximal, link.coupling, reaction);
+        if let Some(weight) = self.gravity.across(at.r1) {
+            proximal -= link.proximal_weight * weight;
+        }
+
+        let centripetal = rates.proximal * rates.proximal;
+        let mut reaction = N::ab_plus_cd(r1_dot_r2, acc.proximal, at.r1_cross_r2, centripetal);
+        if let Some(weight) = self.gravity.across(at.r2) {
+            reaction -= weight;
+        }
+        LegLoad {
+            proximal: Some(proximal),
+            distal_over_l2_sq: Some(N::ab_plus_cd(
+                link.distal_inertia,
+                acc.distal,
+                link.distal_coupling,
+                reaction,
+            )),
+        }
+    }
+}
+
+/// Gravity as the links feel it. Chosen by type.
+pub trait Gravity<N: Number> {
+    /// From the vector g, m/s^2.
+    fn build(gravity_m_s2: Vector2<f64>) -> Self;
+
+    /// g . E r, if there is gravity.
+    fn across(&self, r: Vector2<N>) -> Option<N>;
+}
+
+/// The machine lies flat: no gravity in its plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Horizontal;
+
+impl<N: Number> Gravity<N> for Horizontal {
+    fn build(_: Vector2<f64>) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn across(&self, _: Vector2<N>) -> Option<N> {
+        None
+    }
+}
+
+/// Gravity has a component in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InPlane<N>(Vector2<N>);
+
+impl<N: Number> Gravity<N> for InPlane<N> {
+    fn build(gravity_m_s2: Vector2<f64>) -> Self {
+        Self(gravity_m_s2.map(N::from_f64))
+    }
+
+    #[inline(always)]
+    fn across(&self, r: Vector2<N>) -> Option<N> {
+        Some(dot(self.0, perpendicular(r)))
+    }
+}

@@ -1,0 +1,95 @@
+//! What the platform demands of the legs: its inertia, its weight and the external wrench.
+
+use crate::inverse::Rotation;
+use crate::machine::Parameters;
+use crate::number::{Number, cross, perpendicular};
+use crate::setpoint::Setpoint;
+use nalgebra::Vector2;
+
+/// The force and the moment about D that the three legs together have to supply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand<N> {
+    /// F, in the fixed frame.
+    pub force: Vector2<N>,
+    /// M, about the reference point D.
+    pub moment: N,
+}
+
+/// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
+pub trait Payload<N: Number>: Sized {
+    /// Builds the coefficients from checked parameters.
+    fn build(parameters: &Parameters) -> Self;
+
+    /// F and M for one setpoint, whose angle is resolved in `rotation`.
+    fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N>;
+}
+
+/// A platform whose centre of mass is its reference point D.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Centred<N> {
+    mass: N,
+    inertia: N,
+    /// -m g - W: what is constant in F.
+    static_force: Vector2<N>,
+    /// -Walpha: what is constant in M.
+    static_moment: N,
+}
+
+impl<N: Number> Payload<N> for Centred<N> {
+    fn build(parameters: &Parameters) -> Self {
+        let mass = parameters.platform.mass_kg;
+        let force = -(parameters.gravity_m_s2 * mass + parameters.wrench_force_n);
+        Self {
+            mass: N::from_f64(mass),
+            inertia: N::from_f64(parameters.platform.inertia_kgm2),
+            static_force: force.map(N::from_f64),
+            static_moment: N::from_f64(-parameters.wrench_torque_nm),
+        }
+    }
+
+    #[inline(always)]
+    fn demand(&self, setpoint: &Setpoint<N>, _: &Rotation<N>) -> Demand<N> {
+        let a = setpoint.acceleration;
+        Demand {
+            force: a.xy() * self.mass + self.static_force,
+            moment: a.z * self.inertia + self.static_moment,
+        }
+    }
+}
+
+/// A platform whose centre of mass lies at an offset from D, as with a payload held out of centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offset<N> {
+    mass: N,
+    inertia: N,
+    /// s in the platform's frame.
+    com: Vector2<N>,
+    gravity: Vector2<N>,
+    wrench_force: Vector2<N>,
+    wrench_moment: N,
+}
+
+impl<N: Number> Payload<N> for Offset<N> {
+    fn build(parameters: &Parameters) -> Self {
+        Self {
+            mass: N::from_f64(parameters.platform.mass_kg),
+            inertia: N::from_f64(parameters.platform.inertia_kgm2),
+            com: parameters.platform.com_m.map(N::from_f64),
+            gravity: parameters.gravity_m_s2.map(N::from_f64),
+            wrench_force: parameters.wrench_force_n.map(N::from_f64),
+            wrench_moment: N::from_f64(parameters.wrench_torque_nm),
+        }
+    }
+
+    #[inline(always)]
+    fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N> {
+        let (velocity, a) = (setpoint.velocity, setpoint.acceleration);
+        let s = rotation.apply(self.com);
+        let a_com = a.xy() + (perpendicular(s) * a.z - s * (velocity.z * velocity.z));
+        let inertial = (a_com - self.gravity) * self.mass;
+        Demand {
+            force: inertial - self.wrench_force,
+            moment: a.z * self.inertia + cross(s, inertial) - self.wrench_moment,
+        }
+    }
+}
