@@ -1,0 +1,96 @@
+//! [`Number`] for the two IEEE floats.
+
+use super::{Number, atan2, direction, sin_cos, sqrt};
+
+macro_rules! float {
+    ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $direction:path) => {
+        impl Number for $float {
+            type Angle = $float;
+
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const HALF: Self = 0.5;
+            const UNIT_ROUNDOFF: Self = $float::EPSILON / 2.0;
+
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as $float
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn angle_from_f64(radians: f64) -> Self {
+                radians as $float
+            }
+            #[inline(always)]
+            fn angle_to_f64(angle: Self) -> f64 {
+                angle as f64
+            }
+            #[inline(always)]
+            fn angle(radians: Self) -> Self {
+                radians
+            }
+            #[inline(always)]
+            fn radians(angle: Self) -> Self {
+                angle
+            }
+            #[inline(always)]
+            fn ratio(numerator: u32, denominator: u32) -> Self {
+                numerator as $float / denominator as $float
+            }
+            #[inline(always)]
+            fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+                a * b + c * d
+            }
+            #[inline(always)]
+            fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+                a * b - c * d
+            }
+            #[inline(always)]
+            fn div(self, divisor: Self) -> Self {
+                self / divisor
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+            #[inline(always)]
+            fn sin_cos(angle: Self) -> (Self, Self) {
+                $sin_cos(angle)
+            }
+            #[inline(always)]
+            fn atan2(y: Self, x: Self) -> Self {
+                $atan2(y, x)
+            }
+            #[inline(always)]
+            fn direction(x: Self, y: Self, length: Self) -> Self {
+                $direction(x, y, length)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+        }
+    };
+}
+
+float!(
+    f32,
+    sqrt::sqrt_f32,
+    sin_cos::sin_cos_f32,
+    atan2::atan2_f32,
+    direction::direction_f32
+);
+float!(
+    f64,
+    sqrt::sqrt_f64,
+    sin_cos::sin_cos_f64,
+    atan2::atan2_f64,
+    direction::direction_f64
+);
