@@ -1,0 +1,216 @@
+//! The drives: what turns a motor's command into torque or motion.
+
+use crate::read::{Bound, Section};
+
+/// The drive of one motor: a gear with a rotor behind it, and the electronics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Rotor turns per turn of the joint, positive.
+    pub gear_ratio: f64,
+    /// Inertia of the rotor about its own axis, before the gear, kg m^2.
+    pub rotor_inertia_kgm2: f64,
+    /// What kind of drive it is.
+    pub kind: DriveKind,
+}
+
+/// The kinds of drive, with what each needs to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveKind {
+    /// A brushless motor in torque mode.
+    Bldc(Bldc),
+    /// A stepper on step and direction.
+    Stepper(Stepper),
+    /// A drive of its own on the CAN bus, commanded by position, velocity and torque.
+    Can(Can),
+}
+
+/// A brushless DC motor as a direct-current equivalent, before the gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bldc {
+    /// Winding resistance, ohm, positive.
+    pub resistance_ohm: f64,
+    /// Winding inductance, H, positive.
+    pub inductance_h: f64,
+    /// Torque per current, N m/A, positive.
+    pub torque_constant_nm_a: f64,
+    /// Back-EMF per rotor rate, V s/rad, positive; the torque constant where the scene leaves it
+    /// out, for in SI units an ideal motor has the two equal.
+    pub back_emf_constant_v_s_rad: f64,
+    /// Supply voltage, V, positive.
+    pub supply_v: f64,
+    /// Largest current of either sign, A, positive.
+    pub current_limit_a: f64,
+}
+
+/// A stepper motor and its driver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper {
+    /// Full steps per turn of the rotor.
+    pub steps_per_rev: u32,
+    /// Microsteps per full step.
+    pub microsteps: u32,
+    /// Largest rate of microsteps, Hz, if the driver has one.
+    pub step_rate_limit_hz: Option<f64>,
+    /// Holding torque of the rotor, N m, if it is known.
+    pub holding_torque_nm: Option<f64>,
+}
+
+/// A drive on the CAN bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Can {
+    /// The frames it speaks.
+    pub protocol: CanProtocol,
+    /// Its address, different for each drive of a machine.
+    pub node_id: u32,
+}
+
+/// Frame layouts of CAN drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CanProtocol {
+    /// mjbots moteus registers over CAN FD; addresses 1 to 127.
+    Moteus,
+    /// ODrive CANSimple; addresses 0 to 63.
+    Odrive,
+}
+
+impl Drive {
+    /// Rotor inertia as the joint sees it, N^2 J_r, kg m^2.
+    pub fn inertia_at_joint_kgm2(&self) -> f64 {
+        self.gear_ratio * self.gear_ratio * self.rotor_inertia_kgm2
+    }
+}
+
+/// The kinds by name, before their parameters are read.
+#[derive(Clone, Copy)]
+enum Kind {
+    Bldc,
+    Stepper,
+    Can,
+}
+
+/// Reads `[[drive]]`: none, one for all three motors, or three.
+pub(crate) fn read_drives(root: &Section) -> Option<Option<[Drive; 3]>> {
+    let sections = root.sections("drive")?;
+    let drives: Vec<Option<Drive>> = sections.iter().map(read_drive).collect();
+    let drives: Option<Vec<Drive>> = drives.into_iter().collect();
+    if !matches!(sections.len(), 0 | 1 | 3) {
+        let reason = format!(
+            "expected one [[drive]] for all three motors, or three, found {}",
+            sections.len()
+        );
+        root.refuse_list("drive", reason);
+        return None;
+    }
+    let drives = match drives?.as_slice() {
+        [all] => [*all; 3],
+        [first, second, third] => [*first, *second, *third],
+        _ => return Some(None),
+    };
+    check_node_ids(&sections, &drives)?;
+    Some(Some(drives))
+}
+
+fn read_drive(section: &Section) -> Option<Drive> {
+    let gear_ratio = section.number_or("gear_ratio", Bound::Positive, 1.0);
+    let rotor = section.number_or("rotor_inertia_kgm2", Bound::NotNegative, 0.0);
+    let kinds = [
+        ("bldc", Kind::Bldc),
+        ("stepper", Kind::Stepper),
+        ("can", Kind::Can),
+    ];
+    let kind = match section.choice("kind", &kinds) {
+        Some(Kind::Bldc) => read_bldc(section).map(DriveKind::Bldc),
+        Some(Kind::Stepper) => read_stepper(section).map(DriveKind::Stepper),
+        Some(Kind::Can) => read_can(section).map(DriveKind::Can),
+        None => {
+            section.ignore_rest();
+            None
+        }
+    };
+    let drive = Drive {
+        gear_ratio: gear_ratio?,
+        rotor_inertia_kgm2: rotor?,
+        kind: kind?,
+    };
+    if !drive.inertia_at_joint_kgm2().is_finite() {
+        section.refuse(
+            "gear_ratio",
+            "the rotor's inertia at the joint, N^2 J_r, is not a finite number",
+        );
+        return None;
+    }
+    Some(drive)
+}
+
+fn read_bldc(section: &Section) -> Option<Bldc> {
+    let resistance = section.number("resistance_ohm", Bound::Positive);
+    let inductance = section.number("inductance_h", Bound::Positive);
+    let torque_constant = section.number("torque_constant_nm_a", Bound::Positive);
+    let back_emf = section.number_or(
+        "back_emf_constant_v_s_rad",
+        Bound::Positive,
+        torque_constant.unwrap_or(1.0),
+    );
+    let supply = section.number("supply_v", Bound::Positive);
+    let current_limit = section.number("current_limit_a", Bound::Positive);
+    Some(Bldc {
+        resistance_ohm: resistance?,
+        inductance_h: inductance?,
+        torque_constant_nm_a: torque_constant?,
+        back_emf_constant_v_s_rad: back_emf?,
+        supply_v: supply?,
+        current_limit_a: current_limit?,
+    })
+}
+
+fn read_stepper(section: &Section) -> Option<Stepper> {
+    let steps_per_rev = section.integer("steps_per_rev", 1, 100_000);
+    let microsteps = section.integer("microsteps", 1, 1024);
+    let step_rate_limit_hz = section.optional_number("step_rate_limit_hz", Bound::Positive);
+    let holding_torque_nm = section.optional_number("holding_torque_nm", Bound::Positive);
+    Some(Stepper {
+        steps_per_rev: steps_per_rev?,
+        microsteps: microsteps?,
+        step_rate_limit_hz,
+        holding_torque_nm,
+    })
+}
+
+fn read_can(section: &Section) -> Option<Can> {
+    let protocols = [
+        ("moteus", CanProtocol::Moteus),
+        ("odrive", CanProtocol::Odrive),
+    ];
+    let protocol = section.choice("protocol", &protocols);
+    let (low, high) = match protocol {
+        Some(CanProtocol::Moteus) => (1, 127),
+        Some(CanProtocol::Odrive) => (0, 63),
+        None => (0, 127),
+    };
+    let node_id = section.integer("node_id", low, high);
+    Some(Can {
+        protocol: protocol?,
+        node_id: node_id?,
+    })
+}
+
+/// Refuses two drives at one address, one `[[drive]]` for three addresses included.
+fn check_node_ids(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
+    let ids = drives.map(|drive| match drive.kind {
+        DriveKind::Can(can) => Some(can.node_id),
+        _ => None,
+    });
+    for later in 1..3 {
+        let Some(id) = ids[later] else { continue };
+        let Some(earlier) = ids[..later].iter().position(|other| *other == Some(id)) else {
+            continue;
+        };
+        let reason = match sections {
+            [_] => "every drive needs an address of its own: give three [[drive]]".into(),
+            _ => format!("is already the address of drive[{}]", earlier + 1),
+        };
+        sections[later.min(sections.len() - 1)].refuse("node_id", reason);
+        return None;
+    }
+    Some(())
+}

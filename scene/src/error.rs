@@ -1,0 +1,96 @@
+//! Why a scene was refused.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// One thing that is wrong with a scene: where, what, and why.
+///
+/// Displayed as `12: machine.leg[1].distal_m = -0.2: must be greater than 0 (m)`. Legs, moves and
+/// drives are counted from 1, in keys as in reasons.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Line in the file, from 1. For a missing key, the line of the table it is missing from.
+    pub line: usize,
+    /// Path of the key, such as `job.move[2].duration_s`; empty where a line is no TOML at all.
+    pub key: String,
+    /// The offending value as the file has it, shortened to one line; `None` where there is none.
+    pub value: Option<String>,
+    /// What is wrong with it, and where it helps, what would be right.
+    pub reason: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.line)?;
+        if !self.key.is_empty() {
+            write!(f, "{}", self.key)?;
+            if let Some(value) = &self.value {
+                write!(f, " = {value}")?;
+            }
+            write!(f, ": ")?;
+        }
+        write!(f, "{}", self.reason)
+    }
+}
+
+/// A scene that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {reason}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why. Part of the message, so it is not repeated as the error's source.
+        reason: std::io::Error,
+    },
+    /// The file was read and something in it is wrong.
+    #[error("{}", list(file, problems))]
+    Refused {
+        /// The file's name as it was given.
+        file: String,
+        /// Everything found wrong, in the order of the file; at least one.
+        problems: Vec<Problem>,
+    },
+}
+
+/// One line per problem, each with the file's name in the form that editors can jump to.
+fn list(file: &str, problems: &[Problem]) -> String {
+    let lines: Vec<String> = problems.iter().map(|p| format!("{file}:{p}")).collect();
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_problem_has_a_line_of_its_own_with_the_file_name() {
+        let problem = |line, value: Option<&str>| Problem {
+            line,
+            key: "platform.mass_kg".into(),
+            value: value.map(Into::into),
+            reason: "must not be negative (kg)".into(),
+        };
+        let error = SceneError::Refused {
+            file: "a.toml".into(),
+            problems: vec![problem(3, Some("-1")), problem(7, None)],
+        };
+        assert_eq!(
+            error.to_string(),
+            "a.toml:3: platform.mass_kg = -1: must not be negative (kg)\n\
+             a.toml:7: platform.mass_kg: must not be negative (kg)"
+        );
+    }
+
+    #[test]
+    fn a_problem_without_a_key_is_just_line_and_reason() {
+        let problem = Problem {
+            line: 9,
+            key: String::new(),
+            value: None,
+            reason: "not TOML".into(),
+        };
+        assert_eq!(problem.to_string(), "9: not TOML");
+    }
+}

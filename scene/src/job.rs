@@ -1,0 +1,162 @@
+//! The job: where the machine starts, and the moves that follow.
+
+use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
+use crate::read::{Bound, Document, Place, Section};
+use nalgebra::Vector3;
+use trirrr_core::setpoint::Pose;
+
+/// A start pose and the moves from it, one after the other without a pause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// Where the machine stands, at rest, before the first move.
+    pub start: Pose<f64>,
+    /// The moves, at least one. Each starts with the pose and velocity the one before ends with,
+    /// the first from rest; the last ends at rest.
+    pub moves: Vec<Move>,
+}
+
+/// One move, a cubic in time on every coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// Pose at its start.
+    pub from: Pose<f64>,
+    /// Pose at its end.
+    pub to: Pose<f64>,
+    /// (vx, vy, alphadot) at its start, m/s and rad/s.
+    pub start_velocity: Vector3<f64>,
+    /// (vx, vy, alphadot) at its end, m/s and rad/s.
+    pub end_velocity: Vector3<f64>,
+    /// Duration in ticks, positive.
+    pub duration_ticks: u32,
+}
+
+impl Job {
+    /// Duration of the whole job in ticks. It has one setpoint more than that, for both ends
+    /// count.
+    pub fn ticks(&self) -> u32 {
+        // Cannot overflow: a longer job is refused when it is read.
+        self.moves.iter().map(|each| each.duration_ticks).sum()
+    }
+}
+
+impl Move {
+    /// Whether both ends are at rest.
+    pub fn is_rest_to_rest(&self) -> bool {
+        self.start_velocity == Vector3::zeros() && self.end_velocity == Vector3::zeros()
+    }
+}
+
+/// A job and where its parts stand in the file, for what is checked later.
+pub(crate) struct PlacedJob {
+    pub(crate) job: Job,
+    pub(crate) start: Place,
+    pub(crate) moves: Vec<PlacedMove>,
+}
+
+/// Where a move stands in the file.
+pub(crate) struct PlacedMove {
+    pub(crate) whole: Place,
+    pub(crate) to: Place,
+}
+
+/// Reads `[job]`. Without a tick rate, durations are not checked.
+pub(crate) fn read_job(
+    document: &Document,
+    root: &Section,
+    rate: Option<f64>,
+) -> Option<PlacedJob> {
+    let section = root.section("job")?;
+    let start = read_pose(&section, "start");
+    let sections = section.sections("move")?;
+    if sections.is_empty() {
+        section.refuse_list("move", "a job needs at least one [[job.move]]");
+        return None;
+    }
+    let mut from = start;
+    let mut start_velocity = Some(Vector3::zeros());
+    let mut moves = Vec::with_capacity(sections.len());
+    let mut complete = true;
+    for each in &sections {
+        let to = read_pose(each, "to");
+        let end_velocity = read_velocity(each);
+        let ticks = read_ticks(each, rate, [from, to], [start_velocity, end_velocity]);
+        match (from, to, start_velocity, end_velocity, ticks) {
+            (Some(from), Some(to), Some(start_velocity), Some(end_velocity), Some(ticks)) => {
+                moves.push(Move {
+                    from,
+                    to,
+                    start_velocity,
+                    end_velocity,
+                    duration_ticks: ticks,
+                });
+            }
+            _ => complete = false,
+        }
+        (from, start_velocity) = (to, end_velocity);
+    }
+    let last = sections.last()?;
+    if start_velocity.is_some_and(|velocity| velocity != Vector3::zeros()) {
+        last.refuse("end_velocity", "the last move must end at rest");
+    }
+    let total: u64 = moves
+        .iter()
+        .map(|each| u64::from(each.duration_ticks))
+        .sum();
+    if total > u64::from(u32::MAX) {
+        let reason = format!(
+            "the moves take {total} ticks together, at most {} are allowed",
+            u32::MAX
+        );
+        document.refuse(&section.place(), reason);
+    }
+    if !complete {
+        return None;
+    }
+    let placed = |each: &Section| PlacedMove {
+        whole: each.place(),
+        to: each.place_of("to"),
+    };
+    Some(PlacedJob {
+        start: section.place_of("start"),
+        moves: sections.iter().map(placed).collect(),
+        job: Job {
+            start: start?,
+            moves,
+        },
+    })
+}
+
+fn read_pose(section: &Section, key: &'static str) -> Option<Pose<f64>> {
+    let pose = section.section(key)?;
+    let x = pose.number("x_m", Bound::Finite);
+    let y = pose.number("y_m", Bound::Finite);
+    let alpha = pose.number("alpha_rad", Bound::Finite);
+    Some(Pose::from_f64(x?, y?, alpha?))
+}
+
+fn read_velocity(each: &Section) -> Option<Vector3<f64>> {
+    if !each.has("end_velocity") {
+        return Some(Vector3::zeros());
+    }
+    let velocity = each.section("end_velocity")?;
+    let vx = velocity.number_or("vx_m_s", Bound::Finite, 0.0);
+    let vy = velocity.number_or("vy_m_s", Bound::Finite, 0.0);
+    let valpha = velocity.number_or("valpha_rad_s", Bound::Finite, 0.0);
+    Some(Vector3::new(vx?, vy?, valpha?))
+}
+
+fn read_ticks(
+    each: &Section,
+    rate: Option<f64>,
+    [from, to]: [Option<Pose<f64>>; 2],
+    [start, end]: [Option<Vector3<f64>>; 2],
+) -> Option<u32> {
+    let ticks = if each.has("duration_s") {
+        whole_ticks(each.number("duration_s", Bound::Positive)?, rate?)
+    } else {
+        ticks_at_constant_acceleration(&from?, &to?, start?, end?, rate?)
+    };
+    ticks
+        .map_err(|reason| each.refuse("duration_s", reason))
+        .ok()
+}

@@ -1,0 +1,28 @@
+//! Scenes: a machine, its loads, drives and limits, and a job, in one TOML file in SI units.
+//!
+//! A scene is checked once, when it is read, and whole: everything wrong with it comes back in one
+//! [`SceneError`], each [`Problem`] with line, key, value and reason. What is accepted can be
+//! driven: every pose of the job is within reach and away from serial and parallel singularity,
+//! between the given poses too.
+//!
+//! `docs/scene.md` describes the keys.
+
+#![forbid(unsafe_code)]
+
+mod drive;
+mod duration;
+mod error;
+mod job;
+mod limits;
+mod machine;
+mod path;
+mod player;
+mod read;
+mod scene;
+
+pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, Stepper};
+pub use error::{Problem, SceneError};
+pub use job::{Job, Move};
+pub use limits::Limits;
+pub use player::JobPlayer;
+pub use scene::{NumberType, Scene};

@@ -1,0 +1,197 @@
+//! Reads the machine and its loads into the core's [`Parameters`].
+
+use crate::drive::Drive;
+use crate::read::{Bound, Section};
+use nalgebra::Vector2;
+use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
+
+/// A centre of mass further from its joint than this many link lengths, or from the platform's
+/// reference point than this many reaches of the longest leg, is a slip of the unit.
+const FARTHEST_CENTRE_OF_MASS: f64 = 10.0;
+
+/// A link as the file gives it; what is left out depends on the link's length.
+#[derive(Clone, Copy)]
+struct Link {
+    mass_kg: f64,
+    com_m: Option<f64>,
+    inertia_kgm2: Option<f64>,
+}
+
+/// The links of a leg, each `None` where the file does not say.
+#[derive(Clone, Copy, Default)]
+struct Links {
+    proximal: Option<Link>,
+    distal: Option<Link>,
+}
+
+/// Reads `[machine]`, `[platform]`, `[links]`, `gravity_m_s2` and `[wrench]`. `drives` gives the
+/// rotor inertias.
+pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Option<Parameters> {
+    let common = read_links(root, "links");
+    let legs = read_legs(root, common.unwrap_or_default(), drives);
+    let platform = read_platform(root, legs);
+    let gravity = root.vector("gravity_m_s2", Some([0.0; 2]));
+    let (force, torque) = match root.optional_section("wrench") {
+        Some(wrench) => (
+            wrench.vector("force_n", Some([0.0; 2])),
+            wrench.number_or("torque_nm", Bound::Finite, 0.0),
+        ),
+        None => (Some([0.0; 2]), Some(0.0)),
+    };
+    Some(Parameters {
+        legs: legs?,
+        platform: platform?,
+        gravity_m_s2: gravity?.into(),
+        wrench_force_n: force?.into(),
+        wrench_torque_nm: torque?,
+    })
+}
+
+fn read_legs(
+    root: &Section,
+    common: Links,
+    drives: Option<[Drive; 3]>,
+) -> Option<[LegParameters; 3]> {
+    let machine = root.section("machine")?;
+    let sections = machine.sections("leg")?;
+    let legs: Vec<Option<LegParameters>> = sections
+        .iter()
+        .map(|section| read_leg(section, common))
+        .collect();
+    if sections.len() != 3 {
+        let reason = format!("expected three [[machine.leg]], found {}", sections.len());
+        machine.refuse_list("leg", reason);
+        return None;
+    }
+    let mut legs: [LegParameters; 3] = [legs[0]?, legs[1]?, legs[2]?];
+    for (leg, drive) in legs.iter_mut().zip(drives.iter().flatten()) {
+        leg.rotor_inertia_kgm2 = drive.inertia_at_joint_kgm2();
+    }
+    Some(legs)
+}
+
+fn read_leg(section: &Section, common: Links) -> Option<LegParameters> {
+    let base = section.vector("base_m", None);
+    let proximal_m = section.number("proximal_m", Bound::Positive);
+    let distal_m = section.number("distal_m", Bound::Positive);
+    let joint_radius = section.number("joint_radius_m", Bound::NotNegative);
+    let joint_angle = section.number("joint_angle_rad", Bound::Finite);
+    let elbow = read_elbow(section);
+    let own = read_links(section, "links")?;
+    let proximal = own.proximal.or(common.proximal);
+    let distal = own.distal.or(common.distal);
+    let (proximal_m, distal_m) = (proximal_m?, distal_m?);
+    let proximal = build_link(section, "proximal_m", proximal, proximal_m);
+    let distal = build_link(section, "distal_m", distal, distal_m);
+    Some(LegParameters {
+        base_m: base?.into(),
+        proximal_m,
+        distal_m,
+        joint_radius_m: joint_radius?,
+        joint_angle_rad: joint_angle?,
+        elbow: elbow?,
+        proximal: proximal?,
+        distal: distal?,
+        rotor_inertia_kgm2: 0.0,
+    })
+}
+
+fn read_elbow(section: &Section) -> Option<Elbow> {
+    let sign = section.number("elbow", Bound::Finite)?;
+    match sign {
+        1.0 => Some(Elbow::Positive),
+        -1.0 => Some(Elbow::Negative),
+        _ => {
+            section.refuse("elbow", "must be 1 or -1");
+            None
+        }
+    }
+}
+
+/// Reads a table of links; all massless where it is left out.
+fn read_links(section: &Section, key: &'static str) -> Option<Links> {
+    if !section.has(key) {
+        return Some(Links::default());
+    }
+    let links = section.section(key)?;
+    let (proximal, distal) = (read_link(&links, "proximal"), read_link(&links, "distal"));
+    Some(Links {
+        proximal: proximal?,
+        distal: distal?,
+    })
+}
+
+/// `Some(None)`: the link is not mentioned.
+fn read_link(links: &Section, key: &'static str) -> Option<Option<Link>> {
+    if !links.has(key) {
+        return Some(None);
+    }
+    let section = links.section(key)?;
+    let mass = section.number("mass_kg", Bound::NotNegative);
+    let com_m = section.optional_number("com_m", Bound::Finite);
+    let inertia_kgm2 = section.optional_number("inertia_kgm2", Bound::NotNegative);
+    Some(Some(Link {
+        mass_kg: mass?,
+        com_m,
+        inertia_kgm2,
+    }))
+}
+
+/// Fills in what the file leaves out as a uniform rod of `length` has it; massless where the file
+/// does not mention the link. `key` is the length's, to point at.
+fn build_link(
+    leg: &Section,
+    key: &'static str,
+    link: Option<Link>,
+    length: f64,
+) -> Option<LinkParameters> {
+    let Some(link) = link else {
+        return Some(LinkParameters::default());
+    };
+    let rod = LinkParameters::uniform_rod(link.mass_kg, length);
+    let built = LinkParameters {
+        mass_kg: link.mass_kg,
+        com_m: link.com_m.unwrap_or(rod.com_m),
+        inertia_kgm2: link.inertia_kgm2.unwrap_or(rod.inertia_kgm2),
+    };
+    if built.com_m.abs() > FARTHEST_CENTRE_OF_MASS * length {
+        let reason = format!(
+            "the centre of mass of this link, com_m = {:?}, is more than \
+             {FARTHEST_CENTRE_OF_MASS} link lengths from its joint (m)",
+            built.com_m
+        );
+        leg.refuse(key, reason);
+        return None;
+    }
+    if !built.inertia_kgm2.is_finite() {
+        leg.refuse(key, "the link's moment of inertia is not a finite number");
+        return None;
+    }
+    Some(built)
+}
+
+fn read_platform(root: &Section, legs: Option<[LegParameters; 3]>) -> Option<PlatformParameters> {
+    let section = root.section("platform")?;
+    let mass = section.number("mass_kg", Bound::NotNegative);
+    let inertia = section.number("inertia_kgm2", Bound::NotNegative);
+    let com: Vector2<f64> = section.vector("com_m", Some([0.0; 2]))?.into();
+    if let Some(legs) = legs {
+        let reach = legs
+            .map(|leg| leg.proximal_m + leg.distal_m)
+            .into_iter()
+            .fold(0.0, f64::max);
+        if com.x.abs().max(com.y.abs()) > FARTHEST_CENTRE_OF_MASS * reach {
+            let reason = format!(
+                "is more than {FARTHEST_CENTRE_OF_MASS} times the reach of the longest leg, \
+                 {reach:?} m, from the reference point (m)"
+            );
+            section.refuse("com_m", reason);
+            return None;
+        }
+    }
+    Some(PlatformParameters {
+        mass_kg: mass?,
+        inertia_kgm2: inertia?,
+        com_m: com,
+    })
+}

@@ -1,0 +1,75 @@
+//! What a number in a scene may be.
+
+/// The values a number may take. Every number must be finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bound {
+    /// Any finite number.
+    Finite,
+    /// Greater than 0.
+    Positive,
+    /// 0 or more.
+    NotNegative,
+    /// From the first to the second, both included.
+    Within(f64, f64),
+    /// 0 or more and less than 1.
+    Fraction,
+}
+
+impl Bound {
+    /// Why `value` is refused, if it is.
+    pub(super) fn objection(self, value: f64) -> Option<String> {
+        if !value.is_finite() {
+            return Some("must be a finite number".into());
+        }
+        let allowed = match self {
+            Bound::Finite => true,
+            Bound::Positive => value > 0.0,
+            Bound::NotNegative => value >= 0.0,
+            Bound::Within(low, high) => (low..=high).contains(&value),
+            Bound::Fraction => (0.0..1.0).contains(&value),
+        };
+        (!allowed).then(|| format!("must {}", self.demand()))
+    }
+
+    /// "be greater than 0" and the like, to follow "must".
+    fn demand(self) -> String {
+        match self {
+            Bound::Finite => "be a finite number".into(),
+            Bound::Positive => "be greater than 0".into(),
+            Bound::NotNegative => "not be negative".into(),
+            Bound::Within(low, high) => format!("be from {low} to {high}"),
+            Bound::Fraction => "be at least 0 and less than 1".into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_hold_at_their_ends() {
+        let within = Bound::Within(1.0, 2.0);
+        for (bound, value, allowed) in [
+            (Bound::Finite, -1e308, true),
+            (Bound::Finite, f64::NAN, false),
+            (Bound::Finite, f64::INFINITY, false),
+            (Bound::Positive, 0.0, false),
+            (Bound::Positive, f64::MIN_POSITIVE, true),
+            (Bound::Positive, f64::NAN, false),
+            (Bound::NotNegative, 0.0, true),
+            (Bound::NotNegative, -1e-300, false),
+            (within, 1.0, true),
+            (within, 2.0, true),
+            (within, 2.0 + 1e-15, false),
+            (Bound::Fraction, 0.0, true),
+            (Bound::Fraction, 1.0, false),
+        ] {
+            assert_eq!(
+                bound.objection(value).is_none(),
+                allowed,
+                "{bound:?} {value}"
+            );
+        }
+    }
+}

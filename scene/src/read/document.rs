@@ -1,0 +1,101 @@
+//! The text of a scene and the list of what was found wrong with it so far.
+
+use crate::error::{Problem, SceneError};
+use std::cell::RefCell;
+use std::ops::Range;
+
+/// Values quoted in a message are cut to this many characters.
+const LONGEST_QUOTE: usize = 60;
+
+/// A place in the file that a message can point at: key, line, and value if there is one.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) line: usize,
+    pub(crate) key: String,
+    pub(crate) value: Option<String>,
+}
+
+/// The text of a scene. Problems are collected, so that one reading reports all of them.
+pub(crate) struct Document<'t> {
+    text: &'t str,
+    /// Keys that stand before the first table, for whoever writes one after it.
+    pub(super) top_keys: &'static [&'static str],
+    problems: RefCell<Vec<Problem>>,
+}
+
+impl<'t> Document<'t> {
+    pub(crate) fn new(text: &'t str, top_keys: &'static [&'static str]) -> Self {
+        Self {
+            text,
+            top_keys,
+            problems: RefCell::default(),
+        }
+    }
+
+    /// Line, from 1, of a byte offset.
+    pub(super) fn line(&self, offset: usize) -> usize {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        1 + before.iter().filter(|byte| **byte == b'\n').count()
+    }
+
+    /// The text of a value, on one line.
+    pub(super) fn quote(&self, span: Range<usize>) -> String {
+        let whole = self.text.get(span).unwrap_or_default();
+        let mut words = whole.split_whitespace().collect::<Vec<_>>().join(" ");
+        if let Some((cut, _)) = words.char_indices().nth(LONGEST_QUOTE) {
+            words.truncate(cut);
+            words.push_str("...");
+        }
+        words
+    }
+
+    /// Adds a problem at `place`.
+    pub(crate) fn refuse(&self, place: &Place, reason: impl Into<String>) {
+        self.problems.borrow_mut().push(Problem {
+            line: place.line,
+            key: place.key.clone(),
+            value: place.value.clone(),
+            reason: reason.into(),
+        });
+    }
+
+    pub(crate) fn is_clean(&self) -> bool {
+        self.problems.borrow().is_empty()
+    }
+
+    /// The error with everything found so far, in the order of the file. Call it only after a
+    /// problem was found.
+    pub(crate) fn into_error(self, file: &str) -> SceneError {
+        let mut problems = self.problems.into_inner();
+        problems.sort_by_key(|problem| problem.line);
+        SceneError::Refused {
+            file: file.to_owned(),
+            problems,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_from_one() {
+        let document = Document::new("a\nb\n\nc", &[]);
+        let lines: Vec<usize> = (0..=8).map(|offset| document.line(offset)).collect();
+        assert_eq!(lines, [1, 1, 2, 2, 3, 4, 4, 4, 4]);
+    }
+
+    #[test]
+    fn a_quote_is_one_short_line_and_never_cuts_a_character() {
+        let text = format!("[1,\n  2]{}", "\u{e4}".repeat(200));
+        let document = Document::new(&text, &[]);
+        assert_eq!(document.quote(0..8), "[1, 2]");
+        assert_eq!(document.quote(8..408).chars().count(), LONGEST_QUOTE + 3);
+        assert_eq!(
+            document.quote(0..9),
+            "",
+            "a span that is no character boundary"
+        );
+    }
+}

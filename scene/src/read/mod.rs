@@ -1,0 +1,37 @@
+//! TOML with places: tables read key by key, every fault collected with its line, key and value.
+
+mod bound;
+mod document;
+mod section;
+mod suggest;
+mod values;
+
+pub(crate) use bound::Bound;
+pub(crate) use document::{Document, Place};
+pub(crate) use section::Section;
+
+use toml::de::DeTable;
+
+/// Parses `text` and hands its root table to `read`. Text that is no TOML becomes problems of the
+/// document, all that the parser could recover from, and `read` is not called: half a tree would
+/// only give follow-up errors.
+pub(crate) fn with_root<'t, T>(
+    document: &Document<'t>,
+    text: &'t str,
+    read: impl FnOnce(&Section<'_, 't>) -> Option<T>,
+) -> Option<T> {
+    let (root, faults) = DeTable::parse_recoverable(text);
+    for fault in &faults {
+        let place = Place {
+            line: document.line(fault.span().map_or(0, |span| span.start)),
+            key: String::new(),
+            value: None,
+        };
+        let message = fault.message().trim_end().replace('\n', ", ");
+        document.refuse(&place, format!("not TOML: {message}"));
+    }
+    if !faults.is_empty() {
+        return None;
+    }
+    read(&Section::root(document, root.get_ref()))
+}

@@ -1,0 +1,208 @@
+//! A table of a scene, read key by key.
+
+use super::suggest::suggest;
+use super::{Document, Place};
+use std::cell::{Cell, RefCell};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A table and the path to it. Whatever is asked of it and is not right becomes a [`Problem`] of
+/// the document, and the answer is `None`. Keys that were never asked for are reported as unknown
+/// when the section is dropped.
+///
+/// [`Problem`]: crate::Problem
+pub(crate) struct Section<'d, 't> {
+    pub(super) document: &'d Document<'t>,
+    table: &'d DeTable<'t>,
+    path: String,
+    line: usize,
+    asked: RefCell<Vec<&'static str>>,
+    lenient: Cell<bool>,
+}
+
+impl<'d, 't> Section<'d, 't> {
+    /// The whole file.
+    pub(super) fn root(document: &'d Document<'t>, table: &'d DeTable<'t>) -> Self {
+        Self::new(document, table, String::new(), 1)
+    }
+
+    fn new(document: &'d Document<'t>, table: &'d DeTable<'t>, path: String, line: usize) -> Self {
+        Self {
+            document,
+            table,
+            path,
+            line,
+            asked: RefCell::default(),
+            lenient: Cell::new(false),
+        }
+    }
+
+    /// The place of the section itself.
+    pub(crate) fn place(&self) -> Place {
+        Place {
+            line: self.line,
+            key: self.path.clone(),
+            value: None,
+        }
+    }
+
+    /// The place of a key: where its value is, or where it is missing.
+    pub(crate) fn place_of(&self, key: &str) -> Place {
+        let (line, value) = match self.table.get(key) {
+            Some(value) => (
+                self.document.line(value.span().start),
+                Some(self.document.quote(value.span())),
+            ),
+            None => (self.line, None),
+        };
+        Place {
+            line,
+            key: self.child(key),
+            value,
+        }
+    }
+
+    pub(crate) fn refuse(&self, key: &str, reason: impl Into<String>) {
+        self.document.refuse(&self.place_of(key), reason);
+    }
+
+    /// Refuses an array of tables as a whole; its text is too long to quote.
+    pub(crate) fn refuse_list(&self, key: &str, reason: impl Into<String>) {
+        let place = self.place_of(key);
+        self.document.refuse(
+            &Place {
+                value: None,
+                ..place
+            },
+            reason,
+        );
+    }
+
+    /// Accepts whatever keys are left: what they mean depends on one that was refused.
+    pub(crate) fn ignore_rest(&self) {
+        self.lenient.set(true);
+    }
+
+    pub(crate) fn has(&self, key: &'static str) -> bool {
+        self.value(key).is_some()
+    }
+
+    /// A table that must be there.
+    pub(crate) fn section(&self, key: &'static str) -> Option<Section<'d, 't>> {
+        self.demand(key, "a table")?;
+        self.optional_section(key)
+    }
+
+    /// A table that may be left out.
+    pub(crate) fn optional_section(&self, key: &'static str) -> Option<Section<'d, 't>> {
+        let value = self.value(key)?;
+        let line = self.document.line(value.span().start);
+        match value.get_ref() {
+            DeValue::Table(table) => {
+                Some(Section::new(self.document, table, self.child(key), line))
+            }
+            other => {
+                self.refuse(key, expected_but_found("a table", other));
+                None
+            }
+        }
+    }
+
+    /// An array of tables, empty where it is left out; `None` if it is something else.
+    pub(crate) fn sections(&self, key: &'static str) -> Option<Vec<Section<'d, 't>>> {
+        let Some(value) = self.value(key) else {
+            return Some(Vec::new());
+        };
+        let path = self.child(key);
+        let expected = format!("tables, each under its own [[{path}]]");
+        let Some(array) = value.get_ref().as_array() else {
+            self.refuse(key, expected_but_found(&expected, value.get_ref()));
+            return None;
+        };
+        let mut sections = Vec::with_capacity(array.len());
+        for (i, item) in array.iter().enumerate() {
+            let line = self.document.line(item.span().start);
+            let path = format!("{path}[{}]", i + 1);
+            match item.get_ref() {
+                DeValue::Table(table) => {
+                    sections.push(Section::new(self.document, table, path, line));
+                }
+                other => {
+                    let place = Place {
+                        line,
+                        key: path,
+                        value: Some(self.document.quote(item.span())),
+                    };
+                    let reason = expected_but_found("a table", other);
+                    self.document.refuse(&place, reason);
+                }
+            }
+        }
+        (sections.len() == array.len()).then_some(sections)
+    }
+
+    pub(super) fn value(&self, key: &'static str) -> Option<&'d Spanned<DeValue<'t>>> {
+        if !self.asked.borrow().contains(&key) {
+            self.asked.borrow_mut().push(key);
+        }
+        self.table.get(key)
+    }
+
+    /// Refuses if the key is missing.
+    pub(super) fn demand(&self, key: &'static str, expected: &str) -> Option<()> {
+        let there = self.has(key);
+        if !there {
+            self.refuse(key, format!("missing, expected {expected}"));
+        }
+        there.then_some(())
+    }
+
+    pub(super) fn child(&self, key: &str) -> String {
+        match self.path.as_str() {
+            "" => key.to_owned(),
+            path => format!("{path}.{key}"),
+        }
+    }
+}
+
+impl Drop for Section<'_, '_> {
+    fn drop(&mut self) {
+        if self.lenient.get() || std::thread::panicking() {
+            return;
+        }
+        let asked = self.asked.borrow();
+        for (key, value) in self.table {
+            let name: &str = key.get_ref();
+            if asked.contains(&name) {
+                continue;
+            }
+            let place = Place {
+                line: self.document.line(key.span().start),
+                key: self.child(name),
+                value: Some(self.document.quote(value.span())),
+            };
+            let hint = match suggest(name, &asked) {
+                _ if self.document.top_keys.contains(&name) => {
+                    "it belongs at the top of the file, before the first table".into()
+                }
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None if asked.is_empty() => "none is expected here".into(),
+                None => format!("keys here are {}", asked.join(", ")),
+            };
+            self.document.refuse(&place, format!("unknown key; {hint}"));
+        }
+    }
+}
+
+/// The reason where a value has the wrong type.
+pub(super) fn expected_but_found(expected: &str, found: &DeValue) -> String {
+    let found = match found {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "a boolean",
+        DeValue::Datetime(_) => "a date or time",
+        DeValue::Array(_) => "an array",
+        DeValue::Table(_) => "a table",
+    };
+    format!("expected {expected}, found {found}")
+}

@@ -1,0 +1,169 @@
+//! The values of a section: numbers, vectors, strings, choices.
+
+use super::section::expected_but_found;
+use super::suggest::unit_of;
+use super::{Bound, Place, Section};
+use std::borrow::Cow;
+use toml::de::DeValue;
+
+impl<'d> Section<'d, '_> {
+    /// A number that must be there.
+    pub(crate) fn number(&self, key: &'static str, bound: Bound) -> Option<f64> {
+        self.demand(key, &number_in(key))?;
+        self.optional_number(key, bound)
+    }
+
+    /// A number that may be left out.
+    pub(crate) fn number_or(&self, key: &'static str, bound: Bound, default: f64) -> Option<f64> {
+        match self.has(key) {
+            true => self.optional_number(key, bound),
+            false => Some(default),
+        }
+    }
+
+    /// A number that may be left out: `None` if it is, and if it is refused.
+    pub(crate) fn optional_number(&self, key: &'static str, bound: Bound) -> Option<f64> {
+        let value = self.value(key)?;
+        self.check_number(&self.place_of(key), key, value.get_ref(), bound)
+    }
+
+    /// A whole number that must be there.
+    pub(crate) fn integer(&self, key: &'static str, low: u32, high: u32) -> Option<u32> {
+        self.demand(key, "a whole number")?;
+        let value = self.number(key, Bound::Within(low.into(), high.into()))?;
+        if value.fract() != 0.0 {
+            self.refuse(key, "must be a whole number");
+            return None;
+        }
+        Some(value as u32)
+    }
+
+    /// `[x, y]`: `default` where it is left out, an error if there is none.
+    pub(crate) fn vector(&self, key: &'static str, default: Option<[f64; 2]>) -> Option<[f64; 2]> {
+        if default.is_some() && !self.has(key) {
+            return default;
+        }
+        let expected = format!("[x, y], {} each", number_in(key));
+        self.demand(key, &expected)?;
+        self.array(key, Bound::Finite, &expected)
+    }
+
+    /// One number that holds for all three, or an array of three; `None` if left out or refused.
+    pub(crate) fn number_or_three(&self, key: &'static str, bound: Bound) -> Option<[f64; 3]> {
+        let value = self.value(key)?;
+        match value.get_ref() {
+            DeValue::Array(_) => {
+                let expected = format!("{}, or three of them", number_in(key));
+                self.array(key, bound, &expected)
+            }
+            _ => self.optional_number(key, bound).map(|number| [number; 3]),
+        }
+    }
+
+    fn array<const LEN: usize>(
+        &self,
+        key: &'static str,
+        bound: Bound,
+        expected: &str,
+    ) -> Option<[f64; LEN]> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.refuse(key, expected_but_found(expected, value.get_ref()));
+            return None;
+        };
+        if array.len() != LEN {
+            self.refuse(
+                key,
+                format!("expected {expected}, found {} values", array.len()),
+            );
+            return None;
+        }
+        let mut numbers = [0.0; LEN];
+        let mut good = true;
+        for (i, (number, item)) in numbers.iter_mut().zip(array.iter()).enumerate() {
+            let place = Place {
+                line: self.document.line(item.span().start),
+                key: format!("{}[{}]", self.child(key), i + 1),
+                value: Some(self.document.quote(item.span())),
+            };
+            match self.check_number(&place, key, item.get_ref(), bound) {
+                Some(checked) => *number = checked,
+                None => good = false,
+            }
+        }
+        good.then_some(numbers)
+    }
+
+    fn check_number(
+        &self,
+        place: &Place,
+        key: &'static str,
+        value: &DeValue,
+        bound: Bound,
+    ) -> Option<f64> {
+        let Some(number) = as_f64(value) else {
+            let expected = expected_but_found(&number_in(key), value);
+            self.document.refuse(place, expected);
+            return None;
+        };
+        if let Some(objection) = bound.objection(number) {
+            let unit = unit_of(key).map(|unit| format!(" ({unit})"));
+            let reason = format!("{objection}{}", unit.unwrap_or_default());
+            self.document.refuse(place, reason);
+            return None;
+        }
+        Some(number)
+    }
+
+    /// A string that may be left out.
+    pub(crate) fn optional_text(&self, key: &'static str) -> Option<Cow<'d, str>> {
+        let value = self.value(key)?;
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.refuse(key, expected_but_found("a string", value.get_ref()));
+        }
+        text.map(Cow::Borrowed)
+    }
+
+    /// A string that must be there.
+    pub(crate) fn text(&self, key: &'static str) -> Option<Cow<'d, str>> {
+        self.demand(key, "a string")?;
+        self.optional_text(key)
+    }
+
+    /// One of `choices`, which must be there.
+    pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
+        let names: Vec<String> = choices
+            .iter()
+            .map(|(name, _)| format!("\"{name}\""))
+            .collect();
+        let names = names.join(", ");
+        self.demand(key, &format!("one of {names}"))?;
+        let text = self.text(key)?;
+        let found = choices.iter().find(|(name, _)| *name == text);
+        if found.is_none() {
+            self.refuse(key, format!("must be one of {names}"));
+        }
+        found.map(|(_, choice)| *choice)
+    }
+}
+
+/// "a number" with the unit that `key` names.
+fn number_in(key: &str) -> String {
+    match unit_of(key) {
+        Some(unit) => format!("a number in {unit}"),
+        None => "a number".into(),
+    }
+}
+
+/// A float or an integer as the nearest binary64 number.
+fn as_f64(value: &DeValue) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+        DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix())
+            .ok()
+            .map(|integer| integer as f64),
+        _ => None,
+    }
+}

@@ -1,0 +1,185 @@
+//! A scene as a whole.
+
+use crate::drive::{Drive, read_drives};
+use crate::error::SceneError;
+use crate::job::{Job, PlacedJob, read_job};
+use crate::limits::{Limits, read_limits};
+use crate::machine::read_parameters;
+use crate::path::check_job;
+use crate::read::{Bound, Document, Place, Section, with_root};
+use std::fmt;
+use std::path::Path;
+use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::singularity::greatest_det_a;
+
+/// Slowest and fastest tick rate, Hz.
+const TICK_RATE_HZ: (f64, f64) = (1.0, 100_000.0);
+
+/// Keys of the scene itself; the rest stands in tables.
+const TOP_KEYS: &[&str] = &[
+    "name",
+    "description",
+    "tick_rate_hz",
+    "number",
+    "gravity_m_s2",
+];
+
+/// Longest name, in characters.
+const LONGEST_NAME: usize = 64;
+
+/// A checked scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name of the scene: letters, digits, `-` and `_`, fit to name a folder.
+    pub name: String,
+    /// What the scene shows, in the author's words; may be empty.
+    pub description: String,
+    /// Ticks per second, from 1 to 100,000.
+    pub tick_rate_hz: f64,
+    /// The number type that the scene is meant to run in.
+    pub number: NumberType,
+    /// The machine with its loads; rotor inertias are those of `drives` behind their gears.
+    pub parameters: Parameters,
+    /// The drive of each motor, if the scene names any.
+    pub drives: Option<[Drive; 3]>,
+    /// What the job must keep.
+    pub limits: Limits,
+    /// What to do.
+    pub job: Job,
+}
+
+/// The number types of the pipeline. A scene may name any; whoever runs it says if it cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberType {
+    /// binary64.
+    F64,
+    /// binary32.
+    F32,
+    /// 32-bit fixed point.
+    Fixed,
+    /// binary32 with the coarse functions of the micromath crate.
+    Micromath,
+}
+
+impl NumberType {
+    /// All of them, by the names that scenes use.
+    const NAMES: [(&'static str, Self); 4] = [
+        ("f64", Self::F64),
+        ("f32", Self::F32),
+        ("fixed", Self::Fixed),
+        ("micromath", Self::Micromath),
+    ];
+}
+
+impl fmt::Display for NumberType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Self::NAMES.iter().find(|(_, number)| number == self);
+        f.write_str(name.map_or("", |(name, _)| name))
+    }
+}
+
+impl Scene {
+    /// Reads and checks the scene in `file`.
+    ///
+    /// # Errors
+    /// [`SceneError`] with everything found wrong.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let file = file.as_ref();
+        let text = std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable {
+            file: file.to_owned(),
+            reason,
+        })?;
+        Self::parse(&text, &file.display().to_string())
+    }
+
+    /// Checks the scene in `text`; `file` is only named in errors.
+    ///
+    /// # Errors
+    /// [`SceneError::Refused`] with everything found wrong. Poses and paths are only looked at
+    /// once nothing else is wrong.
+    pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
+        let document = Document::new(text, TOP_KEYS);
+        let read = with_root(&document, text, |root| read_scene(&document, root));
+        let Some((scene, placed, legs)) = read.filter(|_| document.is_clean()) else {
+            return Err(document.into_error(file));
+        };
+        check_machine(&document, &scene, &placed, &legs);
+        match document.is_clean() {
+            true => Ok(scene),
+            false => Err(document.into_error(file)),
+        }
+    }
+
+    /// Seconds per tick.
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.tick_rate_hz
+    }
+
+    /// Duration of the job in ticks; it has one setpoint more.
+    pub fn ticks(&self) -> u32 {
+        self.job.ticks()
+    }
+}
+
+fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, Place)> {
+    let name = read_name(root);
+    let description = root.optional_text("description").unwrap_or_default();
+    let (slowest, fastest) = TICK_RATE_HZ;
+    let rate = root.number("tick_rate_hz", Bound::Within(slowest, fastest));
+    let number = match root.has("number") {
+        true => root.choice("number", &NumberType::NAMES),
+        false => Some(NumberType::F64),
+    };
+    let drives = read_drives(root);
+    let parameters = read_parameters(root, drives.flatten());
+    let limits = read_limits(root);
+    let placed = read_job(document, root, rate)?;
+    let scene = Scene {
+        name: name?,
+        description: description.into_owned(),
+        tick_rate_hz: rate?,
+        number: number?,
+        parameters: parameters?,
+        drives: drives?,
+        limits: limits?,
+        job: placed.job.clone(),
+    };
+    let legs = Place {
+        value: None,
+        ..root.place_of("machine")
+    };
+    Some((scene, placed, legs))
+}
+
+fn read_name(root: &Section) -> Option<String> {
+    let name = root.text("name")?;
+    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(good) {
+        let reason = format!(
+            "must be 1 to {LONGEST_NAME} letters, digits, `-` or `_`, for it names a folder"
+        );
+        root.refuse("name", reason);
+        return None;
+    }
+    Some(name.into_owned())
+}
+
+/// What takes a machine that is right in itself: poses and paths.
+fn check_machine(document: &Document, scene: &Scene, placed: &PlacedJob, legs: &Place) {
+    let geometry = match Geometry::<f64>::build(&scene.parameters) {
+        Ok(geometry) => geometry,
+        Err(error) => return document.refuse(legs, error.to_string()),
+    };
+    if greatest_det_a(&scene.parameters) <= 0.0 {
+        let reason = "the three platform joints fall together: nothing holds the platform's angle";
+        return document.refuse(legs, reason);
+    }
+    check_job(
+        document,
+        &scene.parameters,
+        &scene.limits,
+        placed,
+        scene.period_s(),
+        geometry,
+    );
+}

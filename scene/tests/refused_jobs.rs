@@ -1,0 +1,162 @@
+//! Jobs that cannot be done: each refused with the move, the time in it, the leg and the reason.
+
+mod common;
+
+use common::{THESIS, case, check, edit, problems};
+use trirrr_scene::Scene;
+
+#[test]
+#[rustfmt::skip] // two lines a case
+fn tick_rates_and_durations() {
+    check(THESIS, &[
+        case(("tick_rate_hz = 100", 1, "tick_rate_hz = 0"),
+            "tick_rate_hz", Some("0"), "must be from 1 to 100000 (Hz)"),
+        case(("tick_rate_hz = 100", 1, "tick_rate_hz = -100"),
+            "tick_rate_hz", Some("-100"), "must be from 1 to 100000 (Hz)"),
+        case(("tick_rate_hz = 100", 1, "tick_rate_hz = 100001"),
+            "tick_rate_hz", Some("100001"), "must be from 1 to 100000 (Hz)"),
+        case(("tick_rate_hz = 100", 1, "tick_rate_hz = nan"),
+            "tick_rate_hz", Some("nan"), "must be a finite number (Hz)"),
+        case(("duration_s = 1.0", 1, "duration_s = 0.0"),
+            "job.move[1].duration_s", Some("0.0"), "must be greater than 0 (s)"),
+        case(("duration_s = 1.0", 1, "duration_s = -1"),
+            "job.move[1].duration_s", Some("-1"), "must be greater than 0 (s)"),
+        case(("duration_s = 1.0", 1, "duration_s = 1.005"),
+            "job.move[1].duration_s", Some("1.005"), "the nearest durations are 1.0 and 1.01 (s)"),
+        case(("duration_s = 1.0", 1, "duration_s = 0.001"),
+            "job.move[1].duration_s", Some("0.001"), "the shortest duration is 0.01 (s)"),
+        case(("duration_s = 1.0", 1, "duration_s = 5e7"),
+            "job.move[1].duration_s", Some("5e7"), "more than the 4294967295"),
+        case(("duration_s = 1.0", 1, "duration_s = inf"),
+            "job.move[1].duration_s", Some("inf"), "must be a finite number (s)"),
+        case(("duration_s = 1.0", 1, "duration_s = 1\nend_velocity = { vx_m_s = 0.1 }"),
+            "job.move[1].end_velocity", Some("{ vx_m_s = 0.1 }"), "the last move must end at rest"),
+    ]);
+    let again = "[[job.move]]\nto = { x_m = 0.21, y_m = 0.22, alpha_rad = 0 }\nduration_s = 4e7\n";
+    let long = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 4e7\n") + again;
+    let found = problems(&long);
+    assert_eq!((found[0].key.as_str(), found.len()), ("job", 1), "{found:#?}");
+    assert!(found[0].reason.contains("8000000000 ticks together"), "{found:#?}");
+
+    // Without a duration, velocities that lead back.
+    let back = edit(THESIS, "duration_s = 1.0", 1, "end_velocity = { vx_m_s = -0.1 }\n")
+        + "[[job.move]]\nto = { x_m = 0.21, y_m = 0.22, alpha_rad = 0 }\nduration_s = 1\n";
+    let found = problems(&back);
+    assert_eq!((found[0].key.as_str(), found.len()), ("job.move[1].duration_s", 1), "{found:#?}");
+    assert!(found[0].reason.contains("do not lead along the move, d . (v0 + v1) = -0.007"));
+}
+
+#[test]
+#[rustfmt::skip] // two lines a case
+fn poses_that_cannot_be_taken() {
+    let start = "x_m = 0.21, y_m = 0.22, alpha_rad = 0.15707963267948966";
+    let to = "x_m = 0.28, y_m = 0.28, alpha_rad = 0.20943951023931953";
+    check(THESIS, &[
+        case((start, 1, "x_m = 0.5, y_m = 0.1, alpha_rad = 0"),
+            "job.start", Some("{ x_m = 0.5, y_m = 0.1, alpha_rad = 0 }"), "unreachable: leg 1 would span 0.5808 m, 0.1808 m beyond its reach of 0.4 m"),
+        case((to, 1, "x_m = 9, y_m = 0.28, alpha_rad = 0"),
+            "job.move[1].to", Some("{ x_m = 9, y_m = 0.28, alpha_rad = 0 }"), "unreachable: leg 1 would span"),
+        case((to, 1, "x_m = 1e308, y_m = -1e308, alpha_rad = 1e308"),
+            "job.move[1].to", Some("{ x_m = 1e308, y_m = -1e308, alpha_rad = 1e308 }"), "unreachable: leg 1"),
+        // The parallel singularity at (0.245, 0.25).
+        case((to, 1, "x_m = 0.245, y_m = 0.25, alpha_rad = -0.753418931929448511"),
+            "job.move[1].to", Some("{ x_m = 0.245, y_m = 0.25, alpha_rad = -0.753418931929448511..."), "parallel singularity: distance"),
+        // Leg 1 nearly stretched: C_1 is 0.4 cos(0.0025) m from A_1, so the angle between its
+        // links is 0.005.
+        case((to, 1, "x_m = 0.3650883079898806, y_m = 0.22584646564347702, alpha_rad = 0.15707963267948966"),
+            "job.move[1].to", Some("{ x_m = 0.3650883079898806, y_m = 0.22584646564347702, alpha..."), "serial singularity: leg 1 is stretched, distance 0.005, the least allowed is 0.01"),
+    ]);
+    // With unequal links, a leg that would have to fold further than it can.
+    let unequal = edit(THESIS, "distal_m = 0.2", 3, "distal_m = 0.1");
+    let near = edit(&unequal, start, 1, "x_m = 0.25, y_m = 0.1, alpha_rad = 0");
+    let found = problems(&near);
+    assert_eq!(found[0].key, "job.start");
+    assert_eq!(found[0].reason, "unreachable: leg 3 would span 0.08 m, 0.02 m short of the 0.1 m it folds to");
+
+    let point = THESIS.replace("joint_radius_m = 0.02", "joint_radius_m = 0");
+    let found = problems(&point);
+    assert_eq!((found[0].key.as_str(), found.len()), ("machine", 1), "{found:#?}");
+    assert!(found[0].reason.contains("platform joints fall together"));
+}
+
+#[test]
+fn moves_that_meet_a_singularity_between_their_poses() {
+    let to = "alpha_rad = 0.20943951023931953";
+    // Half a turn: both poses are good, det A changes its sign on the way.
+    let text = edit(THESIS, to, 1, "alpha_rad = 2.8");
+    let found = problems(&text);
+    let [only] = found.as_slice() else {
+        panic!("{found:#?}")
+    };
+    assert_eq!(
+        (only.key.as_str(), only.value.as_ref()),
+        ("job.move[1]", None)
+    );
+    assert!(only.reason.starts_with("at t = 0."), "{only}");
+    assert!(only.reason.contains("s of the move, x = 0.2"), "{only}");
+    assert!(
+        only.reason.contains("parallel singularity: distance 0.0"),
+        "{only}"
+    );
+
+    // With no least distance, the change of sign alone gives it away, in a move of few ticks too.
+    let free = "[limits]\nparallel_distance_min = 0\nserial_distance_min = 0\n[platform]";
+    let text = edit(
+        &edit(&text, "[platform]", 1, free),
+        "duration_s = 1.0",
+        1,
+        "duration_s = 0.03",
+    );
+    let found = problems(&text);
+    assert_eq!(
+        (found[0].key.as_str(), found.len()),
+        ("job.move[1]", 1),
+        "{found:#?}"
+    );
+    assert!(
+        found[0].reason.contains("det A changes its sign"),
+        "{found:#?}"
+    );
+
+    // A turn in two moves: the second is the one that meets it.
+    let quarter = edit(THESIS, to, 1, "alpha_rad = 1.0")
+        + "[[job.move]]\nto = { x_m = 0.28, y_m = 0.28, alpha_rad = 2.9 }\nduration_s = 1\n";
+    let found = problems(&quarter);
+    assert_eq!(
+        (found[0].key.as_str(), found.len()),
+        ("job.move[2]", 1),
+        "{found:#?}"
+    );
+}
+
+#[test]
+fn moves_that_leave_the_reach_between_their_poses() {
+    // A velocity that throws the platform far out before it comes back.
+    let text = edit(
+        THESIS,
+        "duration_s = 1.0",
+        1,
+        "duration_s = 1.0\nend_velocity = { vy_m_s = 4 }",
+    ) + "[[job.move]]\nto = { x_m = 0.28, y_m = 0.29, alpha_rad = 0.2 }\nduration_s = 1\n";
+    let found = problems(&text);
+    assert!(!found.is_empty());
+    for problem in &found {
+        assert!(problem.key.starts_with("job.move["), "{problem}");
+        assert!(problem.reason.starts_with("at t = 0."), "{problem}");
+    }
+    assert_eq!(found.len(), 2, "both moves swing out: {found:#?}");
+}
+
+#[test]
+fn a_move_of_a_year_is_checked_in_moderate_time() {
+    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 31536000");
+    let scene = Scene::parse(&text, "slow.toml").unwrap();
+    assert_eq!(scene.ticks(), 3_153_600_000);
+    let text = edit(
+        &text,
+        "alpha_rad = 0.20943951023931953",
+        1,
+        "alpha_rad = 2.8",
+    );
+    assert!(problems(&text)[0].reason.contains("parallel singularity"));
+}
