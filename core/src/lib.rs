@@ -88,6 +88,9 @@
 //! no unit but SI.
 #![no_std]
 #![forbid(unsafe_op_in_unsafe_fn)]
+// A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a
+// value is refused, which `x <= limit` would let pass.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 #[cfg(test)]
 extern crate std;

@@ -82,3 +82,49 @@ pub fn greatest_det_a(parameters: &Parameters) -> f64 {
         .iter()
         .fold(half_perimeter, |product, leg| product * leg.distal_m)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{Geometry, example};
+    use crate::setpoint::Pose;
+
+    /// Poses of the thesis machine where the three distal lines meet, to all digits.
+    #[test]
+    fn vanishes_at_the_known_parallel_singularities() {
+        let parameters = example();
+        let geometry = Geometry::<f64>::build(&parameters).unwrap();
+        let distances = Distances::build(&parameters);
+        for alpha in [-0.753_418_931_929_448_5, 2.401_557_361_435_242_3] {
+            let at = |alpha| {
+                geometry
+                    .position(&Pose::from_f64(0.245, 0.25, alpha))
+                    .unwrap()
+            };
+            assert!(distances.parallel(&at(alpha)) < 1e-15);
+            let (before, after) = (det_a(&at(alpha - 1e-9)), det_a(&at(alpha + 1e-9)));
+            assert!(before * after < 0.0, "no change of sign at {alpha}");
+        }
+    }
+
+    #[test]
+    fn reaches_one_for_links_at_right_angles() {
+        // Every distal link at right angles to its radius, every elbow at a right angle.
+        let mut parameters = example();
+        for (leg, turn) in parameters.legs.iter_mut().zip([150f64, 30.0, 270.0]) {
+            let (sin, cos) = turn.to_radians().sin_cos();
+            let (radial, tangential) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
+            let joint = radial * leg.joint_radius_m;
+            // C = A + r1 + r2 with r2 along the tangent and r1 across it.
+            leg.base_m = joint - tangential * leg.distal_m - radial * leg.proximal_m;
+            leg.elbow = crate::machine::Elbow::Negative;
+        }
+        let geometry = Geometry::<f64>::build(&parameters).unwrap();
+        let distances = Distances::build(&parameters);
+        let position = geometry.position(&Pose::from_f64(0.0, 0.0, 0.0)).unwrap();
+        assert!((distances.parallel(&position) - 1.0).abs() < 1e-14);
+        for serial in distances.serial(&position) {
+            assert!((serial - 1.0).abs() < 1e-14);
+        }
+    }
+}

@@ -136,9 +136,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         let motors = [motor(0), motor(1), motor(2)];
         // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
         // with a part that is not finite is not finite.
-        let sum = |value: fn(&Motor<N>) -> N| {
-            value(&motors[0]) + value(&motors[1]) + value(&motors[2])
-        };
+        let sum =
+            |value: fn(&Motor<N>) -> N| value(&motors[0]) + value(&motors[1]) + value(&motors[2]);
         if !(sum(|motor| motor.acceleration) + sum(|motor| motor.torque)).is_finite() {
             return Err(Status::OutOfRange);
         }

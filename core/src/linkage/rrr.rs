@@ -171,3 +171,52 @@ impl<N: Number> Rrr<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Links 3 and 4 with their ends 5 apart: right-angled at B.
+    #[test]
+    fn each_branch_lies_on_its_side() {
+        for (branch, side) in [(1.0, 1.0), (-1.0, -1.0)] {
+            let dyad = Rrr::<f64>::new(3.0, 4.0, branch);
+            let at = dyad.position(Vector2::new(5.0, 0.0)).unwrap();
+            let expected = Vector2::new(1.8, side * 2.4);
+            assert!((at.r1 - expected).abs().max() < 1e-15, "{:?}", at.r1);
+            assert!((at.r1 + at.r2 - Vector2::new(5.0, 0.0)).abs().max() < 1e-15);
+            assert!((at.r1_cross_r2 + side * 12.0).abs() < 1e-14);
+            assert!(dyad.r1_dot_r2(&at).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn says_what_is_out_of_reach() {
+        let dyad = Rrr::<f32>::new(3.0, 4.0, 1.0);
+        let solve = |x: f32| dyad.position(Vector2::new(x, 0.0)).map(|at| at.r1);
+        assert_eq!(solve(7.0), Err(OutOfReach::Singular));
+        assert_eq!(solve(1.0), Err(OutOfReach::Singular));
+        assert_eq!(solve(7.0f32.next_up()), Err(OutOfReach::Unreachable));
+        assert_eq!(solve(0.5), Err(OutOfReach::Unreachable));
+        assert_eq!(solve(0.0), Err(OutOfReach::Unreachable));
+        assert_eq!(solve(f32::NAN), Err(OutOfReach::Unreachable));
+        assert!(solve(7.0f32.next_down()).is_ok());
+    }
+
+    #[test]
+    fn rates_and_accelerations_carry_c_as_asked() {
+        let dyad = Rrr::<f64>::new(3.0, 4.0, 1.0);
+        let at = dyad.position(Vector2::new(5.5, 1.0)).unwrap();
+        let (v, a) = (Vector2::new(0.7, -0.3), Vector2::new(-2.0, 5.0));
+        let rates = dyad.rates(&at, v);
+        let acc = dyad.accelerations(&at, &rates, a);
+        // Forwards again, by the velocity and acceleration of a point of a turning body.
+        let turned = |r: Vector2<f64>| Vector2::new(-r.y, r.x);
+        let v_again = turned(at.r1) * rates.proximal + turned(at.r2) * rates.distal;
+        let of_link = |r, w: f64, e: f64| turned(r) * e - r * (w * w);
+        let a_again =
+            of_link(at.r1, rates.proximal, acc.proximal) + of_link(at.r2, rates.distal, acc.distal);
+        assert!((v_again - v).abs().max() < 1e-15, "{v_again:?}");
+        assert!((a_again - a).abs().max() < 1e-14, "{a_again:?}");
+    }
+}

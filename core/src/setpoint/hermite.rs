@@ -96,12 +96,74 @@ impl<N: Number> Hermite<N> {
         let (cubic, s, per_duration) = if tick <= left {
             (&self.forward, N::ratio(tick, self.ticks), self.per_duration)
         } else {
-            (&self.backward, N::ratio(left, self.ticks), -self.per_duration)
+            (
+                &self.backward,
+                N::ratio(left, self.ticks),
+                -self.per_duration,
+            )
         };
         Setpoint {
             pose: cubic.pose(s),
             velocity: cubic.first_derivative(s) * per_duration,
             acceleration: cubic.second_derivative(s) * (per_duration * per_duration),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job() -> Hermite<f64> {
+        Hermite::new(
+            Pose::from_f64(0.0, 0.5, 0.1),
+            Vector3::new(0.2, -0.4, 0.0),
+            Pose::from_f64(0.3, 0.1, -0.6),
+            Vector3::new(-0.1, 0.3, 0.7),
+            40,
+            0.05,
+        )
+    }
+
+    #[test]
+    fn ends_have_the_given_poses_and_velocities() {
+        let job = job();
+        assert_eq!(job.at(0).pose, Pose::from_f64(0.0, 0.5, 0.1));
+        assert_eq!(job.at(40).pose, Pose::from_f64(0.3, 0.1, -0.6));
+        assert_eq!(job.at(41), job.at(40));
+        let (start, end) = (job.at(0).velocity, job.at(40).velocity);
+        assert!((start - Vector3::new(0.2, -0.4, 0.0)).abs().max() < 1e-16);
+        assert!((end - Vector3::new(-0.1, 0.3, 0.7)).abs().max() < 2e-16);
+    }
+
+    /// The two halves are evaluated from different ends: they are one and the same cubic, so
+    /// third differences are equal all along.
+    #[test]
+    fn is_one_cubic_from_end_to_end() {
+        let job = job();
+        let x = |k: u32| job.at(k).pose.position.x;
+        let third = |k: u32| x(k + 3) - 3.0 * x(k + 2) + 3.0 * x(k + 1) - x(k);
+        let first = third(0);
+        assert!(first.abs() > 1e-6);
+        for k in 1..=37 {
+            assert!((third(k) - first).abs() < 1e-15, "{k}");
+        }
+    }
+
+    #[test]
+    fn without_end_velocities_it_is_rest_to_rest() {
+        let (from, to) = (
+            Pose::<f64>::from_f64(0.21, 0.22, 0.16),
+            Pose::from_f64(0.28, 0.28, 0.21),
+        );
+        let rest = Vector3::new(0.0, 0.0, 0.0);
+        let hermite = Hermite::new(from, rest, to, rest, 100, 0.01);
+        let cubic = super::super::RestToRest::new(from, to, 100, 0.01);
+        for tick in 0..=100 {
+            let (a, b) = (hermite.at(tick), cubic.at(tick));
+            assert!((a.pose.position - b.pose.position).abs().max() < 1e-16);
+            assert!((a.velocity - b.velocity).abs().max() < 1e-15);
+            assert!((a.acceleration - b.acceleration).abs().max() < 1e-15);
         }
     }
 }

@@ -84,3 +84,48 @@ impl<N: Number> RestToRest<N> {
 fn blend<N: Number>(s: N) -> N {
     s * s * ((N::ONE - s) + (N::ONE - s) + N::ONE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_are_exact_and_at_rest() {
+        let (from, to) = (
+            Pose::<f32>::from_f64(0.1, -0.7, 3.3),
+            Pose::from_f64(1.3, 0.9, -1e4),
+        );
+        for ticks in [1, 3, 100, u32::MAX] {
+            let job = RestToRest::new(from, to, ticks, 0.01);
+            assert_eq!(job.at(0).pose, from);
+            assert_eq!(job.at(ticks).pose, to);
+            assert_eq!(job.at(u32::MAX).pose, to);
+            for end in [0, ticks] {
+                assert_eq!(job.at(end).velocity, Vector3::new(0.0, 0.0, 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_has_the_speed_of_the_formula() {
+        let job = RestToRest::new(
+            Pose::<f64>::from_f64(0.0, 1.0, 0.0),
+            Pose::from_f64(2.0, 1.0, -1.0),
+            10,
+            0.1,
+        );
+        let middle = job.at(5);
+        // 6 h s (1 - s) / T with T = 1 s and s = 1/2.
+        assert!((middle.velocity - Vector3::new(3.0, 0.0, -1.5)).abs().max() < 1e-15);
+        assert_eq!(middle.acceleration, Vector3::new(0.0, 0.0, 0.0));
+        assert_eq!(middle, job.at_fraction(0.5));
+        // 6 h / T^2 at the start, its opposite at the end.
+        assert!(
+            (job.at(0).acceleration - Vector3::new(12.0, 0.0, -6.0))
+                .abs()
+                .max()
+                < 1e-13
+        );
+        assert_eq!(job.at(0).acceleration, -job.at(10).acceleration);
+    }
+}
