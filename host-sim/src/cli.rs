@@ -1,0 +1,145 @@
+//! The command line.
+
+use crate::scalar::Scalar;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// The scene that is run when none is named.
+pub const DEFAULT_SCENE: &str = "scenes/thesis.toml";
+
+/// Simulator and host tools for the planar 3-RRR manipulator.
+///
+/// Without a command, runs scenes/thesis.toml in real time.
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, max_term_width = 100)]
+#[command(after_help = "\
+Exit codes: 0 done; 1 failed, or the motion ended in a status; 2 refused: arguments, scene or \
+table; 130 ended by Ctrl-C.")]
+pub struct Cli {
+    /// What to do; without it, `run`.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// What there is to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene's job tick by tick at its rate, write a table and figures
+    Run(RunArgs),
+    /// Evaluate a table of cases: a machine and a state or a move in each row
+    Eval(EvalArgs),
+}
+
+/// `host-sim run`.
+///
+/// Evaluates the job in real time against absolute deadlines and reports how well they were kept.
+/// Writes ticks.csv (one row per tick, SI units) and the figures as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Ctrl-C ends the run cleanly: what was computed so far is written. So does a setpoint that the \
+machine cannot follow (unreachable, singular); it is named with its tick and time.")]
+pub struct RunArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// Compute as fast as it goes instead of in real time
+    #[arg(long)]
+    pub fast: bool,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number type to compute in [default: the scene's]
+    #[arg(long)]
+    pub scalar: Option<Scalar>,
+}
+
+impl Default for RunArgs {
+    /// What `host-sim run` without arguments does.
+    fn default() -> Self {
+        Self {
+            scene: DEFAULT_SCENE.into(),
+            fast: false,
+            out: None,
+            scalar: None,
+        }
+    }
+}
+
+/// `host-sim eval`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = EVAL_COLUMNS)]
+pub struct EvalArgs {
+    /// Table of cases, CSV with a header (columns: see --help)
+    #[arg(value_name = "CASES.csv")]
+    pub cases: PathBuf,
+    /// Number type to compute in
+    #[arg(long, default_value = "f64")]
+    pub scalar: Scalar,
+    /// File for the results [default: standard output]
+    #[arg(long, value_name = "RESULTS.csv")]
+    pub out: Option<PathBuf>,
+}
+
+const EVAL_COLUMNS: &str = "\
+Columns of CASES.csv, in any order, SI units and radians; others are ignored:
+  case                          name of the row; its number if the column is missing
+  for each leg i = 1, 2, 3:
+    ax_i, ay_i                  base joint A
+    z1_i, z2_i                  proximal and distal link length
+    h_i, lam_i                  platform joint C in polar coordinates about D
+    sg_i                        elbow sign, 1 or -1
+  m, I                          platform mass and moment of inertia
+  ml                            mass of each of the six links, uniform rods (0 if missing)
+  gx, gy                        gravity (0 if missing)
+  Wx, Wy, Wa                    wrench on the platform at D (0 if missing)
+and either the state
+  x, y, alpha, vx, vy, valpha, acx, acy, acalpha
+or a move from rest to rest along a cubic, at the time t from 0 to T
+  x0, xf, y0, yf, a0, af, T, t
+The move is used only where the table does not have every column of the state.
+
+Columns of the results, i = 1, 2, 3 side by side:
+  case, status, th1_i, th2_i, dth1_i, dth2_i, ddth1_i, ddth2_i, D_i (named D1, D2, D3), detA,
+  tau_i, P_i (named tau1, P1 and so on)
+status is `ok`, or begins with why there are no numbers: `unreachable: leg 1`,
+`serial singular: leg 2`, `parallel singular`, `out of range ...`, or `invalid: ` with column,
+value and reason. Such rows do not change the exit code.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_defaults_are_those_of_the_contract() {
+        let cli = Cli::parse_from(["host-sim"]);
+        assert!(cli.command.is_none());
+        let Some(Command::Run(run)) = Cli::parse_from(["host-sim", "run"]).command else {
+            panic!("not run");
+        };
+        assert_eq!(run.scene, PathBuf::from(DEFAULT_SCENE));
+        assert!(!run.fast && run.out.is_none() && run.scalar.is_none());
+        let Some(Command::Eval(eval)) = Cli::parse_from(["host-sim", "eval", "a.csv"]).command
+        else {
+            panic!("not eval");
+        };
+        assert_eq!(eval.scalar, Scalar::F64);
+        let micromath = [
+            "host-sim",
+            "eval",
+            "--scalar",
+            "micromath",
+            "a.csv",
+            "--out",
+            "b.csv",
+        ];
+        assert!(Cli::try_parse_from(micromath).is_ok());
+        assert!(Cli::try_parse_from(["host-sim", "eval"]).is_err());
+    }
+}

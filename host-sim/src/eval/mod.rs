@@ -1,0 +1,179 @@
+//! Evaluates a table of cases, one machine and one instant in each row.
+
+mod columns;
+mod row;
+
+use crate::cli::EvalArgs;
+use crate::evaluator;
+use crate::failure::Failure;
+use crate::record::{RESULT_COLUMNS, Record, number};
+use crate::scalar::Available;
+use columns::Columns;
+use csv::ByteRecord;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::Path;
+use trirrr_core::number::Number;
+
+/// What became of the rows of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Count {
+    /// Rows in the table.
+    pub rows: usize,
+    /// Rows with numbers.
+    pub ok: usize,
+}
+
+/// `host-sim eval`: evaluates the table and says on standard error how many rows have numbers.
+///
+/// # Errors
+/// Refused: the table cannot be read or lacks a column, or the number type is not there. Failed:
+/// the results cannot be written.
+pub fn command(args: &EvalArgs) -> Result<(), Failure> {
+    let scalar = args.scalar.available()?;
+    let cases = args.cases.display();
+    let input = File::open(&args.cases)
+        .map_err(|error| Failure::Refused(format!("{cases}: cannot be read: {error}")))?;
+    let name = cases.to_string();
+    let count = match &args.out {
+        None => evaluate(scalar, &name, input, &mut io::stdout().lock()),
+        Some(out) => {
+            refuse_same_file(&args.cases, out)?;
+            let file = File::create(out).map_err(|error| {
+                Failure::Failed(format!("{}: cannot be written: {error}", out.display()))
+            })?;
+            evaluate(scalar, &name, input, &mut BufWriter::new(file))
+        }
+    }?;
+    // Standard error may be closed; the results are out.
+    let _ = writeln!(
+        io::stderr(),
+        "{name}: {} of {} rows ok",
+        count.ok,
+        count.rows
+    );
+    Ok(())
+}
+
+/// The results would replace the cases while they are read.
+fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), Failure> {
+    match (cases.canonicalize(), out.canonicalize()) {
+        (Ok(cases), Ok(target)) if cases == target => Err(Failure::Refused(format!(
+            "--out {}: is the table of cases itself",
+            out.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Evaluates the table in `input`, called `name` in messages, row by row into `output`.
+///
+/// A reader that closes its end early (a broken pipe) ends the work without an error.
+///
+/// # Errors
+/// As [`command`].
+pub fn evaluate(
+    scalar: Available,
+    name: &str,
+    input: impl Read,
+    output: &mut dyn Write,
+) -> Result<Count, Failure> {
+    match scalar {
+        Available::F64 => evaluate_in::<f64>(name, input, output),
+        Available::F32 => evaluate_in::<f32>(name, input, output),
+    }
+}
+
+fn evaluate_in<N: Number>(
+    name: &str,
+    input: impl Read,
+    output: &mut dyn Write,
+) -> Result<Count, Failure> {
+    let unreadable =
+        |error: csv::Error| Failure::Failed(format!("{name}: cannot be read: {error}"));
+    // Flexible: a row that is too short or too long spoils itself only.
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(input);
+    let mut record = ByteRecord::new();
+    if !reader.read_byte_record(&mut record).map_err(unreadable)? {
+        let reason = "is empty, expected a header that names the columns";
+        return Err(Failure::Refused(format!("{name}: {reason}")));
+    }
+    let columns =
+        Columns::find(&record).map_err(|reason| Failure::Refused(format!("{name}: {reason}")))?;
+
+    let mut results = Results {
+        writer: csv::Writer::from_writer(output),
+        closed: false,
+    };
+    results.put(["case", "status"].into_iter().chain(RESULT_COLUMNS))?;
+    let mut count = Count::default();
+    while !results.closed && reader.read_byte_record(&mut record).map_err(unreadable)? {
+        count.rows += 1;
+        let case = columns
+            .case
+            .as_ref()
+            .and_then(|column| record.get(column.index))
+            .map_or_else(|| count.rows.to_string().into_bytes(), <[u8]>::to_vec);
+        match evaluate_row::<N>(&columns, &record) {
+            Ok(motion) => {
+                count.ok += 1;
+                results.row(&case, "ok", &motion.results().map(number))?;
+            }
+            Err(status) => results.row(&case, &status, &[const { String::new() }; 28])?,
+        }
+    }
+    results.flush()?;
+    Ok(count)
+}
+
+/// The motion of a row, or its status.
+fn evaluate_row<N: Number>(columns: &Columns, record: &ByteRecord) -> Result<Record, String> {
+    let invalid = |reason: String| format!("invalid: {reason}");
+    let case = row::read::<N>(columns, record).map_err(invalid)?;
+    let machine = evaluator::build(&case.parameters).map_err(|error| invalid(error.to_string()))?;
+    machine
+        .evaluate(0.0, &case.setpoint)
+        .map_err(|status| status.to_string())
+}
+
+/// The table of results, and whether its reader has gone.
+struct Results<'a> {
+    writer: csv::Writer<&'a mut dyn Write>,
+    closed: bool,
+}
+
+impl Results<'_> {
+    fn row(&mut self, case: &[u8], status: &str, values: &[String; 28]) -> Result<(), Failure> {
+        let fields = [case, status.as_bytes()].into_iter();
+        self.put(fields.chain(values.iter().map(String::as_bytes)))
+    }
+
+    fn put<T: AsRef<[u8]>>(&mut self, fields: impl Iterator<Item = T>) -> Result<(), Failure> {
+        // Not `io::Error::from`, which hides the kind.
+        let written = self.writer.write_record(fields);
+        self.note(written.map_err(|error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => io::Error::other(format!("{other:?}")),
+        }))
+    }
+
+    fn flush(&mut self) -> Result<(), Failure> {
+        let flushed = self.writer.flush();
+        self.note(flushed)
+    }
+
+    fn note(&mut self, result: io::Result<()>) -> Result<(), Failure> {
+        match result {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
+                self.closed = true;
+                Ok(())
+            }
+            other => other.map_err(|error| {
+                Failure::Failed(format!("the results cannot be written: {error}"))
+            }),
+        }
+    }
+}

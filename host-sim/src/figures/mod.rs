@@ -1,0 +1,58 @@
+//! Figures of a run as SVG: the thesis's figures 5.1 to 5.4 against time, and the machine drawn
+//! to scale with the path of its tool.
+
+mod canvas;
+mod catalogue;
+mod decimate;
+mod machine;
+mod panel;
+mod scale;
+mod style;
+mod traces;
+
+pub use traces::Traces;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Draws everything into `folder`, which must exist, and returns the files written, in order.
+///
+/// `heading` begins every title: the scene's name, and where the run ended early, when.
+///
+/// # Errors
+/// The file that could not be written, and why.
+pub fn write_all(
+    folder: &Path,
+    heading: &str,
+    mut traces: Traces,
+) -> Result<Vec<PathBuf>, FigureError> {
+    let mut written = Vec::new();
+    let mut save = |file: &str, drawn: canvas::Drawn| {
+        let path = folder.join(file);
+        drawn
+            .map_err(|error| io::Error::other(error.to_string()))
+            .and_then(|svg| std::fs::write(&path, svg))
+            .map_err(|source| FigureError {
+                path: path.clone(),
+                source,
+            })?;
+        written.push(path);
+        Ok(())
+    };
+    for (file, title, panels) in traces.panels() {
+        save(file, panel::draw(&format!("{heading}: {title}"), &panels))?;
+    }
+    let title = format!("{heading}: the machine and its path");
+    save("machine.svg", machine::draw(&title, &traces.scenery()))?;
+    Ok(written)
+}
+
+/// A figure that could not be drawn or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {source}", path.display())]
+pub struct FigureError {
+    /// The file.
+    pub path: PathBuf,
+    /// Why.
+    pub source: io::Error,
+}

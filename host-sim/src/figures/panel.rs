@@ -1,0 +1,200 @@
+//! Curves against time: panels stacked over one time axis.
+
+use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use super::scale::{Axis, Margin};
+use super::style::{CURVES, FRAME, GRID, INK};
+
+/// One curve: what its legend says and its points (t in s, value in the panel's unit).
+pub(super) struct Curve {
+    pub(super) label: &'static str,
+    pub(super) points: Vec<(f64, f64)>,
+}
+
+/// One panel: curves of one unit.
+pub(super) struct Panel {
+    /// What the vertical axis shows, such as `motor torque`.
+    pub(super) quantity: &'static str,
+    /// SI unit of the points; empty if they have none.
+    pub(super) unit: &'static str,
+    /// Whether zero is shown whatever the values.
+    pub(super) from_zero: bool,
+    /// At most as many as there are colours.
+    pub(super) curves: Vec<Curve>,
+}
+
+const WIDTH: f64 = 900.0;
+const TOP: f64 = 52.0;
+const BOTTOM: f64 = 58.0;
+const GAP: f64 = 26.0;
+
+/// Draws panels under one title. Panels without points are empty frames.
+pub(super) fn draw(title: &str, panels: &[Panel]) -> Drawn {
+    let height = if panels.len() == 1 { 360.0 } else { 230.0 };
+    let axes: Vec<Axis> = panels
+        .iter()
+        .map(|panel| vertical_axis(panel, height))
+        .collect();
+    let time = time_axis(panels);
+
+    let widest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0, f64::max);
+    let left = 48.0
+        + widest(
+            &mut axes
+                .iter()
+                .flat_map(|axis| axis.ticks.iter().map(|(_, label)| Size::Tick.width(label))),
+        );
+    let right = 52.0
+        + widest(&mut panels.iter().flat_map(|panel| {
+            panel
+                .curves
+                .iter()
+                .map(|curve| Size::Label.width(curve.label))
+        }));
+
+    let total = TOP + BOTTOM + height * panels.len() as f64 + GAP * (panels.len() as f64 - 1.0);
+    page(WIDTH, total, |canvas| {
+        canvas.text(title, (WIDTH / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+        for (row, (panel, axis)) in panels.iter().zip(&axes).enumerate() {
+            let top = TOP + row as f64 * (height + GAP);
+            let frame = Frame {
+                left,
+                right: WIDTH - right,
+                top,
+                bottom: top + height,
+                time: &time,
+                axis,
+            };
+            frame.draw(canvas, panel)?;
+            if row + 1 == panels.len() {
+                frame.time_labels(canvas)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+fn vertical_axis(panel: &Panel, height: f64) -> Axis {
+    let values = panel
+        .curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|p| p.1));
+    let zero = panel.from_zero.then_some(0.0);
+    let (low, high) = range(values.chain(zero));
+    Axis::new(low, high, panel.unit, Margin::Padded, height / 40.0)
+}
+
+fn time_axis(panels: &[Panel]) -> Axis {
+    let times = panels
+        .iter()
+        .flat_map(|panel| &panel.curves)
+        .flat_map(|curve| curve.points.iter().map(|p| p.0));
+    let (start, end) = range(times);
+    Axis::time(start, end)
+}
+
+/// Least and greatest; (0, 0) of nothing.
+pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values
+        .fold(None, |range, value| match range {
+            None => Some((value, value)),
+            Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
+        })
+        .unwrap_or((0.0, 0.0))
+}
+
+/// `quantity (unit)`.
+pub(super) fn axis_title(quantity: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        quantity.into()
+    } else {
+        format!("{quantity} ({unit})")
+    }
+}
+
+struct Frame<'a> {
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    time: &'a Axis,
+    axis: &'a Axis,
+}
+
+impl Frame<'_> {
+    fn x(&self, time: f64) -> f64 {
+        self.left + self.time.fraction(time) * (self.right - self.left)
+    }
+
+    fn y(&self, value: f64) -> f64 {
+        self.bottom - self.axis.fraction(value) * (self.bottom - self.top)
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
+        for (time, _) in &self.time.ticks {
+            let x = self.x(*time);
+            canvas.line(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
+        }
+        for (value, label) in &self.axis.ticks {
+            let y = self.y(*value);
+            let is_zero = *value == 0.0;
+            let colour = if is_zero { FRAME } else { GRID };
+            canvas.line(&[(self.left, y), (self.right, y)], colour, 1.0)?;
+            canvas.text(label, (self.left - 8.0, y), Size::Tick, LEFT_OF, INK)?;
+        }
+        for (curve, colour) in panel.curves.iter().zip(CURVES) {
+            let points: Vec<_> = curve
+                .points
+                .iter()
+                .map(|&(t, value)| (self.x(t), self.y(value)))
+                .collect();
+            canvas.line(&points, colour, 2.0)?;
+        }
+        let corners = [
+            (self.left, self.top),
+            (self.right, self.top),
+            (self.right, self.bottom),
+            (self.left, self.bottom),
+            (self.left, self.top),
+        ];
+        canvas.line(&corners, FRAME, 1.0)?;
+        canvas.upright(
+            &axis_title(panel.quantity, &self.axis.unit),
+            (18.0, (self.top + self.bottom) / 2.0),
+            Size::Label,
+            INK,
+        )?;
+        self.legend(canvas, panel)
+    }
+
+    /// Beside the frame, where it covers no curve.
+    fn legend(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
+        for (row, (curve, colour)) in panel.curves.iter().zip(CURVES).enumerate() {
+            let y = self.top + 14.0 + 22.0 * row as f64;
+            let x = self.right + 12.0;
+            canvas.line(&[(x, y), (x + 22.0, y)], colour, 2.5)?;
+            canvas.text(curve.label, (x + 29.0, y), Size::Label, RIGHT_OF, INK)?;
+        }
+        Ok(())
+    }
+
+    fn time_labels(&self, canvas: &Canvas<'_>) -> Draw {
+        for (time, label) in &self.time.ticks {
+            canvas.text(
+                label,
+                (self.x(*time), self.bottom + 8.0),
+                Size::Tick,
+                BELOW,
+                INK,
+            )?;
+        }
+        let middle = (self.left + self.right) / 2.0;
+        let title = axis_title("time", &self.time.unit);
+        canvas.text(
+            &title,
+            (middle, self.bottom + 32.0),
+            Size::Label,
+            BELOW,
+            INK,
+        )
+    }
+}

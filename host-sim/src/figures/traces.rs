@@ -1,0 +1,188 @@
+//! What the figures need of a run, gathered tick by tick in bounded memory.
+
+use super::catalogue::{FIGURES, Source, sources};
+use super::decimate::Decimator;
+use super::machine::Scenery;
+use super::panel::{Curve, Panel};
+use crate::record::Record;
+
+/// The machine is drawn at its start, its end and each of these fractions of the job.
+const INSTANTS: [(u64, u64); 3] = [(1, 4), (1, 2), (3, 4)];
+
+/// A curve while it is gathered.
+struct Trace {
+    points: Decimator<1>,
+    /// Last value and turns added, where the curve is an angle.
+    last: Option<f64>,
+    turns: f64,
+}
+
+/// Everything the figures need, gathered from the records of a run.
+pub struct Traces {
+    traces: Vec<Trace>,
+    path: Decimator<2>,
+    ticks: u64,
+    seen: u64,
+    instants: Vec<Record>,
+    last: Option<Record>,
+}
+
+impl Traces {
+    /// For a job of `ticks` records.
+    pub fn new(ticks: u64) -> Self {
+        Self {
+            traces: sources()
+                .map(|_| Trace {
+                    points: Decimator::new(ticks),
+                    last: None,
+                    turns: 0.0,
+                })
+                .collect(),
+            path: Decimator::new(ticks),
+            ticks,
+            seen: 0,
+            instants: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Adds the record of the next tick.
+    pub fn push(&mut self, record: &Record) {
+        for (source, trace) in sources().zip(&mut self.traces) {
+            let value = (source.value)(record);
+            trace.push(record.t, value, source.unwrap);
+        }
+        self.path.push(record.t, [record.pose[0], record.pose[1]]);
+        let last_tick = self.ticks.saturating_sub(1);
+        let wanted = |(part, whole): &(u64, u64)| {
+            self.seen == (u128::from(last_tick) * u128::from(*part) / u128::from(*whole)) as u64
+        };
+        if self.seen == 0 || INSTANTS.iter().any(wanted) {
+            self.instants.push(*record);
+        }
+        self.seen += 1;
+        self.last = Some(*record);
+    }
+
+    /// The last record, if there is any.
+    pub fn last(&self) -> Option<&Record> {
+        self.last.as_ref()
+    }
+
+    /// The figures against time: file, title and panels.
+    pub(super) fn panels(&mut self) -> Vec<(&'static str, &'static str, Vec<Panel>)> {
+        let mut traces = std::mem::take(&mut self.traces).into_iter();
+        let curve = |(source, trace): (&Source, Trace)| Curve {
+            label: source.label,
+            points: trace
+                .points
+                .finish()
+                .into_iter()
+                .map(|(t, [value])| (t, value))
+                .collect(),
+        };
+        FIGURES
+            .iter()
+            .map(|figure| {
+                let panels = figure.panels.iter().map(|panel| Panel {
+                    quantity: panel.quantity,
+                    unit: panel.unit,
+                    from_zero: panel.from_zero,
+                    curves: panel
+                        .curves
+                        .iter()
+                        .zip(traces.by_ref())
+                        .map(curve)
+                        .collect(),
+                });
+                (figure.file, figure.title, panels.collect())
+            })
+            .collect()
+    }
+
+    /// The machine at its instants and the path.
+    pub(super) fn scenery(self) -> Scenery {
+        let mut instants = self.instants;
+        // The end, once, whether the job came to its end or was stopped.
+        if let Some(last) = self.last.filter(|last| instants.last() != Some(last)) {
+            instants.push(last);
+        }
+        Scenery {
+            instants,
+            path: self
+                .path
+                .finish()
+                .into_iter()
+                .map(|(_, [x, y])| (x, y))
+                .collect(),
+        }
+    }
+}
+
+impl Trace {
+    fn push(&mut self, t: f64, value: f64, unwrap: bool) {
+        use std::f64::consts::{PI, TAU};
+        if unwrap && let Some(last) = self.last {
+            if value - last > PI {
+                self.turns -= TAU;
+            } else if value - last < -PI {
+                self.turns += TAU;
+            }
+        }
+        self.last = Some(value);
+        self.points.push(t, [value + self.turns]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_drawn_without_jumps() {
+        let mut traces = Traces::new(200);
+        for tick in 0..200 {
+            let turning = 0.1 * f64::from(tick);
+            let mut record = Record {
+                t: f64::from(tick),
+                ..Record::default()
+            };
+            record.legs[0].th1 = f64::atan2(turning.sin(), turning.cos());
+            traces.push(&record);
+        }
+        let figures = traces.panels();
+        let (_, _, panels) = figures
+            .iter()
+            .find(|(file, ..)| *file == "joint_angle.svg")
+            .unwrap();
+        let drawn = &panels[0].curves[0].points;
+        assert_eq!(drawn.len(), 200);
+        for (tick, (_, value)) in drawn.iter().enumerate() {
+            assert!((value - 0.1 * tick as f64).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_machine_is_drawn_at_start_quarters_and_end() {
+        let times = |ticks: u64, pushed: u64| {
+            let mut traces = Traces::new(ticks);
+            for tick in 0..pushed {
+                traces.push(&Record {
+                    t: tick as f64,
+                    ..Record::default()
+                });
+            }
+            let scenery = traces.scenery();
+            scenery
+                .instants
+                .iter()
+                .map(|record| record.t)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(times(101, 101), [0.0, 25.0, 50.0, 75.0, 100.0]);
+        assert_eq!(times(101, 41), [0.0, 25.0, 40.0]);
+        assert_eq!(times(1, 1), [0.0]);
+        assert_eq!(times(2, 2), [0.0, 1.0]);
+        assert!(times(2, 0).is_empty());
+    }
+}

@@ -1,0 +1,16 @@
+//! The simulator and its tools, as a library for the binary `host-sim`, its tests and benches.
+//!
+//! [`run`] plays a scene's job tick by tick through [`trirrr_core`], in real time or as fast as it
+//! goes, and writes a table and [`figures`]. [`eval`] evaluates a table of cases. Both choose the
+//! pipeline of the scene or case in [`evaluator`] and speak in [`record`]s.
+
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod eval;
+pub mod evaluator;
+pub mod failure;
+pub mod figures;
+pub mod record;
+pub mod run;
+pub mod scalar;

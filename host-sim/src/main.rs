@@ -1,0 +1,51 @@
+//! `host-sim`: runs scenes in real time and evaluates tables of cases.
+
+#![forbid(unsafe_code)]
+
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use trirrr_host_sim::cli::{Cli, Command, RunArgs};
+use trirrr_host_sim::failure::Failure;
+use trirrr_host_sim::run::End;
+use trirrr_host_sim::{eval, run};
+
+/// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
+const INTERRUPTED: u8 = 130;
+
+fn main() -> ExitCode {
+    // A bare call does the main job with its defaults, as the parser has them.
+    let command = Cli::parse()
+        .command
+        .unwrap_or_else(|| Command::Run(RunArgs::default()));
+    let done = match &command {
+        Command::Run(args) => run(args),
+        Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
+    };
+    done.unwrap_or_else(|failure| {
+        // Standard error may be closed; the exit code still tells.
+        let _ = writeln!(std::io::stderr(), "host-sim: {failure}");
+        ExitCode::from(failure.exit_code())
+    })
+}
+
+fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        // The first asks for a clean end; who asks again does not want to wait for it.
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+    })
+    .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
+    match run::command(args, &stop)? {
+        End::Complete => Ok(ExitCode::SUCCESS),
+        End::Stopped => Ok(ExitCode::from(INTERRUPTED)),
+        End::Status { tick, status } => {
+            Err(Failure::Failed(format!("stopped at tick {tick}: {status}")))
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Real time: each tick has an absolute deadline, so that no delay adds up.
+
+use super::histogram::Histogram;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The last part of a wait is spun: the system wakes a sleeper this late, now and then later.
+const SPIN: Duration = Duration::from_micros(300);
+/// A sleep is at most this long, so that a stop is noticed.
+const NAP: Duration = Duration::from_millis(50);
+
+/// How well the deadlines were kept.
+#[derive(Clone, Debug, Default)]
+pub struct Deadlines {
+    /// How long after its time each tick began.
+    pub release: Histogram,
+    /// Ticks whose result was not there when the next tick was due.
+    pub late: u64,
+}
+
+/// Paces ticks in real time.
+pub(super) struct Pacer {
+    start: Instant,
+    rate_hz: f64,
+    deadlines: Deadlines,
+}
+
+impl Pacer {
+    /// Tick 0 is due now.
+    pub(super) fn start(rate_hz: f64) -> Self {
+        Self {
+            start: Instant::now(),
+            rate_hz,
+            deadlines: Deadlines::default(),
+        }
+    }
+
+    fn due(&self, tick: u64) -> Instant {
+        // From the start and never from the tick before: nothing accumulates.
+        self.start + Duration::from_secs_f64(tick as f64 / self.rate_hz)
+    }
+
+    /// Waits until `tick` is due. False if `stop` was raised before that.
+    pub(super) fn wait(&mut self, tick: u64, stop: &AtomicBool) -> bool {
+        let due = self.due(tick);
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            let now = Instant::now();
+            match due.checked_duration_since(now) {
+                None | Some(Duration::ZERO) => {
+                    self.deadlines.release.push(now - due);
+                    return true;
+                }
+                Some(left) if left > SPIN => std::thread::sleep((left - SPIN).min(NAP)),
+                Some(_) => std::hint::spin_loop(),
+            }
+        }
+    }
+
+    /// Notes that the result of `tick` is there.
+    pub(super) fn done(&mut self, tick: u64) {
+        if Instant::now() > self.due(tick + 1) {
+            self.deadlines.late += 1;
+        }
+    }
+
+    pub(super) fn finish(self) -> Deadlines {
+        self.deadlines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_tick_begins_before_it_is_due() {
+        let stop = AtomicBool::new(false);
+        let mut pacer = Pacer::start(1000.0);
+        for tick in 0..20 {
+            assert!(pacer.wait(tick, &stop));
+            assert!(Instant::now() >= pacer.due(tick));
+            pacer.done(tick);
+        }
+        assert_eq!(pacer.finish().release.count(), 20);
+    }
+
+    #[test]
+    fn a_result_after_the_next_deadline_is_late() {
+        let stop = AtomicBool::new(false);
+        let mut pacer = Pacer::start(1000.0);
+        assert!(pacer.wait(0, &stop));
+        std::thread::sleep(Duration::from_millis(3));
+        pacer.done(0);
+        assert_eq!(pacer.finish().late, 1);
+    }
+
+    #[test]
+    fn a_stop_ends_a_long_wait() {
+        let stop = AtomicBool::new(true);
+        let mut pacer = Pacer::start(1e-3);
+        assert!(!pacer.wait(1, &stop));
+        assert_eq!(pacer.finish().release.count(), 0);
+    }
+}

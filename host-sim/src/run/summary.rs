@@ -1,0 +1,219 @@
+//! The summary of a run.
+
+use super::peaks::At;
+use super::{End, Histogram, Report};
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::Duration;
+use trirrr_scene::Scene;
+
+/// Prints the summary of a run of `scene`, read from `file`.
+pub(super) fn print(
+    out: &mut dyn Write,
+    file: &Path,
+    scene: &Scene,
+    report: &Report,
+) -> io::Result<()> {
+    job(out, file, scene, report)?;
+    motion(out, report)?;
+    timing(out, scene, report)?;
+    files(out, report)?;
+    out.flush()
+}
+
+/// One line: what it is about, and what there is to say.
+fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
+    writeln!(out, "{}", format!("{label:<12}{text}").trim_end())
+}
+
+fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::Result<()> {
+    line(
+        out,
+        "scene",
+        &format!("{} ({})", scene.name, file.display()),
+    )?;
+    if !scene.description.is_empty() {
+        line(out, "", &scene.description)?;
+    }
+    line(out, "numbers", &report.scalar.to_string())?;
+    let moves = match scene.job.moves.len() {
+        1 => "1 move".into(),
+        count => format!("{count} moves"),
+    };
+    let (ticks, rate) = (scene.ticks(), scene.tick_rate_hz);
+    let duration = f64::from(ticks) / rate;
+    line(
+        out,
+        "job",
+        &format!("{moves}, {duration} s: {ticks} ticks at {rate} Hz"),
+    )?;
+    let (records, setpoints) = (report.records, report.setpoints);
+    let how = match &report.deadlines {
+        Some(_) => "in real time",
+        None => "without pacing",
+    };
+    let took = seconds(report.elapsed);
+    line(
+        out,
+        "ran",
+        &format!("{records} of {setpoints} setpoints {how}, {took}"),
+    )?;
+    match report.end {
+        End::Complete => Ok(()),
+        End::Stopped => line(
+            out,
+            "stopped",
+            "by Ctrl-C; what was computed so far is written",
+        ),
+        End::Status { tick, status } => {
+            let t = tick as f64 / rate;
+            let text = format!("at tick {tick}, t = {t} s: {status}; what came before is written");
+            line(out, "stopped", &text)
+        }
+    }
+}
+
+fn motion(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    let Some(peaks) = &report.peaks else {
+        return Ok(());
+    };
+    writeln!(out)?;
+    let header = ["peak rate", "peak torque", "peak power"];
+    line(
+        out,
+        "",
+        &header.map(|title| format!("{title:<18}")).concat(),
+    )?;
+    for (i, motor) in peaks.motors.iter().enumerate() {
+        let [rate, torque, power] = [
+            (motor.rate, "rad/s"),
+            (motor.torque, "N m"),
+            (motor.power, "W"),
+        ]
+        .map(|(at, unit)| format!("{:<18}", quantity(at.value, unit)));
+        line(
+            out,
+            &format!("motor {}", i + 1),
+            &format!("{rate}{torque}{power}"),
+        )?;
+    }
+    writeln!(out)?;
+    let nearest = |at: At| format!("{} at t = {} s", digits(at.value), at.t);
+    let (leg, serial) = least(&peaks.serial);
+    line(
+        out,
+        "least distance to singularity (scale-free, 0 to 1)",
+        "",
+    )?;
+    line(
+        out,
+        "  serial",
+        &format!("{}, leg {}", nearest(serial), leg + 1),
+    )?;
+    line(out, "  parallel", &nearest(peaks.parallel))
+}
+
+/// The least of the three and its leg, 0 to 2.
+fn least(serial: &[At; 3]) -> (usize, At) {
+    let mut least = (0, serial[0]);
+    for (leg, at) in serial.iter().enumerate() {
+        if at.value < least.1.value {
+            least = (leg, *at);
+        }
+    }
+    least
+}
+
+fn timing(out: &mut dyn Write, scene: &Scene, report: &Report) -> io::Result<()> {
+    writeln!(out)?;
+    line(
+        out,
+        "microseconds",
+        &["min", "median", "p99", "max"]
+            .map(|s| format!("{s:>10}"))
+            .concat(),
+    )?;
+    let row = |out: &mut dyn Write, label: &str, times: &Histogram| {
+        let times = [
+            times.min(),
+            times.percentile(50.0),
+            times.percentile(99.0),
+            times.max(),
+        ];
+        let columns = times.map(|time| format!("{:>10.2}", time.as_secs_f64() * 1e6));
+        line(out, label, &columns.concat())
+    };
+    row(out, "  computing", &report.computation)?;
+    let Some(deadlines) = &report.deadlines else {
+        return Ok(());
+    };
+    row(out, "  jitter", &deadlines.release)?;
+    line(out, "", "(jitter: how long after its time a tick began)")?;
+    let period = Duration::from_secs_f64(1.0 / scene.tick_rate_hz);
+    let (late, total) = (deadlines.late, deadlines.release.count());
+    let period_us = period.as_secs_f64() * 1e6;
+    line(
+        out,
+        "late ticks",
+        &format!("{late} of {total} (a result after {period_us} microseconds)"),
+    )
+}
+
+fn files(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+    writeln!(out)?;
+    for (i, file) in report.files.iter().enumerate() {
+        line(
+            out,
+            if i == 0 { "written" } else { "" },
+            &file.display().to_string(),
+        )?;
+    }
+    Ok(())
+}
+
+fn seconds(duration: Duration) -> String {
+    let s = duration.as_secs_f64();
+    match s {
+        _ if s < 1e-3 => format!("{:.1} microseconds", s * 1e6),
+        _ if s < 0.1 => format!("{:.2} ms", s * 1e3),
+        _ => format!("{s:.3} s"),
+    }
+}
+
+/// Four digits with a unit; an exponent only where zeros would hide the size.
+fn quantity(value: f64, unit: &str) -> String {
+    format!("{} {unit}", digits(value))
+}
+
+fn digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".into()
+    } else if (1e-4..1e6).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        assert_eq!(digits(0.012345678), "0.01235");
+        assert_eq!(digits(-123.456), "-123.5");
+        assert_eq!(digits(54321.9), "54322");
+        assert_eq!(digits(1.5e-9), "1.500e-9");
+        assert_eq!(quantity(0.0, "W"), "0 W");
+    }
+
+    #[test]
+    fn durations_have_a_unit_that_fits() {
+        assert_eq!(seconds(Duration::from_micros(42)), "42.0 microseconds");
+        assert_eq!(seconds(Duration::from_millis(1000)), "1.000 s");
+        assert_eq!(seconds(Duration::from_micros(2500)), "2.50 ms");
+    }
+}

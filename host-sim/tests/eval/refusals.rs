@@ -1,0 +1,152 @@
+//! Every way a table or a row can be wrong.
+
+use crate::{MACHINE, MACHINE_HEADER, MOVE, MOVE_HEADER, STATE, STATE_HEADER, table};
+use trirrr_host_sim::eval::{Count, evaluate};
+use trirrr_host_sim::scalar::Available;
+
+fn refusal(cases: &[u8]) -> String {
+    let failure = evaluate(Available::F64, "cases.csv", cases, &mut Vec::new()).unwrap_err();
+    assert_eq!(failure.exit_code(), 2, "{failure}");
+    failure.to_string()
+}
+
+#[test]
+fn a_bad_row_says_what_is_wrong_and_the_others_go_on() {
+    let good = format!("{MACHINE},{STATE}");
+    // Fields are replaced by their place in the row.
+    let with = |place: usize, value: &str| {
+        let mut fields: Vec<&str> = good.split(',').collect();
+        fields[place] = value;
+        fields.join(",")
+    };
+    let cases = [
+        (
+            with(2, "-0.2"),
+            "invalid: z1_1 = -0.2: must be greater than 0",
+        ),
+        (with(10, "0"), "invalid: z2_2 = 0: must be greater than 0"),
+        (
+            with(4, "-0.02"),
+            "invalid: h_1 = -0.02: must not be negative",
+        ),
+        (with(6, "2"), "invalid: sg_1 = 2: must be 1 or -1"),
+        (with(21, "-1"), "invalid: m = -1: must not be negative"),
+        (with(22, "nan"), "invalid: I = nan: is not finite"),
+        (with(0, "inf"), "invalid: ax_1 = inf: is not finite"),
+        (with(23, "1e999"), "invalid: x = 1e999: is not finite"),
+        (with(23, "left"), "invalid: x = left: is not a number"),
+        (with(24, ""), "invalid: y is empty"),
+        (with(23, "0.9"), "unreachable: leg 1"),
+        (
+            format!("{good},7"),
+            "invalid: 33 fields where the header has 32",
+        ),
+        (MACHINE.into(), "invalid: 23 fields where the header has 32"),
+        (good.clone(), "ok"),
+    ];
+    let lines: Vec<String> = cases.iter().map(|(line, _)| line.clone()).collect();
+    let table_text = format!("{MACHINE_HEADER},{STATE_HEADER}\n{}\n", lines.join("\n"));
+    let (count, rows) = table(Available::F64, table_text.as_bytes());
+    assert_eq!(
+        count,
+        Count {
+            rows: cases.len(),
+            ok: 1
+        }
+    );
+    for (row, (_, status)) in rows.iter().zip(&cases) {
+        assert_eq!(row[1], *status);
+    }
+}
+
+#[test]
+fn what_f32_cannot_hold_is_said_to_be_so() {
+    let good = format!("{MACHINE},{STATE}");
+    let far = good.replacen("0,0.433", "1e60,0.433", 1);
+    let short = good.replacen("0.2,0.2", "0.2,1e-60", 1);
+    let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{far}\n{short}\n");
+    let (_, rows) = table(Available::F32, cases.as_bytes());
+    assert_eq!(
+        rows[0][1],
+        "invalid: ax_1 = 1e60: is beyond the range of f32"
+    );
+    assert_eq!(
+        rows[1][1],
+        "invalid: z2_1 = 1e-60: is too small for f32, it would count as 0"
+    );
+}
+
+#[test]
+fn a_time_outside_its_move_is_invalid() {
+    let rows = ["-0.1", "1.1", "1"]
+        .map(|t| format!("{MACHINE},{MOVE},{t}"))
+        .join("\n");
+    let endless = format!(
+        "{MACHINE},{},0",
+        MOVE.strip_suffix('1').unwrap().to_owned() + "0"
+    );
+    let cases = format!("{MACHINE_HEADER},{MOVE_HEADER}\n{rows}\n{endless}\n");
+    let (_, rows) = table(Available::F64, cases.as_bytes());
+    let statuses: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(
+        statuses,
+        [
+            "invalid: t = -0.1: must not be negative",
+            "invalid: t = 1.1: must not be greater than T",
+            "ok",
+            "invalid: T = 0: must be greater than 0",
+        ]
+    );
+}
+
+#[test]
+fn the_singularities_are_statuses() {
+    // With D at the origin, alpha = 0 and both links 1 m, a leg of the platform joint (0.5, 0)
+    // and the base joint (2.5, 0) is exactly stretched. The first leg is the one reported.
+    let leg = |x: &str, y: &str, lam: &str| format!("{x},{y},1,1,0.5,{lam},1");
+    let stretched = [
+        leg("2.5", "0", "0"),
+        leg("-10", "0", "0"),
+        leg("-10", "0", "0"),
+        "1,1,0,0,0,0,0,0,0,0,0".into(),
+    ]
+    .join(",");
+    // The same leg three times: the distal links share one line.
+    let parallel = [
+        leg("1", "0", "0"),
+        leg("1", "0", "0"),
+        leg("1", "0", "0"),
+        "1,1,0,0,0,0,0,0,0,0,0".into(),
+    ]
+    .join(",");
+    let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{stretched}\n{parallel}\n");
+    for scalar in [Available::F64, Available::F32] {
+        let (_, rows) = table(scalar, cases.as_bytes());
+        assert_eq!(rows[0][1], "serial singular: leg 1");
+        assert_eq!(rows[1][1], "parallel singular");
+    }
+}
+
+#[test]
+fn a_table_without_rows_gives_a_header_and_one_without_columns_is_refused() {
+    let header = format!("{MACHINE_HEADER},{STATE_HEADER}");
+    assert!(table(Available::F64, header.as_bytes()).1.is_empty());
+    assert!(refusal(b"").contains("cases.csv: is empty"));
+    let message = refusal(header.replace("z2_3,", "").as_bytes());
+    assert_eq!(message, "cases.csv: column z2_3 is missing");
+    let message = refusal(format!("{MACHINE_HEADER},x0,xf,y0,yf,a0,af,T\n").as_bytes());
+    assert_eq!(message, "cases.csv: column t is missing");
+    let message = refusal(format!("{header},m\n").as_bytes());
+    assert_eq!(message, "cases.csv: column m is there more than once");
+}
+
+#[test]
+fn bytes_that_are_no_text_spoil_their_row_only() {
+    let mut cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{STATE}\n").into_bytes();
+    cases.extend_from_slice(b"\xff\xfe");
+    cases.extend_from_slice(format!("{MACHINE},{STATE}\n").as_bytes());
+    let (count, rows) = table(Available::F64, &cases);
+    assert_eq!(count, Count { rows: 2, ok: 1 });
+    assert!(rows[1][1].starts_with("invalid: ax_1 = "), "{}", rows[1][1]);
+    assert!(rows[1][1].ends_with("is not a number"));
+}

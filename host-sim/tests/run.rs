@@ -1,0 +1,317 @@
+//! `host-sim run`: what it writes, how it ends.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+use trirrr_core::status::Status;
+use trirrr_host_sim::run::{End, simulate};
+use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::Scene;
+
+const HEADER: &str = "t,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,th1_1,th1_2,th1_3,dth1_1,dth1_2,dth1_3,\
+    ddth1_1,ddth1_2,ddth1_3,tau1,tau2,tau3,P1,P2,P3,detA,th2_1,th2_2,th2_3,dth2_1,dth2_2,dth2_3,\
+    ddth2_1,ddth2_2,ddth2_3,D1,D2,D3,serial1,serial2,serial3,parallel";
+
+const FILES: [&str; 10] = [
+    "ticks.csv",
+    "pose.svg",
+    "velocity.svg",
+    "acceleration.svg",
+    "joint_angle.svg",
+    "joint_rate.svg",
+    "torque.svg",
+    "power.svg",
+    "singularity.svg",
+    "machine.svg",
+];
+
+fn scene_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../scenes")
+        .join(name)
+}
+
+fn host_sim() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+}
+
+fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
+    let mut command = host_sim();
+    command
+        .arg("run")
+        .arg(scene)
+        .arg("--out")
+        .arg(out)
+        .args(more);
+    command.output().expect("host-sim starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// The rows of `ticks.csv` below the header, every field a finite number.
+fn rows(folder: &Path) -> Vec<Vec<f64>> {
+    let table = fs::read_to_string(folder.join("ticks.csv")).expect("ticks.csv");
+    assert!(table.ends_with('\n'), "the last row is whole");
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    let number = |field: &str| {
+        let value: f64 = field
+            .parse()
+            .unwrap_or_else(|_| panic!("{field} is no number"));
+        assert!(value.is_finite());
+        value
+    };
+    let rows: Vec<Vec<f64>> = lines
+        .map(|row| row.split(',').map(number).collect())
+        .collect();
+    assert!(
+        rows.iter()
+            .all(|row| row.len() == HEADER.split(',').count())
+    );
+    rows
+}
+
+fn column(name: &str) -> usize {
+    HEADER
+        .split(',')
+        .position(|column| column == name)
+        .expect(name)
+}
+
+fn assert_all_files(folder: &Path) {
+    for file in FILES {
+        let written = fs::read_to_string(folder.join(file)).expect(file);
+        assert!(
+            file == "ticks.csv" || written.ends_with("</svg>\n"),
+            "{file}"
+        );
+    }
+    assert_eq!(fs::read_dir(folder).unwrap().count(), FILES.len());
+}
+
+#[test]
+fn the_thesis_scene_gives_101_rows_of_true_values_and_the_figures() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("made/if/missing");
+    let output = run(&scene_file("thesis.toml"), &out, &["--fast"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_all_files(&out);
+
+    let rows = rows(&out);
+    assert_eq!(rows.len(), 101);
+    for (tick, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], tick as f64 / 100.0);
+    }
+    // The pose of both ends exactly, and the true torques there to the digits that
+    // docs/errata.md gives.
+    let (first, last) = (&rows[0], &rows[100]);
+    assert_eq!(first[1..4], [0.21, 0.22, 0.15707963267948966]);
+    assert_eq!(last[1..4], [0.28, 0.28, 0.20943951023931953]);
+    let tau = column("tau1");
+    for (row, torques) in [
+        (first, [0.012528697, 0.014246763, -0.029750897]),
+        (last, [-0.019558387, -0.015416587, 0.039628158]),
+    ] {
+        for (computed, expected) in row[tau..tau + 3].iter().zip(torques) {
+            assert!((computed - expected).abs() < 1e-9, "{computed} {expected}");
+        }
+    }
+    // The motors' power is the platform's.
+    for row in &rows {
+        let power: f64 = row[column("P1")..][..3].iter().sum();
+        let [vx, vy, va, ax, ay, aa] = row[4..10] else {
+            unreachable!()
+        };
+        let platform = 0.5 * (vx * ax + vy * ay) + 0.0025 * va * aa;
+        assert!((power - platform).abs() < 1e-15, "{power} {platform}");
+    }
+
+    let summary = text(&output.stdout);
+    for part in [
+        "thesis",
+        "f64",
+        "101 of 101",
+        "100 Hz",
+        "motor 3",
+        "0.03963 N m",
+        "serial",
+        "parallel",
+        "machine.svg",
+    ] {
+        assert!(summary.contains(part), "{part} in\n{summary}");
+    }
+    assert!(!summary.contains("late ticks"), "{summary}");
+}
+
+#[test]
+fn without_arguments_the_thesis_scene_runs_in_real_time() {
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("scenes")).unwrap();
+    fs::copy(
+        scene_file("thesis.toml"),
+        folder.path().join("scenes/thesis.toml"),
+    )
+    .unwrap();
+    let output = host_sim().current_dir(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_all_files(&folder.path().join("out/thesis"));
+    let summary = text(&output.stdout);
+    for part in [
+        "in real time",
+        "jitter",
+        "late ticks",
+        "of 101",
+        "out/thesis/ticks.csv",
+    ] {
+        assert!(summary.contains(part), "{part} in\n{summary}");
+    }
+}
+
+#[test]
+fn the_number_type_can_be_chosen() {
+    let folder = TempDir::new().unwrap();
+    let output = run(
+        &scene_file("thesis.toml"),
+        folder.path(),
+        &["--fast", "--scalar", "f32"],
+    );
+    assert!(output.status.success());
+    let rows = rows(folder.path());
+    assert_eq!(rows.len(), 101);
+    for row in &rows {
+        for value in &row[1..] {
+            assert_eq!(f64::from(*value as f32), *value, "printed without rounding");
+        }
+    }
+    for missing in ["fixed", "micromath"] {
+        let output = run(
+            &scene_file("thesis.toml"),
+            folder.path(),
+            &["--scalar", missing],
+        );
+        assert_eq!(output.status.code(), Some(2));
+        let message = text(&output.stderr);
+        assert!(
+            message.contains(missing) && message.contains("f64 or f32"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_refused_and_what_cannot_be_written_fails() {
+    let folder = TempDir::new().unwrap();
+    let missing = folder.path().join("missing.toml");
+    let output = run(&missing, folder.path(), &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("missing.toml"));
+
+    let bad = folder.path().join("bad.toml");
+    let scene = fs::read_to_string(scene_file("thesis.toml")).unwrap();
+    fs::write(&bad, scene.replace("mass_kg = 0.5", "mass_kg = -0.5")).unwrap();
+    let output = run(&bad, folder.path(), &[]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = text(&output.stderr);
+    assert!(
+        message.contains("mass_kg") && message.contains("-0.5"),
+        "{message}"
+    );
+
+    // A file where the folder should be.
+    let output = run(&scene_file("thesis.toml"), &bad, &["--fast"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("bad.toml: cannot be written"));
+    // A folder where the table should be.
+    fs::create_dir(folder.path().join("ticks.csv")).unwrap();
+    let output = run(&scene_file("thesis.toml"), folder.path(), &["--fast"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("ticks.csv: cannot be written"));
+
+    let output = host_sim().args(["run", "--sideways"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn a_status_ends_the_run_with_what_came_before() {
+    // The scene's reader refuses such a job; the run must hold its own all the same.
+    let mut scene = Scene::read(scene_file("thesis.toml")).unwrap();
+    scene.job.moves[0].to.position.x = 0.6;
+    let folder = TempDir::new().unwrap();
+    for (scalar, paced) in [(Scalar::F64, false), (Scalar::F32, true)] {
+        let never = AtomicBool::new(false);
+        let report = simulate(&scene, scalar, paced, folder.path(), &never).unwrap();
+        let End::Status { tick, status } = report.end else {
+            panic!("{:?}", report.end);
+        };
+        assert_eq!(status, Status::Unreachable { leg: 0 });
+        assert!((30..60).contains(&tick), "{tick}");
+        assert_eq!(report.records, tick);
+        assert_eq!(report.setpoints, 101);
+        assert_eq!(rows(folder.path()).len() as u64, tick);
+        assert_all_files(folder.path());
+    }
+    // Already the first setpoint: a header, empty figures, no peaks.
+    scene.job.moves[0].from.position.x = 5.0;
+    let never = AtomicBool::new(false);
+    let report = simulate(&scene, Scalar::F64, false, folder.path(), &never).unwrap();
+    assert!(matches!(report.end, End::Status { tick: 0, .. }));
+    assert!(report.peaks.is_none());
+    assert!(rows(folder.path()).is_empty());
+    assert_all_files(folder.path());
+}
+
+#[test]
+fn a_stop_before_the_start_writes_a_table_without_rows() {
+    let scene = Scene::read(scene_file("thesis.toml")).unwrap();
+    let folder = TempDir::new().unwrap();
+    let stopped = AtomicBool::new(true);
+    let report = simulate(&scene, Scalar::F64, true, folder.path(), &stopped).unwrap();
+    assert_eq!(report.end, End::Stopped);
+    assert!(rows(folder.path()).is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_the_run_cleanly() {
+    let folder = TempDir::new().unwrap();
+    let scene = fs::read_to_string(scene_file("thesis.toml")).unwrap();
+    let long = folder.path().join("long.toml");
+    fs::write(
+        &long,
+        scene.replace("duration_s = 1.0", "duration_s = 600.0"),
+    )
+    .unwrap();
+    let out = folder.path().join("out");
+    let child = host_sim()
+        .args(["run", "long.toml", "--out", "out"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Ctrl-C is handled before the table is begun; then some ticks.
+    while !out.join("ticks.csv").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let summary = text(&output.stdout);
+    assert!(summary.contains("Ctrl-C"), "{summary}");
+    let rows = rows(&out);
+    assert!((1..60_001).contains(&rows.len()));
+    assert!(
+        summary.contains(&format!("{} of 60001", rows.len())),
+        "{summary}"
+    );
+    assert_all_files(&out);
+}
