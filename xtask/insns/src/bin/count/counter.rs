@@ -1,0 +1,60 @@
+//! A counter that the emulator advances with every instruction.
+//!
+//! | core | counter | unit |
+//! |---|---|---|
+//! | Cortex-M | SysTick at the core clock, under `-icount shift=8` (256 ns per instruction) | 256 ns times the core clock: 6.4 (25 MHz) or 4.096 (16 MHz) per instruction |
+//! | RISC-V | `minstret` | instructions |
+
+#[cfg(target_arch = "arm")]
+mod implementation {
+    use cortex_m::peripheral::{SYST, syst::SystClkSource};
+
+    /// SysTick counts down through 24 bits.
+    const MODULUS: u32 = 1 << 24;
+
+    /// Starts the counter.
+    pub(crate) fn start() {
+        let Some(peripherals) = cortex_m::Peripherals::take() else {
+            panic!("the program starts once")
+        };
+        let mut systick = peripherals.SYST;
+        systick.set_clock_source(SystClkSource::Core);
+        systick.set_reload(MODULUS - 1);
+        systick.clear_current();
+        systick.enable_counter();
+    }
+
+    /// The counter's value.
+    #[inline(always)]
+    pub(crate) fn now() -> u32 {
+        SYST::get_current()
+    }
+
+    /// From one value to a later one, less than 2^24 away.
+    pub(crate) fn elapsed(before: u32, after: u32) -> u32 {
+        before.wrapping_sub(after) % MODULUS
+    }
+}
+
+#[cfg(target_arch = "riscv32")]
+#[allow(unsafe_code)]
+mod implementation {
+    /// Nothing to do: it counts from reset on.
+    pub(crate) fn start() {}
+
+    /// The counter's low half.
+    #[inline(always)]
+    pub(crate) fn now() -> u32 {
+        let count: u32;
+        // SAFETY: reads a counter, touches neither memory nor stack.
+        unsafe { core::arch::asm!("csrr {}, minstret", out(reg) count, options(nomem, nostack)) };
+        count
+    }
+
+    /// From one value to a later one, less than 2^32 away.
+    pub(crate) fn elapsed(before: u32, after: u32) -> u32 {
+        after.wrapping_sub(before)
+    }
+}
+
+pub(crate) use implementation::*;

@@ -1,0 +1,80 @@
+//! The program: every tick of the job, counted.
+
+use super::counter;
+use core::hint::black_box;
+use semihosting::{println, process};
+use trirrr_core::setpoint::Setpoint;
+use trirrr_image::{Checksum, Segment, segments};
+use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD_S, Scalar};
+use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set};
+
+/// Stands in for [`evaluate`]: what a call and the counter's own reading cost.
+#[inline(never)]
+fn empty_evaluate(_: &SceneTick, _: &Setpoint<Scalar>, _: &mut Outcome) {}
+
+/// Stands in for [`set`].
+#[inline(never)]
+fn empty_set(_: &Segment<Scalar>, _: u32, _: &mut Setpoint<Scalar>) {}
+
+/// Counts one call through a pointer that the compiler cannot see through, so that the empty call
+/// costs the same as the full one.
+#[inline(never)]
+fn count_evaluate(
+    function: fn(&SceneTick, &Setpoint<Scalar>, &mut Outcome),
+    tick: &SceneTick,
+    setpoint: &Setpoint<Scalar>,
+    outcome: &mut Outcome,
+) -> u32 {
+    let before = counter::now();
+    function(tick, setpoint, outcome);
+    counter::elapsed(before, counter::now())
+}
+
+/// As [`count_evaluate`], for the setpoint.
+#[inline(never)]
+fn count_set(
+    function: fn(&Segment<Scalar>, u32, &mut Setpoint<Scalar>),
+    segment: &Segment<Scalar>,
+    tick: u32,
+    setpoint: &mut Setpoint<Scalar>,
+) -> u32 {
+    let before = counter::now();
+    function(segment, tick, setpoint);
+    counter::elapsed(before, counter::now())
+}
+
+/// The whole program.
+pub(crate) fn run() -> ! {
+    counter::start();
+    let tick = match SceneTick::build(&black_box(PARAMETERS)) {
+        Ok(tick) => tick,
+        Err(error) => {
+            println!("error: {error}");
+            process::exit(1)
+        }
+    };
+    let mut outcome = Outcome::default();
+    let mut checksum = Checksum::default();
+    let mut first = true;
+    for segment in segments::<Scalar>(&MOVES, PERIOD_S) {
+        for index in 0..segment.ticks() {
+            let mut setpoint = segment.at(index);
+            if first {
+                first = false;
+                let evaluate =
+                    count_evaluate(black_box(empty_evaluate), &tick, &setpoint, &mut outcome);
+                let set = count_set(black_box(empty_set), &segment, index, &mut setpoint);
+                println!("empty {evaluate} {set}");
+            }
+            let set = count_set(black_box(set), &segment, index, &mut setpoint);
+            let evaluate = count_evaluate(black_box(evaluate), &tick, &setpoint, &mut outcome);
+            match outcome.status {
+                Ok(()) => checksum.add(&outcome.motors),
+                Err(status) => checksum.add_status(status),
+            }
+            println!("tick {evaluate} {set}");
+        }
+    }
+    println!("bits {:016x}", checksum.value());
+    process::exit(0)
+}

@@ -1,0 +1,12 @@
+//! What the two images of this package share: the scene they were built for, as constants and
+//! types, and the tick as a caller sees it.
+#![no_std]
+
+pub mod tick;
+
+/// The scene: `PARAMETERS`, `MOVES`, `PERIOD_S`, and the types `Scalar`, `Payload`, `Links` that
+/// it needs. Written by the build script from the file that `TRIRRR_SCENE` names.
+#[allow(missing_docs, clippy::approx_constant, clippy::excessive_precision)]
+pub mod scene {
+    include!(concat!(env!("OUT_DIR"), "/scene.rs"));
+}

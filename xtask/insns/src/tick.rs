@@ -1,0 +1,55 @@
+//! The two functions whose instructions are counted.
+//!
+//! Neither is inlined and both take their coefficients by reference, so that the geometry is
+//! known at run time only and nothing is computed by the compiler.
+
+use crate::scene::{Links, Payload, Scalar};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_core::status::Status;
+use trirrr_core::tick::{Motor, Tick};
+use trirrr_image::Segment;
+
+/// The tick that the scene needs.
+pub type SceneTick = Tick<Scalar, Payload, Links>;
+
+/// What one tick leaves: angle, rate, acceleration and torque of each motor, or why there are none.
+pub struct Outcome {
+    /// The motors, as of the last tick that had a motion.
+    pub motors: [Motor<Scalar>; 3],
+    /// How the tick ended.
+    pub status: Result<(), Status>,
+}
+
+impl Default for Outcome {
+    fn default() -> Self {
+        let motor = Motor {
+            angle: Scalar::angle_from_f64(0.0),
+            rate: Scalar::ZERO,
+            acceleration: Scalar::ZERO,
+            torque: Scalar::ZERO,
+        };
+        Self {
+            motors: [motor; 3],
+            status: Ok(()),
+        }
+    }
+}
+
+/// One tick proper: the twelve results of one setpoint.
+#[inline(never)]
+pub fn evaluate(tick: &SceneTick, setpoint: &Setpoint<Scalar>, outcome: &mut Outcome) {
+    match tick.evaluate(setpoint) {
+        Ok(motion) => {
+            outcome.motors = motion.motors;
+            outcome.status = Ok(());
+        }
+        Err(status) => outcome.status = Err(status),
+    }
+}
+
+/// One setpoint of a move.
+#[inline(never)]
+pub fn set(segment: &Segment<Scalar>, tick: u32, setpoint: &mut Setpoint<Scalar>) {
+    *setpoint = segment.at(tick);
+}

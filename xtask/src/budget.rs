@@ -1,0 +1,186 @@
+//! Measured figures, checked in: a figure that moves is seen in the change that moves it.
+
+use crate::repository::{compiler, root};
+use anyhow::{Context, Result, bail};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::PathBuf;
+
+/// How far a figure may move before it has to be looked at.
+const TOLERANCE: f64 = 0.02;
+
+/// A row of figures that can be told from other rows.
+pub(crate) trait Measured {
+    /// What was measured, such as `m4f f32 thesis`.
+    fn key(&self) -> String;
+    /// The figures by name.
+    fn figures(&self) -> Vec<(&'static str, f64)>;
+}
+
+/// A checked-in file of rows.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Budget<Row> {
+    /// The compiler that they were measured with.
+    rustc: String,
+    rows: Vec<Row>,
+}
+
+/// `xtask/budgets/NAME.json`.
+fn file(name: &str) -> PathBuf {
+    root()
+        .join("xtask/budgets")
+        .join(name)
+        .with_extension("json")
+}
+
+/// Compares `measured` with what is checked in as `name`.
+pub(crate) fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
+    let file = file(name);
+    let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+    let budget: Budget<Row> =
+        serde_json::from_str(&text).with_context(|| file.display().to_string())?;
+    let complaints: Vec<String> = measured
+        .iter()
+        .flat_map(|row| compare(&budget.rows, row))
+        .collect();
+    if complaints.is_empty() {
+        return Ok(());
+    }
+    let now = compiler()?;
+    let other_compiler = if now == budget.rustc {
+        String::new()
+    } else {
+        format!("\n(measured with {now}, checked in with {})", budget.rustc)
+    };
+    bail!(
+        "{}{other_compiler}\nWhere this is meant: cargo xtask {name} --bless, and commit {}",
+        complaints.join("\n"),
+        file.display()
+    )
+}
+
+/// What is wrong with `row`, given the rows that are checked in.
+fn compare<Row: Measured>(budget: &[Row], row: &Row) -> Vec<String> {
+    let key = row.key();
+    let Some(expected) = budget.iter().find(|other| other.key() == key) else {
+        return vec![format!("{key}: no figures are checked in")];
+    };
+    let mut complaints = Vec::new();
+    for ((name, now), (_, then)) in row.figures().into_iter().zip(expected.figures()) {
+        let change = 100.0 * (now - then) / then;
+        if now > then * (1.0 + TOLERANCE) {
+            complaints.push(format!(
+                "{key}: {name} grew from {then} to {now} ({change:+.1} %)"
+            ));
+        } else if now < then * (1.0 - TOLERANCE) {
+            complaints.push(format!(
+                "{key}: {name} shrank from {then} to {now} ({change:+.1} %): refresh the figures"
+            ));
+        }
+    }
+    complaints
+}
+
+/// Checks `measured` in as `name`. Rows of what was not measured stay, unless `everything` was.
+pub(crate) fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
+where
+    Row: Measured + Serialize + DeserializeOwned,
+{
+    let file = file(name);
+    let mut rows = measured;
+    if !everything && file.exists() {
+        let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+        let old: Budget<Row> =
+            serde_json::from_str(&text).with_context(|| file.display().to_string())?;
+        let new: Vec<String> = rows.iter().map(Measured::key).collect();
+        rows.extend(old.rows.into_iter().filter(|row| !new.contains(&row.key())));
+    }
+    rows.sort_by_key(Measured::key);
+    let budget = Budget {
+        rustc: compiler()?,
+        rows,
+    };
+    fs::write(&file, to_text(&budget)?).with_context(|| file.display().to_string())?;
+    eprintln!("wrote {}", file.display());
+    Ok(())
+}
+
+/// JSON with one row per line, so that a difference between two versions reads as a table.
+fn to_text<Row: Serialize>(budget: &Budget<Row>) -> Result<String> {
+    let rows: Vec<String> = budget
+        .rows
+        .iter()
+        .map(|row| Ok(format!("    {}", serde_json::to_string(row)?)))
+        .collect::<Result<_>>()?;
+    let rustc = serde_json::to_string(&budget.rustc)?;
+    Ok(format!(
+        "{{\n  \"rustc\": {rustc},\n  \"rows\": [\n{}\n  ]\n}}\n",
+        rows.join(",\n")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Serialize, Deserialize)]
+    struct Row(String, f64);
+
+    impl Measured for Row {
+        fn key(&self) -> String {
+            self.0.clone()
+        }
+        fn figures(&self) -> Vec<(&'static str, f64)> {
+            vec![("max", self.1)]
+        }
+    }
+
+    fn complaints(then: f64, now: f64) -> Vec<String> {
+        compare(&[Row("a".into(), then)], &Row("a".into(), now))
+    }
+
+    #[test]
+    fn two_percent_either_way_pass() {
+        for now in [500.0, 490.0, 510.0] {
+            assert!(complaints(500.0, now).is_empty(), "{now}");
+        }
+    }
+
+    #[test]
+    fn more_than_that_is_named_with_its_direction() {
+        assert_eq!(
+            complaints(500.0, 511.0),
+            ["a: max grew from 500 to 511 (+2.2 %)"]
+        );
+        assert_eq!(
+            complaints(500.0, 489.0),
+            ["a: max shrank from 500 to 489 (-2.2 %): refresh the figures"]
+        );
+        // From nothing, anything is growth.
+        assert_eq!(complaints(0.0, 4.0).len(), 1);
+    }
+
+    #[test]
+    fn a_row_that_is_not_checked_in_is_an_error() {
+        let found = compare(&[Row("a".into(), 1.0)], &Row("b".into(), 1.0));
+        assert_eq!(found, ["b: no figures are checked in"]);
+    }
+
+    #[test]
+    fn the_file_reads_back_as_written() {
+        let budget = Budget {
+            rustc: "rustc 1.95.0".into(),
+            rows: vec![Row("a".into(), 1.5), Row("b".into(), 2.0)],
+        };
+        let text = to_text(&budget).expect("plain data");
+        assert_eq!(
+            text.lines()
+                .filter(|line| line.starts_with("    ["))
+                .count(),
+            2
+        );
+        let back: Budget<Row> = serde_json::from_str(&text).expect("is JSON");
+        assert_eq!((back.rows[1].0.as_str(), back.rows[1].1), ("b", 2.0));
+    }
+}

@@ -1,0 +1,201 @@
+//! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
+
+use crate::cores::CORES;
+use crate::repository::{cargo, root};
+use crate::size::FIRMWARE_TARGET;
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// The crates that are built for microcontrollers only; a host has nothing to check in them.
+const DEVICE_PACKAGES: [(&str, &str); 2] = [
+    ("trirrr-firmware", FIRMWARE_TARGET),
+    ("trirrr-insns", FIRMWARE_TARGET),
+];
+
+/// Targets that the core has to build for although nothing runs there: no operating system, with
+/// and without an FPU, ARM and not.
+const CORE_TARGETS: [&str; 3] = [
+    "thumbv7em-none-eabihf",
+    "thumbv6m-none-eabi",
+    "riscv32imc-unknown-none-elf",
+];
+
+/// The scenes whose instructions are counted on every core.
+const COUNTED_SCENES: [&str; 2] = ["thesis", "thesis-links"];
+
+struct Step {
+    name: String,
+    command: Command,
+}
+
+pub(crate) fn run() -> Result<()> {
+    check_tools()?;
+    let start = Instant::now();
+    for mut step in steps() {
+        println!("== {}", step.name);
+        let begin = Instant::now();
+        let status = step
+            .command
+            .status()
+            .with_context(|| format!("{}: cannot be started", step.name))?;
+        let time = seconds(begin.elapsed());
+        if !status.success() {
+            bail!(
+                "{} failed after {time} ({status}): {}",
+                step.name,
+                line(&step.command)
+            );
+        }
+        println!("== {}: passed, {time}", step.name);
+    }
+    println!("== everything passed, {}", seconds(start.elapsed()));
+    Ok(())
+}
+
+/// What has to be installed is looked for before anything else, for a count that is skipped would
+/// be a check that cannot fail.
+fn check_tools() -> Result<()> {
+    let mut missing = Vec::new();
+    for core in CORES {
+        let emulator = core.emulator;
+        let found = Command::new(emulator.command).arg("--version").output();
+        let complaint = format!("{} (Debian package {})", emulator.command, emulator.package);
+        if !found.is_ok_and(|output| output.status.success()) && !missing.contains(&complaint) {
+            missing.push(complaint);
+        }
+    }
+    let targets = Command::new("rustc")
+        .args(["--print", "sysroot"])
+        .output()
+        .context("rustc cannot be run")?;
+    let sysroot = String::from_utf8(targets.stdout).context("rustc printed no path")?;
+    for core in CORES {
+        let library = Path::new(sysroot.trim())
+            .join("lib/rustlib")
+            .join(core.target);
+        if !library.is_dir() {
+            missing.push(format!("rustup target add {}", core.target));
+        }
+    }
+    if missing.is_empty() {
+        return Ok(());
+    }
+    bail!("not installed: {}; .ci/run installs it", missing.join(", "))
+}
+
+fn steps() -> Vec<Step> {
+    let mut steps = vec![
+        step("format", &["fmt", "--all", "--check"]),
+        step(
+            "lints of the host crates",
+            &["clippy", "--quiet", "--all-targets", "--", "-Dwarnings"],
+        ),
+        step(
+            "lints of the chores",
+            &[
+                "clippy",
+                "--quiet",
+                "--all-targets",
+                "-p",
+                "xtask",
+                "-p",
+                "trirrr-image",
+                "--",
+                "-Dwarnings",
+            ],
+        ),
+    ];
+    for (package, target) in DEVICE_PACKAGES {
+        steps.push(step(
+            &format!("lints of {package}"),
+            &[
+                "clippy",
+                "--quiet",
+                "-p",
+                package,
+                "--target",
+                target,
+                "--",
+                "-Dwarnings",
+            ],
+        ));
+    }
+    steps.push(step("tests", &["test"]));
+    steps.push(step(
+        "tests of the chores",
+        &["test", "-p", "xtask", "-p", "trirrr-image"],
+    ));
+    let mut docs = step("docs", &["doc", "--quiet", "--no-deps"]);
+    docs.command.env("RUSTDOCFLAGS", "-Dwarnings");
+    steps.push(docs);
+    for target in CORE_TARGETS {
+        steps.push(step(
+            &format!("core for {target}"),
+            &["build", "--quiet", "-p", "trirrr-core", "--target", target],
+        ));
+    }
+    let mut insns = vec!["xtask", "insns", "--check"];
+    for scene in COUNTED_SCENES {
+        insns.extend(["--scene", scene]);
+    }
+    steps.push(step("instructions per tick", &insns));
+    // Builds the firmware too, and checks that it can boot.
+    steps.push(step("sizes", &["xtask", "size", "--check"]));
+    steps.push(step(
+        "a scene run",
+        &[
+            "run",
+            "--quiet",
+            "--release",
+            "--",
+            "run",
+            "scenes/thesis.toml",
+            "--fast",
+        ],
+    ));
+    steps
+}
+
+fn step(name: &str, arguments: &[&str]) -> Step {
+    let mut command = cargo();
+    command.args(arguments);
+    Step {
+        name: name.into(),
+        command,
+    }
+}
+
+/// The command as one would type it in the root.
+fn line(command: &Command) -> String {
+    let arguments: Vec<_> = command
+        .get_args()
+        .map(|word| word.to_string_lossy())
+        .collect();
+    format!("cargo {} (in {})", arguments.join(" "), root().display())
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.1} s", time.as_secs_f64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_step_can_be_repeated_from_its_message() {
+        let step = step("tests", &["test", "-p", "xtask"]);
+        assert!(line(&step.command).starts_with("cargo test -p xtask (in "));
+    }
+
+    #[test]
+    fn every_step_has_a_name_of_its_own() {
+        let mut names: Vec<String> = steps().into_iter().map(|step| step.name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

@@ -1,0 +1,162 @@
+//! What an ELF file says about the memory that an image takes, and whether it can boot.
+
+use anyhow::{Context, Result, bail, ensure};
+use object::elf::{PT_LOAD, SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
+use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
+use object::{Endianness, Object, ObjectSection};
+use std::fs;
+use std::path::Path;
+
+/// Memory that an image takes, bytes. The stack is not part of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Footprint {
+    /// Code, constants and the initial values of variables.
+    pub(crate) flash: u64,
+    /// Variables.
+    pub(crate) ram: u64,
+}
+
+type Elf<'data> = ElfFile32<'data, Endianness>;
+
+fn parse(data: &[u8]) -> Result<Elf<'_>> {
+    Elf::parse(data).context("not a 32-bit ELF file")
+}
+
+/// The footprint of the image in `file`.
+pub(crate) fn footprint(file: &Path) -> Result<Footprint> {
+    let data = fs::read(file).with_context(|| file.display().to_string())?;
+    let elf = parse(&data).with_context(|| file.display().to_string())?;
+    let mut footprint = Footprint { flash: 0, ram: 0 };
+    for section in elf.sections() {
+        let header = section.elf_section_header();
+        let flags = header.sh_flags(Endianness::Little);
+        if !flags.contains(SHF_ALLOC) {
+            continue;
+        }
+        if header.sh_type(Endianness::Little) != SHT_NOBITS {
+            footprint.flash += section.size();
+        }
+        if flags.contains(SHF_WRITE) {
+            footprint.ram += section.size();
+        }
+    }
+    Ok(footprint)
+}
+
+/// What a Cortex-M needs to start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Memory {
+    /// Start and length of the flash.
+    pub(crate) flash: (u64, u64),
+    /// Start and length of the RAM.
+    pub(crate) ram: (u64, u64),
+}
+
+/// Checks that a Cortex-M with this memory starts the image in `file`: a vector table at the
+/// start of the flash, the first stack pointer in RAM, the reset handler in flash and Thumb code,
+/// and everything to be loaded within flash.
+pub(crate) fn check_boot(file: &Path, memory: Memory) -> Result<()> {
+    let data = fs::read(file).with_context(|| file.display().to_string())?;
+    let check = || -> Result<()> {
+        let elf = parse(&data)?;
+        let table = elf
+            .section_by_name(".vector_table")
+            .context("no vector table")?;
+        check_vectors(table.address(), table.data()?, memory)?;
+        for segment in elf.elf_program_headers() {
+            let endian = Endianness::Little;
+            if segment.p_type(endian) == PT_LOAD {
+                let (start, length) = (segment.p_paddr(endian), segment.p_filesz(endian));
+                check_load(start.into(), length.into(), memory)?;
+            }
+        }
+        Ok(())
+    };
+    check().with_context(|| format!("{} cannot boot", file.display()))
+}
+
+fn check_vectors(address: u64, table: &[u8], memory: Memory) -> Result<()> {
+    let (flash, flash_length) = memory.flash;
+    let (ram, ram_length) = memory.ram;
+    ensure!(
+        address == flash,
+        "the vector table is at {address:#010x}, the processor looks at {flash:#010x}"
+    );
+    let (Some(stack), Some(reset)) = (word(table, 0), word(table, 1)) else {
+        bail!("the vector table has {} bytes", table.len())
+    };
+    // A full descending stack may start just beyond the end.
+    ensure!(
+        stack > ram && stack <= ram + ram_length && stack % 8 == 0,
+        "the stack starts at {stack:#010x}, RAM is {ram:#010x} to {:#010x}",
+        ram + ram_length
+    );
+    ensure!(
+        reset % 2 == 1 && (flash..flash + flash_length).contains(&reset),
+        "the reset handler is {reset:#010x}, which is no Thumb code in flash"
+    );
+    Ok(())
+}
+
+fn word(table: &[u8], index: usize) -> Option<u64> {
+    let bytes = table.get(4 * index..4 * index + 4)?;
+    Some(u32::from_le_bytes(bytes.try_into().ok()?).into())
+}
+
+/// `length` bytes that are programmed to `start`.
+fn check_load(start: u64, length: u64, memory: Memory) -> Result<()> {
+    let (flash, flash_length) = memory.flash;
+    ensure!(
+        length == 0 || (start >= flash && start + length <= flash + flash_length),
+        "{length} bytes are loaded to {start:#010x}, outside the flash"
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::size::FIRMWARE_MEMORY as MEMORY;
+
+    fn vectors(address: u64, stack: u32, reset: u32) -> Result<()> {
+        let table = [stack.to_le_bytes(), reset.to_le_bytes()].concat();
+        check_vectors(address, &table, MEMORY)
+    }
+
+    #[test]
+    fn a_good_vector_table_boots() {
+        vectors(0x0800_0000, 0x2002_0000, 0x0800_0401).expect("as the firmware's");
+    }
+
+    #[test]
+    fn a_bad_one_is_refused_with_the_reason() {
+        for (address, stack, reset, reason) in [
+            (0, 0x2002_0000, 0x0800_0401, "the vector table is at"),
+            (0x0800_0000, 0x2002_0008, 0x0800_0401, "the stack starts at"),
+            (0x0800_0000, 0x2000_0000, 0x0800_0401, "the stack starts at"),
+            (0x0800_0000, 0x2001_0004, 0x0800_0401, "the stack starts at"),
+            (0x0800_0000, 0x2002_0000, 0x0800_0400, "no Thumb code"),
+            (0x0800_0000, 0x2002_0000, 0x0810_0001, "no Thumb code"),
+        ] {
+            let error = vectors(address, stack, reset).expect_err(reason);
+            assert!(error.to_string().contains(reason), "{error}");
+        }
+        let error = check_vectors(0x0800_0000, &[0; 6], MEMORY).expect_err("too short");
+        assert_eq!(error.to_string(), "the vector table has 6 bytes");
+    }
+
+    #[test]
+    fn what_is_programmed_must_be_flash() {
+        assert!(check_load(0x0800_0000, 1024 * 1024, MEMORY).is_ok());
+        assert!(check_load(0x0800_0000, 1024 * 1024 + 1, MEMORY).is_err());
+        assert!(check_load(0x2000_0000, 4, MEMORY).is_err());
+        // .bss has an address in RAM and nothing to program.
+        assert!(check_load(0x2000_0000, 0, MEMORY).is_ok());
+    }
+
+    #[test]
+    fn this_very_program_is_no_image() {
+        let program = std::env::current_exe().expect("a path");
+        assert!(footprint(&program).is_err() && check_boot(&program, MEMORY).is_err());
+    }
+}

@@ -1,0 +1,56 @@
+//! Builds images for microcontrollers, one per scene, number type and target.
+
+use crate::repository::{SceneFile, cargo, target_directory};
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::PathBuf;
+
+/// The Cargo profile of every image.
+const PROFILE: &str = "device";
+
+/// What to build.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Image<'a> {
+    /// Package and binary.
+    pub(crate) package: &'static str,
+    pub(crate) binary: &'static str,
+    /// The scene that is built in.
+    pub(crate) scene: &'a SceneFile,
+    /// The number type.
+    pub(crate) scalar: &'static str,
+    /// The Rust target.
+    pub(crate) target: &'static str,
+}
+
+impl Image<'_> {
+    /// Builds the image and copies it where the next one does not overwrite it.
+    pub(crate) fn build(&self) -> Result<PathBuf> {
+        let Image {
+            package,
+            binary,
+            scene,
+            scalar,
+            target,
+        } = *self;
+        let name = format!("{binary}-{}-{scalar}-{target}", scene.name);
+        eprintln!("building {name}");
+        let status = cargo()
+            .args(["build", "--quiet", "--package", package, "--bin", binary])
+            .args(["--profile", PROFILE, "--target", target])
+            .env("TRIRRR_SCENE", &scene.path)
+            .env("TRIRRR_SCALAR", scalar)
+            // The repository's own flags for the target are to hold, whatever is set outside.
+            .env_remove("RUSTFLAGS")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS")
+            .status()
+            .context("cargo cannot be run")?;
+        ensure!(status.success(), "{name} does not build");
+
+        let built = target_directory().join(target).join(PROFILE).join(binary);
+        let directory = target_directory().join("images");
+        fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
+        let kept = directory.join(name);
+        fs::copy(&built, &kept).with_context(|| built.display().to_string())?;
+        Ok(kept)
+    }
+}

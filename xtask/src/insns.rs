@@ -1,0 +1,278 @@
+//! `cargo xtask insns`: instructions per tick, from QEMU.
+//!
+//! Every core runs every tick of the scene's job and has to give the bits that the host gives;
+//! a count of wrong results would be worth nothing.
+
+mod counts;
+
+use crate::budget::{self, Measured};
+use crate::cores::{self, CORES, Core};
+use crate::image::Image;
+use crate::repository::{self, SceneFile};
+use crate::table::table;
+use crate::{qemu, reference};
+use anyhow::{Context, Result, bail, ensure};
+use counts::{Spread, parse};
+use serde::{Deserialize, Serialize};
+use trirrr_image::generate::SCALARS;
+use trirrr_scene::Scene;
+
+/// What no change may exceed: core, number type, scene, instructions of the longest tick.
+const CEILINGS: &[(&str, &str, &str, f64)] = &[
+    ("m4f", "f32", "thesis", 600.0),
+    ("m4f", "f32", "thesis-links", 750.0),
+];
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Print one JSON array of flat objects in place of the table
+    #[arg(long)]
+    json: bool,
+    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
+    #[arg(long)]
+    scene: Vec<String>,
+    /// m4f, m3, m0 or rv32imc; repeat for more; without it, all of them
+    #[arg(long)]
+    core: Vec<String>,
+    /// Fail where a figure moved by more than 2 % from xtask/budgets/insns.json
+    #[arg(long, conflicts_with = "bless")]
+    check: bool,
+    /// Write the figures to xtask/budgets/insns.json
+    #[arg(long)]
+    bless: bool,
+}
+
+/// Figures of one core, number type and scene, in instructions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Row {
+    core: String,
+    scalar: String,
+    scene: String,
+    /// The tick proper: one setpoint to twelve results.
+    min: f64,
+    mean: f64,
+    max: f64,
+    /// The setpoint itself, from the move.
+    setpoint_min: f64,
+    setpoint_mean: f64,
+    setpoint_max: f64,
+    /// Checksum of all results, the same on the host.
+    bits: String,
+}
+
+impl Measured for Row {
+    fn key(&self) -> String {
+        format!("{} {} {}", self.core, self.scalar, self.scene)
+    }
+
+    fn figures(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("mean", self.mean),
+            ("max", self.max),
+            ("setpoint_mean", self.setpoint_mean),
+            ("setpoint_max", self.setpoint_max),
+        ]
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let everything = arguments.scene.is_empty() && arguments.core.is_empty();
+    let scenes = if arguments.scene.is_empty() {
+        repository::scenes()?
+    } else {
+        let named = arguments.scene.iter();
+        named
+            .map(|name| repository::scene(name))
+            .collect::<Result<_>>()?
+    };
+    let rows = measure(&scenes, &cores_named(&arguments.core)?)?;
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&rows)?);
+    } else {
+        print!("{}", text(&rows));
+    }
+    hold_ceilings(&rows)?;
+    if arguments.check {
+        budget::check("insns", &rows)?;
+    }
+    if arguments.bless {
+        budget::bless("insns", rows, everything)?;
+    }
+    Ok(())
+}
+
+fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
+    if names.is_empty() {
+        return Ok(CORES.iter().collect());
+    }
+    let known = || {
+        CORES
+            .iter()
+            .map(|core| core.name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    names
+        .iter()
+        .map(|name| {
+            cores::named(name).with_context(|| format!("{name}: no such core ({})", known()))
+        })
+        .collect()
+}
+
+fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for file in scenes {
+        let scene = Scene::read(&file.path)?;
+        for (scalar, _) in SCALARS {
+            let expected = reference::checksum(&scene, scalar)?;
+            for core in cores {
+                rows.push(measure_one(file, &scene, scalar, core, expected)?);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+fn measure_one(
+    file: &SceneFile,
+    scene: &Scene,
+    scalar: &'static str,
+    core: &Core,
+    expected: u64,
+) -> Result<Row> {
+    let image = Image {
+        package: "trirrr-insns",
+        binary: "count",
+        scene: file,
+        scalar,
+        target: core.target,
+    };
+    let printed = qemu::run(core, &image.build()?)?;
+    let counts = parse(&printed, core.units_per_instruction)
+        .with_context(|| format!("{} {scalar} {}", core.name, file.name))?;
+    ensure!(
+        counts.ticks.len() == scene.ticks() as usize + 1,
+        "{} {scalar} {}: {} ticks were counted, the job has {}",
+        core.name,
+        file.name,
+        counts.ticks.len(),
+        scene.ticks() as usize + 1
+    );
+    ensure!(
+        counts.bits == expected,
+        "{} {scalar} {}: the results differ from the host's (checksum {:016x}, on the host {expected:016x})",
+        core.name,
+        file.name,
+        counts.bits
+    );
+    let tick = Spread::of(&counts.ticks)?;
+    let setpoint = Spread::of(&counts.setpoints)?;
+    Ok(Row {
+        core: core.name.into(),
+        scalar: scalar.into(),
+        scene: file.name.clone(),
+        min: tick.min,
+        mean: tick.mean,
+        max: tick.max,
+        setpoint_min: setpoint.min,
+        setpoint_mean: setpoint.mean,
+        setpoint_max: setpoint.max,
+        bits: format!("{:016x}", counts.bits),
+    })
+}
+
+fn text(rows: &[Row]) -> String {
+    let cells = rows.iter().map(|row| {
+        let mut cells = vec![row.core.clone(), row.scalar.clone(), row.scene.clone()];
+        let figures = [row.min, row.mean, row.max];
+        let setpoint = [row.setpoint_min, row.setpoint_mean, row.setpoint_max];
+        cells.extend(
+            figures
+                .iter()
+                .chain(&setpoint)
+                .map(|figure| format!("{figure}")),
+        );
+        cells.push(row.bits.clone());
+        cells
+    });
+    let headings = [
+        "core",
+        "scalar",
+        "scene",
+        "min",
+        "mean",
+        "max",
+        "setpoint min",
+        "mean",
+        "max",
+        "bits",
+    ];
+    table(&headings, &cells.collect::<Vec<_>>())
+}
+
+fn hold_ceilings(rows: &[Row]) -> Result<()> {
+    for (core, scalar, scene, ceiling) in CEILINGS {
+        let mut of = rows
+            .iter()
+            .filter(|row| row.core == *core && row.scalar == *scalar && row.scene == *scene);
+        if let Some(row) = of.find(|row| row.max > *ceiling) {
+            bail!(
+                "{}: {} instructions, the ceiling is {ceiling}",
+                row.key(),
+                row.max
+            );
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(max: f64) -> Row {
+        Row {
+            core: "m4f".into(),
+            scalar: "f32".into(),
+            scene: "thesis".into(),
+            min: 400.0,
+            mean: 450.0,
+            max,
+            setpoint_min: 40.0,
+            setpoint_mean: 41.5,
+            setpoint_max: 43.0,
+            bits: "00000000000000ff".into(),
+        }
+    }
+
+    #[test]
+    fn the_ceiling_itself_is_allowed() {
+        assert!(hold_ceilings(&[row(600.0)]).is_ok());
+        let error = hold_ceilings(&[row(601.0)]).expect_err("above the ceiling");
+        assert_eq!(
+            error.to_string(),
+            "m4f f32 thesis: 601 instructions, the ceiling is 600"
+        );
+    }
+
+    #[test]
+    fn an_unknown_core_is_refused_with_the_known_ones() {
+        let error = cores_named(&["m7".into()]).expect_err("not emulated here");
+        assert_eq!(error.to_string(), "m7: no such core (m4f, m3, m0, rv32imc)");
+    }
+
+    #[test]
+    fn json_is_an_array_of_flat_objects_with_the_contract_s_keys() {
+        let json = serde_json::to_value([row(500.0)]).expect("plain data");
+        let object = json[0].as_object().expect("an object");
+        for key in ["core", "scalar", "scene", "min", "mean", "max"] {
+            assert!(object.contains_key(key), "{key}");
+        }
+        assert!(
+            object
+                .values()
+                .all(|value| !value.is_object() && !value.is_array())
+        );
+    }
+}

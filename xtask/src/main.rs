@@ -1,0 +1,40 @@
+//! Chores of this repository: `cargo xtask --help`.
+
+mod budget;
+mod ci;
+mod cores;
+mod elf;
+mod image;
+mod insns;
+mod qemu;
+mod reference;
+mod repository;
+mod size;
+mod table;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Chores of this repository")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Count the instructions of every tick of a scene's job, under QEMU
+    Insns(insns::Arguments),
+    /// Measure flash and RAM: the tick alone on every target, and the firmware
+    Size(size::Arguments),
+    /// Everything that CI checks
+    Ci,
+}
+
+fn main() -> anyhow::Result<()> {
+    match Arguments::parse().chore {
+        Chore::Insns(arguments) => insns::run(&arguments),
+        Chore::Size(arguments) => size::run(&arguments),
+        Chore::Ci => ci::run(),
+    }
+}

@@ -1,0 +1,94 @@
+//! Where things are, and how Cargo is called.
+
+use anyhow::{Context, Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+/// The repository's root.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask lies in the root")
+}
+
+/// Cargo, to be run in the root.
+pub(crate) fn cargo() -> Command {
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(root());
+    command
+}
+
+/// Where Cargo puts what it builds.
+pub(crate) fn target_directory() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |dir| root().join(dir))
+}
+
+/// A scene file of the repository or elsewhere.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct SceneFile {
+    /// The file's name without `.toml`: the scene's name in tables and budgets.
+    pub(crate) name: String,
+    /// The file.
+    pub(crate) path: PathBuf,
+}
+
+/// The scene that `name` means: a path, or the name of one in `scenes/`.
+pub(crate) fn scene(name: &str) -> Result<SceneFile> {
+    let shipped = root().join("scenes").join(format!("{name}.toml"));
+    let path = if shipped.is_file() {
+        shipped
+    } else {
+        let path = env::current_dir()?.join(name);
+        if !path.is_file() {
+            let known: Vec<String> = scenes()?.into_iter().map(|scene| scene.name).collect();
+            bail!(
+                "{name}: neither a file nor a scene of the repository ({})",
+                known.join(", ")
+            );
+        }
+        path
+    };
+    scene_file(path)
+}
+
+/// All scenes in `scenes/`, by name.
+pub(crate) fn scenes() -> Result<Vec<SceneFile>> {
+    let directory = root().join("scenes");
+    let mut found = Vec::new();
+    for entry in fs::read_dir(&directory).with_context(|| directory.display().to_string())? {
+        let path = entry?.path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            found.push(scene_file(path)?);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn scene_file(path: PathBuf) -> Result<SceneFile> {
+    let name = path
+        .file_stem()
+        .and_then(|stem| stem.to_str())
+        .with_context(|| format!("{}: not a name that can be printed", path.display()))?
+        .to_owned();
+    Ok(SceneFile { name, path })
+}
+
+/// The compiler, as `rustc 1.95.0`.
+pub(crate) fn compiler() -> Result<String> {
+    let output = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+        .current_dir(root())
+        .arg("--version")
+        .output()
+        .context("rustc cannot be run")?;
+    let text = String::from_utf8(output.stdout).context("rustc --version printed no text")?;
+    Ok(text
+        .split_whitespace()
+        .take(2)
+        .collect::<Vec<_>>()
+        .join(" "))
+}
