@@ -1,0 +1,50 @@
+//! Writes a scene as Rust source: its constants, and the types that it needs and no others.
+//!
+//! A build script calls [`build_script`] and the image includes `OUT_DIR/scene.rs`.
+
+mod kinds;
+mod source;
+
+pub use kinds::{LinksKind, PayloadKind};
+pub use source::source;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+use trirrr_scene::Scene;
+
+/// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
+pub const SCALARS: &[(&str, &str)] = &[("f32", "f32")];
+
+/// Writes `OUT_DIR/scene.rs` from the scene that `TRIRRR_SCENE` names (a path, relative to
+/// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
+/// (without it, `f32`), and tells Cargo when to do it again.
+///
+/// # Errors
+/// A scene that is refused, with the file, key, value and reason; an unknown number type; a file
+/// that cannot be written.
+pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
+    println!("cargo:rerun-if-env-changed=TRIRRR_SCENE");
+    println!("cargo:rerun-if-env-changed=TRIRRR_SCALAR");
+    let file = env::var_os("TRIRRR_SCENE")
+        .map_or_else(|| PathBuf::from("scenes/thesis.toml"), PathBuf::from);
+    let file = root.join(file);
+    println!("cargo:rerun-if-changed={}", file.display());
+    let scalar = env::var("TRIRRR_SCALAR").unwrap_or_else(|_| "f32".into());
+    let (_, scalar) = SCALARS
+        .iter()
+        .find(|(name, _)| *name == scalar)
+        .ok_or_else(|| {
+            let known: Vec<&str> = SCALARS.iter().map(|(name, _)| *name).collect();
+            format!(
+                "TRIRRR_SCALAR={scalar}: images are built for {}",
+                known.join(", ")
+            )
+        })?;
+
+    let scene = Scene::read(&file)?;
+    let out =
+        PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
+    fs::write(out.join("scene.rs"), source(&scene, scalar))?;
+    Ok(())
+}

@@ -1,0 +1,142 @@
+//! A scene's moves, from constants in the image to setpoints.
+
+use nalgebra::Vector3;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Setpoint};
+
+/// A move as it stands in an image. Poses are (x m, y m, alpha rad), velocities
+/// (vx m/s, vy m/s, alphadot rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Move {
+    /// Starts and ends at rest.
+    RestToRest {
+        /// First pose.
+        from: [f64; 3],
+        /// Last pose.
+        to: [f64; 3],
+        /// Length in ticks, positive.
+        ticks: u32,
+    },
+    /// Has a velocity at one end at least.
+    Hermite {
+        /// First pose.
+        from: [f64; 3],
+        /// Velocity there.
+        from_velocity: [f64; 3],
+        /// Last pose.
+        to: [f64; 3],
+        /// Velocity there.
+        to_velocity: [f64; 3],
+        /// Length in ticks, positive.
+        ticks: u32,
+    },
+}
+
+/// A move built in the number type `N`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment<N: Number> {
+    curve: Curve<N>,
+    ticks: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Curve<N: Number> {
+    RestToRest(RestToRest<N>),
+    Hermite(Hermite<N>),
+}
+
+impl<N: Number> Segment<N> {
+    /// How many ticks, from its first on, are this move's own: the tick between two moves belongs
+    /// to the later one, the job's last tick to the last move.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// The setpoint at `tick`, counted from the start of the move.
+    #[inline(always)]
+    pub fn at(&self, tick: u32) -> Setpoint<N> {
+        match &self.curve {
+            Curve::RestToRest(curve) => curve.at(tick),
+            Curve::Hermite(curve) => curve.at(tick),
+        }
+    }
+}
+
+/// The moves one after another in the number type `N`, built as they are reached.
+pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item = Segment<N>> {
+    let period = N::from_f64(period_s);
+    moves.iter().enumerate().map(move |(index, one)| {
+        let (curve, ticks) = build(one, period);
+        let is_last = index + 1 == moves.len();
+        Segment {
+            curve,
+            ticks: ticks + u32::from(is_last),
+        }
+    })
+}
+
+fn build<N: Number>(one: &Move, period: N) -> (Curve<N>, u32) {
+    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
+    let velocity = |v: [f64; 3]| Vector3::from(v.map(N::from_f64));
+    match *one {
+        Move::RestToRest { from, to, ticks } => {
+            let curve = RestToRest::new(pose(from), pose(to), ticks, period);
+            (Curve::RestToRest(curve), ticks)
+        }
+        Move::Hermite {
+            from,
+            from_velocity,
+            to,
+            to_velocity,
+            ticks,
+        } => {
+            let [start, end] = [velocity(from_velocity), velocity(to_velocity)];
+            let curve = Hermite::new(pose(from), start, pose(to), end, ticks, period);
+            (Curve::Hermite(curve), ticks)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chained_moves_share_the_tick_between_them() {
+        let middle = [0.1, 0.2, 0.3];
+        let speed = [0.5, 0.0, 1.0];
+        let moves = [
+            Move::Hermite {
+                from: [0.0; 3],
+                from_velocity: [0.0; 3],
+                to: middle,
+                to_velocity: speed,
+                ticks: 4,
+            },
+            Move::Hermite {
+                from: middle,
+                from_velocity: speed,
+                to: [0.4; 3],
+                to_velocity: [0.0; 3],
+                ticks: 6,
+            },
+            Move::RestToRest {
+                from: [0.4; 3],
+                to: [0.0; 3],
+                ticks: 5,
+            },
+        ];
+        let built: Vec<Segment<f64>> = segments(&moves, 0.01).collect();
+        let ticks: Vec<u32> = built.iter().map(Segment::ticks).collect();
+        assert_eq!(ticks, [4, 6, 5 + 1]);
+        for pair in built.windows(2) {
+            let (end, start) = (pair[0].at(pair[0].ticks()), pair[1].at(0));
+            assert_eq!(end.pose, start.pose);
+            // Each end of a move gives its own pose and velocity, the latter to rounding.
+            let difference = end.velocity - start.velocity;
+            assert!(difference.iter().all(|part| part.abs() < 1e-14));
+        }
+        assert_eq!(built[0].at(4).pose.position.x, 0.1);
+        assert_eq!(built[2].at(5).pose.angle, 0.0);
+    }
+}

@@ -1,0 +1,12 @@
+//! The scene: `PARAMETERS`, `MOVES`, its rate, and the types `Scalar`, `Payload`, `Links` that it
+//! needs. Written by the build script from the file that `TRIRRR_SCENE` names.
+#![allow(
+    missing_docs,
+    unreachable_pub,
+    clippy::approx_constant,
+    clippy::excessive_precision
+)]
+// On a host there is only the name to tell.
+#![cfg_attr(not(target_os = "none"), allow(dead_code))]
+
+include!(concat!(env!("OUT_DIR"), "/scene.rs"));
