@@ -13,8 +13,12 @@
 //!
 //! S^2 is formed from its factors: near a stretched or folded dyad the expanded form
 //! d^2 l1^2 - k^2 loses every digit. No angle is needed anywhere; whoever wants one takes the
-//! arctangent of r1 or r2. Source: thesis (3.2) to (3.21), corrected; the sign of r2 is B -> C.
+//! arctangent of r1 or r2. Singular where S = 0; the scale-free distance is S / (l1 l2), the sine
+//! of the angle between the links. Both ends may move: the stages take the position, velocity and
+//! acceleration of C relative to A, and [`Rrr::solve`] the two motions themselves. Source: thesis (3.2) to (3.21), corrected; the sign of r2 is B -> C.
 
+use super::motion::{LinkMotion, PointMotion};
+use super::status::LinkageStatus;
 use crate::number::{Number, dot};
 use nalgebra::Vector2;
 
@@ -80,6 +84,19 @@ pub struct Accelerations<N> {
     pub proximal: N,
     /// Of link B -> C.
     pub distal: N,
+}
+
+/// What the dyad does for a motion of its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<N> {
+    /// The inner joint B.
+    pub joint: PointMotion<N>,
+    /// The link A -> B; origin at A, x axis towards B.
+    pub first: LinkMotion<N>,
+    /// The link B -> C; origin at B, x axis towards C.
+    pub second: LinkMotion<N>,
+    /// Distance from the singularity, 0 to 1.
+    pub singularity_distance: N,
 }
 
 impl<N: Number> Rrr<N> {
@@ -169,6 +186,52 @@ impl<N: Number> Rrr<N> {
             proximal: r2_dot_b * at.inverse_cross,
             distal: -(r1_dot_b * at.inverse_cross),
         }
+    }
+
+    /// l2. Not among the coefficients: the stages, which the machine's tick consists of, need its
+    /// square only.
+    #[inline]
+    fn l2(&self) -> N {
+        self.l2_sq.sqrt()
+    }
+
+    /// abs(r1 x r2) / (l1 l2): 0 where the dyad is stretched or folded, 1 where it is at right
+    /// angles.
+    #[inline]
+    pub fn singularity_distance(&self, at: &Position<N>) -> N {
+        at.r1_cross_r2.abs().div(self.l1 * self.l2())
+    }
+
+    /// All of it for the motions of A and C.
+    ///
+    /// # Errors
+    /// [`LinkageStatus`]; what is returned is finite.
+    pub fn solve(
+        &self,
+        a: &PointMotion<N>,
+        c: &PointMotion<N>,
+    ) -> Result<Motion<N>, LinkageStatus> {
+        let d = c.relative_to(a);
+        let at = self.position(d.position)?;
+        let rates = self.rates(&at, d.velocity);
+        let acc = self.accelerations(&at, &rates, d.acceleration);
+        let joint = a.carried(at.r1, rates.proximal, acc.proximal);
+        let link = |origin, r: Vector2<N>, length, rate, acceleration| LinkMotion {
+            origin,
+            direction: r * N::ONE.div(length),
+            rate,
+            acceleration,
+        };
+        let motion = Motion {
+            joint,
+            first: link(*a, at.r1, self.l1, rates.proximal, acc.proximal),
+            second: link(joint, at.r2, self.l2(), rates.distal, acc.distal),
+            singularity_distance: self.singularity_distance(&at),
+        };
+        let finite = motion.first.is_finite()
+            && motion.second.is_finite()
+            && motion.singularity_distance.is_finite();
+        finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
     }
 }
 

@@ -1,0 +1,219 @@
+//! Motions: of a point, of a link, of a slider along its guide.
+//!
+//! Points of one link are tied by Rivals' theorem. With r the vector from A to B, both fixed in a
+//! link of angular velocity w and angular acceleration e, and E the turn by +90 degrees:
+//!
+//! ```text
+//! v_B = v_A + w E r
+//! a_B = a_A + e E r - w^2 r
+//! ```
+
+use crate::number::{Number, perpendicular};
+use nalgebra::Vector2;
+
+/// Motion of a point in the fixed frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMotion<N> {
+    /// Where it is, m.
+    pub position: Vector2<N>,
+    /// Velocity, m/s.
+    pub velocity: Vector2<N>,
+    /// Acceleration, m/s^2.
+    pub acceleration: Vector2<N>,
+}
+
+/// Motion of a link: of a frame fixed in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkMotion<N> {
+    /// The frame's origin, a point of the link.
+    pub origin: PointMotion<N>,
+    /// The frame's x axis, a unit vector.
+    pub direction: Vector2<N>,
+    /// Angular velocity, positive counter-clockwise, rad/s.
+    pub rate: N,
+    /// Angular acceleration, positive counter-clockwise, rad/s^2.
+    pub acceleration: N,
+}
+
+/// Motion of a guide: the line through the origin along the direction of a link's frame.
+pub type GuideMotion<N> = LinkMotion<N>;
+
+/// Motion along a guide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlideMotion<N> {
+    /// Distance along the guide, with sign, m.
+    pub length: N,
+    /// Its rate, m/s.
+    pub rate: N,
+    /// Its second derivative, m/s^2.
+    pub acceleration: N,
+}
+
+/// A driven angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<N: Number> {
+    /// Counter-clockwise from the fixed x axis.
+    pub angle: N::Angle,
+    /// rad/s.
+    pub rate: N,
+    /// rad/s^2.
+    pub acceleration: N,
+}
+
+/// a - b, component by component.
+#[inline(always)]
+pub(super) fn difference<N: Number>(a: Vector2<N>, b: Vector2<N>) -> Vector2<N> {
+    Vector2::new(a.x - b.x, a.y - b.y)
+}
+
+/// `v` by the turn whose cosine and sine are the components of `turn`.
+#[inline(always)]
+pub(super) fn turned<N: Number>(v: Vector2<N>, turn: Vector2<N>) -> Vector2<N> {
+    Vector2::new(
+        N::ab_minus_cd(turn.x, v.x, turn.y, v.y),
+        N::ab_plus_cd(turn.y, v.x, turn.x, v.y),
+    )
+}
+
+/// e E r - w^2 r: the acceleration of the end of `r`, fixed in a link, relative to its start.
+#[inline(always)]
+pub(super) fn relative_acceleration<N: Number>(
+    r: Vector2<N>,
+    rate: N,
+    acceleration: N,
+) -> Vector2<N> {
+    let square = rate * rate;
+    Vector2::new(
+        -N::ab_plus_cd(acceleration, r.y, square, r.x),
+        N::ab_minus_cd(acceleration, r.x, square, r.y),
+    )
+}
+
+impl<N: Number> PointMotion<N> {
+    /// A point that stands still.
+    #[inline]
+    pub fn fixed(position: Vector2<N>) -> Self {
+        let zero = Vector2::new(N::ZERO, N::ZERO);
+        Self {
+            position,
+            velocity: zero,
+            acceleration: zero,
+        }
+    }
+
+    /// Position, velocity and acceleration of this point relative to `other`'s.
+    #[inline]
+    pub fn relative_to(&self, other: &Self) -> Self {
+        Self {
+            position: difference(self.position, other.position),
+            velocity: difference(self.velocity, other.velocity),
+            acceleration: difference(self.acceleration, other.acceleration),
+        }
+    }
+
+    /// The motion of the end of `r`, which starts at this point and is fixed in a link that turns
+    /// at `rate` with `acceleration`.
+    #[inline]
+    pub fn carried(&self, r: Vector2<N>, rate: N, acceleration: N) -> Self {
+        let along = perpendicular(r);
+        Self {
+            position: self.position + r,
+            velocity: self.velocity + along * rate,
+            acceleration: self.acceleration + relative_acceleration(r, rate, acceleration),
+        }
+    }
+
+    /// True when every component is finite.
+    pub fn is_finite(&self) -> bool {
+        let finite = |v: Vector2<N>| v.x.is_finite() && v.y.is_finite();
+        finite(self.position) && finite(self.velocity) && finite(self.acceleration)
+    }
+}
+
+impl<N: Number> LinkMotion<N> {
+    /// A link, or a guide, that stands still.
+    #[inline]
+    pub fn fixed(origin: Vector2<N>, direction: Vector2<N>) -> Self {
+        Self {
+            origin: PointMotion::fixed(origin),
+            direction,
+            rate: N::ZERO,
+            acceleration: N::ZERO,
+        }
+    }
+
+    /// The point at `local` in the link's frame.
+    #[inline]
+    pub fn point(&self, local: Vector2<N>) -> PointMotion<N> {
+        self.origin
+            .carried(self.vector(local), self.rate, self.acceleration)
+    }
+
+    /// A vector given in the link's frame, in the fixed frame.
+    #[inline]
+    pub fn vector(&self, local: Vector2<N>) -> Vector2<N> {
+        turned(local, self.direction)
+    }
+
+    /// The frame fixed in the link at `local` with its x axis along `direction`, a unit vector in
+    /// the link's frame: a guide cut into the link, for instance.
+    #[inline]
+    pub fn frame(&self, local: Vector2<N>, direction: Vector2<N>) -> Self {
+        Self {
+            origin: self.point(local),
+            direction: self.vector(direction),
+            ..*self
+        }
+    }
+
+    /// The direction as an angle in (-pi, pi].
+    #[inline]
+    pub fn angle(&self) -> N::Angle {
+        N::atan2(self.direction.y, self.direction.x)
+    }
+
+    /// The point that slides along this guide, at `across` to its left, `length` along from its
+    /// origin.
+    #[inline]
+    pub fn sliding(&self, slide: &SlideMotion<N>, across: N) -> PointMotion<N> {
+        let on_guide = self.point(Vector2::new(slide.length, across));
+        let coriolis = self.rate * (slide.rate + slide.rate);
+        PointMotion {
+            position: on_guide.position,
+            velocity: on_guide.velocity + self.direction * slide.rate,
+            acceleration: on_guide.acceleration
+                + self.direction * slide.acceleration
+                + perpendicular(self.direction) * coriolis,
+        }
+    }
+
+    /// True when every component is finite.
+    pub fn is_finite(&self) -> bool {
+        self.origin.is_finite()
+            && self.direction.x.is_finite()
+            && self.direction.y.is_finite()
+            && self.rate.is_finite()
+            && self.acceleration.is_finite()
+    }
+}
+
+impl<N: Number> SlideMotion<N> {
+    /// True when every component is finite.
+    pub fn is_finite(&self) -> bool {
+        self.length.is_finite() && self.rate.is_finite() && self.acceleration.is_finite()
+    }
+}
+
+impl<N: Number> Drive<N> {
+    /// The direction of the driven link at `origin`.
+    #[inline]
+    pub fn link(&self, origin: PointMotion<N>) -> LinkMotion<N> {
+        let (sin, cos) = N::sin_cos(self.angle);
+        LinkMotion {
+            origin,
+            direction: Vector2::new(cos, sin),
+            rate: self.rate,
+            acceleration: self.acceleration,
+        }
+    }
+}
