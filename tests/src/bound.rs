@@ -1,0 +1,79 @@
+//! Comparison of results with true values.
+
+use crate::double_double::DoubleDouble;
+use crate::results::Name;
+use crate::scalar::Scalar;
+use core::f64::consts::TAU;
+
+/// How far the worst of many results came to its bound.
+#[derive(Clone, Debug, Default)]
+pub struct Worst {
+    /// Largest error divided by its bound; 1 is just at the bound.
+    pub ratio: f64,
+    /// Where.
+    pub place: String,
+    /// How many results were compared.
+    pub compared: usize,
+    /// How many of them were beyond their bounds.
+    pub beyond: usize,
+}
+
+impl Worst {
+    /// Compares one result.
+    pub fn compare(&mut self, place: impl Fn() -> String, error: f64, bound: f64) {
+        // A result without any error meets a bound of zero.
+        let ratio = if error == 0.0 {
+            0.0
+        } else {
+            error.abs() / bound
+        };
+        self.compared += 1;
+        // What is not a number must not pass for small.
+        let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+        self.beyond += usize::from(ratio > 1.0);
+        if ratio > self.ratio {
+            self.ratio = ratio;
+            self.place = format!("{}: error {error:e}, bound {bound:e}", place());
+        }
+    }
+
+    /// Asserts that the worst ratio lies in a bracket: above it is a defect, below it a bound that
+    /// has become too wide to find one.
+    ///
+    /// # Panics
+    /// When it does not, with the place.
+    pub fn assert_within(&self, what: &str, bracket: core::ops::RangeInclusive<f64>) {
+        assert!(self.compared > 0, "{what}: nothing was compared");
+        assert!(
+            bracket.contains(&self.ratio),
+            "{what}: worst ratio {:.3} of {} is not in {bracket:?}: {}",
+            self.ratio,
+            self.compared,
+            self.place
+        );
+        println!(
+            "{what}: worst {:.3} of {} ({} beyond), {}",
+            self.ratio, self.compared, self.beyond, self.place
+        );
+    }
+}
+
+/// The error of `result`; of angles without whole turns.
+pub fn error(name: Name, result: f64, truth: DoubleDouble) -> f64 {
+    let error = truth.error_of(result);
+    if name.is_angle() && error.abs() > 3.0 {
+        // 2 pi as pi is known to 53 bits and 53 more.
+        let turn = (DoubleDouble::constant(TAU)
+            + DoubleDouble::constant(2.449_293_598_294_706_4e-16))
+            * DoubleDouble::constant((error / TAU).round());
+        (truth + turn).error_of(result)
+    } else {
+        error
+    }
+}
+
+/// The difference of two angles, without whole turns.
+pub fn angle_difference(a: f64, b: f64) -> f64 {
+    let difference = a - b;
+    difference - TAU * (difference / TAU).round()
+}

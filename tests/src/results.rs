@@ -1,0 +1,133 @@
+//! The results of a motion as a flat list, the same for the core and for the independent model.
+
+use crate::double_double::DoubleDouble;
+use crate::dual::Dual;
+use crate::inputs::{Inputs, Sizes};
+use crate::model::{Dynamics, Kinematics};
+use crate::scalar::Scalar;
+use trirrr_core::machine::Parameters;
+use trirrr_core::number::Number;
+use trirrr_core::reaction::Reactions;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_core::tick::Motion;
+
+/// What a result is: a name from the reference files and the leg, 0 to 2, if it belongs to one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// As in the reference files, without the leg.
+    pub stem: &'static str,
+    /// The leg.
+    pub leg: Option<usize>,
+}
+
+impl Name {
+    /// The column in the reference files.
+    pub fn column(self) -> String {
+        match (self.leg, self.stem) {
+            (None, stem) => stem.to_owned(),
+            (Some(leg), stem) if stem.contains("th") => format!("{stem}_{}", leg + 1),
+            (Some(leg), stem) => format!("{stem}{}", leg + 1),
+        }
+    }
+
+    /// Whether the result is an angle, of which whole turns do not matter.
+    pub fn is_angle(self) -> bool {
+        matches!(self.stem, "th1" | "th2")
+    }
+}
+
+/// The results that every leg has, in the order of the lists.
+const PER_LEG: [&str; 19] = [
+    "xb", "yb", "xc", "yc", "th1", "th2", "dth1", "dth2", "ddth1", "ddth2", "D", "tau", "P", "FAx",
+    "FAy", "FBx", "FBy", "FCx", "FCy",
+];
+
+/// Names of all results, in the order of the lists.
+pub fn names() -> Vec<Name> {
+    let of_legs = (0..3).flat_map(|leg| {
+        PER_LEG.map(|stem| Name {
+            stem,
+            leg: Some(leg),
+        })
+    });
+    of_legs
+        .chain([Name {
+            stem: "detA",
+            leg: None,
+        }])
+        .collect()
+}
+
+/// The core's results.
+pub fn of_core<N: Number>(
+    parameters: &Parameters,
+    setpoint: &Setpoint<N>,
+    motion: &Motion<N>,
+) -> Vec<f64> {
+    let forces = Reactions::build(parameters).forces(motion);
+    let mut list: Vec<N> = Vec::with_capacity(3 * PER_LEG.len() + 1);
+    for (leg, forces) in forces.iter().enumerate() {
+        let base = parameters.legs[leg].base_m.map(N::from_f64);
+        let (at, motor) = (&motion.legs[leg], &motion.motors[leg]);
+        let b = base + at.position.links.r1;
+        let c = setpoint.pose.position + at.position.platform_joint;
+        let angles = [motor.angle, at.position.distal_angle()].map(N::radians);
+        let joints = [forces.base, forces.elbow, forces.platform];
+        list.extend([b.x, b.y, c.x, c.y, angles[0], angles[1]]);
+        list.extend([motor.rate, at.rates.distal]);
+        list.extend([motor.acceleration, at.accelerations.distal]);
+        list.extend([at.position.links.r1_cross_r2, motor.torque, motor.power()]);
+        list.extend(joints.iter().flat_map(|force| [force.x, force.y]));
+    }
+    list.push(motion.forces.det_a);
+    list.into_iter().map(N::to_f64).collect()
+}
+
+/// The model's results.
+pub fn of_model<S: Scalar>(kinematics: &Kinematics<S>, dynamics: &Dynamics<S>) -> Vec<S> {
+    let mut list = Vec::with_capacity(3 * PER_LEG.len() + 1);
+    for (leg, motion) in kinematics.legs.iter().enumerate() {
+        let torque = dynamics.torques[leg];
+        list.extend(motion.joints.into_iter().flatten());
+        list.extend(
+            motion
+                .angles
+                .into_iter()
+                .chain(motion.rates)
+                .chain(motion.accelerations),
+        );
+        list.extend([motion.cross, torque, torque * motion.rates[0]]);
+        list.extend(dynamics.forces[leg].into_iter().flatten());
+    }
+    list.push(kinematics.det_a);
+    list
+}
+
+/// The true results for the inputs as they are.
+pub fn truth<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Vec<DoubleDouble> {
+    let inputs = Inputs::exact(parameters, setpoint);
+    let kinematics = inputs.kinematics();
+    of_model(&kinematics, &inputs.dynamics(&kinematics))
+}
+
+/// Condition of every result: the sum of |dq/dp p| over all inputs p.
+pub fn conditions<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Vec<f64> {
+    sensitivities(&Inputs::variable(parameters, setpoint))
+}
+
+/// The same with the length of a vector in place of its components, larger than
+/// [`conditions`] and the same in every direction.
+pub fn isotropic_conditions<N: Number>(
+    parameters: &Parameters,
+    setpoint: &Setpoint<N>,
+) -> Vec<f64> {
+    sensitivities(&Inputs::isotropic(parameters, setpoint))
+}
+
+fn sensitivities((inputs, sizes): &(Inputs<Dual>, Sizes)) -> Vec<f64> {
+    let kinematics = inputs.kinematics();
+    of_model(&kinematics, &inputs.dynamics(&kinematics))
+        .iter()
+        .map(|result| result.sensitivity(&sizes.0))
+        .collect()
+}
