@@ -16,7 +16,11 @@
 //! stages, each of which knows the one before; they take vectors between the ends and check
 //! nothing but that the dyad closes. `solve` runs the three on the [motions](motion) of the ends,
 //! returns the motions of joints and links, and refuses what is not finite.
+//!
+//! What has no closed form, or is to be solved without one, goes to [`closure`]: vector loops by
+//! Newton-Raphson.
 
+pub mod closure;
 pub mod motion;
 pub mod ppr;
 pub mod prp;
