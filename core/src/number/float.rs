@@ -36,6 +36,7 @@ macro_rules! float {
             fn radians(angle: Self) -> Self {
                 angle
             }
+            // A count above 2^24 is rounded to f32 before the division.
             #[inline(always)]
             fn ratio(numerator: u32, denominator: u32) -> Self {
                 numerator as $float / denominator as $float
@@ -94,3 +95,33 @@ float!(
     atan2::atan2_f64,
     direction::direction_f64
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratio_is_exact_at_both_ends() {
+        for ticks in [1, 3, 16_777_217, u32::MAX] {
+            assert_eq!(f32::ratio(0, ticks), 0.0);
+            assert_eq!(f32::ratio(ticks, ticks), 1.0);
+            assert_eq!(f64::ratio(0, ticks), 0.0);
+            assert_eq!(f64::ratio(ticks, ticks), 1.0);
+        }
+    }
+
+    #[test]
+    fn ratio_is_correctly_rounded_up_to_2_24_ticks() {
+        for (numerator, denominator) in [(1, 3), (99, 100), (16_777_213, 16_777_216)] {
+            let truth = f64::from(numerator) / f64::from(denominator);
+            assert_eq!(f32::ratio(numerator, denominator), truth as f32);
+            assert_eq!(f64::ratio(numerator, denominator), truth);
+        }
+    }
+
+    #[test]
+    fn division_by_zero_is_not_finite() {
+        assert!(!Number::is_finite(Number::div(1.0f32, 0.0)));
+        assert!(!Number::is_finite(Number::div(0.0f64, 0.0)));
+    }
+}

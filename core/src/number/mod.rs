@@ -13,14 +13,21 @@
 
 mod atan2;
 mod direction;
+#[cfg(test)]
+mod double_double;
+mod fingerprint;
 mod polynomial;
 mod reduction;
+#[cfg(test)]
+mod reference;
 mod sin_cos;
 mod sqrt;
 mod vector;
 
 mod float;
 
+#[doc(hidden)]
+pub use fingerprint::fingerprint;
 pub use vector::{cross, dot, perpendicular};
 
 use core::fmt::Debug;
@@ -92,10 +99,10 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// Sine and cosine, each within one unit in the last place, for any finite angle.
+    /// Sine and cosine, each within two units in the last place, for any finite angle.
     fn sin_cos(angle: Self::Angle) -> (Self, Self);
-    /// Angle of the vector (x, y), in (-pi, pi], within one unit in the last place. `(0, 0)`
-    /// gives 0.
+    /// Angle of the vector (x, y), in [-pi, pi], within two units in the last place.
+    /// `(0, 0)` gives 0.
     fn atan2(y: Self, x: Self) -> Self::Angle;
     /// Angle of the vector (x, y) whose length is known to be `length`, in (-pi, pi]: cheaper than
     /// [`atan2`](Number::atan2), and as accurate as the length is.
