@@ -1,7 +1,7 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
 use crate::cores::CORES;
-use crate::repository::{cargo, root};
+use crate::repository::{cargo, root, target_directory};
 use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, bail};
 use std::path::Path;
@@ -143,18 +143,16 @@ fn steps() -> Vec<Step> {
     steps.push(step("instructions per tick", &insns));
     // Builds the firmware too, and checks that it can boot.
     steps.push(step("sizes", &["xtask", "size", "--check"]));
-    steps.push(step(
-        "a scene run",
-        &[
-            "run",
-            "--quiet",
-            "--release",
-            "--",
-            "run",
-            "scenes/thesis.toml",
-            "--fast",
-        ],
-    ));
+    let simulator = |name, arguments: &[&str], out: &str| {
+        let mut step = step(name, &["run", "--quiet", "--release", "--"]);
+        step.command.args(arguments).arg("--out");
+        step.command.arg(target_directory().join("ci").join(out));
+        step
+    };
+    let run = ["run", "scenes/thesis.toml", "--fast"];
+    steps.push(simulator("a scene run", &run, "thesis"));
+    let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
+    steps.push(simulator("a batch evaluation", &eval, "extreme.csv"));
     steps
 }
 
