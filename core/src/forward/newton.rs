@@ -7,28 +7,32 @@
 //! ```
 //!
 //! The Jacobian is the matrix A of the torque balance, so the iteration fails where the platform
-//! is loose. A machine has up to six assembly modes; which one is found depends on the guess.
+//! is loose. A machine has up to six assembly modes; which one is found depends on the guess:
+//! [`super::assembly`] finds them all.
 
 use crate::machine::{Geometry, Parameters};
 use crate::number::{Number, cross, dot};
 use crate::setpoint::Pose;
+use crate::singularity::greatest_det_a;
 use core::fmt;
 use nalgebra::{Vector2, Vector3};
 
 /// Coefficients of the forward kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forward<N> {
-    legs: [ForwardLeg<N>; 3],
+    pub(super) legs: [ForwardLeg<N>; 3],
     /// Length against which a step counts as small: the longest leg.
-    size: N,
+    pub(super) size: N,
+    /// The greatest size that det A can have.
+    pub(super) greatest_det_a: N,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ForwardLeg<N> {
-    base: Vector2<N>,
-    joint: Vector2<N>,
-    l1: N,
-    l2: N,
+pub(super) struct ForwardLeg<N> {
+    pub(super) base: Vector2<N>,
+    pub(super) joint: Vector2<N>,
+    pub(super) l1: N,
+    pub(super) l2: N,
 }
 
 /// A pose that the iteration converged to.
@@ -94,7 +98,18 @@ impl<N: Number> Forward<N> {
         Self {
             legs: [leg(0), leg(1), leg(2)],
             size: N::from_f64(parameters.legs.iter().fold(0.0, longest)),
+            greatest_det_a: N::from_f64(greatest_det_a(parameters)),
         }
+    }
+
+    /// The elbows B_i in the fixed frame when the motors stand at `angles`.
+    pub(super) fn elbows(&self, angles: &[N::Angle; 3]) -> [Vector2<N>; 3] {
+        let elbow = |index: usize| {
+            let (sin, cos) = N::sin_cos(angles[index]);
+            let leg = &self.legs[index];
+            leg.base + Vector2::new(cos, sin) * leg.l1
+        };
+        [elbow(0), elbow(1), elbow(2)]
     }
 
     /// The pose at which the motors stand at `angles`, reached from `guess` in at most
@@ -112,12 +127,16 @@ impl<N: Number> Forward<N> {
         guess: Pose<N>,
         max_iterations: u32,
     ) -> Result<Found<N>, ForwardError<N>> {
-        let elbow = |index: usize| {
-            let (sin, cos) = N::sin_cos(angles[index]);
-            let leg = &self.legs[index];
-            leg.base + Vector2::new(cos, sin) * leg.l1
-        };
-        let elbows = [elbow(0), elbow(1), elbow(2)];
+        self.solve_elbows(&self.elbows(angles), guess, max_iterations)
+    }
+
+    /// [`Forward::solve`] with the elbows known.
+    pub(super) fn solve_elbows(
+        &self,
+        elbows: &[Vector2<N>; 3],
+        guess: Pose<N>,
+        max_iterations: u32,
+    ) -> Result<Found<N>, ForwardError<N>> {
         let rounding = N::UNIT_ROUNDOFF;
         let (fine, coarse) = (
             self.size * (rounding + rounding + rounding + rounding),
@@ -128,7 +147,7 @@ impl<N: Number> Forward<N> {
         let mut last_step = None;
         for iterations in 0..max_iterations {
             let step = self
-                .linearised(&pose, &elbows)
+                .linearised(&pose, elbows)
                 .newton_step()
                 .ok_or(ForwardError::ParallelSingular { iterations })?;
             pose = pose.displaced(step);
@@ -138,19 +157,19 @@ impl<N: Number> Forward<N> {
                 return Ok(Found {
                     pose,
                     iterations: iterations + 1,
-                    residual: self.linearised(&pose, &elbows).length_error,
+                    residual: self.linearised(&pose, elbows).length_error,
                 });
             }
             last_step = Some(size);
         }
         Err(ForwardError::NotConverged {
             iterations: max_iterations,
-            residual: self.linearised(&pose, &elbows).length_error,
+            residual: self.linearised(&pose, elbows).length_error,
         })
     }
 
     /// The equations at `pose`.
-    fn linearised(&self, pose: &Pose<N>, elbows: &[Vector2<N>; 3]) -> Linearised<N> {
+    pub(super) fn linearised(&self, pose: &Pose<N>, elbows: &[Vector2<N>; 3]) -> Linearised<N> {
         let (sin, cos) = N::sin_cos(pose.angle);
         let mut equations = Linearised {
             rows: [Vector3::new(N::ZERO, N::ZERO, N::ZERO); 3],
@@ -186,16 +205,23 @@ impl<N: Number> Forward<N> {
 }
 
 /// The three equations linearised at a pose.
-struct Linearised<N> {
+pub(super) struct Linearised<N> {
     /// Rows of the Jacobian.
-    rows: [Vector3<N>; 3],
+    pub(super) rows: [Vector3<N>; 3],
     /// (l2^2 - |r2|^2) / 2 of each leg.
-    gaps: [N; 3],
+    pub(super) gaps: [N; 3],
     /// Largest gap relative to l2^2: to first order the relative length error.
-    length_error: N,
+    pub(super) length_error: N,
 }
 
 impl<N: Number> Linearised<N> {
+    /// det A, the determinant of the Jacobian.
+    pub(super) fn det(&self) -> N {
+        let [a, b, c] = &self.rows;
+        let bc = b.cross(c);
+        a.x * bc.x + a.y * bc.y + a.z * bc.z
+    }
+
     /// The displacement that closes the gaps to first order; `None` where the Jacobian is singular
     /// or the step leaves the number type's range.
     fn newton_step(&self) -> Option<Vector3<N>> {
