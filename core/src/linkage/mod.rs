@@ -21,6 +21,7 @@
 //! Newton-Raphson.
 
 pub mod closure;
+pub mod mechanism;
 pub mod motion;
 pub mod ppr;
 pub mod prp;
