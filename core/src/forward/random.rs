@@ -1,0 +1,163 @@
+//! Random machines with a pose that closes, and a count of assembly modes that shares nothing with
+//! the polynomial: for the tests of this folder.
+
+use super::Forward;
+use crate::machine::{
+    Elbow, Geometry, LegParameters, LinkParameters, Parameters, PlatformParameters,
+};
+use crate::setpoint::Pose;
+use nalgebra::Vector2;
+use proptest::array::uniform3;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+/// A machine, a pose of it and its motor angles there.
+#[derive(Clone, Debug)]
+pub(super) struct Closed {
+    pub(super) parameters: Parameters,
+    pub(super) pose: [f64; 3],
+    pub(super) angles: [f64; 3],
+}
+
+impl Closed {
+    pub(super) fn forward(&self) -> Forward<f64> {
+        let geometry = Geometry::build(&self.parameters).unwrap();
+        Forward::build(&self.parameters, &geometry)
+    }
+
+    /// Length at which the places of the joints are rounded.
+    pub(super) fn reach(&self) -> f64 {
+        let legs = self.parameters.legs.iter();
+        legs.fold(0.0, |reach, leg| {
+            let to_base = leg.base_m.x.hypot(leg.base_m.y);
+            reach.max(to_base + leg.proximal_m + leg.distal_m + leg.joint_radius_m)
+        })
+    }
+
+    pub(super) fn pose(&self) -> Pose<f64> {
+        Pose::from_f64(self.pose[0], self.pose[1], self.pose[2])
+    }
+}
+
+pub(super) fn turned(length: f64, angle: f64) -> Vector2<f64> {
+    Vector2::new(length * angle.cos(), length * angle.sin())
+}
+
+/// The machine whose legs, given by l1, l2, h, lambda and the angles of both links, meet at `pose`.
+pub(super) fn closed(pose: [f64; 3], legs: [[f64; 6]; 3]) -> Closed {
+    let mut angles = [0.0; 3];
+    let mut index = 0;
+    let legs = legs.map(|[l1, l2, h, lambda, theta1, theta2]| {
+        let joint = Vector2::new(pose[0], pose[1]) + turned(h, lambda + pose[2]);
+        angles[index] = theta1;
+        index += 1;
+        LegParameters {
+            base_m: joint - turned(l1, theta1) - turned(l2, theta2),
+            proximal_m: l1,
+            distal_m: l2,
+            joint_radius_m: h,
+            joint_angle_rad: lambda,
+            elbow: Elbow::Positive,
+            proximal: LinkParameters::default(),
+            distal: LinkParameters::default(),
+            rotor_inertia_kgm2: 0.0,
+        }
+    });
+    let parameters = Parameters {
+        legs,
+        platform: PlatformParameters {
+            mass_kg: 1.0,
+            inertia_kgm2: 1.0,
+            com_m: Vector2::new(0.0, 0.0),
+        },
+        gravity_m_s2: Vector2::new(0.0, 0.0),
+        wrench_force_n: Vector2::new(0.0, 0.0),
+        wrench_torque_nm: 0.0,
+    };
+    Closed {
+        parameters,
+        pose,
+        angles,
+    }
+}
+
+/// Links of 0.1 to 1, platforms from a tenth of a link to three of them.
+pub(super) fn any() -> impl Strategy<Value = Closed> {
+    let turn = -3.1..3.1f64;
+    let leg = (
+        0.1..1.0f64,
+        0.1..1.0f64,
+        0.05..1.0f64,
+        turn.clone(),
+        turn.clone(),
+        turn.clone(),
+    );
+    let place = -1.0..1.0f64;
+    (place.clone(), place, turn, uniform3(leg), 0.2..3.0f64).prop_map(
+        |(x, y, alpha, legs, platform)| {
+            let legs = legs.map(|(l1, l2, h, lambda, theta1, theta2)| {
+                [l1, l2, h * platform, lambda, theta1, theta2]
+            });
+            closed([x, y, alpha], legs)
+        },
+    )
+}
+
+/// Counts the modes by walking `cells` platform angles round the circle. D is an intersection of
+/// the circles of legs 0 and 1; on both branches, which meet where the circles touch, the length
+/// error of leg 2 changes sign at a mode.
+pub(super) fn scan(case: &Closed, cells: usize) -> usize {
+    let elbow = |leg: usize| {
+        let leg_parameters = &case.parameters.legs[leg];
+        leg_parameters.base_m + turned(leg_parameters.proximal_m, case.angles[leg])
+    };
+    let errors = |cell: usize| -> Option<[bool; 2]> {
+        let alpha = core::f64::consts::TAU * (cell as f64 + 0.5) / cells as f64;
+        let centre = |index: usize| {
+            let leg = &case.parameters.legs[index];
+            elbow(index) - turned(leg.joint_radius_m, leg.joint_angle_rad + alpha)
+        };
+        let l = |leg: usize| case.parameters.legs[leg].distal_m;
+        let to_second = centre(1) - centre(0);
+        let d = to_second.x.hypot(to_second.y);
+        let cos = (d * d + l(0) * l(0) - l(1) * l(1)) / (2.0 * d * l(0));
+        (cos.abs() < 1.0).then(|| {
+            [1.0, -1.0].map(|side| {
+                let direction = to_second.y.atan2(to_second.x) + side * cos.acos();
+                let to_third = centre(0) + turned(l(0), direction) - centre(2);
+                to_third.x.hypot(to_third.y) > l(2)
+            })
+        })
+    };
+    let errors: Vec<_> = (0..cells).map(errors).collect();
+    (0..cells)
+        .map(|cell| {
+            let next = errors[(cell + 1) % cells];
+            match (errors[cell], next) {
+                (Some(here), Some(there)) => (0..2).filter(|&b| here[b] != there[b]).count(),
+                // Where the branches meet, a difference between them is a mode on the way round.
+                (Some([plus, minus]), None) | (None, Some([plus, minus])) => {
+                    usize::from(plus != minus)
+                }
+                (None, None) => 0,
+            }
+        })
+        .sum()
+}
+
+/// Runs `check` on `cases` values, the same in every run.
+pub(super) fn deterministic<S: Strategy>(cases: u32, strategy: S, check: impl Fn(S::Value)) {
+    use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+    let config = Config {
+        cases,
+        failure_persistence: None,
+        ..Config::default()
+    };
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    TestRunner::new_with_rng(config, rng)
+        .run(&strategy, |value| {
+            check(value);
+            Ok(())
+        })
+        .unwrap();
+}
