@@ -3,6 +3,7 @@
 
 use crate::machine::Parameters;
 use crate::number::{Number, perpendicular};
+use crate::status::Status;
 use crate::tick::Motion;
 use nalgebra::Vector2;
 
@@ -52,7 +53,10 @@ impl<N: Number> Reactions<N> {
     }
 
     /// The forces in the joints of each leg, for a motion of the same machine.
-    pub fn forces(&self, motion: &Motion<N>) -> [JointForces<N>; 3] {
+    ///
+    /// # Errors
+    /// [`Status::OutOfRange`].
+    pub fn forces(&self, motion: &Motion<N>) -> Result<[JointForces<N>; 3], Status> {
         let forces = |leg: usize| {
             let masses = &self.legs[leg];
             let (at, rates, acc) = (
@@ -80,6 +84,15 @@ impl<N: Number> Reactions<N> {
                 platform,
             }
         };
-        [forces(0), forces(1), forces(2)]
+        let all = [forces(0), forces(1), forces(2)];
+        // The force at A holds the one at B, and that the one at C.
+        if all
+            .iter()
+            .all(|leg| leg.base.x.is_finite() && leg.base.y.is_finite())
+        {
+            Ok(all)
+        } else {
+            Err(Status::OutOfRange)
+        }
     }
 }

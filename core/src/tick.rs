@@ -35,18 +35,28 @@ pub struct Motor<N: Number> {
 }
 
 impl<N: Number> Motion<N> {
+    /// P_i = tau_i thetadot_i1 (5.11): mechanical power of each motor on the machine.
+    ///
+    /// # Errors
+    /// [`Status::OutOfRange`].
+    #[inline]
+    pub fn powers(&self) -> Result<[N; 3], Status> {
+        let powers = self
+            .motors
+            .each_ref()
+            .map(|motor| motor.torque * motor.rate);
+        if powers.iter().all(|power| power.is_finite()) {
+            Ok(powers)
+        } else {
+            Err(Status::OutOfRange)
+        }
+    }
+
     /// Where every joint is, for the singularity distances.
     pub fn position(&self) -> Position<N> {
         Position {
             legs: self.legs.each_ref().map(|leg| leg.position),
         }
-    }
-}
-
-impl<N: Number> Motor<N> {
-    /// P_i = tau_i thetadot_i1 (5.11): mechanical power of the motor on the machine.
-    pub fn power(&self) -> N {
-        self.torque * self.rate
     }
 }
 
@@ -84,7 +94,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         &self.geometry
     }
 
-    /// Position, rates, accelerations and motor angle of leg `index`: all of one leg before the
+    /// Position, rates, accelerations, load and motor angle of leg `index`: all of one leg before the
     /// next begins, so that few values are alive at a time.
     #[inline(always)]
     fn kinematics(
@@ -92,7 +102,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         index: usize,
         setpoint: &Setpoint<N>,
         rotation: &Rotation<N>,
-    ) -> Result<(LegMotion<N>, N::Angle), Status> {
+    ) -> Result<(LegMotion<N>, LegLoad<N>), Status> {
         let leg = &self.geometry.legs[index];
         let position = leg.position(index, setpoint.pose.position, rotation)?;
         let rates = leg.rates(&position, &setpoint.velocity);
@@ -102,7 +112,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             rates,
             accelerations,
         };
-        Ok((motion, leg.dyad.proximal_angle(&position.links)))
+        let load = self.links.load(index, &leg.dyad, &motion);
+        Ok((motion, load))
     }
 
     /// One tick: inverse kinematics, rates, accelerations, torques.
@@ -114,33 +125,32 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     pub fn evaluate(&self, setpoint: &Setpoint<N>) -> Result<Motion<N>, Status> {
         let rotation = Rotation::new(setpoint.pose.angle);
         let kinematics = |leg| self.kinematics(leg, setpoint, &rotation);
-        let [(leg1, angle1), (leg2, angle2), (leg3, angle3)] =
+        let [(leg1, load1), (leg2, load2), (leg3, load3)] =
             [kinematics(0)?, kinematics(1)?, kinematics(2)?];
-        let (legs, angles) = ([leg1, leg2, leg3], [angle1, angle2, angle3]);
+        let legs = [leg1, leg2, leg3];
+        let loads = [load1, load2, load3];
 
-        let load = |leg: usize| {
-            let dyad = &self.geometry.legs[leg].dyad;
-            self.links.load(leg, dyad, &legs[leg])
-        };
-        let loads = [load(0), load(1), load(2)];
         let demand = self.payload.demand(setpoint, &rotation);
         let forces = self.balance.forces(&legs, &demand, &loads)?;
-        let torques = forces.torques(&self.geometry, &legs, &loads);
+        let torques = forces.torques(&legs, &loads);
 
+        // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
+        // with a part that is not finite is not finite.
+        let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
+        let [t1, t2, t3] = torques;
+        if !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite() {
+            return Err(Status::OutOfRange);
+        }
+        // The angles come last: nothing else waits for them, and with them would wait.
         let motor = |leg: usize| Motor {
-            angle: angles[leg],
+            angle: self.geometry.legs[leg]
+                .dyad
+                .proximal_angle(&legs[leg].position.links),
             rate: legs[leg].rates.proximal,
             acceleration: legs[leg].accelerations.proximal,
             torque: torques[leg],
         };
         let motors = [motor(0), motor(1), motor(2)];
-        // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
-        // with a part that is not finite is not finite.
-        let sum =
-            |value: fn(&Motor<N>) -> N| value(&motors[0]) + value(&motors[1]) + value(&motors[2]);
-        if !(sum(|motor| motor.acceleration) + sum(|motor| motor.torque)).is_finite() {
-            return Err(Status::OutOfRange);
-        }
         Ok(Motion {
             motors,
             legs,

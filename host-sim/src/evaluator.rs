@@ -79,6 +79,7 @@ where
 {
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status> {
         let motion = self.tick.evaluate(setpoint)?;
+        let powers = motion.powers()?;
         let position = motion.position();
         let serial = self.distances.serial(&position);
         let leg = |i: usize| {
@@ -92,7 +93,7 @@ where
                 ddth1: motor.acceleration.to_f64(),
                 ddth2: leg.accelerations.distal.to_f64(),
                 torque: motor.torque.to_f64(),
-                power: motor.power().to_f64(),
+                power: powers[i].to_f64(),
                 cross: links.r1_cross_r2.to_f64(),
                 serial: serial[i].to_f64(),
                 base: pair(self.tick.geometry().legs[i].base),

@@ -9,6 +9,7 @@ use trirrr_core::machine::Parameters;
 use trirrr_core::number::Number;
 use trirrr_core::reaction::Reactions;
 use trirrr_core::setpoint::Setpoint;
+use trirrr_core::status::Status;
 use trirrr_core::tick::Motion;
 
 /// What a result is: a name from the reference files and the leg, 0 to 2, if it belongs to one.
@@ -59,12 +60,16 @@ pub fn names() -> Vec<Name> {
 }
 
 /// The core's results.
+///
+/// # Errors
+/// When a power or a joint force leaves the range of the number type.
 pub fn of_core<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
     motion: &Motion<N>,
-) -> Vec<f64> {
-    let forces = Reactions::build(parameters).forces(motion);
+) -> Result<Vec<f64>, Status> {
+    let forces = Reactions::build(parameters).forces(motion)?;
+    let powers = motion.powers()?;
     let mut list: Vec<N> = Vec::with_capacity(3 * PER_LEG.len() + 1);
     for (leg, forces) in forces.iter().enumerate() {
         let base = parameters.legs[leg].base_m.map(N::from_f64);
@@ -76,11 +81,11 @@ pub fn of_core<N: Number>(
         list.extend([b.x, b.y, c.x, c.y, angles[0], angles[1]]);
         list.extend([motor.rate, at.rates.distal]);
         list.extend([motor.acceleration, at.accelerations.distal]);
-        list.extend([at.position.links.r1_cross_r2, motor.torque, motor.power()]);
+        list.extend([at.position.links.r1_cross_r2, motor.torque, powers[leg]]);
         list.extend(joints.iter().flat_map(|force| [force.x, force.y]));
     }
     list.push(motion.forces.det_a);
-    list.into_iter().map(N::to_f64).collect()
+    Ok(list.into_iter().map(N::to_f64).collect())
 }
 
 /// The model's results.

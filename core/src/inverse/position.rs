@@ -88,11 +88,22 @@ impl<N: Number> Geometry<N> {
     /// Solves the three legs for `pose`. One sine and cosine serve all three.
     ///
     /// # Errors
-    /// [`Status::Unreachable`] or [`Status::SerialSingular`] with the first leg concerned.
+    /// [`Status::Unreachable`] or [`Status::SerialSingular`] with the first leg concerned;
+    /// [`Status::OutOfRange`] where a leg with two equal links is folded so far that its division
+    /// by d^2 leaves the number type.
     #[inline]
     pub fn position(&self, pose: &Pose<N>) -> Result<Position<N>, Status> {
         let rotation = Rotation::new(pose.angle);
-        let solve = |index: usize| self.legs[index].position(index, pose.position, &rotation);
+        let solve = |index: usize| {
+            let leg = self.legs[index].position(index, pose.position, &rotation)?;
+            // The tick itself checks its results instead, once, at its end.
+            let sum = leg.links.r1.x + leg.links.r1.y + leg.links.r2.x + leg.links.r2.y;
+            if sum.is_finite() {
+                Ok(leg)
+            } else {
+                Err(Status::OutOfRange)
+            }
+        };
         Ok(Position {
             legs: [solve(0)?, solve(1)?, solve(2)?],
         })

@@ -2,9 +2,11 @@
 
 use super::{BuildError, LegParameters, LinkParameters, Parameters, Quantity};
 use crate::number::Number;
+use crate::singularity;
 
 const FINITE: &str = "a finite number within the range of the number type";
 const POSITIVE: &str = "a positive number within the range of the number type";
+const FOURTH_POWER: &str = "a length whose fourth power is within the range of the number type";
 const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
 
 impl Parameters {
@@ -20,6 +22,8 @@ impl Parameters {
                 ..error
             })?;
         }
+        // The torques divide by det A; where it overflowed they would come out as zero.
+        finite::<N>(Quantity::GreatestDetA, singularity::greatest_det_a(self))?;
         not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
         not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
         for (quantity, vector) in [
@@ -39,6 +43,11 @@ fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
     finite::<N>(Quantity::Base, leg.base_m.y)?;
     positive::<N>(Quantity::ProximalLength, leg.proximal_m)?;
     positive::<N>(Quantity::DistalLength, leg.distal_m)?;
+    // The dyad multiplies differences of squared lengths.
+    let reach = leg.proximal_m + leg.distal_m;
+    let fourth_power = N::from_f64(reach * reach * reach * reach);
+    let held = fourth_power > N::ZERO && fourth_power.is_finite();
+    require::<N>(held, Quantity::Reach, reach, FOURTH_POWER)?;
     not_negative::<N>(Quantity::JointRadius, leg.joint_radius_m)?;
     finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;
     let proximal = [
@@ -134,6 +143,23 @@ mod tests {
         assert_eq!(parameters.check::<f64>(), Ok(()));
         let error = parameters.check::<f32>().unwrap_err();
         assert_eq!((error.quantity, error.leg), (Quantity::PlatformMass, None));
+    }
+
+    #[test]
+    fn refuses_machines_whose_products_the_number_type_cannot_hold() {
+        let sized = |length: f64, radius: f64| {
+            let mut parameters = example();
+            for leg in &mut parameters.legs {
+                (leg.proximal_m, leg.distal_m) = (length, length);
+                leg.joint_radius_m = radius;
+            }
+            parameters.check::<f32>().map_err(|error| error.quantity)
+        };
+        assert_eq!(sized(1e9, 1e8), Ok(()));
+        assert_eq!(sized(1e-9, 1e-10), Ok(()));
+        assert_eq!(sized(1e10, 1e8), Err(Quantity::Reach));
+        assert_eq!(sized(1e-12, 1e-13), Err(Quantity::Reach));
+        assert_eq!(sized(1e9, 1e13), Err(Quantity::GreatestDetA));
     }
 
     #[test]

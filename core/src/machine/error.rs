@@ -9,6 +9,8 @@ pub enum Quantity {
     Base,
     ProximalLength,
     DistalLength,
+    /// l1 + l2 of a leg: the longest length it has to do with.
+    Reach,
     JointRadius,
     JointAngle,
     ProximalMass,
@@ -18,6 +20,10 @@ pub enum Quantity {
     DistalCentreOfMass,
     DistalInertia,
     RotorInertia,
+    /// The largest size that det A can have (see [`greatest_det_a`]).
+    ///
+    /// [`greatest_det_a`]: crate::singularity::greatest_det_a
+    GreatestDetA,
     PlatformMass,
     PlatformInertia,
     PlatformCentreOfMass,

@@ -3,7 +3,7 @@
 use super::links::LegLoad;
 use super::payload::Demand;
 use crate::inverse::LegMotion;
-use crate::machine::{Geometry, Parameters};
+use crate::machine::Parameters;
 use crate::number::{Number, cross, dot, perpendicular};
 use crate::singularity;
 use crate::status::Status;
@@ -96,24 +96,15 @@ impl<N: Number> Balance<N> {
 }
 
 impl<N: Number> Forces<N> {
-    /// tau_i = D_i f_i + Q1_i - q_i (r1_i . r2_i).
+    /// tau_i = D_i f_i + (Q1_i - q_i (r1_i . r2_i)).
     #[inline(always)]
-    pub fn torques(
-        &self,
-        geometry: &Geometry<N>,
-        legs: &[LegMotion<N>; 3],
-        loads: &[LegLoad<N>; 3],
-    ) -> [N; 3] {
+    pub fn torques(&self, legs: &[LegMotion<N>; 3], loads: &[LegLoad<N>; 3]) -> [N; 3] {
         let torque = |index: usize| {
-            let (links, load) = (&legs[index].position.links, &loads[index]);
-            let mut torque = links.r1_cross_r2 * self.along[index];
-            if let Some(q) = load.distal_over_l2_sq {
-                torque -= q * geometry.legs[index].dyad.r1_dot_r2(links);
+            let torque = legs[index].position.links.r1_cross_r2 * self.along[index];
+            match loads[index].at_motor {
+                Some(at_motor) => torque + at_motor,
+                None => torque,
             }
-            if let Some(q1) = load.proximal {
-                torque += q1;
-            }
-            torque
         };
         [torque(0), torque(1), torque(2)]
     }

@@ -11,8 +11,9 @@ use nalgebra::Vector2;
 /// known at compile time, so that nothing is computed with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegLoad<N> {
-    /// Q1: against theta_1, rotor included.
-    pub proximal: Option<N>,
+    /// Q1 - q (r1 . r2): what the motor supplies besides the force along the distal link; rotor
+    /// included.
+    pub at_motor: Option<N>,
     /// q = Q2 / l2^2: against theta_2.
     pub distal_over_l2_sq: Option<N>,
 }
@@ -38,7 +39,7 @@ impl<N: Number> Links<N> for Massless {
     #[inline(always)]
     fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
         LegLoad {
-            proximal: None,
+            at_motor: None,
             distal_over_l2_sq: None,
         }
     }
@@ -60,7 +61,7 @@ impl<N: Number> Links<N> for Rotors<N> {
     #[inline(always)]
     fn load(&self, leg: usize, _: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
         LegLoad {
-            proximal: Some(self.0[leg] * motion.accelerations.proximal),
+            at_motor: Some(self.0[leg] * motion.accelerations.proximal),
             distal_over_l2_sq: None,
         }
     }
@@ -139,14 +140,15 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
         if let Some(weight) = self.gravity.across(at.r2) {
             reaction -= weight;
         }
+        let q = N::ab_plus_cd(
+            link.distal_inertia,
+            acc.distal,
+            link.distal_coupling,
+            reaction,
+        );
         LegLoad {
-            proximal: Some(proximal),
-            distal_over_l2_sq: Some(N::ab_plus_cd(
-                link.distal_inertia,
-                acc.distal,
-                link.distal_coupling,
-                reaction,
-            )),
+            at_motor: Some(proximal - q * r1_dot_r2),
+            distal_over_l2_sq: Some(q),
         }
     }
 }

@@ -131,7 +131,8 @@ fn power_goes_into_energy() {
                 .map(|(_, value)| value)
                 .sum()
         };
-        let found = results::of_core(&case.parameters, &case.setpoint, &motion);
+        let found =
+            results::of_core(&case.parameters, &case.setpoint, &motion).expect("finite results");
         let power = sum_of_powers(&found);
         let bound = 2.0 * f64::UNIT_ROUNDOFF * sum_of_powers(&conditions);
         let at = at(&case);

@@ -67,8 +67,13 @@ fn link<N: Number>() -> impl Strategy<Value = LinkParameters> {
     ]
 }
 
+/// Mostly lengths that the check accepts: three of each leg have to pass it.
+fn length<N: Number>() -> impl Strategy<Value = f64> {
+    prop_oneof![6 => 1e-3..1e3, 1 => number::<N>()]
+}
+
 fn leg<N: Number>() -> impl Strategy<Value = LegParameters> {
-    let lengths = (number::<N>(), number::<N>(), number::<N>());
+    let lengths = (length::<N>(), length::<N>(), length::<N>());
     (
         vector::<N>(),
         lengths,
@@ -139,29 +144,23 @@ fn state<N: Number>() -> impl Strategy<Value = Setpoint<N>> {
 
 /// What the core promises for one tick; true when it ended in results.
 fn holds<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> bool {
+    // Positions have results of their own, also where there is no motion.
+    let (serial, parallel) = distances(parameters, &setpoint.pose);
+    for distance in serial.into_iter().chain([parallel]) {
+        assert!(
+            distance >= 0.0 && distance.is_finite(),
+            "distance {distance}: {parameters:?} {setpoint:?}"
+        );
+    }
     match evaluate(parameters, setpoint) {
         Ok(motion) => {
-            let list = results::of_core(parameters, setpoint, &motion);
+            // Joint forces and powers may leave the range of the number type, and say so.
+            let list = results::of_core(parameters, setpoint, &motion).unwrap_or_default();
             for (name, value) in results::names().into_iter().zip(list) {
-                // Joint forces and powers are the caller's products of results: they may leave the
-                // range of the number type.
-                if matches!(
-                    name.stem,
-                    "FAx" | "FAy" | "FBx" | "FBy" | "FCx" | "FCy" | "P"
-                ) {
-                    continue;
-                }
                 assert!(
                     value.is_finite(),
                     "{}: {value}: {parameters:?} {setpoint:?}",
                     name.column()
-                );
-            }
-            let (serial, parallel) = distances(parameters, &setpoint.pose);
-            for distance in serial.into_iter().chain([parallel]) {
-                assert!(
-                    distance >= 0.0 && distance.is_finite(),
-                    "distance {distance}: {parameters:?} {setpoint:?}"
                 );
             }
             true
@@ -252,7 +251,8 @@ fn any_numbers_end_in_results_or_a_status_in_f32() {
 fn reactions_of_ordinary_machines_are_finite() {
     for_all(2000, case(), |case| {
         let motion = evaluate(&case.parameters, &case.setpoint).expect("a motion");
-        for forces in Reactions::build(&case.parameters).forces(&motion) {
+        let forces = Reactions::build(&case.parameters).forces(&motion);
+        for forces in forces.expect("finite forces") {
             let sum = forces.base + forces.elbow + forces.platform;
             assert!(sum.x.is_finite() && sum.y.is_finite(), "{case:?}");
         }

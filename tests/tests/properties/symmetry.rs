@@ -64,8 +64,9 @@ fn rotation_of_the_whole_machine() {
         let turned = moved(&case, linear, Vector2::new(0.0, 0.0), turn);
         let before = motion(&case.parameters, &case.setpoint);
         let after = motion(&turned.parameters, &turned.setpoint);
-        let lists = [(&case, &before), (&turned, &after)]
-            .map(|(case, motion)| results::of_core(&case.parameters, &case.setpoint, motion));
+        let lists = [(&case, &before), (&turned, &after)].map(|(case, motion)| {
+            results::of_core(&case.parameters, &case.setpoint, motion).expect("finite results")
+        });
         let conditions = results::isotropic_conditions(&case.parameters, &case.setpoint);
         for (index, (name, cond)) in results::names().into_iter().zip(conditions).enumerate() {
             let (a, b) = (lists[0][index], lists[1][index]);

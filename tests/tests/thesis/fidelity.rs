@@ -14,7 +14,8 @@ fn positions_motor_angles_and_motor_rates_match() {
     let mut worst = Worst::default();
     for row in program().rows() {
         let setpoint = state(row);
-        let found = results::of_core(&parameters, &setpoint, &motion(&setpoint));
+        let found =
+            results::of_core(&parameters, &setpoint, &motion(&setpoint)).expect("finite results");
         let conditions = results::conditions(&parameters, &setpoint);
         for ((name, found), cond) in results::names().into_iter().zip(found).zip(conditions) {
             let leg = name.leg.map_or(0, |leg| leg + 1);

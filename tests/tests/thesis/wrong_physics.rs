@@ -70,9 +70,9 @@ fn erratum_1_the_true_powers_sum_to_the_platforms() {
     for row in program().rows() {
         let setpoint = state(row);
         let sum: f64 = motion(&setpoint)
-            .motors
+            .powers()
+            .expect("finite powers")
             .iter()
-            .map(|motor| motor.power())
             .sum();
         let conditions = results::names()
             .into_iter()

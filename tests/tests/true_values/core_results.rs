@@ -21,7 +21,7 @@ fn compare<N: Number>(
     setpoint: &Setpoint<N>,
 ) -> Result<(), Status> {
     let motion = evaluate(parameters, setpoint)?;
-    let found = results::of_core(parameters, setpoint, &motion);
+    let found = results::of_core(parameters, setpoint, &motion).expect("finite results");
     // Conditions at the row's own state, which f64 holds exactly.
     let at = Setpoint::<f64> {
         pose: Pose::from_f64(row.number("x"), row.number("y"), row.number("alpha")),
