@@ -179,7 +179,89 @@ impl<N: Number> Ppr<N> {
         let finite = motion.slider.is_finite()
             && motion.link.is_finite()
             && motion.first_slide.is_finite()
-            && motion.second_slide.is_finite();
+            && motion.second_slide.is_finite()
+            && motion.singularity_distance.is_finite();
         finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{FRAC_PI_2, PI};
+
+    fn unit(angle: f64) -> Vector2<f64> {
+        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        Vector2::new(cos, sin)
+    }
+
+    #[test]
+    fn closes_as_its_definition_says() {
+        let (z2, gamma, delta, z3, beta) = (0.3, 1.1, 0.9, 0.2, 0.6);
+        let dyad = Ppr::<f64>::new(z2, gamma, delta, z3, beta);
+        let (a, b) = (Vector2::new(0.1, -0.2), Vector2::new(0.9, 0.3));
+        let phi1 = 0.4;
+        let guide = GuideMotion::fixed(a, unit(phi1));
+        let at = dyad.solve(&guide, &PointMotion::fixed(b)).unwrap();
+        let phi2 = phi1 - PI + gamma;
+        let phi4 = phi2 + delta;
+        let phi3 = phi4 + beta - PI;
+        let left = a + unit(phi1) * at.first_slide.length + unit(phi2) * z2;
+        let right = b + unit(phi4) * at.second_slide.length + unit(phi3) * z3;
+        assert!((left - right).abs().max() < 4e-16, "{left:?} {right:?}");
+        assert!((at.link.direction - unit(phi4)).abs().max() < 4e-16);
+        let sine = <f64 as Number>::sin_cos(phi4 - phi1).0.abs();
+        assert!((at.singularity_distance - sine).abs() < 2e-16);
+    }
+
+    #[test]
+    fn carries_its_joint_as_asked() {
+        let dyad = Ppr::<f64>::new(0.3, 1.1, 0.9, 0.2, 0.6);
+        let moving = |x: f64| PointMotion {
+            position: Vector2::new(x, 0.3 - x),
+            velocity: Vector2::new(0.5, -x),
+            acceleration: Vector2::new(x, 2.0),
+        };
+        let guide = LinkMotion {
+            origin: moving(0.2),
+            direction: unit(0.3),
+            rate: 1.5,
+            acceleration: -0.4,
+        };
+        let b = moving(1.0);
+        let at = dyad.solve(&guide, &b).unwrap();
+        // From the slider's reference point on, B slides backwards along the second guide.
+        let start = at.slider.vector(dyad.offset);
+        let second = LinkMotion {
+            origin: at
+                .slider
+                .origin
+                .carried(start, guide.rate, guide.acceleration),
+            ..at.link
+        };
+        let back = SlideMotion {
+            length: -at.second_slide.length,
+            rate: -at.second_slide.rate,
+            acceleration: -at.second_slide.acceleration,
+        };
+        let joint = second.sliding(&back, 0.0);
+        assert!((joint.position - b.position).abs().max() < 1e-15);
+        // The slider's own sliding is part of its origin's motion, not of the guide's turning.
+        assert!((joint.velocity - b.velocity).abs().max() < 1e-14);
+        assert!((joint.acceleration - b.acceleration).abs().max() < 1e-13);
+    }
+
+    #[test]
+    fn guides_at_right_angles_and_parallel() {
+        let square = Ppr::<f32>::new(0.0, FRAC_PI_2, 0.0, 0.0, 0.0);
+        assert_eq!(square.singularity_distance(), 1.0);
+        let guide = GuideMotion::fixed(Vector2::new(0.0, 0.0), Vector2::new(1.0, 0.0));
+        let b = PointMotion::fixed(Vector2::new(0.3f32, 0.4));
+        let at = square.solve(&guide, &b).unwrap();
+        assert!((at.first_slide.length - 0.3).abs() < 1e-7);
+        assert!((at.second_slide.length - 0.4).abs() < 1e-7);
+        let parallel = Ppr::<f32>::from_offsets(Vector2::new(1.0, 0.0), Vector2::new(0.0, 0.0));
+        assert_eq!(parallel.singularity_distance(), 0.0);
+        assert_eq!(parallel.solve(&guide, &b), Err(LinkageStatus::Singular));
     }
 }

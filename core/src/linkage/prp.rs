@@ -13,8 +13,11 @@
 //!
 //! ```text
 //! d = B - A + o4 E u4 - o1 E u1 = s1 u1 - s4 u4
-//! s1 = d x u4 / (u1 x u4),   s4 = d x u1 / (u1 x u4)
+//! s4 = d x u1 / (u1 x u4),   s1 = d . u1 + s4 u1 . u4
 //! ```
+//!
+//! The second form of s1, instead of d x u4 / (u1 x u4), closes the loop to rounding even between
+//! guides that are nearly parallel.
 //!
 //! Velocities and accelerations satisfy the same two equations with, in d's place, what the
 //! guides' own motion leaves to the slides. There is one solution, and none where the guides are
@@ -24,7 +27,7 @@ use super::LinkageStatus;
 use super::motion::{
     GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration,
 };
-use crate::number::{Number, cross, perpendicular};
+use crate::number::{Number, cross, dot, perpendicular};
 use nalgebra::Vector2;
 
 /// Coefficients of a PRP dyad.
@@ -47,6 +50,8 @@ pub struct Position<N> {
     pub directions: [Vector2<N>; 2],
     /// u1 x u4: zero at the singularity.
     pub determinant: N,
+    /// u1 . u4.
+    cosine: N,
     /// 1 / (u1 x u4).
     inverse: N,
 }
@@ -75,6 +80,20 @@ pub struct Turn<N> {
     pub rate: N,
     /// rad/s^2.
     pub acceleration: N,
+}
+
+/// The parts of `v` = first u1 - second u4.
+#[inline(always)]
+fn resolve<N: Number>(v: Vector2<N>, u1: Vector2<N>, cosine: N, inverse: N) -> [N; 2] {
+    let second = cross(v, u1) * inverse;
+    [dot(v, u1) + second * cosine, second]
+}
+
+impl<N: Number> Position<N> {
+    #[inline(always)]
+    fn resolve(&self, v: Vector2<N>) -> [N; 2] {
+        resolve(v, self.directions[0], self.cosine, self.inverse)
+    }
 }
 
 impl<N: Number> Prp<N> {
@@ -116,12 +135,14 @@ impl<N: Number> Prp<N> {
         ];
         let inverse = N::ONE.div(determinant);
         let between = d + difference(across[1], across[0]);
-        let along = [cross(between, u4) * inverse, cross(between, u1) * inverse];
+        let cosine = dot(u1, u4);
+        let along = resolve(between, u1, cosine, inverse);
         Ok(Position {
             lengths: [along[0] - self.first.x, along[1] - self.second.x],
             joint: [u1 * along[0] + across[0], u4 * along[1] + across[1]],
             directions,
             determinant,
+            cosine,
             inverse,
         })
     }
@@ -130,7 +151,7 @@ impl<N: Number> Prp<N> {
     #[inline]
     pub fn rates(&self, at: &Position<N>, v: Vector2<N>, turns: &[Turn<N>; 2]) -> [N; 2] {
         let carried = |i: usize| perpendicular(at.joint[i]) * turns[i].rate;
-        self.resolve(at, v + difference(carried(1), carried(0)))
+        at.resolve(v + difference(carried(1), carried(0)))
     }
 
     /// Accelerations of z1 and z4 for `a`, the acceleration of B relative to A.
@@ -147,14 +168,7 @@ impl<N: Number> Prp<N> {
             relative_acceleration(at.joint[i], turns[i].rate, turns[i].acceleration)
                 + perpendicular(at.directions[i]) * coriolis
         };
-        self.resolve(at, a + difference(carried(1), carried(0)))
-    }
-
-    /// The parts of `v` = first u1 - second u4.
-    #[inline(always)]
-    fn resolve(&self, at: &Position<N>, v: Vector2<N>) -> [N; 2] {
-        let [u1, u4] = at.directions;
-        [cross(v, u4) * at.inverse, cross(v, u1) * at.inverse]
+        at.resolve(a + difference(carried(1), carried(0)))
     }
 
     /// abs(u1 x u4): 0 where the guides are parallel, 1 where they are at right angles.
@@ -206,7 +220,87 @@ impl<N: Number> Prp<N> {
         let finite = motion.first.is_finite()
             && motion.second.is_finite()
             && motion.first_slide.is_finite()
-            && motion.second_slide.is_finite();
+            && motion.second_slide.is_finite()
+            && motion.singularity_distance.is_finite();
         finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    fn unit(angle: f64) -> Vector2<f64> {
+        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        Vector2::new(cos, sin)
+    }
+
+    fn guide(origin: PointMotion<f64>, angle: f64, rate: f64) -> GuideMotion<f64> {
+        LinkMotion {
+            origin,
+            direction: unit(angle),
+            rate,
+            acceleration: 0.7 * rate,
+        }
+    }
+
+    #[test]
+    fn closes_as_its_definition_says() {
+        let (z2, gamma, z3, beta) = (0.3, 1.1, 0.2, 0.6);
+        let dyad = Prp::<f64>::new(z2, gamma, z3, beta);
+        let a = PointMotion::fixed(Vector2::new(0.1, -0.2));
+        let b = PointMotion::fixed(Vector2::new(0.9, 0.3));
+        let (phi1, phi4) = (0.4, 2.0);
+        let at = dyad
+            .solve(&guide(a, phi1, 0.0), &guide(b, phi4, 0.0))
+            .unwrap();
+        let (phi2, phi3) = (phi1 - PI + gamma, phi4 + PI - beta);
+        let left = a.position + unit(phi1) * at.first_slide.length + unit(phi2) * z2;
+        let right = b.position + unit(phi4) * at.second_slide.length + unit(phi3) * z3;
+        assert!((left - right).abs().max() < 4e-16, "{left:?} {right:?}");
+        assert!((left - at.joint.position).abs().max() < 4e-16);
+        let sine = <f64 as Number>::sin_cos(phi4 - phi1).0;
+        assert!((at.singularity_distance - sine).abs() < 2e-16);
+    }
+
+    #[test]
+    fn moves_alike_seen_from_either_guide() {
+        let offset = Vector2::new(-0.1, 0.25);
+        let dyad = Prp::<f64>::from_offsets(Vector2::new(0.05, 0.2), offset);
+        let moving = |x: f64| PointMotion {
+            position: Vector2::new(x, 0.3 - x),
+            velocity: Vector2::new(0.5, -x),
+            acceleration: Vector2::new(x, 2.0),
+        };
+        let (first, second) = (guide(moving(0.2), 0.3, 1.5), guide(moving(1.0), 1.9, -0.8));
+        let at = dyad.solve(&first, &second).unwrap();
+        let slide = SlideMotion {
+            length: at.second_slide.length + offset.x,
+            ..at.second_slide
+        };
+        let joint = second.sliding(&slide, offset.y);
+        assert!((joint.position - at.joint.position).abs().max() < 1e-15);
+        assert!((joint.velocity - at.joint.velocity).abs().max() < 1e-14);
+        assert!((joint.acceleration - at.joint.acceleration).abs().max() < 1e-13);
+    }
+
+    #[test]
+    fn parallel_guides_are_singular() {
+        let dyad = Prp::<f32>::new(0.0, 0.0, 0.0, 0.0);
+        let level = Vector2::new(1.0, 0.0);
+        let at = |second: Vector2<f32>| {
+            let first = GuideMotion::fixed(Vector2::new(0.0, 0.0), level);
+            let second = GuideMotion::fixed(Vector2::new(0.0, 1.0), second);
+            dyad.solve(&first, &second)
+                .map(|at| at.singularity_distance)
+        };
+        assert_eq!(at(level), Err(LinkageStatus::Singular));
+        assert_eq!(at(-level), Err(LinkageStatus::Singular));
+        assert_eq!(
+            at(Vector2::new(f32::NAN, 0.0)),
+            Err(LinkageStatus::Singular)
+        );
+        assert_eq!(at(Vector2::new(0.0, 1.0)), Ok(1.0));
     }
 }

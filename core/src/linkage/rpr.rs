@@ -211,3 +211,110 @@ impl<N: Number> Rpr<N> {
         finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    fn unit(angle: f64) -> Vector2<f64> {
+        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        Vector2::new(cos, sin)
+    }
+
+    fn moving(position: Vector2<f64>, velocity: Vector2<f64>) -> PointMotion<f64> {
+        PointMotion {
+            position,
+            velocity,
+            acceleration: Vector2::new(velocity.y - 1.0, 2.0 * velocity.x),
+        }
+    }
+
+    #[test]
+    fn closes_as_its_definition_says_on_both_branches() {
+        let (z1, beta, z3, alpha) = (0.2, 1.3, 0.15, 0.7);
+        let (a, b) = (Vector2::new(0.1, 0.6), Vector2::new(-0.3, -0.1));
+        for branch in [1.0, -1.0] {
+            let dyad = Rpr::<f64>::new(z1, beta, z3, alpha, branch);
+            let at = dyad.position(a - b).unwrap();
+            let phi2 = <f64 as Number>::atan2(at.direction.y, at.direction.x);
+            let (phi1, phi3) = (phi2 - PI + beta, phi2 - alpha);
+            let left = unit(phi1) * z1 - unit(phi2) * at.length - unit(phi3) * z3;
+            assert!((left - (b - a)).abs().max() < 4e-16, "{left:?}");
+            assert!(at.along * branch > 0.0);
+        }
+    }
+
+    /// A crank of 0.1 m at 60 degrees, turning at 2 and -3 / s^2, carries A; B lies at 0.4 m; at
+    /// B an arm of 0.17 m at 84 degrees. The values are those of the closure's worked example.
+    #[test]
+    fn solves_the_worked_example() {
+        let dyad = Rpr::<f64>::new(0.0, 0.0, 0.17, 84.0 * (PI / 180.0), 1.0);
+        let a = PointMotion::fixed(Vector2::new(0.0, 0.0)).carried(unit(PI / 3.0) * 0.1, 2.0, -3.0);
+        let b = PointMotion::fixed(Vector2::new(0.4, 0.0));
+        let at = dyad.solve(&a, &b).unwrap();
+        // The example counts its angle along A -> B, the dyad along B -> A.
+        let phi2 = <f64 as Number>::atan2(-at.first.direction.y, -at.first.direction.x);
+        for (found, true_value) in [
+            (phi2, 0.245_494_981_327_606_6),
+            (at.slide.length, 0.300_688_584_228_405_1),
+            (at.first.rate, -0.436_781_884_911_654_4),
+            (at.slide.rate, 0.217_554_403_659_960_26),
+            (at.first.acceleration, 2.053_187_283_912_183),
+            (at.slide.acceleration, -0.223_743_389_602_775_4),
+        ] {
+            assert!(
+                (found - true_value).abs() < 1e-15,
+                "{found} for {true_value}"
+            );
+        }
+    }
+
+    #[test]
+    fn both_links_meet_in_the_slide() {
+        let dyad = Rpr::<f64>::from_offsets(0.1, -0.25, -1.0);
+        let a = moving(Vector2::new(0.7, 0.2), Vector2::new(0.3, -1.1));
+        let b = moving(Vector2::new(-0.4, 0.5), Vector2::new(-0.6, 0.8));
+        let at = dyad.solve(&a, &b).unwrap();
+        // A slides along the guide of B's link.
+        let slide = SlideMotion {
+            length: at.slide.length + 0.1,
+            ..at.slide
+        };
+        let end = at.second.sliding(&slide, -0.25);
+        assert!((end.position - a.position).abs().max() < 4e-16);
+        assert!((end.velocity - a.velocity).abs().max() < 1e-15);
+        assert!((end.acceleration - a.acceleration).abs().max() < 1e-14);
+    }
+
+    #[test]
+    fn without_offsets_it_points_from_joint_to_joint() {
+        for branch in [1.0, -1.0] {
+            let dyad = Rpr::<f32>::new(0.0, 0.3, 0.0, 0.4, branch);
+            let at = dyad.position(Vector2::new(3.0, 4.0)).unwrap();
+            let branch = branch as f32;
+            assert_eq!(at.length, 5.0 * branch);
+            assert!((at.direction - Vector2::new(0.6, 0.8) * branch).abs().max() < 1e-7);
+            assert_eq!(dyad.singularity_distance(&at), 1.0);
+            let coinciding = dyad.position(Vector2::new(0.0, 0.0)).map(|at| at.length);
+            assert_eq!(coinciding, Err(LinkageStatus::Singular));
+        }
+    }
+
+    #[test]
+    fn says_what_is_out_of_reach() {
+        let dyad = Rpr::<f32>::from_offsets(0.0, 2.0, 1.0);
+        let reach = |x: f32| {
+            let at = dyad.position(Vector2::new(x, 0.0))?;
+            Ok(dyad.singularity_distance(&at))
+        };
+        assert_eq!(reach(2.0), Err(LinkageStatus::Singular));
+        assert_eq!(reach(1.9), Err(LinkageStatus::Unreachable));
+        assert_eq!(reach(f32::NAN), Err(LinkageStatus::Unreachable));
+        assert!(reach(2.000_001).unwrap() < 2e-3);
+        assert!(reach(2000.0).unwrap() > 0.999);
+        let origin = PointMotion::fixed(Vector2::new(0.0, 0.0));
+        let far = PointMotion::fixed(Vector2::new(f32::MAX, 0.0));
+        assert_eq!(dyad.solve(&far, &origin), Err(LinkageStatus::OutOfRange));
+    }
+}

@@ -226,8 +226,98 @@ impl<N: Number> Rrp<N> {
             slide,
             singularity_distance: self.singularity_distance(&at),
         };
-        let finite =
-            motion.link.is_finite() && motion.slider.is_finite() && motion.slide.is_finite();
+        let finite = motion.link.is_finite()
+            && motion.slider.is_finite()
+            && motion.slide.is_finite()
+            && motion.singularity_distance.is_finite();
         finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit(angle: f64) -> Vector2<f64> {
+        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        Vector2::new(cos, sin)
+    }
+
+    #[test]
+    fn closes_as_its_definition_says_on_both_branches() {
+        let (z4, z3, gamma, phi2) = (0.5, 0.2, 1.9, 0.3);
+        let (a, b) = (Vector2::new(0.4, 0.7), Vector2::new(-0.2, 0.1));
+        let mut lengths = [0.0; 2];
+        for (length, branch) in lengths.iter_mut().zip([1.0, -1.0]) {
+            let dyad = Rrp::<f64>::new(z4, z3, gamma, branch);
+            let at = dyad.position(a - b, unit(phi2)).unwrap();
+            let d = b + unit(phi2) * at.length + unit(phi2 + gamma) * z3;
+            assert!((d + at.r - a).abs().max() < 4e-16);
+            assert!((dot(at.r, at.r) - z4 * z4).abs() < 4e-16);
+            assert!((at.slider + b - d).abs().max() < 4e-16);
+            *length = at.length;
+        }
+        assert!(lengths[0] > lengths[1]);
+    }
+
+    #[test]
+    fn slider_and_link_meet_in_the_joint() {
+        let (along, across) = (0.05, -0.1);
+        let dyad = Rrp::<f64>::from_offsets(0.8, along, across, -1.0);
+        let moving = |x: f64| PointMotion {
+            position: Vector2::new(x, 0.3 - x),
+            velocity: Vector2::new(0.5, -x),
+            acceleration: Vector2::new(x, 2.0),
+        };
+        let guide = LinkMotion {
+            origin: moving(-0.1),
+            direction: unit(0.8),
+            rate: 1.4,
+            acceleration: -2.2,
+        };
+        let at = dyad.solve(&moving(0.4), &guide).unwrap();
+        let slide = SlideMotion {
+            length: at.slide.length + along,
+            ..at.slide
+        };
+        let joint = guide.sliding(&slide, across);
+        assert!((joint.position - at.joint.position).abs().max() < 4e-16);
+        assert!((joint.velocity - at.joint.velocity).abs().max() < 4e-15);
+        assert!((joint.acceleration - at.joint.acceleration).abs().max() < 4e-14);
+        let a = at.link.point(Vector2::new(0.8, 0.0));
+        assert!((a.position - moving(0.4).position).abs().max() < 4e-16);
+        assert!((a.acceleration - moving(0.4).acceleration).abs().max() < 4e-14);
+    }
+
+    /// Without offset: a link of 5, its joint 3 above the guide.
+    #[test]
+    fn without_offset_the_joint_slides_on_the_guide() {
+        for (branch, x) in [(1.0, 5.0f32), (-1.0, -3.0)] {
+            let dyad = Rrp::<f32>::new(5.0, 0.0, 1.0, branch);
+            let level = Vector2::new(1.0, 0.0);
+            let at = dyad.position(Vector2::new(1.0, 3.0), level).unwrap();
+            assert_eq!(at.length, x);
+            assert_eq!(at.slider, Vector2::new(x, 0.0));
+            assert!((dyad.singularity_distance(&at) - 0.8).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn says_what_is_out_of_reach() {
+        let dyad = Rrp::<f32>::from_offsets(5.0, 0.0, 1.0, 1.0);
+        let reach = |y: f32| {
+            let level = Vector2::new(1.0, 0.0);
+            dyad.position(Vector2::new(7.0, y), level)
+                .map(|at| at.length)
+        };
+        assert_eq!(reach(6.0), Err(LinkageStatus::Singular));
+        assert_eq!(reach(-4.0), Err(LinkageStatus::Singular));
+        assert_eq!(reach(6.1), Err(LinkageStatus::Unreachable));
+        assert_eq!(reach(f32::NAN), Err(LinkageStatus::Unreachable));
+        assert_eq!(reach(1.0), Ok(12.0));
+        // The joint at rest on the guide's own point.
+        let through = Rrp::<f32>::from_offsets(5.0, 0.0, 0.0, 1.0);
+        let on_guide = through.position(Vector2::new(0.0, 0.0), Vector2::new(0.0, 1.0));
+        assert_eq!(on_guide.map(|at| at.length), Ok(5.0));
     }
 }

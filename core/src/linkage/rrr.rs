@@ -282,4 +282,42 @@ mod tests {
         assert!((v_again - v).abs().max() < 1e-15, "{v_again:?}");
         assert!((a_again - a).abs().max() < 1e-14, "{a_again:?}");
     }
+
+    #[test]
+    fn solve_carries_both_ends() {
+        let dyad = Rrr::<f64>::new(3.0, 4.0, -1.0);
+        let moving = |x: f64| PointMotion {
+            position: Vector2::new(x, 0.3 * x),
+            velocity: Vector2::new(0.5, -x),
+            acceleration: Vector2::new(x, 2.0),
+        };
+        let (a, c) = (moving(1.0), moving(6.0));
+        let at = dyad.solve(&a, &c).unwrap();
+        let joint = at.first.point(Vector2::new(3.0, 0.0));
+        let end = at.second.point(Vector2::new(4.0, 0.0));
+        for (found, asked) in [(joint, at.joint), (end, c)] {
+            assert!((found.position - asked.position).abs().max() < 2e-15);
+            assert!((found.velocity - asked.velocity).abs().max() < 1e-14);
+            assert!((found.acceleration - asked.acceleration).abs().max() < 1e-13);
+        }
+        let angle = at.second.angle() - at.first.angle();
+        let sine = <f64 as Number>::sin_cos(angle).0.abs();
+        assert!((at.singularity_distance - sine).abs() < 1e-15);
+    }
+
+    /// Ends that coincide leave equal links free to turn and cannot be joined by others.
+    #[test]
+    fn solve_refuses_coinciding_and_endless_ends() {
+        let at = |l2: f64, x: f32| {
+            let c = PointMotion::fixed(Vector2::new(x, 0.0));
+            let origin = PointMotion::fixed(Vector2::new(0.0, 0.0));
+            Rrr::<f32>::new(2.0, l2, 1.0).solve(&origin, &c).map(|_| ())
+        };
+        assert_eq!(at(2.0, 0.0), Err(LinkageStatus::Singular));
+        assert_eq!(at(3.0, 0.0), Err(LinkageStatus::Unreachable));
+        assert_eq!(at(2.0, f32::MAX), Err(LinkageStatus::Unreachable));
+        // So close that the inverse square of the distance overflows.
+        assert_eq!(at(2.0, 1e-20), Err(LinkageStatus::OutOfRange));
+        assert_eq!(at(2.0, 1e-10), Ok(()));
+    }
 }
