@@ -4,6 +4,7 @@
 //! |---|---|
 //! | which pose near this guess? | [`Forward::solve`], Newton-Raphson |
 //! | which poses at all? | [`Forward::assemblies`], every assembly mode from the univariate polynomial |
+//! | where is the platform now, given where it was? | [`Tracker`], which never changes mode silently |
 //!
 //! # The polynomial
 //! With the motors at rest the elbows B_i are fixed points and the machine is the 3-RPR problem of
@@ -47,6 +48,8 @@ mod polynomial;
 #[cfg(test)]
 mod random;
 mod search;
+pub mod tracking;
 
 pub use assembly::{Assemblies, Assembly, AssemblyError, Completeness};
 pub use newton::{Forward, ForwardError, Found};
+pub use tracking::{Track, Tracker, TrackingError};

@@ -8,7 +8,7 @@
 //!
 //! The Jacobian is the matrix A of the torque balance, so the iteration fails where the platform
 //! is loose. A machine has up to six assembly modes; which one is found depends on the guess:
-//! [`super::assembly`] finds them all.
+//! [`super::assembly`] finds them all, [`super::tracking`] follows one without leaving it.
 
 use crate::machine::{Geometry, Parameters};
 use crate::number::{Number, cross, dot};
@@ -192,6 +192,18 @@ impl<N: Number> Forward<N> {
             equations.rows[index] = Vector3::new(r2.x, r2.y, cross(c, r2));
         }
         equations
+    }
+
+    /// det A at `pose`, and its size over the greatest it can have.
+    pub(super) fn det_a(&self, pose: &Pose<N>, elbows: &[Vector2<N>; 3]) -> (N, N) {
+        let det_a = self.linearised(pose, elbows).det();
+        let distance = if self.greatest_det_a > N::ZERO {
+            det_a.abs().div(self.greatest_det_a)
+        } else {
+            // A platform whose joints coincide is singular everywhere.
+            N::ZERO
+        };
+        (det_a, distance)
     }
 
     /// How far a step moves the platform's joints, at most and roughly.

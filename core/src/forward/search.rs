@@ -288,16 +288,12 @@ impl<'a, N: Number> Search<'a, N> {
             return false;
         }
         let at = self.forward.linearised(&pose, &self.elbows);
-        let det_a = at.det();
+        let (det_a, distance) = self.forward.det_a(&pose, &self.elbows);
         self.found.modes[self.found.count] = Assembly {
             pose,
             residual: at.length_error,
             det_a,
-            distance: if self.forward.greatest_det_a > N::ZERO {
-                det_a.abs().div(self.forward.greatest_det_a)
-            } else {
-                N::ZERO
-            },
+            distance,
             double,
         };
         self.found.count += 1;
