@@ -17,7 +17,7 @@ mod limits;
 mod machine;
 mod path;
 mod player;
-mod read;
+pub mod read;
 mod scene;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, Stepper};

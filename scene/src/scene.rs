@@ -24,9 +24,6 @@ const TOP_KEYS: &[&str] = &[
     "gravity_m_s2",
 ];
 
-/// Longest name, in characters.
-const LONGEST_NAME: usize = 64;
-
 /// A checked scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -122,7 +119,7 @@ impl Scene {
 }
 
 fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, Place)> {
-    let name = read_name(root);
+    let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
     let (slowest, fastest) = TICK_RATE_HZ;
     let rate = root.number("tick_rate_hz", Bound::Within(slowest, fastest));
@@ -149,19 +146,6 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
         ..root.place_of("machine")
     };
     Some((scene, placed, legs))
-}
-
-fn read_name(root: &Section) -> Option<String> {
-    let name = root.text("name")?;
-    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(good) {
-        let reason = format!(
-            "must be 1 to {LONGEST_NAME} letters, digits, `-` or `_`, for it names a folder"
-        );
-        root.refuse("name", reason);
-        return None;
-    }
-    Some(name.into_owned())
 }
 
 /// What takes a machine that is right in itself: poses and paths.

@@ -2,7 +2,7 @@
 
 /// The values a number may take. Every number must be finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Bound {
+pub enum Bound {
     /// Any finite number.
     Finite,
     /// Greater than 0.

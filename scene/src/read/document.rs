@@ -9,14 +9,17 @@ const LONGEST_QUOTE: usize = 60;
 
 /// A place in the file that a message can point at: key, line, and value if there is one.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
-    pub(crate) line: usize,
-    pub(crate) key: String,
-    pub(crate) value: Option<String>,
+pub struct Place {
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Path of the key.
+    pub key: String,
+    /// The value as the file has it, on one line.
+    pub value: Option<String>,
 }
 
 /// The text of a scene. Problems are collected, so that one reading reports all of them.
-pub(crate) struct Document<'t> {
+pub struct Document<'t> {
     text: &'t str,
     /// Keys that stand before the first table, for whoever writes one after it.
     pub(super) top_keys: &'static [&'static str],
@@ -24,7 +27,8 @@ pub(crate) struct Document<'t> {
 }
 
 impl<'t> Document<'t> {
-    pub(crate) fn new(text: &'t str, top_keys: &'static [&'static str]) -> Self {
+    /// A document of `text`. `top_keys` are the keys that stand before its first table.
+    pub fn new(text: &'t str, top_keys: &'static [&'static str]) -> Self {
         Self {
             text,
             top_keys,
@@ -50,7 +54,7 @@ impl<'t> Document<'t> {
     }
 
     /// Adds a problem at `place`.
-    pub(crate) fn refuse(&self, place: &Place, reason: impl Into<String>) {
+    pub fn refuse(&self, place: &Place, reason: impl Into<String>) {
         self.problems.borrow_mut().push(Problem {
             line: place.line,
             key: place.key.clone(),
@@ -59,13 +63,14 @@ impl<'t> Document<'t> {
         });
     }
 
-    pub(crate) fn is_clean(&self) -> bool {
+    /// Whether nothing was found wrong so far.
+    pub fn is_clean(&self) -> bool {
         self.problems.borrow().is_empty()
     }
 
     /// The error with everything found so far, in the order of the file. Call it only after a
     /// problem was found.
-    pub(crate) fn into_error(self, file: &str) -> SceneError {
+    pub fn into_error(self, file: &str) -> SceneError {
         let mut problems = self.problems.into_inner();
         problems.sort_by_key(|problem| problem.line);
         SceneError::Refused {

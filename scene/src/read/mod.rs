@@ -1,4 +1,6 @@
 //! TOML with places: tables read key by key, every fault collected with its line, key and value.
+//!
+//! Scenes are read with it, and so are the project's other TOML files.
 
 mod bound;
 mod document;
@@ -6,16 +8,16 @@ mod section;
 mod suggest;
 mod values;
 
-pub(crate) use bound::Bound;
-pub(crate) use document::{Document, Place};
-pub(crate) use section::Section;
+pub use bound::Bound;
+pub use document::{Document, Place};
+pub use section::Section;
 
 use toml::de::DeTable;
 
 /// Parses `text` and hands its root table to `read`. Text that is no TOML becomes problems of the
 /// document, all that the parser could recover from, and `read` is not called: half a tree would
 /// only give follow-up errors.
-pub(crate) fn with_root<'t, T>(
+pub fn with_root<'t, T>(
     document: &Document<'t>,
     text: &'t str,
     read: impl FnOnce(&Section<'_, 't>) -> Option<T>,

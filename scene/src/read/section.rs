@@ -11,12 +11,12 @@ use toml::de::{DeTable, DeValue};
 /// when the section is dropped.
 ///
 /// [`Problem`]: crate::Problem
-pub(crate) struct Section<'d, 't> {
+pub struct Section<'d, 't> {
     pub(super) document: &'d Document<'t>,
     table: &'d DeTable<'t>,
     path: String,
     line: usize,
-    asked: RefCell<Vec<&'static str>>,
+    asked: RefCell<Vec<&'d str>>,
     lenient: Cell<bool>,
 }
 
@@ -38,7 +38,7 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     /// The place of the section itself.
-    pub(crate) fn place(&self) -> Place {
+    pub fn place(&self) -> Place {
         Place {
             line: self.line,
             key: self.path.clone(),
@@ -47,7 +47,7 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     /// The place of a key: where its value is, or where it is missing.
-    pub(crate) fn place_of(&self, key: &str) -> Place {
+    pub fn place_of(&self, key: &str) -> Place {
         let (line, value) = match self.table.get(key) {
             Some(value) => (
                 self.document.line(value.span().start),
@@ -62,12 +62,18 @@ impl<'d, 't> Section<'d, 't> {
         }
     }
 
-    pub(crate) fn refuse(&self, key: &str, reason: impl Into<String>) {
+    /// Adds a problem at `key`.
+    pub fn refuse(&self, key: &str, reason: impl Into<String>) {
         self.document.refuse(&self.place_of(key), reason);
     }
 
+    /// Adds a problem at a place within the section.
+    pub fn refuse_at(&self, place: &Place, reason: impl Into<String>) {
+        self.document.refuse(place, reason);
+    }
+
     /// Refuses an array of tables as a whole; its text is too long to quote.
-    pub(crate) fn refuse_list(&self, key: &str, reason: impl Into<String>) {
+    pub fn refuse_list(&self, key: &str, reason: impl Into<String>) {
         let place = self.place_of(key);
         self.document.refuse(
             &Place {
@@ -79,22 +85,23 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     /// Accepts whatever keys are left: what they mean depends on one that was refused.
-    pub(crate) fn ignore_rest(&self) {
+    pub fn ignore_rest(&self) {
         self.lenient.set(true);
     }
 
-    pub(crate) fn has(&self, key: &'static str) -> bool {
+    /// Whether `key` is there.
+    pub fn has(&self, key: &'d str) -> bool {
         self.value(key).is_some()
     }
 
     /// A table that must be there.
-    pub(crate) fn section(&self, key: &'static str) -> Option<Section<'d, 't>> {
+    pub fn section(&self, key: &'d str) -> Option<Section<'d, 't>> {
         self.demand(key, "a table")?;
         self.optional_section(key)
     }
 
     /// A table that may be left out.
-    pub(crate) fn optional_section(&self, key: &'static str) -> Option<Section<'d, 't>> {
+    pub fn optional_section(&self, key: &'d str) -> Option<Section<'d, 't>> {
         let value = self.value(key)?;
         let line = self.document.line(value.span().start);
         match value.get_ref() {
@@ -109,7 +116,7 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     /// An array of tables, empty where it is left out; `None` if it is something else.
-    pub(crate) fn sections(&self, key: &'static str) -> Option<Vec<Section<'d, 't>>> {
+    pub fn sections(&self, key: &'d str) -> Option<Vec<Section<'d, 't>>> {
         let Some(value) = self.value(key) else {
             return Some(Vec::new());
         };
@@ -141,7 +148,14 @@ impl<'d, 't> Section<'d, 't> {
         (sections.len() == array.len()).then_some(sections)
     }
 
-    pub(super) fn value(&self, key: &'static str) -> Option<&'d Spanned<DeValue<'t>>> {
+    /// The keys of the section, in the order of the file, where they are names of its own.
+    pub fn names(&self) -> Vec<&'d str> {
+        let mut keys: Vec<_> = self.table.iter().map(|(key, _)| key).collect();
+        keys.sort_by_key(|key| key.span().start);
+        keys.into_iter().map(|key| key.get_ref().as_ref()).collect()
+    }
+
+    pub(super) fn value(&self, key: &'d str) -> Option<&'d Spanned<DeValue<'t>>> {
         if !self.asked.borrow().contains(&key) {
             self.asked.borrow_mut().push(key);
         }
@@ -149,7 +163,7 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     /// Refuses if the key is missing.
-    pub(super) fn demand(&self, key: &'static str, expected: &str) -> Option<()> {
+    pub(super) fn demand(&self, key: &'d str, expected: &str) -> Option<()> {
         let there = self.has(key);
         if !there {
             self.refuse(key, format!("missing, expected {expected}"));

@@ -6,15 +6,18 @@ use super::{Bound, Place, Section};
 use std::borrow::Cow;
 use toml::de::DeValue;
 
+/// Longest name, in characters.
+const LONGEST_NAME: usize = 64;
+
 impl<'d> Section<'d, '_> {
     /// A number that must be there.
-    pub(crate) fn number(&self, key: &'static str, bound: Bound) -> Option<f64> {
+    pub fn number(&self, key: &'d str, bound: Bound) -> Option<f64> {
         self.demand(key, &number_in(key))?;
         self.optional_number(key, bound)
     }
 
     /// A number that may be left out.
-    pub(crate) fn number_or(&self, key: &'static str, bound: Bound, default: f64) -> Option<f64> {
+    pub fn number_or(&self, key: &'d str, bound: Bound, default: f64) -> Option<f64> {
         match self.has(key) {
             true => self.optional_number(key, bound),
             false => Some(default),
@@ -22,13 +25,13 @@ impl<'d> Section<'d, '_> {
     }
 
     /// A number that may be left out: `None` if it is, and if it is refused.
-    pub(crate) fn optional_number(&self, key: &'static str, bound: Bound) -> Option<f64> {
+    pub fn optional_number(&self, key: &'d str, bound: Bound) -> Option<f64> {
         let value = self.value(key)?;
         self.check_number(&self.place_of(key), key, value.get_ref(), bound)
     }
 
     /// A whole number that must be there.
-    pub(crate) fn integer(&self, key: &'static str, low: u32, high: u32) -> Option<u32> {
+    pub fn integer(&self, key: &'d str, low: u32, high: u32) -> Option<u32> {
         self.demand(key, "a whole number")?;
         let value = self.number(key, Bound::Within(low.into(), high.into()))?;
         if value.fract() != 0.0 {
@@ -39,7 +42,7 @@ impl<'d> Section<'d, '_> {
     }
 
     /// `[x, y]`: `default` where it is left out, an error if there is none.
-    pub(crate) fn vector(&self, key: &'static str, default: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    pub fn vector(&self, key: &'d str, default: Option<[f64; 2]>) -> Option<[f64; 2]> {
         if default.is_some() && !self.has(key) {
             return default;
         }
@@ -49,7 +52,7 @@ impl<'d> Section<'d, '_> {
     }
 
     /// One number that holds for all three, or an array of three; `None` if left out or refused.
-    pub(crate) fn number_or_three(&self, key: &'static str, bound: Bound) -> Option<[f64; 3]> {
+    pub fn number_or_three(&self, key: &'d str, bound: Bound) -> Option<[f64; 3]> {
         let value = self.value(key)?;
         match value.get_ref() {
             DeValue::Array(_) => {
@@ -62,7 +65,7 @@ impl<'d> Section<'d, '_> {
 
     fn array<const LEN: usize>(
         &self,
-        key: &'static str,
+        key: &'d str,
         bound: Bound,
         expected: &str,
     ) -> Option<[f64; LEN]> {
@@ -97,7 +100,7 @@ impl<'d> Section<'d, '_> {
     fn check_number(
         &self,
         place: &Place,
-        key: &'static str,
+        key: &'d str,
         value: &DeValue,
         bound: Bound,
     ) -> Option<f64> {
@@ -116,7 +119,7 @@ impl<'d> Section<'d, '_> {
     }
 
     /// A string that may be left out.
-    pub(crate) fn optional_text(&self, key: &'static str) -> Option<Cow<'d, str>> {
+    pub fn optional_text(&self, key: &'d str) -> Option<Cow<'d, str>> {
         let value = self.value(key)?;
         let text = value.get_ref().as_str();
         if text.is_none() {
@@ -126,13 +129,53 @@ impl<'d> Section<'d, '_> {
     }
 
     /// A string that must be there.
-    pub(crate) fn text(&self, key: &'static str) -> Option<Cow<'d, str>> {
+    pub fn text(&self, key: &'d str) -> Option<Cow<'d, str>> {
         self.demand(key, "a string")?;
         self.optional_text(key)
     }
 
+    /// A name that must be there and can be that of a folder.
+    pub fn folder_name(&self, key: &'d str) -> Option<String> {
+        let name = self.text(key)?;
+        let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(good) {
+            let reason = format!(
+                "must be 1 to {LONGEST_NAME} letters, digits, `-` or `_`, for it names a folder"
+            );
+            self.refuse(key, reason);
+            return None;
+        }
+        Some(name.into_owned())
+    }
+
+    /// An array of strings, each with its place; `None` if it is something else.
+    pub fn texts(&self, key: &'d str) -> Option<Vec<(Place, &'d str)>> {
+        let expected = "an array of strings";
+        self.demand(key, expected)?;
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.refuse(key, expected_but_found(expected, value.get_ref()));
+            return None;
+        };
+        let texts = array.iter().enumerate().map(|(i, item)| {
+            let place = Place {
+                line: self.document.line(item.span().start),
+                key: format!("{}[{}]", self.child(key), i + 1),
+                value: Some(self.document.quote(item.span())),
+            };
+            let text = item.get_ref().as_str();
+            if text.is_none() {
+                let reason = expected_but_found("a string", item.get_ref());
+                self.document.refuse(&place, reason);
+            }
+            text.map(|text| (place, text))
+        });
+        // All are looked at before the first refusal counts.
+        texts.collect::<Vec<_>>().into_iter().collect()
+    }
+
     /// One of `choices`, which must be there.
-    pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
+    pub fn choice<T: Copy>(&self, key: &'d str, choices: &[(&str, T)]) -> Option<T> {
         let names: Vec<String> = choices
             .iter()
             .map(|(name, _)| format!("\"{name}\""))
