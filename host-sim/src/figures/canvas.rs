@@ -14,26 +14,26 @@ use plotters::style::{Color, FontStyle, TextStyle};
 const SUBPIXELS: f64 = 8.0;
 
 /// Drawing into memory fails only where plotters itself does.
-pub(super) type Draw = Result<(), Box<dyn std::error::Error + Send + Sync>>;
+pub(crate) type Draw = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 
 /// What drawing a figure gives: the SVG document.
-pub(super) type Drawn = Result<String, Box<dyn std::error::Error + Send + Sync>>;
+pub(crate) type Drawn = Result<String, Box<dyn std::error::Error + Send + Sync>>;
 
 /// Where a text hangs on its point, across and down.
-pub(super) type Anchor = (HPos, VPos);
+pub(crate) type Anchor = (HPos, VPos);
 
 /// Text over the middle of its point.
-pub(super) const CENTRED: Anchor = (HPos::Center, VPos::Center);
+pub(crate) const CENTRED: Anchor = (HPos::Center, VPos::Center);
 /// Text to the right of its point.
-pub(super) const RIGHT_OF: Anchor = (HPos::Left, VPos::Center);
+pub(crate) const RIGHT_OF: Anchor = (HPos::Left, VPos::Center);
 /// Text to the left of its point.
-pub(super) const LEFT_OF: Anchor = (HPos::Right, VPos::Center);
+pub(crate) const LEFT_OF: Anchor = (HPos::Right, VPos::Center);
 /// Text below its point.
-pub(super) const BELOW: Anchor = (HPos::Center, VPos::Top);
+pub(crate) const BELOW: Anchor = (HPos::Center, VPos::Top);
 
 /// Size of a text in logical pixels.
 #[derive(Clone, Copy)]
-pub(super) enum Size {
+pub(crate) enum Size {
     Title,
     Label,
     Tick,
@@ -49,18 +49,18 @@ impl Size {
     }
 
     /// A generous width of `text`: the viewer's font is not known here.
-    pub(super) fn width(self, text: &str) -> f64 {
+    pub(crate) fn width(self, text: &str) -> f64 {
         0.6 * self.pixels() * text.chars().count() as f64
     }
 }
 
 /// One figure while it is drawn. Positions are logical pixels from the upper left corner.
-pub(super) struct Canvas<'a> {
+pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
 /// Draws a figure of `width` x `height` logical pixels with `draw`.
-pub(super) fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Draw) -> Drawn {
+pub(crate) fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Draw) -> Drawn {
     let size = ((width * SUBPIXELS) as u32, (height * SUBPIXELS) as u32);
     let mut svg = String::new();
     {
@@ -81,7 +81,7 @@ pub(super) fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Dr
 
 impl Canvas<'_> {
     /// A line through `points`; a single point becomes a dot.
-    pub(super) fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
+    pub(crate) fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
         match points {
             [] => Ok(()),
             [point] => self.dot(*point, 1.5 * width, colour),
@@ -95,7 +95,7 @@ impl Canvas<'_> {
     }
 
     /// A dashed straight line.
-    pub(super) fn dashed(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Draw {
+    pub(crate) fn dashed(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Draw {
         const PERIOD: f64 = 9.0;
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let dashes = (dx.hypot(dy) / PERIOD).max(1.0);
@@ -108,13 +108,13 @@ impl Canvas<'_> {
     }
 
     /// A filled polygon.
-    pub(super) fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Draw {
+    pub(crate) fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Draw {
         let corners: Vec<_> = corners.iter().copied().map(subpixel).collect();
         Ok(self.area.draw(&Polygon::new(corners, colour.filled()))?)
     }
 
     /// A filled disc.
-    pub(super) fn dot(&self, centre: (f64, f64), radius: f64, colour: RGBColor) -> Draw {
+    pub(crate) fn dot(&self, centre: (f64, f64), radius: f64, colour: RGBColor) -> Draw {
         let radius = (radius * SUBPIXELS).round() as i32;
         Ok(self
             .area
@@ -122,13 +122,13 @@ impl Canvas<'_> {
     }
 
     /// A revolute joint: a white disc with a rim.
-    pub(super) fn joint(&self, centre: (f64, f64), radius: f64, rim: RGBColor) -> Draw {
+    pub(crate) fn joint(&self, centre: (f64, f64), radius: f64, rim: RGBColor) -> Draw {
         self.dot(centre, radius, rim)?;
         self.dot(centre, radius - 1.4, WHITE)
     }
 
     /// A horizontal text; titles are bold.
-    pub(super) fn text(
+    pub(crate) fn text(
         &self,
         text: &str,
         at: (f64, f64),
@@ -140,7 +140,7 @@ impl Canvas<'_> {
     }
 
     /// A text that reads upwards, centred on its point.
-    pub(super) fn upright(&self, text: &str, at: (f64, f64), size: Size, colour: RGBColor) -> Draw {
+    pub(crate) fn upright(&self, text: &str, at: (f64, f64), size: Size, colour: RGBColor) -> Draw {
         self.styled(text, at, size, CENTRED, colour, FontTransform::Rotate270)
     }
 

@@ -1,13 +1,13 @@
 //! Figures of a run as SVG: the thesis's figures 5.1 to 5.4 against time, and the machine drawn
 //! to scale with the path of its tool.
 
-mod canvas;
+pub(crate) mod canvas;
 mod catalogue;
 mod decimate;
 mod machine;
-mod panel;
-mod scale;
-mod style;
+pub(crate) mod panel;
+pub(crate) mod scale;
+pub(crate) mod style;
 mod traces;
 
 pub use traces::Traces;

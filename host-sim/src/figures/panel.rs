@@ -1,25 +1,27 @@
-//! Curves against time: panels stacked over one time axis.
+//! Curves against time, or another quantity: panels stacked over one axis.
 
 use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use super::scale::{Axis, Margin};
 use super::style::{CURVES, FRAME, GRID, INK};
+use std::borrow::Cow;
 
-/// One curve: what its legend says and its points (t in s, value in the panel's unit).
-pub(super) struct Curve {
-    pub(super) label: &'static str,
-    pub(super) points: Vec<(f64, f64)>,
+/// One curve: what its legend says and its points (t in s or what the axis shows, value in
+/// the panel's unit).
+pub(crate) struct Curve {
+    pub(crate) label: Cow<'static, str>,
+    pub(crate) points: Vec<(f64, f64)>,
 }
 
 /// One panel: curves of one unit.
-pub(super) struct Panel {
+pub(crate) struct Panel {
     /// What the vertical axis shows, such as `motor torque`.
-    pub(super) quantity: &'static str,
+    pub(crate) quantity: &'static str,
     /// SI unit of the points; empty if they have none.
-    pub(super) unit: &'static str,
+    pub(crate) unit: &'static str,
     /// Whether zero is shown whatever the values.
-    pub(super) from_zero: bool,
+    pub(crate) from_zero: bool,
     /// At most as many as there are colours.
-    pub(super) curves: Vec<Curve>,
+    pub(crate) curves: Vec<Curve>,
 }
 
 const WIDTH: f64 = 900.0;
@@ -27,14 +29,18 @@ const TOP: f64 = 52.0;
 const BOTTOM: f64 = 58.0;
 const GAP: f64 = 26.0;
 
-/// Draws panels under one title. Panels without points are empty frames.
-pub(super) fn draw(title: &str, panels: &[Panel]) -> Drawn {
+/// Draws panels over time under one title. Panels without points are empty frames.
+pub(crate) fn draw(title: &str, panels: &[Panel]) -> Drawn {
+    draw_over(title, "time", &time_axis(panels), panels)
+}
+
+/// Draws panels under one title over the axis of `quantity`.
+pub(crate) fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> Drawn {
     let height = if panels.len() == 1 { 360.0 } else { 230.0 };
     let axes: Vec<Axis> = panels
         .iter()
         .map(|panel| vertical_axis(panel, height))
         .collect();
-    let time = time_axis(panels);
 
     let widest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0, f64::max);
     let left = 48.0
@@ -48,7 +54,7 @@ pub(super) fn draw(title: &str, panels: &[Panel]) -> Drawn {
             panel
                 .curves
                 .iter()
-                .map(|curve| Size::Label.width(curve.label))
+                .map(|curve| Size::Label.width(&curve.label))
         }));
 
     let total = TOP + BOTTOM + height * panels.len() as f64 + GAP * (panels.len() as f64 - 1.0);
@@ -61,12 +67,13 @@ pub(super) fn draw(title: &str, panels: &[Panel]) -> Drawn {
                 right: WIDTH - right,
                 top,
                 bottom: top + height,
-                time: &time,
+                over,
+                quantity,
                 axis,
             };
             frame.draw(canvas, panel)?;
             if row + 1 == panels.len() {
-                frame.time_labels(canvas)?;
+                frame.labels_below(canvas)?;
             }
         }
         Ok(())
@@ -93,7 +100,7 @@ fn time_axis(panels: &[Panel]) -> Axis {
 }
 
 /// Least and greatest; (0, 0) of nothing.
-pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values
         .fold(None, |range, value| match range {
             None => Some((value, value)),
@@ -103,7 +110,7 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// `quantity (unit)`.
-pub(super) fn axis_title(quantity: &str, unit: &str) -> String {
+pub(crate) fn axis_title(quantity: &str, unit: &str) -> String {
     if unit.is_empty() {
         quantity.into()
     } else {
@@ -116,13 +123,14 @@ struct Frame<'a> {
     right: f64,
     top: f64,
     bottom: f64,
-    time: &'a Axis,
+    over: &'a Axis,
+    quantity: &'a str,
     axis: &'a Axis,
 }
 
 impl Frame<'_> {
     fn x(&self, time: f64) -> f64 {
-        self.left + self.time.fraction(time) * (self.right - self.left)
+        self.left + self.over.fraction(time) * (self.right - self.left)
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -130,7 +138,7 @@ impl Frame<'_> {
     }
 
     fn draw(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
-        for (time, _) in &self.time.ticks {
+        for (time, _) in &self.over.ticks {
             let x = self.x(*time);
             canvas.line(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
         }
@@ -172,13 +180,13 @@ impl Frame<'_> {
             let y = self.top + 14.0 + 22.0 * row as f64;
             let x = self.right + 12.0;
             canvas.line(&[(x, y), (x + 22.0, y)], colour, 2.5)?;
-            canvas.text(curve.label, (x + 29.0, y), Size::Label, RIGHT_OF, INK)?;
+            canvas.text(&curve.label, (x + 29.0, y), Size::Label, RIGHT_OF, INK)?;
         }
         Ok(())
     }
 
-    fn time_labels(&self, canvas: &Canvas<'_>) -> Draw {
-        for (time, label) in &self.time.ticks {
+    fn labels_below(&self, canvas: &Canvas<'_>) -> Draw {
+        for (time, label) in &self.over.ticks {
             canvas.text(
                 label,
                 (self.x(*time), self.bottom + 8.0),
@@ -188,7 +196,7 @@ impl Frame<'_> {
             )?;
         }
         let middle = (self.left + self.right) / 2.0;
-        let title = axis_title("time", &self.time.unit);
+        let title = axis_title(self.quantity, &self.over.unit);
         canvas.text(
             &title,
             (middle, self.bottom + 32.0),

@@ -4,19 +4,19 @@ use crate::record::number;
 
 /// One axis of a figure: its range, its ticks and the unit that they are counted in.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     /// The range shown, in the data's own unit.
-    pub(super) low: f64,
-    pub(super) high: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     /// Where the ticks stand, in the data's own unit, and what is written there.
-    pub(super) ticks: Vec<(f64, String)>,
+    pub(crate) ticks: Vec<(f64, String)>,
     /// The unit that the ticks are counted in, such as `mN m`.
-    pub(super) unit: String,
+    pub(crate) unit: String,
 }
 
 /// How an axis treats the ends of the data's range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Margin {
+pub(crate) enum Margin {
     /// The range is shown as it is.
     Exact,
     /// A twentieth of the range is added at both ends.
@@ -28,7 +28,7 @@ const NOISE: f64 = 1e-12;
 
 impl Axis {
     /// An axis over `low..=high` (finite, in `unit`) with about `intervals` ticks.
-    pub(super) fn new(low: f64, high: f64, unit: &str, margin: Margin, intervals: f64) -> Self {
+    pub(crate) fn new(low: f64, high: f64, unit: &str, margin: Margin, intervals: f64) -> Self {
         let exponent = engineering_exponent(low.abs().max(high.abs()));
         Self::scaled(
             low,
@@ -41,7 +41,7 @@ impl Axis {
     }
 
     /// A time axis over `0..=end` seconds, in minutes or hours where seconds would be unwieldy.
-    pub(super) fn time(start: f64, end: f64) -> Self {
+    pub(crate) fn time(start: f64, end: f64) -> Self {
         let (factor, unit) = match end {
             _ if end >= 7200.0 => (3600.0, "h"),
             _ if end >= 600.0 => (60.0, "min"),
@@ -83,7 +83,7 @@ impl Axis {
     }
 
     /// Where `value` lies on the axis: 0 at its low end, 1 at its high end.
-    pub(super) fn fraction(&self, value: f64) -> f64 {
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
         // Halved: the span of a range as wide as the format would overflow.
         let fraction = (value / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0);
         // A tick at the very end may be a rounding outside.
@@ -198,7 +198,7 @@ fn superscript(digit: char) -> char {
 }
 
 /// A time in few digits.
-pub(super) fn seconds(t: f64) -> String {
+pub(crate) fn seconds(t: f64) -> String {
     if t == 0.0 {
         return "0 s".into();
     }

@@ -73,7 +73,7 @@ impl Traces {
     pub(super) fn panels(&mut self) -> Vec<(&'static str, &'static str, Vec<Panel>)> {
         let mut traces = std::mem::take(&mut self.traces).into_iter();
         let curve = |(source, trace): (&Source, Trace)| Curve {
-            label: source.label,
+            label: source.label.into(),
             points: trace
                 .points
                 .finish()
