@@ -28,6 +28,8 @@ pub enum Command {
     Run(RunArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row
     Eval(EvalArgs),
+    /// Solve a planar linkage over its motion: Assur groups, table, figures
+    Linkage(LinkageArgs),
 }
 
 /// `host-sim run`.
@@ -78,6 +80,28 @@ pub struct EvalArgs {
     pub scalar: Scalar,
     /// File for the results [default: standard output]
     #[arg(long, value_name = "RESULTS.csv")]
+    pub out: Option<PathBuf>,
+}
+
+/// `host-sim linkage`.
+///
+/// Decomposes a mechanism of links and joints into Assur groups, prints them in solving order,
+/// and solves them over a turn or a range of the drives. Writes linkage.csv (one row per position,
+/// SI units) and figures as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Where the motion has an end (a dead point, a singular position), the input there and the group are \
+named, and what was solved so far is written.")]
+pub struct LinkageArgs {
+    /// The mechanism, a TOML file (format: docs/linkage-files.md)
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Steps over the motion [default: the file's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub steps: Option<u32>,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the linkage's name]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
@@ -141,5 +165,14 @@ mod tests {
         ];
         assert!(Cli::try_parse_from(micromath).is_ok());
         assert!(Cli::try_parse_from(["host-sim", "eval"]).is_err());
+        let linkage = ["host-sim", "linkage", "a.toml"];
+        let Some(Command::Linkage(args)) = Cli::parse_from(linkage).command else {
+            panic!("not linkage");
+        };
+        assert!(args.steps.is_none() && args.out.is_none());
+        for steps in ["1", "100001", "-3", "x"] {
+            let asked = linkage.into_iter().chain(["--steps", steps]);
+            assert!(Cli::try_parse_from(asked).is_err(), "{steps}");
+        }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! [`run`] plays a scene's job tick by tick through [`trirrr_core`], in real time or as fast as it
 //! goes, and writes a table and [`figures`]. [`eval`] evaluates a table of cases. Both choose the
-//! pipeline of the scene or case in [`evaluator`] and speak in [`record`]s.
+//! pipeline of the scene or case in [`evaluator`] and speak in [`record`]s. [`linkage`] solves other
+//! planar mechanisms.
 
 #![forbid(unsafe_code)]
 
@@ -11,6 +12,7 @@ pub mod eval;
 pub mod evaluator;
 pub mod failure;
 pub mod figures;
+pub mod linkage;
 pub mod record;
 pub mod run;
 pub mod scalar;

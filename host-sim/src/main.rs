@@ -1,4 +1,4 @@
-//! `host-sim`: runs scenes in real time and evaluates tables of cases.
+//! `host-sim`: runs scenes in real time, evaluates tables of cases, solves planar linkages.
 
 #![forbid(unsafe_code)]
 
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use trirrr_host_sim::cli::{Cli, Command, RunArgs};
 use trirrr_host_sim::failure::Failure;
 use trirrr_host_sim::run::End;
-use trirrr_host_sim::{eval, run};
+use trirrr_host_sim::{eval, linkage, run};
 
 /// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -23,6 +23,7 @@ fn main() -> ExitCode {
     let done = match &command {
         Command::Run(args) => run(args),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
     };
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.

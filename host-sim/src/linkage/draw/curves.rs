@@ -1,0 +1,237 @@
+//! Rates and accelerations against the input.
+
+use super::super::description::{JointKind, Linkage};
+use super::super::solve::Position;
+use super::super::track::Track;
+use crate::figures::canvas::Drawn;
+use crate::figures::panel::{Curve, Panel, draw_over};
+use crate::figures::scale::{Axis, Margin};
+use crate::figures::style::CURVES;
+
+/// The axis below: the first drive where it runs evenly, otherwise time.
+struct Input {
+    title: String,
+    axis: Axis,
+    of: Box<dyn Fn(&Position) -> f64>,
+}
+
+impl Input {
+    fn new(linkage: &Linkage, track: &Track) -> Self {
+        let end = track.positions.last().map_or(0.0, |position| position.t);
+        let even = linkage
+            .drives
+            .first()
+            .filter(|drive| drive.acceleration == 0.0 && drive.rate != 0.0)
+            .copied();
+        let Some(drive) = even else {
+            return Self {
+                title: "time".into(),
+                axis: Axis::time(0.0, end),
+                of: Box::new(|position| position.t),
+            };
+        };
+        let name = &linkage.joints[drive.joint].name;
+        let of = move |t: f64| match drive.slides {
+            true => drive.at(t)[0],
+            false => drive.at(t)[0].to_degrees(),
+        };
+        let (low, high) = (f64::min(of(0.0), of(end)), f64::max(of(0.0), of(end)));
+        let (title, axis) = match drive.slides {
+            true => (
+                format!("driven slide {name}"),
+                Axis::new(low, high, "m", Margin::Exact, 10.0),
+            ),
+            false => (format!("driven angle {name}"), degrees(low, high)),
+        };
+        Self {
+            title,
+            axis,
+            of: Box::new(move |position| of(position.t)),
+        }
+    }
+
+    fn curve(&self, track: &Track, label: String, value: impl Fn(&Position) -> f64) -> Curve {
+        let points = track.positions.iter();
+        Curve {
+            label: label.into(),
+            points: points.map(|p| ((self.of)(p), value(p))).collect(),
+        }
+    }
+}
+
+/// An axis in degrees with ticks that divide a turn.
+fn degrees(low: f64, high: f64) -> Axis {
+    const STEPS: [f64; 9] = [1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0];
+    let span = high - low;
+    if span < 8.0 {
+        return Axis::new(low, high, "deg", Margin::Exact, 8.0);
+    }
+    let step = STEPS
+        .into_iter()
+        .find(|step| span / step <= 12.5)
+        .unwrap_or(360.0 * (span / 3600.0).ceil());
+    let hair = 1e-6 * step;
+    let first = ((low - hair) / step).ceil() as i64;
+    let last = ((high + hair) / step).floor() as i64;
+    let tick = |count: i64| {
+        let value = count as f64 * step;
+        (value, format!("{value:.0}").replace('-', "\u{2212}"))
+    };
+    Axis {
+        low,
+        high,
+        ticks: (first..=last).map(tick).collect(),
+        unit: "deg".into(),
+    }
+}
+
+/// What a curve is drawn of.
+type Value = Box<dyn Fn(&Position) -> f64>;
+
+/// One quantity of several things, in as many panels as the colours allow.
+struct Family {
+    quantity: &'static str,
+    unit: &'static str,
+    curves: Vec<(String, Value)>,
+}
+
+fn draw(linkage: &Linkage, track: &Track, what: &str, families: Vec<Family>) -> Drawn {
+    let input = Input::new(linkage, track);
+    let mut panels = Vec::new();
+    for family in families {
+        let mut curves = family
+            .curves
+            .into_iter()
+            .map(|(label, value)| input.curve(track, label, value))
+            .peekable();
+        while curves.peek().is_some() {
+            panels.push(Panel {
+                quantity: family.quantity,
+                unit: family.unit,
+                from_zero: false,
+                curves: curves.by_ref().take(CURVES.len()).collect(),
+            });
+        }
+    }
+    let title = format!("{}: {what}", linkage.name);
+    draw_over(&title, &input.title, &input.axis, &panels)
+}
+
+/// Angular velocity and acceleration of the links that turn, and of the sliders along their
+/// guides.
+pub(super) fn links(linkage: &Linkage, track: &Track) -> Drawn {
+    let turning: Vec<usize> = (1..linkage.links.len())
+        .filter(|&link| {
+            let still = |position: &Position| {
+                let motion = &position.states[link].motion;
+                motion.rate == 0.0 && motion.acceleration == 0.0
+            };
+            !track.positions.iter().all(still)
+        })
+        .collect();
+    let sliding: Vec<usize> = (0..linkage.joints.len())
+        .filter(|&joint| matches!(linkage.joints[joint].kind, JointKind::Prismatic(_)))
+        .collect();
+    let of_links = |value: fn(&Position, usize) -> f64| -> Vec<(String, Value)> {
+        let curve = |&link: &usize| {
+            let value: Value = Box::new(move |position| value(position, link));
+            (linkage.links[link].name.clone(), value)
+        };
+        turning.iter().map(curve).collect()
+    };
+    let of_slides = |index: usize| -> Vec<(String, Value)> {
+        let curve = |&joint: &usize| {
+            let linkage_of = linkage.clone();
+            let value: Value = Box::new(move |position| {
+                position
+                    .slide(&linkage_of, joint)
+                    .map_or(0.0, |slide| slide[index])
+            });
+            (linkage.joints[joint].name.clone(), value)
+        };
+        sliding.iter().map(curve).collect()
+    };
+    let families = vec![
+        Family {
+            quantity: "angular velocity",
+            unit: "rad/s",
+            curves: of_links(|position, link| position.states[link].motion.rate),
+        },
+        Family {
+            quantity: "angular acceleration",
+            unit: "rad/s\u{b2}",
+            curves: of_links(|position, link| position.states[link].motion.acceleration),
+        },
+        Family {
+            quantity: "sliding velocity",
+            unit: "m/s",
+            curves: of_slides(1),
+        },
+        Family {
+            quantity: "sliding acceleration",
+            unit: "m/s\u{b2}",
+            curves: of_slides(2),
+        },
+    ];
+    draw(linkage, track, "rates of links and sliders", families)
+}
+
+/// Velocity and acceleration of the traced points.
+pub(super) fn points(linkage: &Linkage, track: &Track) -> Drawn {
+    let of_points = |acceleration: bool| -> Vec<(String, Value)> {
+        let axes = ["x", "y"].into_iter().enumerate();
+        let each = linkage.traces.iter().flat_map(|&point| {
+            let name = linkage.point_name(point);
+            let linkage_of = linkage.clone();
+            axes.clone().map(move |(axis, letter)| {
+                let linkage_of = linkage_of.clone();
+                let value: Value = Box::new(move |position| {
+                    let motion = position.point(&linkage_of, point);
+                    match acceleration {
+                        true => motion.acceleration[axis],
+                        false => motion.velocity[axis],
+                    }
+                });
+                (format!("{name} {letter}"), value)
+            })
+        });
+        each.collect()
+    };
+    let families = vec![
+        Family {
+            quantity: "velocity",
+            unit: "m/s",
+            curves: of_points(false),
+        },
+        Family {
+            quantity: "acceleration",
+            unit: "m/s\u{b2}",
+            curves: of_points(true),
+        },
+    ];
+    draw(
+        linkage,
+        track,
+        "velocity and acceleration of points",
+        families,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_divide_a_turn() {
+        let labels = |low, high| -> Vec<String> {
+            let axis = degrees(low, high);
+            axis.ticks.into_iter().map(|(_, label)| label).collect()
+        };
+        let turn = labels(0.0, 360.0);
+        assert_eq!(turn.first().unwrap(), "0");
+        assert_eq!(turn.get(1).unwrap(), "30");
+        assert_eq!(turn.last().unwrap(), "360");
+        assert_eq!(labels(-30.0, 30.0).first().unwrap(), "\u{2212}30");
+        assert_eq!(labels(0.0, 3600.0).len(), 11);
+    }
+}

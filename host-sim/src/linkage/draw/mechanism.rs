@@ -1,0 +1,288 @@
+//! The mechanism drawn to scale at several positions, with the curves of its points.
+
+use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
+use super::super::solve::Position;
+use super::super::state::unit;
+use super::super::track::Track;
+use super::view::View;
+use super::{GROUND, colour, inputs, joint_points};
+use crate::figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use crate::figures::style::{FRAME as GREY, INK, faded};
+use plotters::prelude::{RGBColor, WHITE};
+
+const LEFT: f64 = 84.0;
+const TOP: f64 = 56.0;
+const BOTTOM: f64 = 62.0;
+const SIDE: f64 = 640.0;
+/// Positions besides the first, spread evenly over the motion.
+const MORE: usize = 5;
+const BETWEEN: f64 = 0.3;
+
+/// Draws the first position strongly and some others faintly.
+pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
+    let positions = &track.positions;
+    let points = || (0..linkage.links.len()).flat_map(|link| points_of(linkage, link));
+    let extent: Vec<[f64; 2]> = positions
+        .iter()
+        .flat_map(|position| points().map(|point| at(linkage, position, point)))
+        .collect();
+    let view = View::around(&extent, "m", (LEFT, TOP), SIDE);
+    let title = format!("{}: positions and curves of points", linkage.name);
+    let legend = Legend::new(linkage, track);
+    let width = (LEFT + view.width + 16.0 + legend.width()).max(Size::Title.width(&title) + 40.0);
+    let height = (TOP + view.height + BOTTOM).max(legend.height() + TOP + 20.0);
+    page(width, height, |canvas| {
+        canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+        view.grid(canvas, ["x", "y"])?;
+        let pen = Pen {
+            linkage,
+            view: &view,
+            canvas,
+        };
+        for index in instants(positions.len()).into_iter().skip(1) {
+            pen.links(&positions[index], BETWEEN)?;
+        }
+        if let Some(first) = positions.first() {
+            pen.guides(first)?;
+            pen.links(first, 1.0)?;
+        }
+        for &trace in &linkage.traces {
+            let path: Vec<_> = positions
+                .iter()
+                .map(|position| view.at(at(linkage, position, trace)))
+                .collect();
+            let colour = trace_colour(trace);
+            canvas.line(&path, WHITE, 4.0)?;
+            canvas.line(&path, colour, 2.0)?;
+            if let Some(&start) = path.first() {
+                canvas.dot(start, 4.2, colour)?;
+            }
+        }
+        if let Some(first) = positions.first() {
+            pen.names(first)?;
+        }
+        legend.draw(canvas, LEFT + view.width + 16.0)
+    })
+}
+
+/// Indices of the first position and of some others.
+fn instants(positions: usize) -> Vec<usize> {
+    let mut indices: Vec<usize> = (0..=MORE)
+        .map(|part| part * positions / (MORE + 1))
+        .filter(|&index| index < positions)
+        .collect();
+    indices.dedup();
+    indices
+}
+
+/// Curves have their link's colour, darker.
+fn trace_colour(trace: PointRef) -> RGBColor {
+    let RGBColor(r, g, b) = colour(trace.link);
+    let darker = |channel: u8| (0.65 * f64::from(channel)) as u8;
+    RGBColor(darker(r), darker(g), darker(b))
+}
+
+fn at(linkage: &Linkage, position: &Position, point: PointRef) -> [f64; 2] {
+    position.point(linkage, point).position.into()
+}
+
+/// The points of a link that are drawn: those at joints and those traced.
+fn points_of(linkage: &Linkage, link: usize) -> Vec<PointRef> {
+    let mut points = joint_points(linkage, link);
+    let traced = linkage.traces.iter().filter(|trace| trace.link == link);
+    for &trace in traced {
+        if !points.contains(&trace) {
+            points.push(trace);
+        }
+    }
+    points
+}
+
+struct Pen<'a, 'c> {
+    linkage: &'a Linkage,
+    view: &'a View,
+    canvas: &'a Canvas<'c>,
+}
+
+impl Pen<'_, '_> {
+    fn pixel(&self, position: &Position, point: PointRef) -> (f64, f64) {
+        self.view.at(at(self.linkage, position, point))
+    }
+
+    /// Every link as the polygon of its points, every slider as a block, every pin as a ring.
+    fn links(&self, position: &Position, strength: f64) -> Draw {
+        for link in 1..self.linkage.links.len() {
+            let corners: Vec<_> = points_of(self.linkage, link)
+                .into_iter()
+                .map(|point| self.pixel(position, point))
+                .collect();
+            let shade = faded(colour(link), strength);
+            let width = if strength < 1.0 { 2.4 } else { 4.2 };
+            if corners.len() > 2 {
+                self.canvas
+                    .polygon(&corners, faded(colour(link), 0.3 * strength))?;
+                let mut closed = corners.clone();
+                closed.push(corners[0]);
+                self.canvas.line(&closed, shade, 0.7 * width)?;
+            } else if corners.len() == 2 {
+                self.canvas.line(&corners, shade, width)?;
+            }
+        }
+        for joint in &self.linkage.joints {
+            match &joint.kind {
+                JointKind::Prismatic(slide) => self.block(position, slide, strength)?,
+                JointKind::Revolute(pins) => {
+                    let at = self.pixel(position, pins[0]);
+                    let on_frame = pins.iter().any(|pin| pin.link == FRAME);
+                    let radius = if strength < 1.0 { 3.2 } else { 5.0 };
+                    if on_frame {
+                        self.foot(at)?;
+                    }
+                    self.canvas.joint(at, radius, faded(INK, strength))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn foot(&self, (x, y): (f64, f64)) -> Draw {
+        let foot = [(x, y), (x - 9.0, y + 14.0), (x + 9.0, y + 14.0)];
+        self.canvas.polygon(&foot, GROUND)
+    }
+
+    /// The slider at its point, along the guide.
+    fn block(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
+        let (x, y) = self.pixel(position, slide.slider);
+        let u = self.guide_direction(position, slide);
+        let (half_length, half_width) = if strength < 1.0 {
+            (9.0, 5.5)
+        } else {
+            (13.0, 8.0)
+        };
+        // The page's y axis points down.
+        let corner = |along: f64, across: f64| {
+            let (along, across) = (along * half_length, across * half_width);
+            (
+                x + along * u[0] + across * u[1],
+                y - along * u[1] + across * u[0],
+            )
+        };
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ];
+        let own = colour(slide.slider.link);
+        self.canvas.polygon(&corners, faded(own, 0.45 * strength))?;
+        let mut closed = corners.to_vec();
+        closed.push(corners[0]);
+        self.canvas.line(&closed, faded(own, strength), 1.6)
+    }
+
+    fn guide_direction(&self, position: &Position, slide: &Prismatic) -> [f64; 2] {
+        let guide = &position.states[slide.guide.link].motion;
+        guide.vector(unit(slide.direction)).into()
+    }
+
+    /// The line that each slider's point runs along, as far as it runs.
+    fn guides(&self, first: &Position) -> Draw {
+        for joint in &self.linkage.joints {
+            let JointKind::Prismatic(slide) = &joint.kind else {
+                continue;
+            };
+            let [x, y] = at(self.linkage, first, slide.slider);
+            let u = self.guide_direction(first, slide);
+            let reach = 0.25 * self.linkage.size();
+            let end = |sign: f64| {
+                self.view
+                    .at([x + sign * reach * u[0], y + sign * reach * u[1]])
+            };
+            self.canvas.dashed(end(-1.0), end(1.0), GREY)?;
+        }
+        Ok(())
+    }
+
+    /// The joints' names beside them, and those of the traced points.
+    fn names(&self, position: &Position) -> Draw {
+        let mut taken: Vec<(f64, f64)> = Vec::new();
+        let mut name = |text: &str, (x, y): (f64, f64)| -> Draw {
+            // Several names at one place are written under each other.
+            let near =
+                |other: &&(f64, f64)| (other.0 - x).abs() < 20.0 && (other.1 - y).abs() < 20.0;
+            let row = taken.iter().filter(near).count() as f64;
+            taken.push((x, y));
+            let at = (x + 10.0, y - 12.0 - 15.0 * row);
+            for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
+                let around = (at.0 + dx, at.1 + dy);
+                self.canvas
+                    .text(text, around, Size::Label, RIGHT_OF, WHITE)?;
+            }
+            self.canvas.text(text, at, Size::Label, RIGHT_OF, INK)
+        };
+        for joint in &self.linkage.joints {
+            let point = match &joint.kind {
+                JointKind::Revolute(pins) => pins[0],
+                JointKind::Prismatic(slide) => slide.slider,
+            };
+            name(&joint.name, self.pixel(position, point))?;
+        }
+        for &trace in &self.linkage.traces {
+            let at_joint = joint_points(self.linkage, trace.link).contains(&trace);
+            if !at_joint {
+                let point = &self.linkage.links[trace.link].points[trace.point].0;
+                name(point, self.pixel(position, trace))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Beside the drawing, where it covers nothing.
+struct Legend {
+    entries: Vec<(RGBColor, f64, String)>,
+}
+
+impl Legend {
+    fn new(linkage: &Linkage, track: &Track) -> Self {
+        let mut entries: Vec<_> = (1..linkage.links.len())
+            .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
+            .collect();
+        for &trace in &linkage.traces {
+            let text = format!("path of {}", linkage.point_name(trace));
+            entries.push((trace_colour(trace), 2.0, text));
+        }
+        if let Some(first) = track.positions.first() {
+            for input in inputs(linkage, first.t).split(", ") {
+                entries.push((INK, 4.2, format!("at {input}")));
+            }
+        }
+        let shown = instants(track.positions.len()).len();
+        if shown > 1 {
+            let text = format!("{} later positions", shown - 1);
+            entries.push((faded(INK, BETWEEN), 2.4, text));
+        }
+        Self { entries }
+    }
+
+    fn width(&self) -> f64 {
+        let widths = self
+            .entries
+            .iter()
+            .map(|(_, _, text)| Size::Label.width(text));
+        48.0 + widths.fold(0.0, f64::max)
+    }
+
+    fn height(&self) -> f64 {
+        24.0 + 23.0 * self.entries.len() as f64
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>, x: f64) -> Draw {
+        for (row, (colour, width, text)) in self.entries.iter().enumerate() {
+            let y = TOP + 12.0 + 23.0 * row as f64;
+            canvas.line(&[(x, y), (x + 24.0, y)], *colour, *width)?;
+            canvas.text(text, (x + 33.0, y), Size::Label, RIGHT_OF, INK)?;
+        }
+        Ok(())
+    }
+}

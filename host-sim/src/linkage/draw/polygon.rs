@@ -1,0 +1,248 @@
+//! Velocity and acceleration polygons at one position.
+//!
+//! From the pole, which is every point that stands still, an arrow leads to the end of each
+//! point's velocity. Between the ends of two points of one link lies their relative velocity,
+//! which is perpendicular to the line between the points. In the acceleration polygon it is drawn
+//! in its two parts: towards the first point (normal) and across (tangential).
+
+use super::super::description::{FRAME, Joint, Linkage, PointRef};
+use super::super::solve::Position;
+use super::super::track::Track;
+use super::view::View;
+use super::{colour, inputs, joint_points};
+use crate::figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use crate::figures::style::{INK, faded};
+use nalgebra::Vector2;
+use plotters::prelude::{RGBColor, WHITE};
+
+const LEFT: f64 = 88.0;
+const TOP: f64 = 84.0;
+const SIDE: f64 = 430.0;
+const GAP: f64 = 110.0;
+
+/// One polygon: what it shows and its vectors.
+struct Polygon {
+    title: &'static str,
+    unit: &'static str,
+    /// Name and end of the vector of each point that moves.
+    ends: Vec<(String, [f64; 2])>,
+    /// Per relative vector: link, its corners from end to end.
+    between: Vec<(usize, Vec<[f64; 2]>)>,
+}
+
+/// Draws both polygons at an eighth of the motion, where little stands still.
+pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
+    let chosen = track.positions.len() / 8;
+    let Some(position) = track.positions.get(chosen) else {
+        return page(SIDE, SIDE, |_| Ok(()));
+    };
+    let polygons = [
+        polygon(linkage, position, false),
+        polygon(linkage, position, true),
+    ];
+    let mut left = LEFT;
+    let views = polygons.each_ref().map(|polygon| {
+        let ends = polygon.ends.iter().map(|(_, end)| *end);
+        let corners = polygon
+            .between
+            .iter()
+            .flat_map(|(_, corners)| corners)
+            .copied();
+        let points: Vec<_> = ends.chain(corners).chain([[0.0; 2]]).collect();
+        let view = View::around(&points, polygon.unit, (left, TOP), SIDE);
+        left += view.width + GAP;
+        view
+    });
+    let legend = left - GAP + 16.0;
+    let links = linkage.links.len() - 1;
+    let names = linkage
+        .links
+        .iter()
+        .map(|link| Size::Label.width(&link.name));
+    let widest = names.fold(Size::Label.width("of a point"), f64::max);
+    let title = format!("{} at {}", linkage.name, inputs(linkage, position.t));
+    let width = (legend + widest + 60.0).max(Size::Title.width(&title) + 40.0);
+    let height = views.iter().fold(0.0, |h, view| f64::max(h, view.height));
+    let height = (TOP + height + 66.0).max(TOP + 24.0 * (links + 3) as f64);
+    page(width, height, |canvas| {
+        canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+        for (polygon, view) in polygons.iter().zip(&views) {
+            draw_polygon(canvas, polygon, view)?;
+        }
+        draw_legend(canvas, linkage, legend)
+    })
+}
+
+fn polygon(linkage: &Linkage, position: &Position, acceleration: bool) -> Polygon {
+    let vector = |point: PointRef| {
+        let motion = position.point(linkage, point);
+        if acceleration {
+            motion.acceleration
+        } else {
+            motion.velocity
+        }
+    };
+    let mut ends: Vec<(String, [f64; 2])> = Vec::new();
+    let mut between = Vec::new();
+    for link in 1..linkage.links.len() {
+        let points = shown_points(linkage, link);
+        for &(ref name, point) in &points {
+            let end: [f64; 2] = vector(point).into();
+            let known = |(other, at): &(String, [f64; 2])| other == name && near(*at, end);
+            if !ends.iter().any(known) {
+                ends.push((name.clone(), end));
+            }
+        }
+        let state = &position.states[link].motion;
+        for pair in points.windows(2) {
+            let (from, to) = (pair[0].1, pair[1].1);
+            let mut corners = vec![vector(from).into()];
+            if acceleration {
+                let arm: Vector2<f64> = position
+                    .point(linkage, to)
+                    .relative_to(&position.point(linkage, from))
+                    .position;
+                let normal = vector(from) - arm * (state.rate * state.rate);
+                corners.push(normal.into());
+            }
+            corners.push(vector(to).into());
+            between.push((link, corners));
+        }
+    }
+    // What stands still but for rounding is at the pole.
+    let largest = ends
+        .iter()
+        .map(|(_, end)| f64::hypot(end[0], end[1]))
+        .fold(0.0, f64::max);
+    ends.retain(|(_, end)| f64::hypot(end[0], end[1]) > 1e-9 * largest);
+    Polygon {
+        title: if acceleration {
+            "acceleration polygon"
+        } else {
+            "velocity polygon"
+        },
+        unit: if acceleration { "m/s\u{b2}" } else { "m/s" },
+        ends,
+        between,
+    }
+}
+
+/// The points of a link with the names of the joints there, and the traced ones with their own.
+fn shown_points(linkage: &Linkage, link: usize) -> Vec<(String, PointRef)> {
+    let mut points: Vec<(String, PointRef)> = Vec::new();
+    let mut at_joints = joint_points(linkage, link);
+    // From the frame outwards.
+    let on_frame = |point: &PointRef| {
+        let held = |joint: &Joint| joint.point_on(link) == Some(*point);
+        let mut at_point = linkage.joints.iter().filter(|joint| held(joint));
+        at_point.any(|joint| joint.links().contains(&FRAME))
+    };
+    at_joints.sort_by_key(|point| !on_frame(point));
+    for point in at_joints {
+        let joint = linkage
+            .joints
+            .iter()
+            .find(|joint| joint.point_on(link) == Some(point));
+        let name = joint.map(|joint| joint.name.clone()).unwrap_or_default();
+        points.push((name, point));
+    }
+    for &trace in linkage.traces.iter().filter(|trace| trace.link == link) {
+        if !points.iter().any(|(_, point)| *point == trace) {
+            let name = linkage.links[link].points[trace.point].0.clone();
+            points.push((name, trace));
+        }
+    }
+    points
+}
+
+fn near(a: [f64; 2], b: [f64; 2]) -> bool {
+    let distance = f64::hypot(a[0] - b[0], a[1] - b[1]);
+    distance <= 1e-9 * (f64::hypot(a[0], a[1]) + f64::hypot(b[0], b[1]))
+}
+
+fn draw_polygon(canvas: &Canvas<'_>, polygon: &Polygon, view: &View) -> Draw {
+    let (left, top) = view.corner();
+    let middle = (left + view.width / 2.0, top - 16.0);
+    canvas.text(polygon.title, middle, Size::Label, CENTRED, INK)?;
+    view.grid(canvas, ["x", "y"])?;
+    let pole = view.at([0.0; 2]);
+    for (_, end) in &polygon.ends {
+        arrow(canvas, pole, view.at(*end), faded(INK, 0.55), 1.8)?;
+    }
+    for (link, corners) in &polygon.between {
+        for pair in corners.windows(2) {
+            arrow(
+                canvas,
+                view.at(pair[0]),
+                view.at(pair[1]),
+                colour(*link),
+                2.2,
+            )?;
+        }
+    }
+    canvas.joint(pole, 5.0, INK)?;
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    let pole_name = [("pole".to_owned(), [0.0; 2])];
+    for (name, end) in pole_name.iter().chain(&polygon.ends) {
+        let (x, y) = view.at(*end);
+        let close = |other: &&(f64, f64)| (other.0 - x).abs() < 22.0 && (other.1 - y).abs() < 18.0;
+        let row = taken.iter().filter(close).count() as f64;
+        taken.push((x, y));
+        let at = (x + 9.0, y - 11.0 - 15.0 * row);
+        for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
+            let around = (at.0 + dx, at.1 + dy);
+            canvas.text(name, around, Size::Label, RIGHT_OF, WHITE)?;
+        }
+        canvas.text(name, at, Size::Label, RIGHT_OF, INK)?;
+    }
+    Ok(())
+}
+
+/// A line with a head, where it is long enough for one.
+fn arrow(
+    canvas: &Canvas<'_>,
+    from: (f64, f64),
+    to: (f64, f64),
+    colour: RGBColor,
+    width: f64,
+) -> Draw {
+    const HEAD: f64 = 10.0;
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = dx.hypot(dy);
+    if length < 1.0 {
+        return Ok(());
+    }
+    canvas.line(&[from, to], colour, width)?;
+    if length < HEAD {
+        return Ok(());
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let back = (to.0 - HEAD * ux, to.1 - HEAD * uy);
+    let half = 0.36 * HEAD;
+    let head = [
+        to,
+        (back.0 - half * uy, back.1 + half * ux),
+        (back.0 + half * uy, back.1 - half * ux),
+    ];
+    canvas.polygon(&head, colour)
+}
+
+fn draw_legend(canvas: &Canvas<'_>, linkage: &Linkage, x: f64) -> Draw {
+    let mut y = TOP + 10.0;
+    let mut entry = |colour: RGBColor, text: &str| -> Draw {
+        canvas.line(&[(x, y), (x + 24.0, y)], colour, 2.6)?;
+        canvas.text(text, (x + 33.0, y), Size::Label, RIGHT_OF, INK)?;
+        y += 23.0;
+        Ok(())
+    };
+    entry(faded(INK, 0.55), "of a point")?;
+    for link in 1..linkage.links.len() {
+        if shown_points(linkage, link).len() > 1 {
+            entry(
+                colour(link),
+                &format!("within {}", linkage.links[link].name),
+            )?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! A map from a plane to logical pixels, the same scale both ways, with its grid.
+
+use crate::figures::canvas::{BELOW, Canvas, Draw, LEFT_OF, Size};
+use crate::figures::panel::{axis_title, range};
+use crate::figures::scale::{Axis, Margin};
+use crate::figures::style::{FRAME, GRID, INK};
+
+/// Distance of the grid's lines, about, in logical pixels.
+const INTERVAL: f64 = 80.0;
+
+/// A window on the plane.
+pub(super) struct View {
+    x: Axis,
+    y: Axis,
+    left: f64,
+    top: f64,
+    pub(super) width: f64,
+    pub(super) height: f64,
+}
+
+impl View {
+    /// A window on `points`, in `unit`, with its upper left corner at `left`, `top`; it fits into
+    /// a square of `side` and is at least a third of it wide and high.
+    pub(super) fn around(
+        points: &[[f64; 2]],
+        unit: &str,
+        (left, top): (f64, f64),
+        side: f64,
+    ) -> Self {
+        let (x_low, x_high) = range(points.iter().map(|p| p[0]));
+        let (y_low, y_high) = range(points.iter().map(|p| p[1]));
+        let span = f64::max(x_high - x_low, y_high - y_low);
+        // A single point still has a scale.
+        let span = if span > 0.0 { span } else { 1.0 };
+        let margin = 0.09 * span;
+        let extent = |low: f64, high: f64| {
+            let missing = f64::max(0.0, span / 3.0 - (high - low)) / 2.0;
+            (low - margin - missing, high + margin + missing)
+        };
+        let ((x_low, x_high), (y_low, y_high)) = (extent(x_low, x_high), extent(y_low, y_high));
+        let pixels = side / f64::max(x_high - x_low, y_high - y_low);
+        let (width, height) = ((x_high - x_low) * pixels, (y_high - y_low) * pixels);
+        Self {
+            x: Axis::new(x_low, x_high, unit, Margin::Exact, width / INTERVAL),
+            y: Axis::new(y_low, y_high, unit, Margin::Exact, height / INTERVAL),
+            left,
+            top,
+            width,
+            height,
+        }
+    }
+
+    /// Where a point is on the page.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+        (
+            self.left + self.x.fraction(x) * self.width,
+            self.top + (1.0 - self.y.fraction(y)) * self.height,
+        )
+    }
+
+    /// Its upper left corner.
+    pub(super) fn corner(&self) -> (f64, f64) {
+        (self.left, self.top)
+    }
+
+    /// Grid, frame, ticks and the axes' titles.
+    pub(super) fn grid(&self, canvas: &Canvas<'_>, titles: [&str; 2]) -> Draw {
+        let (left, top) = (self.left, self.top);
+        let (right, bottom) = (left + self.width, top + self.height);
+        for (value, label) in &self.x.ticks {
+            let x = left + self.x.fraction(*value) * self.width;
+            canvas.line(&[(x, top), (x, bottom)], GRID, 1.0)?;
+            canvas.text(label, (x, bottom + 8.0), Size::Tick, BELOW, INK)?;
+        }
+        for (value, label) in &self.y.ticks {
+            let y = bottom - self.y.fraction(*value) * self.height;
+            canvas.line(&[(left, y), (right, y)], GRID, 1.0)?;
+            canvas.text(label, (left - 8.0, y), Size::Tick, LEFT_OF, INK)?;
+        }
+        let corners = [
+            (left, top),
+            (right, top),
+            (right, bottom),
+            (left, bottom),
+            (left, top),
+        ];
+        canvas.line(&corners, FRAME, 1.0)?;
+        let middle = (left + self.width / 2.0, bottom + 34.0);
+        let title = axis_title(titles[0], &self.x.unit);
+        canvas.text(&title, middle, Size::Label, BELOW, INK)?;
+        let middle = (left - 54.0, top + self.height / 2.0);
+        canvas.upright(
+            &axis_title(titles[1], &self.y.unit),
+            middle,
+            Size::Label,
+            INK,
+        )
+    }
+}

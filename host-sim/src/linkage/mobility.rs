@@ -1,0 +1,328 @@
+//! Degrees of freedom: Gruebler's count for the whole, and a search for parts that the count does
+//! not show: locked ones, and chains of prismatic joints that leave a translation free.
+
+use super::description::{Drive, Joint, JointKind};
+use std::fmt;
+
+/// Gruebler's count F = 3 (m - 1) - 2 c.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mobility {
+    /// m: links, the frame among them.
+    pub links: usize,
+    /// c: joints between two links; a pin through k links counts for k - 1.
+    pub joints: usize,
+}
+
+impl Mobility {
+    /// Counts.
+    pub fn count(links: usize, joints: &[Joint]) -> Self {
+        Self {
+            links,
+            joints: joints.iter().map(Joint::simple_joints).sum(),
+        }
+    }
+
+    /// F; negative where there are more joints than a locked structure needs.
+    pub fn freedoms(&self) -> i64 {
+        3 * (self.links as i64 - 1) - 2 * self.joints as i64
+    }
+}
+
+impl fmt::Display for Mobility {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (m, c) = (self.links, self.joints);
+        write!(f, "3 ({m} - 1) - 2 * {c} = {}", self.freedoms())
+    }
+}
+
+/// Links that are rigid among themselves before `joint` ties them once more.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Locked {
+    /// The first joint in the order of the file that is one too many; `None` if it is a drive.
+    pub(super) joint: Option<usize>,
+    /// The drive that is one too many.
+    pub(super) drive: Option<usize>,
+    /// The links, in the order of the file.
+    pub(super) links: Vec<usize>,
+}
+
+/// Finds the first joint or drive whose constraints are not independent of those before it, for
+/// links of general dimensions.
+///
+/// The (3, 3) pebble game: every link starts with the three pebbles of its freedoms, a constraint
+/// between two links takes one, and it is independent exactly if four pebbles can be gathered on
+/// the two links before it does (three always stay: a rigid body moves as a whole).
+pub(super) fn find_locked(links: usize, joints: &[Joint], drives: &[Drive]) -> Option<Locked> {
+    for (index, joint) in joints.iter().enumerate() {
+        let ends = joint.links();
+        for other in joints[..index].iter().map(Joint::links) {
+            let mut shared: Vec<usize> =
+                ends.iter().copied().filter(|l| other.contains(l)).collect();
+            if shared.len() > 1 {
+                shared.sort_unstable();
+                return Some(Locked {
+                    joint: Some(index),
+                    drive: None,
+                    links: shared,
+                });
+            }
+        }
+    }
+    let mut game = Pebbles {
+        free: vec![3; links],
+        towards: vec![Vec::new(); links],
+    };
+    for (index, joint) in joints.iter().enumerate() {
+        let ends = joint.links();
+        for pair in ends.windows(2) {
+            for _ in 0..2 {
+                if let Err(links) = game.tie(pair[0], pair[1]) {
+                    return Some(Locked {
+                        joint: Some(index),
+                        drive: None,
+                        links,
+                    });
+                }
+            }
+        }
+    }
+    drives.iter().enumerate().find_map(|(index, drive)| {
+        let links = game.tie(drive.base, drive.link).err()?;
+        Some(Locked {
+            joint: None,
+            drive: Some(index),
+            links,
+        })
+    })
+}
+
+struct Pebbles {
+    free: Vec<u8>,
+    /// A constraint that took its pebble from link a points from a to the other link.
+    towards: Vec<Vec<usize>>,
+}
+
+impl Pebbles {
+    /// Adds a constraint between two different links, or gives the rigid part that holds both.
+    fn tie(&mut self, a: usize, b: usize) -> Result<(), Vec<usize>> {
+        while self.free[a] + self.free[b] < 4 {
+            // Fetched for whichever link has room; the other's stay where they are.
+            let fetched =
+                (self.free[a] < 3 && self.fetch(a, b)) || (self.free[b] < 3 && self.fetch(b, a));
+            if !fetched {
+                let mut part = self.reach(&[a, b]);
+                part.sort_unstable();
+                return Err(part);
+            }
+        }
+        let (from, to) = if self.free[a] > 0 { (a, b) } else { (b, a) };
+        self.free[from] -= 1;
+        self.towards[from].push(to);
+        Ok(())
+    }
+
+    /// Moves a free pebble to `root` from where its constraints lead, but not from `kept`.
+    fn fetch(&mut self, root: usize, kept: usize) -> bool {
+        let mut came_from = vec![None; self.free.len()];
+        came_from[root] = Some(root);
+        came_from[kept] = Some(kept);
+        let mut stack = vec![root];
+        while let Some(link) = stack.pop() {
+            for &next in &self.towards[link] {
+                if came_from[next].is_some() {
+                    continue;
+                }
+                came_from[next] = Some(link);
+                if self.free[next] == 0 {
+                    stack.push(next);
+                    continue;
+                }
+                // Turn the constraints of the path round: each link on it gives and gets one.
+                self.free[next] -= 1;
+                self.free[root] += 1;
+                let mut to = next;
+                while to != root {
+                    let Some(from) = came_from[to] else { break };
+                    if let Some(edge) = self.towards[from].iter().position(|&link| link == to) {
+                        self.towards[from].swap_remove(edge);
+                    }
+                    self.towards[to].push(from);
+                    to = from;
+                }
+                return true;
+            }
+        }
+        false
+    }
+
+    fn reach(&self, roots: &[usize]) -> Vec<usize> {
+        let mut reached = roots.to_vec();
+        let mut next = 0;
+        while next < reached.len() {
+            for &link in &self.towards[reached[next]] {
+                if !reached.contains(&link) {
+                    reached.push(link);
+                }
+            }
+            next += 1;
+        }
+        reached
+    }
+}
+
+/// Finds joints that close a chain in which nothing turns: prismatic ones, and revolute ones whose
+/// angle is driven. Around such a chain the angles are given once too often while a translation
+/// stays free; three prismatic joints are the group PPP, which is no Assur group.
+pub(super) fn find_turnless_chain(
+    links: usize,
+    joints: &[Joint],
+    drives: &[Drive],
+) -> Option<Vec<usize>> {
+    let is_slide = |joint: &&Joint| matches!(joint.kind, JointKind::Prismatic(_));
+    let sliding = joints
+        .iter()
+        .enumerate()
+        .filter(|(_, joint)| is_slide(joint))
+        .map(|(index, joint)| {
+            let ends = joint.links();
+            (index, ends[0], ends[1])
+        });
+    let turning = drives
+        .iter()
+        .filter(|drive| !drive.slides)
+        .map(|drive| (drive.joint, drive.base, drive.link));
+    let mut ties: Vec<Vec<(usize, usize)>> = vec![Vec::new(); links];
+    for (joint, a, b) in turning.chain(sliding) {
+        if let Some(mut chain) = path(&ties, a, b) {
+            chain.push(joint);
+            return Some(chain);
+        }
+        ties[a].push((b, joint));
+        ties[b].push((a, joint));
+    }
+    None
+}
+
+/// The joints on the way from `from` to `to`, where there is one.
+fn path(ties: &[Vec<(usize, usize)>], from: usize, to: usize) -> Option<Vec<usize>> {
+    let mut came_from: Vec<Option<(usize, usize)>> = vec![None; ties.len()];
+    let mut queue = vec![from];
+    let mut next = 0;
+    while next < queue.len() && came_from[to].is_none() {
+        let link = queue[next];
+        for &(other, joint) in &ties[link] {
+            if other != from && came_from[other].is_none() {
+                came_from[other] = Some((link, joint));
+                queue.push(other);
+            }
+        }
+        next += 1;
+    }
+    let mut chain = Vec::new();
+    let mut link = to;
+    while link != from {
+        let (before, joint) = came_from[link]?;
+        chain.push(joint);
+        link = before;
+    }
+    chain.reverse();
+    Some(chain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linkage::description::{PointRef, Prismatic};
+
+    fn pin(links: &[usize]) -> Joint {
+        Joint {
+            name: String::new(),
+            kind: JointKind::Revolute(
+                links
+                    .iter()
+                    .map(|&link| PointRef { link, point: 0 })
+                    .collect(),
+            ),
+            branch: None,
+        }
+    }
+
+    fn slide(guide: usize, slider: usize) -> Joint {
+        let point = |link| PointRef { link, point: 0 };
+        Joint {
+            name: String::new(),
+            kind: JointKind::Prismatic(Prismatic {
+                guide: point(guide),
+                direction: 0.0,
+                slider: point(slider),
+                offset: 0.0,
+                angle: 0.0,
+            }),
+            branch: None,
+        }
+    }
+
+    fn drive(joint: usize, base: usize, link: usize, slides: bool) -> Drive {
+        Drive {
+            joint,
+            base,
+            link,
+            slides,
+            start: 0.0,
+            rate: 1.0,
+            acceleration: 0.0,
+        }
+    }
+
+    #[test]
+    fn the_count_is_gruebler_s() {
+        let four_bar = [pin(&[0, 1]), pin(&[1, 2]), pin(&[2, 3]), pin(&[3, 0])];
+        let count = Mobility::count(4, &four_bar);
+        assert_eq!(count.freedoms(), 1);
+        assert_eq!(count.to_string(), "3 (4 - 1) - 2 * 4 = 1");
+        // One pin through three links is two joints.
+        let multiple = [pin(&[0, 1]), pin(&[1, 2, 3]), pin(&[2, 0]), pin(&[3, 0])];
+        assert_eq!(Mobility::count(4, &multiple).joints, 5);
+        assert_eq!(Mobility::count(4, &multiple).freedoms(), -1);
+    }
+
+    #[test]
+    fn a_driven_four_bar_is_not_locked_and_a_second_drive_is_one_too_many() {
+        let joints = [pin(&[0, 1]), pin(&[1, 2]), pin(&[2, 3]), pin(&[3, 0])];
+        let crank = drive(0, 0, 1, false);
+        assert_eq!(find_locked(4, &joints, &[crank]), None);
+        let locked = find_locked(4, &joints, &[crank, drive(3, 0, 3, false)]).unwrap();
+        assert_eq!((locked.joint, locked.drive), (None, Some(1)));
+        assert_eq!(locked.links, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn a_locked_part_is_found_beside_a_loose_one() {
+        // 1 and 2 share two pins; 3 and 4 hang loose: the count says F = 1 with one drive.
+        let joints = [
+            pin(&[0, 1]),
+            pin(&[1, 2]),
+            pin(&[1, 2]),
+            pin(&[2, 3]),
+            pin(&[3, 4]),
+        ];
+        assert_eq!(Mobility::count(5, &joints).freedoms(), 2);
+        let locked = find_locked(5, &joints, &[]).unwrap();
+        assert_eq!((locked.joint, locked.links), (Some(2), vec![1, 2]));
+    }
+
+    #[test]
+    fn three_prismatic_joints_in_a_chain_are_found() {
+        let joints = [slide(0, 1), slide(1, 2), slide(0, 2), pin(&[2, 3])];
+        assert_eq!(find_turnless_chain(4, &joints, &[]), Some(vec![0, 1, 2]));
+        assert_eq!(find_turnless_chain(4, &joints[1..], &[]), None);
+        // A driven crank closes such a chain too: its angle is given.
+        let joints = [pin(&[0, 1]), slide(1, 2), slide(2, 0)];
+        let crank = drive(0, 0, 1, false);
+        assert_eq!(find_turnless_chain(3, &joints, &[]), None);
+        assert_eq!(
+            find_turnless_chain(3, &joints, &[crank]),
+            Some(vec![1, 0, 2])
+        );
+    }
+}
