@@ -15,7 +15,14 @@ type SceneTick = Tick<Scalar, Payload, Links>;
 fn main() -> ! {
     let tick = match SceneTick::build(&PARAMETERS) {
         Ok(tick) => tick,
-        Err(error) => defmt::panic!("scene {=str}: {}", NAME, defmt::Display2Format(&error)),
+        // Not by the error's Display: it would bring the formatting of floats into the image.
+        Err(error) => defmt::panic!(
+            "scene {=str}: {} of leg {} is {=f64}",
+            NAME,
+            defmt::Debug2Format(&error.quantity),
+            error.leg.map(|leg| leg + 1),
+            error.value
+        ),
     };
     let tick: &'static SceneTick = defmt::unwrap!(
         singleton!(TICK: SceneTick = tick),

@@ -99,7 +99,7 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// Sine and cosine, each within two units in the last place, for any finite angle.
+    /// Sine and cosine, each within one unit in the last place, for any finite angle.
     fn sin_cos(angle: Self::Angle) -> (Self, Self);
     /// Angle of the vector (x, y), in [-pi, pi], within two units in the last place.
     /// `(0, 0)` gives 0.
