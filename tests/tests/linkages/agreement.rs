@@ -7,13 +7,17 @@
 //! u cond.
 
 use core::f64::consts::{PI, TAU};
-use trirrr_core::linkage::closure::{Closed, Closure, Input, Term};
+use core::ops::RangeInclusive;
+use trirrr_core::linkage::closure::{Closed, Closure, Input, Length, Reference, Term};
 use trirrr_core::linkage::{Drive, LinkMotion, SlideMotion};
 use trirrr_core::number::Number;
 use trirrr_tests::bound::Worst;
 
 /// Steps to a turn.
 const STEPS: u32 = 720;
+
+/// Below 1 is the requirement; above the lower end the bound is not too wide to find a defect.
+pub(crate) const BRACKET: RangeInclusive<f64> = 0.15..=1.0;
 
 /// A result with its rate and its acceleration.
 pub(crate) type Jet<N> = [N; 3];
@@ -169,6 +173,23 @@ impl<const U: usize, const D: usize> Loops<'_, U, D> {
         }
         worst
     }
+}
+
+/// Compares in both number types.
+pub(crate) fn compare_both<const U: usize, const D: usize>(
+    loops: &Loops<U, D>,
+    wide: impl Fn(&[Input<f64>; D]) -> [Jet<f64>; U],
+    narrow: impl Fn(&[Input<f32>; D]) -> [Jet<f32>; U],
+) {
+    let worst = loops.compare(wide);
+    worst.assert_within(&format!("{}, f64", loops.name), BRACKET);
+    let worst = loops.compare(narrow);
+    worst.assert_within(&format!("{}, f32", loops.name), BRACKET);
+}
+
+/// A vector: loop, length, reference, offset.
+pub(crate) fn v(in_loop: usize, length: Length, reference: Reference, offset: f64) -> Term<f64> {
+    Term::new(in_loop, length, reference, offset)
 }
 
 /// An angle less whole turns.

@@ -3,6 +3,8 @@
 
 mod agreement;
 mod dyads;
-mod mechanisms;
+mod ends;
+mod one_loop;
 mod paths;
 mod robust;
+mod two_loops;

@@ -1,0 +1,168 @@
+//! Random ends of dyads, and what a dyad has to satisfy between them.
+
+use core::f64::consts::PI;
+use nalgebra::Vector2;
+use proptest::prelude::*;
+use std::cell::RefCell;
+use trirrr_core::linkage::{GuideMotion, LinkMotion, LinkageStatus, PointMotion, SlideMotion};
+use trirrr_core::number::{Number, cross};
+use trirrr_tests::bound::Worst;
+
+/// Distance from the singularity above which differences are compared.
+pub(crate) const LEAST_DISTANCE: f64 = 0.2;
+/// Seconds of the differences.
+pub(crate) const STEP: f64 = 1e-5;
+
+pub(crate) type Vector = Vector2<f64>;
+
+pub(crate) fn unit(angle: f64) -> Vector {
+    Vector::new(angle.cos(), angle.sin())
+}
+
+pub(crate) fn vector(size: f64) -> impl Strategy<Value = Vector> {
+    (-size..size, -size..size).prop_map(|(x, y)| Vector::new(x, y))
+}
+
+pub(crate) fn branch() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(1.0), Just(-1.0)]
+}
+
+pub(crate) fn offset() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), -0.5..0.5]
+}
+
+/// An end of a dyad: where it is at time 0 and how it goes on. Half of the guides stand still.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    pub(crate) point: PointMotion<f64>,
+    pub(crate) angle: f64,
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
+}
+
+pub(crate) fn end() -> impl Strategy<Value = End> {
+    let turning = prop_oneof![Just((0.0, 0.0)), (-1.0..1.0, -1.0..1.0)];
+    (vector(0.7), vector(0.5), vector(0.5), -PI..PI, turning).prop_map(
+        |(position, velocity, acceleration, angle, (rate, faster))| End {
+            point: PointMotion {
+                position,
+                velocity,
+                acceleration,
+            },
+            angle,
+            rate,
+            acceleration: faster,
+        },
+    )
+}
+
+impl End {
+    pub(crate) fn point(&self, t: f64) -> PointMotion<f64> {
+        let at = &self.point;
+        PointMotion {
+            position: at.position + at.velocity * t + at.acceleration * (t * t / 2.0),
+            velocity: at.velocity + at.acceleration * t,
+            acceleration: at.acceleration,
+        }
+    }
+
+    pub(crate) fn guide(&self, t: f64) -> GuideMotion<f64> {
+        LinkMotion {
+            origin: self.point(t),
+            direction: unit(self.angle + self.rate * t + self.acceleration * (t * t / 2.0)),
+            rate: self.rate + self.acceleration * t,
+            acceleration: self.acceleration,
+        }
+    }
+}
+
+/// A dyad's results that are angles, as directions, and that are lengths.
+pub(crate) struct Results {
+    pub(crate) links: Vec<LinkMotion<f64>>,
+    pub(crate) slides: Vec<SlideMotion<f64>>,
+    pub(crate) points: Vec<PointMotion<f64>>,
+    pub(crate) distance: f64,
+}
+
+impl Results {
+    /// The fastest of all rates, with the roots of the accelerations, which have their unit.
+    fn speed(&self) -> f64 {
+        let of_links = self.links.iter().map(|it| [it.rate, it.acceleration]);
+        let of_slides = self.slides.iter().map(|it| [it.rate, it.acceleration]);
+        let of_points = self
+            .points
+            .iter()
+            .map(|it| [it.velocity.abs().max(), it.acceleration.abs().max()]);
+        let speeds = of_links.chain(of_slides).chain(of_points);
+        speeds
+            .map(|[rate, acceleration]| rate.abs().max(acceleration.abs().sqrt()))
+            .fold(0.0, f64::max)
+    }
+}
+
+/// How far `gap` is from closed, in units in the last place of `longest`; 4 are allowed.
+pub(crate) fn closes(
+    worst: &RefCell<Worst>,
+    gap: Vector,
+    longest: f64,
+    case: &impl core::fmt::Debug,
+) {
+    let ulp = 2.0 * f64::UNIT_ROUNDOFF * longest;
+    let gap = gap.x.hypot(gap.y);
+    let place = || format!("{case:?}");
+    worst.borrow_mut().compare(place, gap, 4.0 * ulp);
+}
+
+/// Compares rates and accelerations with central differences. Their truncation is STEP^2 / 6 of
+/// the third derivative in time, of the order of the fourth power of the speed.
+pub(crate) fn moves(
+    worst: &RefCell<Worst>,
+    solve: impl Fn(f64) -> Result<Results, LinkageStatus>,
+    case: &impl core::fmt::Debug,
+) {
+    let now = solve(0.0).unwrap();
+    if now.distance < LEAST_DISTANCE {
+        return;
+    }
+    let (before, after) = (solve(-STEP).unwrap(), solve(STEP).unwrap());
+    let compare = |what: &str, error: f64| {
+        let place = || format!("{what} of {case:?}");
+        let bound = 1e-8 * (1.0 + now.speed().powi(4));
+        worst.borrow_mut().compare(place, error, bound);
+    };
+    for ((before, now), after) in before.links.iter().zip(&now.links).zip(&after.links) {
+        let turned = (after.direction - before.direction) / (2.0 * STEP);
+        let acceleration = (after.rate - before.rate) / (2.0 * STEP);
+        compare("rate", cross(now.direction, turned) - now.rate);
+        compare("acceleration", acceleration - now.acceleration);
+    }
+    for ((before, now), after) in before.slides.iter().zip(&now.slides).zip(&after.slides) {
+        let rate = (after.length - before.length) / (2.0 * STEP);
+        let acceleration = (after.rate - before.rate) / (2.0 * STEP);
+        compare("sliding", rate - now.rate);
+        compare("sliding faster", acceleration - now.acceleration);
+    }
+    for ((before, now), after) in before.points.iter().zip(&now.points).zip(&after.points) {
+        let velocity = (after.position - before.position) / (2.0 * STEP);
+        let acceleration = (after.velocity - before.velocity) / (2.0 * STEP);
+        compare("velocity", (velocity - now.velocity).abs().max());
+        let error = (acceleration - now.acceleration).abs().max();
+        compare("point's acceleration", error);
+    }
+}
+
+/// Checks `CASES` dyads that can be assembled.
+pub(crate) fn check(
+    name: &str,
+    closure: RefCell<Worst>,
+    motion: RefCell<Worst>,
+    brackets: [core::ops::RangeInclusive<f64>; 2],
+) {
+    let [closing, moving] = brackets;
+    closure
+        .into_inner()
+        .assert_within(&format!("{name} closes"), closing);
+    motion
+        .into_inner()
+        .assert_within(&format!("{name} moves"), moving);
+}
