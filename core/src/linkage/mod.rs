@@ -19,6 +19,24 @@
 //!
 //! What has no closed form, or is to be solved without one, goes to [`closure`]: vector loops by
 //! Newton-Raphson.
+//!
+//! # Example
+//! A point of the coupler of a four-bar linkage, with its velocity:
+//! ```
+//! use nalgebra::Vector2;
+//! use trirrr_core::linkage::Drive;
+//! use trirrr_core::linkage::mechanism::four_bar::{FourBar, SHIPPED};
+//!
+//! let linkage = FourBar::<f32>::new(&SHIPPED)?;
+//! let drive = Drive { angle: 1.0, rate: 2.0, acceleration: 0.0 };
+//! let at = linkage.at(&drive)?;
+//! let tracer = at.coupler.point(Vector2::new(0.2, 0.1));
+//! // The crank's tip runs at 0.1 m * 2 rad/s.
+//! let tip = at.coupler.origin.velocity;
+//! assert!((tip.x.hypot(tip.y) - 0.2).abs() < 1e-7);
+//! assert!(tracer.velocity != tip);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod closure;
 pub mod mechanism;

@@ -217,3 +217,67 @@ impl<N: Number> Drive<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A link about the origin with its x axis along (0.6, 0.8), at 2 rad/s and 3 rad/s^2.
+    fn link() -> LinkMotion<f64> {
+        LinkMotion {
+            rate: 2.0,
+            acceleration: 3.0,
+            ..LinkMotion::fixed(Vector2::new(0.0, 0.0), Vector2::new(0.6, 0.8))
+        }
+    }
+
+    #[test]
+    fn points_of_a_link_follow_rivals() {
+        let end = link().point(Vector2::new(5.0, 0.0));
+        assert_eq!(end.position, Vector2::new(3.0, 4.0));
+        assert_eq!(end.velocity, Vector2::new(-8.0, 6.0));
+        assert_eq!(end.acceleration, Vector2::new(-24.0, -7.0));
+        // A frame fixed in the link carries the same points.
+        let frame = link().frame(Vector2::new(5.0, 0.0), Vector2::new(0.0, 1.0));
+        let back = frame.point(Vector2::new(0.0, 5.0));
+        assert!((back.position.abs() + back.velocity.abs()).max() < 1e-15);
+        assert!(back.acceleration.abs().max() < 1e-14);
+    }
+
+    #[test]
+    fn sliding_adds_the_coriolis_acceleration() {
+        let slide = SlideMotion {
+            length: 5.0,
+            rate: 10.0,
+            acceleration: 1.0,
+        };
+        let at = link().sliding(&slide, 0.0);
+        let carried = link().point(Vector2::new(5.0, 0.0));
+        let along = Vector2::new(0.6, 0.8);
+        let across = Vector2::new(-0.8, 0.6);
+        assert_eq!(at.position, carried.position);
+        let velocity = at.velocity - carried.velocity;
+        assert!((velocity - along * 10.0).abs().max() < 1e-14);
+        let acceleration = at.acceleration - carried.acceleration;
+        assert!((acceleration - (along + across * 40.0)).abs().max() < 1e-14);
+    }
+
+    #[test]
+    fn a_drive_turns_its_link() {
+        let drive = Drive {
+            angle: core::f32::consts::FRAC_PI_2,
+            rate: 1.0,
+            acceleration: 0.0,
+        };
+        let link = drive.link(PointMotion::fixed(Vector2::new(1.0, 0.0)));
+        assert!((link.direction - Vector2::new(0.0, 1.0)).abs().max() < 1e-7);
+        let angle: f32 = link.angle();
+        assert!((angle - core::f32::consts::FRAC_PI_2).abs() < 1e-6);
+        assert!(link.is_finite());
+        let endless = LinkMotion {
+            rate: f32::INFINITY,
+            ..link
+        };
+        assert!(!endless.is_finite());
+    }
+}
