@@ -81,6 +81,7 @@
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
+//! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
 //! # What it will not do
 //! It does not clip, project or repair a setpoint: one that has no motion ends in a
@@ -101,6 +102,7 @@ pub mod linkage;
 pub mod machine;
 pub mod number;
 pub mod reaction;
+pub mod relatives;
 pub mod setpoint;
 pub mod singularity;
 pub mod status;

@@ -1,10 +1,12 @@
 //! Joint reactions (thesis (4.1) to (4.7)): the forces in the nine joints, from the balance of the
 //! links. They size bearings and links; the torque does not need them.
 
-use crate::machine::Parameters;
+use crate::inverse::LegMotion;
+use crate::machine::{LegParameters, Parameters};
 use crate::number::{Number, perpendicular};
 use crate::status::Status;
 use crate::tick::Motion;
+use crate::torque::links::LegLoad;
 use nalgebra::Vector2;
 
 /// Coefficients of the reactions.
@@ -15,7 +17,7 @@ pub struct Reactions<N> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct LegMasses<N> {
+pub(crate) struct LegMasses<N> {
     /// m1
     proximal: N,
     /// c1 / l1
@@ -38,16 +40,53 @@ pub struct JointForces<N> {
     pub platform: Vector2<N>,
 }
 
+impl<N: Number> LegMasses<N> {
+    pub(crate) fn build(leg: &LegParameters) -> Self {
+        Self {
+            proximal: N::from_f64(leg.proximal.mass_kg),
+            proximal_com: N::from_f64(leg.proximal.com_m / leg.proximal_m),
+            distal: N::from_f64(leg.distal.mass_kg),
+            distal_com: N::from_f64(leg.distal.com_m / leg.distal_m),
+        }
+    }
+
+    /// The forces in the joints of a leg that moves with `motion` and puts `along` r2 on the
+    /// platform. `gravity` is what a body held still at the base feels.
+    pub(crate) fn forces(
+        &self,
+        motion: &LegMotion<N>,
+        along: N,
+        load: &LegLoad<N>,
+        gravity: Vector2<N>,
+    ) -> JointForces<N> {
+        let (at, rates, acc) = (&motion.position.links, &motion.rates, &motion.accelerations);
+        // Along the distal link as the balance has it, across from the link's own inertia.
+        let mut platform = at.r2 * along;
+        if let Some(q) = load.distal_over_l2_sq {
+            platform -= perpendicular(at.r2) * q;
+        }
+        // Acceleration of the outer end of a link relative to the inner one.
+        let of_link = |r: Vector2<N>, rate: N, acceleration: N| {
+            perpendicular(r) * acceleration - r * (rate * rate)
+        };
+        let b = of_link(at.r1, rates.proximal, acc.proximal);
+        let c_from_b = of_link(at.r2, rates.distal, acc.distal);
+        let distal_com = b + c_from_b * self.distal_com - gravity;
+        let elbow = platform + distal_com * self.distal;
+        let proximal_com = b * self.proximal_com - gravity;
+        JointForces {
+            base: elbow + proximal_com * self.proximal,
+            elbow,
+            platform,
+        }
+    }
+}
+
 impl<N: Number> Reactions<N> {
     /// Builds the coefficients from checked parameters.
     pub fn build(parameters: &Parameters) -> Self {
         Self {
-            legs: parameters.legs.each_ref().map(|leg| LegMasses {
-                proximal: N::from_f64(leg.proximal.mass_kg),
-                proximal_com: N::from_f64(leg.proximal.com_m / leg.proximal_m),
-                distal: N::from_f64(leg.distal.mass_kg),
-                distal_com: N::from_f64(leg.distal.com_m / leg.distal_m),
-            }),
+            legs: parameters.legs.each_ref().map(LegMasses::build),
             gravity: parameters.gravity_m_s2.map(N::from_f64),
         }
     }
@@ -58,31 +97,8 @@ impl<N: Number> Reactions<N> {
     /// [`Status::OutOfRange`].
     pub fn forces(&self, motion: &Motion<N>) -> Result<[JointForces<N>; 3], Status> {
         let forces = |leg: usize| {
-            let masses = &self.legs[leg];
-            let (at, rates, acc) = (
-                &motion.legs[leg].position.links,
-                &motion.legs[leg].rates,
-                &motion.legs[leg].accelerations,
-            );
-            // Along the distal link as the balance has it, across from the link's own inertia.
-            let mut platform = at.r2 * motion.forces.along[leg];
-            if let Some(q) = motion.loads[leg].distal_over_l2_sq {
-                platform -= perpendicular(at.r2) * q;
-            }
-            // Acceleration of the outer end of a link relative to the inner one.
-            let of_link = |r: Vector2<N>, rate: N, acceleration: N| {
-                perpendicular(r) * acceleration - r * (rate * rate)
-            };
-            let b = of_link(at.r1, rates.proximal, acc.proximal);
-            let c_from_b = of_link(at.r2, rates.distal, acc.distal);
-            let distal_com = b + c_from_b * masses.distal_com - self.gravity;
-            let elbow = platform + distal_com * masses.distal;
-            let proximal_com = b * masses.proximal_com - self.gravity;
-            JointForces {
-                base: elbow + proximal_com * masses.proximal,
-                elbow,
-                platform,
-            }
+            let (along, load) = (motion.forces.along[leg], &motion.loads[leg]);
+            self.legs[leg].forces(&motion.legs[leg], along, load, self.gravity)
         };
         let all = [forces(0), forces(1), forces(2)];
         // The force at A holds the one at B, and that the one at C.

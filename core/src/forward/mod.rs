@@ -46,7 +46,7 @@ mod isolate;
 mod newton;
 mod polynomial;
 #[cfg(test)]
-mod random;
+pub(crate) mod random;
 mod search;
 pub mod tracking;
 

@@ -146,7 +146,7 @@ pub(super) fn scan(case: &Closed, cells: usize) -> usize {
 }
 
 /// Runs `check` on `cases` values, the same in every run.
-pub(super) fn deterministic<S: Strategy>(cases: u32, strategy: S, check: impl Fn(S::Value)) {
+pub(crate) fn deterministic<S: Strategy>(cases: u32, strategy: S, check: impl Fn(S::Value)) {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
     let config = Config {
         cases,

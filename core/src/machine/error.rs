@@ -30,6 +30,8 @@ pub enum Quantity {
     Gravity,
     WrenchForce,
     WrenchTorque,
+    SliderDirection,
+    SliderMass,
 }
 
 /// A machine's description that cannot be built: which quantity, of which leg, its value, why.
@@ -37,7 +39,7 @@ pub enum Quantity {
 pub struct BuildError {
     /// What is wrong.
     pub quantity: Quantity,
-    /// The leg it belongs to, 0 to 2, if it belongs to one.
+    /// The leg it belongs to, from 0, if it belongs to one.
     pub leg: Option<usize>,
     /// The value that was refused.
     pub value: f64,

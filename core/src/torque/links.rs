@@ -77,7 +77,7 @@ pub struct Massive<N, G> {
 
 /// With centres of mass at c1, c2 from the inner joints and central inertias I1, I2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct MassiveLeg<N> {
+pub(crate) struct MassiveLeg<N> {
     /// m1 c1^2 + I1 + m2 l1^2 + N^2 Jr
     proximal_inertia: N,
     /// m1 c1 / l1 + m2
@@ -91,7 +91,7 @@ struct MassiveLeg<N> {
 }
 
 impl<N: Number> MassiveLeg<N> {
-    fn build(leg: &LegParameters) -> Self {
+    pub(crate) fn build(leg: &LegParameters) -> Self {
         let (l1, l2) = (leg.proximal_m, leg.distal_m);
         let (m1, c1) = (leg.proximal.mass_kg, leg.proximal.com_m);
         let (m2, c2) = (leg.distal.mass_kg, leg.distal.com_m);
@@ -105,6 +105,47 @@ impl<N: Number> MassiveLeg<N> {
             distal_coupling: N::from_f64(m2 * c2 / (l2 * l2 * l2)),
         }
     }
+
+    /// Thesis (4.3) to (4.6), corrected. With D = r1 x r2:
+    ///
+    /// ```text
+    /// Q1 = J1 acc1 + (m2 c2 / l2) ((r1.r2) acc2 - D rate2^2) - (m1 c1 / l1 + m2) g.E r1
+    /// Q2 = J2 acc2 + (m2 c2 / l2) ((r1.r2) acc1 + D rate1^2 - g.E r2)
+    /// ```
+    #[inline(always)]
+    pub(crate) fn load<G: Gravity<N>>(
+        &self,
+        dyad: &Rrr<N>,
+        motion: &LegMotion<N>,
+        gravity: &G,
+    ) -> LegLoad<N> {
+        let (at, rates, acc) = (&motion.position.links, &motion.rates, &motion.accelerations);
+        let r1_dot_r2 = dyad.r1_dot_r2(at);
+
+        let centripetal = rates.distal * rates.distal;
+        let reaction = N::ab_minus_cd(r1_dot_r2, acc.distal, at.r1_cross_r2, centripetal);
+        let mut proximal =
+            N::ab_plus_cd(self.proximal_inertia, acc.proximal, self.coupling, reaction);
+        if let Some(weight) = gravity.across(at.r1) {
+            proximal -= self.proximal_weight * weight;
+        }
+
+        let centripetal = rates.proximal * rates.proximal;
+        let mut reaction = N::ab_plus_cd(r1_dot_r2, acc.proximal, at.r1_cross_r2, centripetal);
+        if let Some(weight) = gravity.across(at.r2) {
+            reaction -= weight;
+        }
+        let q = N::ab_plus_cd(
+            self.distal_inertia,
+            acc.distal,
+            self.distal_coupling,
+            reaction,
+        );
+        LegLoad {
+            at_motor: Some(proximal - q * r1_dot_r2),
+            distal_over_l2_sq: Some(q),
+        }
+    }
 }
 
 impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
@@ -115,41 +156,9 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
         }
     }
 
-    /// Thesis (4.3) to (4.6), corrected. With D = r1 x r2:
-    ///
-    /// ```text
-    /// Q1 = J1 acc1 + (m2 c2 / l2) ((r1.r2) acc2 - D rate2^2) - (m1 c1 / l1 + m2) g.E r1
-    /// Q2 = J2 acc2 + (m2 c2 / l2) ((r1.r2) acc1 + D rate1^2 - g.E r2)
-    /// ```
     #[inline(always)]
     fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
-        let link = &self.legs[leg];
-        let (at, rates, acc) = (&motion.position.links, &motion.rates, &motion.accelerations);
-        let r1_dot_r2 = dyad.r1_dot_r2(at);
-
-        let centripetal = rates.distal * rates.distal;
-        let reaction = N::ab_minus_cd(r1_dot_r2, acc.distal, at.r1_cross_r2, centripetal);
-        let mut proximal =
-            N::ab_plus_cd(link.proximal_inertia, acc.proximal, link.coupling, reaction);
-        if let Some(weight) = self.gravity.across(at.r1) {
-            proximal -= link.proximal_weight * weight;
-        }
-
-        let centripetal = rates.proximal * rates.proximal;
-        let mut reaction = N::ab_plus_cd(r1_dot_r2, acc.proximal, at.r1_cross_r2, centripetal);
-        if let Some(weight) = self.gravity.across(at.r2) {
-            reaction -= weight;
-        }
-        let q = N::ab_plus_cd(
-            link.distal_inertia,
-            acc.distal,
-            link.distal_coupling,
-            reaction,
-        );
-        LegLoad {
-            at_motor: Some(proximal - q * r1_dot_r2),
-            distal_over_l2_sq: Some(q),
-        }
+        self.legs[leg].load(dyad, motion, &self.gravity)
     }
 }
 
@@ -179,7 +188,7 @@ impl<N: Number> Gravity<N> for Horizontal {
 
 /// Gravity has a component in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InPlane<N>(Vector2<N>);
+pub struct InPlane<N>(pub(crate) Vector2<N>);
 
 impl<N: Number> Gravity<N> for InPlane<N> {
     fn build(gravity_m_s2: Vector2<f64>) -> Self {

@@ -1,0 +1,51 @@
+//! The machine's relatives: planar manipulators with any number of RRR legs from three on, some of
+//! whose base joints may ride on driven sliders (the thesis's table 1.1).
+//!
+//! | machine | legs | sliders | redundant |
+//! |---|---|---|---|
+//! | 3-RRR | 3 | 0 | - |
+//! | 4-RRR, 6-RRR | 4, 6 | 0 | in actuation: more motors than freedoms |
+//! | PRRR+2RRR, 2PRRR+RRR, 3PRRR | 3 | 1, 2, 3 | in kinematics: the sliders can be placed freely |
+//!
+//! Both kinds of redundancy may be mixed: [`Relative`] takes the number of legs as a constant and
+//! says of each leg whether it has a slider.
+//!
+//! # The same pipeline
+//! A leg is the [`Leg`](crate::machine::Leg) of the 3-RRR. On a slider it is the same leg in a
+//! frame that is shifted by s u (u the direction of the guide, s the slider's position) and does
+//! not turn: position, velocity and acceleration of the platform are taken relative to the base
+//! joint, and gravity is g - u sddot. What is new is how the platform's balance is shared out:
+//!
+//! ```text
+//! sum_i f_i [r2_i, (c_i - c_1) x r2_i] = [F, M]         three equations for LEGS forces
+//! tau_i = D_i f_i + Q_i                                 as in the torque module
+//! |tau - wanted|^2 = min                                the motor torques nearest to those wanted
+//! ```
+//!
+//! With `wanted` zero that is the solution of least norm of the motor torques (N m; the plain
+//! Euclidean norm, all motors alike). Any other `wanted` preloads the machine: the torques differ
+//! from those of least norm by the part of `wanted` that no motion of the platform feels, the
+//! projection onto the null space of J^T, thetadot = J Xdot. With three legs there is no such
+//! part, and `wanted` has no effect.
+//!
+//! The forces along the distal links are the unknowns, found by the orthogonal (Householder)
+//! factorisation A = Q \[R; 0\]: f = Q_1 R^-T w + Q_2 z, and z from the least squares problem
+//! D Q_2 z = wanted - Q - D Q_1 R^-T w by another. Normal equations, which square the condition,
+//! are formed nowhere, and nothing is divided by D_i.
+//!
+//! A slider's force is what its drive puts on the carriage along u, with R_A the force of the
+//! carriage on the proximal link and m the carriage's mass, motor included:
+//!
+//! ```text
+//! F_s = u . R_A + m (sddot - g . u)
+//! ```
+//!
+//! The motors and sliders together supply the machine's change of energy:
+//! sum tau_i thetadot_i + sum F_s sdot = d/dt (kinetic + potential) - wrench power.
+
+mod factor;
+mod machine;
+mod parameters;
+
+pub use machine::{Along, Distances, Relative, RelativeMotion, SliderDrive};
+pub use parameters::{RelativeParameters, SliderParameters};
