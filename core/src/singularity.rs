@@ -95,7 +95,7 @@ mod tests {
         let parameters = example();
         let geometry = Geometry::<f64>::build(&parameters).unwrap();
         let distances = Distances::build(&parameters);
-        for alpha in [-0.753_418_931_929_448_5, 2.401_557_361_435_242_3] {
+        for alpha in [-0.753_418_931_929_448_5, 2.401_557_361_435_242] {
             let at = |alpha| {
                 geometry
                     .position(&Pose::from_f64(0.245, 0.25, alpha))
