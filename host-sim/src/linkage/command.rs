@@ -1,7 +1,7 @@
 //! The command: reads, follows, writes, reports.
 
 use super::description::Linkage;
-use super::track::track;
+use super::track::{Track, track};
 use super::{draw, report, table};
 use crate::cli::LinkageArgs;
 use crate::failure::Failure;
@@ -45,7 +45,12 @@ pub fn command(args: &LinkageArgs) -> Result<(), Failure> {
     }
 }
 
-fn write(linkage: &Linkage, track: &super::Track, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// Writes the table `linkage.csv` and the figures into `folder`, which is made if it is missing.
+/// Returns the files written. The track must have a position.
+///
+/// # Errors
+/// Failed: the file that cannot be written, and why.
+pub fn write(linkage: &Linkage, track: &Track, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let failed = |path: &Path, error: &dyn std::fmt::Display| {
         Failure::Failed(format!("{}: {error}", path.display()))
     };

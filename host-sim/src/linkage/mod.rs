@@ -23,7 +23,7 @@ mod state;
 mod table;
 mod track;
 
-pub use command::command;
+pub use command::{command, write};
 pub use description::{Drive, FRAME, Joint, JointKind, Link, Linkage, Motion, PointRef, Prismatic};
 pub use groups::{Dyad, Group, GroupKind};
 pub use mobility::Mobility;

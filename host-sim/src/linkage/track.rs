@@ -9,8 +9,9 @@ const HALVINGS: u32 = 12;
 /// Farthest that a link may be from where its motion was heading, in rad and in sizes of the
 /// linkage, for the step to count as continuous.
 const SURPRISE: f64 = 0.2;
-/// A group that comes nearer than this to a singular position is at it.
-const AT_SINGULARITY: f64 = 1e-7;
+/// A group that comes nearer than this to a singular position is at it: distances are square roots
+/// of differences, so a dyad's is zero only to about the root of the rounding.
+const AT_SINGULARITY: f64 = 1e-6;
 /// Minima of the distance below this are looked at closely.
 const NEAR_SINGULARITY: f64 = 0.1;
 
@@ -152,9 +153,12 @@ impl Solver<'_> {
             }
             match self.advance(&last, middle, 0) {
                 Ok(position) => last = position,
-                Err(reason) => {
+                Err(other) => {
                     beyond = middle;
-                    unsolved = reason;
+                    // Close to the end the reason may be rounding's; the first one stands.
+                    if other.group != unsolved.group {
+                        unsolved = other;
+                    }
                 }
             }
         }
@@ -181,21 +185,21 @@ impl Solver<'_> {
                 let predicted = a.states.iter().map(|state| state.predicted(t - a.t));
                 self.position(predicted.collect(), t)
             };
-            // The distance has one minimum here: thirds are cut off until nothing is left.
+            // The distance has one minimum here: thirds are cut off until nothing is left. What has
+            // no position at all lies beyond a singular one.
+            let reach = |t: f64| at(t).map_or(0.0, |position| distance(&position));
+            let mut reached = f64::INFINITY;
             for _ in 0..90 {
                 let third = (high - low) / 3.0;
                 let (left, right) = (low + third, high - third);
-                let (Ok(at_left), Ok(at_right)) = (at(left), at(right)) else {
-                    low = left;
-                    break;
-                };
-                if distance(&at_left) < distance(&at_right) {
+                let (at_left, at_right) = (reach(left), reach(right));
+                reached = reached.min(at_left).min(at_right);
+                if at_left < at_right {
                     high = right;
                 } else {
                     low = left;
                 }
             }
-            let reached = at(low).map_or(0.0, |position| distance(&position));
             (reached < AT_SINGULARITY).then_some(Stop {
                 t: low,
                 unsolved: Unsolved {

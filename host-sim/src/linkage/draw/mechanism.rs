@@ -27,7 +27,12 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         .flat_map(|position| points().map(|point| at(linkage, position, point)))
         .collect();
     let view = View::around(&extent, "m", (LEFT, TOP), SIDE);
-    let title = format!("{}: positions and curves of points", linkage.name);
+    let start = positions.first().map_or(0.0, |position| position.t);
+    let start = inputs(linkage, start);
+    let title = format!(
+        "{}: positions and curves of points, from {start}",
+        linkage.name
+    );
     let legend = Legend::new(linkage, track);
     let width = (LEFT + view.width + 16.0 + legend.width()).max(Size::Title.width(&title) + 40.0);
     let height = (TOP + view.height + BOTTOM).max(legend.height() + TOP + 20.0);
@@ -43,7 +48,6 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
             pen.links(&positions[index], BETWEEN)?;
         }
         if let Some(first) = positions.first() {
-            pen.guides(first)?;
             pen.links(first, 1.0)?;
         }
         for &trace in &linkage.traces {
@@ -111,6 +115,13 @@ impl Pen<'_, '_> {
 
     /// Every link as the polygon of its points, every slider as a block, every pin as a ring.
     fn links(&self, position: &Position, strength: f64) -> Draw {
+        for joint in &self.linkage.joints {
+            if let JointKind::Prismatic(slide) = &joint.kind
+                && (slide.guide.link != FRAME || strength == 1.0)
+            {
+                self.guide(position, slide, strength)?;
+            }
+        }
         for link in 1..self.linkage.links.len() {
             let corners: Vec<_> = points_of(self.linkage, link)
                 .into_iter()
@@ -185,22 +196,24 @@ impl Pen<'_, '_> {
         guide.vector(unit(slide.direction)).into()
     }
 
-    /// The line that each slider's point runs along, as far as it runs.
-    fn guides(&self, first: &Position) -> Draw {
-        for joint in &self.linkage.joints {
-            let JointKind::Prismatic(slide) = &joint.kind else {
-                continue;
-            };
-            let [x, y] = at(self.linkage, first, slide.slider);
-            let u = self.guide_direction(first, slide);
+    /// The line that each slider's point runs along: dashed where it stands still, otherwise from
+    /// the guide's point to the slider's.
+    fn guide(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
+        let [x, y] = at(self.linkage, position, slide.slider);
+        let u = self.guide_direction(position, slide);
+        if slide.guide.link == FRAME {
             let reach = 0.25 * self.linkage.size();
             let end = |sign: f64| {
                 self.view
                     .at([x + sign * reach * u[0], y + sign * reach * u[1]])
             };
-            self.canvas.dashed(end(-1.0), end(1.0), GREY)?;
+            return self.canvas.dashed(end(-1.0), end(1.0), GREY);
         }
-        Ok(())
+        let [from_x, from_y] = at(self.linkage, position, slide.guide);
+        let start = [from_x - slide.offset * u[1], from_y + slide.offset * u[0]];
+        let line = [self.view.at(start), self.view.at([x, y])];
+        let shade = faded(colour(slide.guide.link), 0.7 * strength);
+        self.canvas.line(&line, shade, 2.0)
     }
 
     /// The joints' names beside them, and those of the traced points.
@@ -251,11 +264,6 @@ impl Legend {
         for &trace in &linkage.traces {
             let text = format!("path of {}", linkage.point_name(trace));
             entries.push((trace_colour(trace), 2.0, text));
-        }
-        if let Some(first) = track.positions.first() {
-            for input in inputs(linkage, first.t).split(", ") {
-                entries.push((INK, 4.2, format!("at {input}")));
-            }
         }
         let shown = instants(track.positions.len()).len();
         if shown > 1 {

@@ -117,7 +117,7 @@ fn polygon(linkage: &Linkage, position: &Position, acceleration: bool) -> Polygo
     ends.retain(|(_, end)| f64::hypot(end[0], end[1]) > 1e-9 * largest);
     Polygon {
         title: if acceleration {
-            "acceleration polygon"
+            "acceleration polygon (normal, then tangential)"
         } else {
             "velocity polygon"
         },
