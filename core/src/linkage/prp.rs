@@ -82,17 +82,13 @@ pub struct Turn<N> {
     pub acceleration: N,
 }
 
-/// The parts of `v` = first u1 - second u4.
-#[inline(always)]
-fn resolve<N: Number>(v: Vector2<N>, u1: Vector2<N>, cosine: N, inverse: N) -> [N; 2] {
-    let second = cross(v, u1) * inverse;
-    [dot(v, u1) + second * cosine, second]
-}
-
 impl<N: Number> Position<N> {
+    /// The parts of `v` = first u1 - second u4.
     #[inline(always)]
     fn resolve(&self, v: Vector2<N>) -> [N; 2] {
-        resolve(v, self.directions[0], self.cosine, self.inverse)
+        let u1 = self.directions[0];
+        let second = cross(v, u1) * self.inverse;
+        [dot(v, u1) + second * self.cosine, second]
     }
 }
 
@@ -133,17 +129,21 @@ impl<N: Number> Prp<N> {
             perpendicular(u1) * self.first.y,
             perpendicular(u4) * self.second.y,
         ];
-        let inverse = N::ONE.div(determinant);
-        let between = d + difference(across[1], across[0]);
         let cosine = dot(u1, u4);
-        let along = resolve(between, u1, cosine, inverse);
+        // The offsets enter in the frame of the first guide, whole: E u1 x u1 = -1, E u4 x u1 =
+        // -cosine, E u4 . u1 = -determinant. That, and a division where the rates have a
+        // multiplication, keeps the loop's gap small.
+        let (o1, o4) = (self.first.y, self.second.y);
+        let second = ((cross(d, u1) + o1) - o4 * cosine).div(determinant);
+        let first = dot(d, u1) + N::ab_minus_cd(second, cosine, o4, determinant);
+        let along = [first, second];
         Ok(Position {
             lengths: [along[0] - self.first.x, along[1] - self.second.x],
             joint: [u1 * along[0] + across[0], u4 * along[1] + across[1]],
             directions,
             determinant,
             cosine,
-            inverse,
+            inverse: N::ONE.div(determinant),
         })
     }
 

@@ -5,9 +5,11 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::cell::RefCell;
 use trirrr_core::linkage::{GuideMotion, LinkMotion, LinkageStatus, PointMotion, SlideMotion};
-use trirrr_core::number::{Number, cross};
+use trirrr_core::number::cross;
 use trirrr_tests::bound::Worst;
 
+/// Dyads of each kind.
+pub(crate) const CASES: u32 = 10_000;
 /// Distance from the singularity above which differences are compared.
 pub(crate) const LEAST_DISTANCE: f64 = 0.2;
 /// Seconds of the differences.
@@ -100,19 +102,6 @@ impl Results {
     }
 }
 
-/// How far `gap` is from closed, in units in the last place of `longest`; 4 are allowed.
-pub(crate) fn closes(
-    worst: &RefCell<Worst>,
-    gap: Vector,
-    longest: f64,
-    case: &impl core::fmt::Debug,
-) {
-    let ulp = 2.0 * f64::UNIT_ROUNDOFF * longest;
-    let gap = gap.x.hypot(gap.y);
-    let place = || format!("{case:?}");
-    worst.borrow_mut().compare(place, gap, 4.0 * ulp);
-}
-
 /// Compares rates and accelerations with central differences. Their truncation is STEP^2 / 6 of
 /// the third derivative in time, of the order of the fourth power of the speed.
 pub(crate) fn moves(
@@ -151,18 +140,8 @@ pub(crate) fn moves(
     }
 }
 
-/// Checks `CASES` dyads that can be assembled.
-pub(crate) fn check(
-    name: &str,
-    closure: RefCell<Worst>,
-    motion: RefCell<Worst>,
-    brackets: [core::ops::RangeInclusive<f64>; 2],
-) {
-    let [closing, moving] = brackets;
-    closure
-        .into_inner()
-        .assert_within(&format!("{name} closes"), closing);
-    motion
-        .into_inner()
-        .assert_within(&format!("{name} moves"), moving);
+/// Checks what the dyads that could be assembled came to.
+pub(crate) fn check(name: &str, motion: RefCell<Worst>) {
+    let name = format!("{name} moves");
+    motion.into_inner().assert_within(&name, 1e-3..=1.0);
 }

@@ -2,6 +2,7 @@
 //! mechanism, and dyads of random dimensions on random motions.
 
 mod agreement;
+mod closes;
 mod dyads;
 mod ends;
 mod one_loop;
