@@ -1,13 +1,7 @@
 //! Decomposition into Assur groups, in solving order.
-//!
-//! Every link brings three unknowns and every pin two; every link at a pin brings two equations,
-//! a prismatic joint two, a drive one. An assignment of each equation to one of the unknowns in it
-//! says what an unknown waits for: the other links and pins of its equation. What waits for each
-//! other has to be solved together, and that is exactly an Assur group (or a driven link, which
-//! waits for nothing but the link it is driven from). The partition does not depend on which
-//! assignment was found.
 
-use super::description::{Drive, FRAME, Joint, JointKind};
+use super::dependence::solved_together;
+use super::description::{Drive, FRAME, Joint};
 
 /// What is solved in one go.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,8 +89,7 @@ impl Group {
 /// `None` if the equations do not determine the links; a linkage that passed the checks of
 /// mobility always has its groups.
 pub(super) fn decompose(links: usize, joints: &[Joint], drives: &[Drive]) -> Option<Vec<Group>> {
-    let system = System::new(links, joints, drives);
-    let component = components(&system.waits(&system.assign()?));
+    let component = solved_together(links, joints, drives)?;
     let mut pending: Vec<Vec<usize>> = Vec::new();
     for first in 1..links {
         let members: Vec<usize> = (1..links)
@@ -225,119 +218,4 @@ fn dyad(letters: [char; 3]) -> Option<(Dyad, bool)> {
         ['R', 'P', 'P'] => (Dyad::Ppr, true),
         _ => return None,
     })
-}
-
-/// The equations by the bodies in them. Bodies are the links, then one per pin.
-struct System {
-    /// Unknowns of each body; none for the frame.
-    unknowns: Vec<usize>,
-    /// The two bodies of each equation.
-    equations: Vec<[usize; 2]>,
-}
-
-impl System {
-    fn new(links: usize, joints: &[Joint], drives: &[Drive]) -> Self {
-        let mut unknowns = vec![3; links];
-        unknowns[FRAME] = 0;
-        let mut equations = Vec::new();
-        for joint in joints {
-            match &joint.kind {
-                JointKind::Revolute(pins) => {
-                    let pin = unknowns.len();
-                    unknowns.push(2);
-                    for held in pins {
-                        equations.extend([[held.link, pin]; 2]);
-                    }
-                }
-                JointKind::Prismatic(slide) => {
-                    equations.extend([[slide.guide.link, slide.slider.link]; 2]);
-                }
-            }
-        }
-        equations.extend(drives.iter().map(|drive| [drive.base, drive.link]));
-        Self {
-            unknowns,
-            equations,
-        }
-    }
-
-    /// For each equation one of its bodies, none more often than it has unknowns; `None` if that
-    /// is impossible or unknowns are left over.
-    fn assign(&self) -> Option<Vec<usize>> {
-        if self.equations.len() != self.unknowns.iter().sum() {
-            return None;
-        }
-        let mut held: Vec<Vec<usize>> = vec![Vec::new(); self.unknowns.len()];
-        for equation in 0..self.equations.len() {
-            let mut tried = vec![false; self.unknowns.len()];
-            if !self.place(equation, &mut held, &mut tried) {
-                return None;
-            }
-        }
-        let mut body_of = vec![0; self.equations.len()];
-        for (body, equations) in held.iter().enumerate() {
-            for &equation in equations {
-                body_of[equation] = body;
-            }
-        }
-        Some(body_of)
-    }
-
-    /// Kuhn's augmenting path.
-    fn place(&self, equation: usize, held: &mut [Vec<usize>], tried: &mut [bool]) -> bool {
-        for body in self.equations[equation] {
-            if tried[body] {
-                continue;
-            }
-            tried[body] = true;
-            if held[body].len() < self.unknowns[body] {
-                held[body].push(equation);
-                return true;
-            }
-            for slot in 0..held[body].len() {
-                let other = held[body][slot];
-                if self.place(other, held, tried) {
-                    held[body][slot] = equation;
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
-    /// For each body the bodies that it waits for.
-    fn waits(&self, body_of: &[usize]) -> Vec<Vec<usize>> {
-        let mut waits = vec![Vec::new(); self.unknowns.len()];
-        for (&[a, b], &body) in self.equations.iter().zip(body_of) {
-            waits[body].push(if body == a { b } else { a });
-        }
-        waits
-    }
-}
-
-/// Strongly connected components: two bodies have the same number if each waits for the other.
-/// The number is the least body of the component.
-fn components(waits: &[Vec<usize>]) -> Vec<usize> {
-    let reach: Vec<Vec<bool>> = (0..waits.len())
-        .map(|body| {
-            let mut reached = vec![false; waits.len()];
-            let mut stack = vec![body];
-            reached[body] = true;
-            while let Some(body) = stack.pop() {
-                for &next in &waits[body] {
-                    if !std::mem::replace(&mut reached[next], true) {
-                        stack.push(next);
-                    }
-                }
-            }
-            reached
-        })
-        .collect();
-    (0..waits.len())
-        .map(|body| {
-            (0..waits.len())
-                .find(|&other| reach[body][other] && reach[other][body])
-                .unwrap_or(body)
-        })
-        .collect()
 }

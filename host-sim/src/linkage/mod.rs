@@ -6,8 +6,10 @@
 //! is beyond dyads. [`track()`] solves them in that order at every step: dyads in closed form by
 //! the core, others by Newton-Raphson.
 
+mod chain;
 mod command;
 mod constraint;
+mod dependence;
 mod description;
 mod draw;
 mod dyad;

@@ -7,6 +7,7 @@ mod ends;
 mod mutation;
 mod refusals;
 mod shipped;
+mod structures;
 
 use std::path::{Path, PathBuf};
 use trirrr_host_sim::linkage::{Linkage, PointRef};

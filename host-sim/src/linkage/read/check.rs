@@ -1,8 +1,9 @@
 //! What takes a linkage that is right in its parts: degrees of freedom, groups, branches.
 
+use crate::linkage::chain::find_turnless_chain;
 use crate::linkage::description::{JointKind, Linkage};
 use crate::linkage::groups::{Group, GroupKind, decompose};
-use crate::linkage::mobility::{Locked, Mobility, find_locked, find_turnless_chain};
+use crate::linkage::mobility::{Locked, Mobility, find_locked};
 use trirrr_scene::read::{Document, Place};
 
 /// Where the parts are in the file.
