@@ -13,6 +13,7 @@ pub mod evaluator;
 pub mod failure;
 pub mod figures;
 pub mod linkage;
+pub mod placement;
 pub mod record;
 pub mod run;
 pub mod scalar;
