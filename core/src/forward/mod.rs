@@ -40,6 +40,58 @@
 //! differences all have one sign holds a root exactly if f changes sign between its ends; any
 //! other is halved. So no root is missed that the number type can tell from its neighbours, and
 //! what it cannot tell apart is said to be so.
+//!
+//! # Example
+//! Every pose in which the thesis machine can stand, its motors being where they are at the start
+//! of its move; then a tick of tracking.
+//! ```
+//! # use nalgebra::Vector2;
+//! # use trirrr_core::machine::{
+//! #     Elbow, Geometry, LegParameters, LinkParameters, Parameters, PlatformParameters,
+//! # };
+//! # let leg = |x: f64, y: f64, degrees: f64| LegParameters {
+//! #     base_m: Vector2::new(x, y),
+//! #     proximal_m: 0.2,
+//! #     distal_m: 0.2,
+//! #     joint_radius_m: 0.02,
+//! #     joint_angle_rad: degrees.to_radians(),
+//! #     elbow: Elbow::Positive,
+//! #     proximal: LinkParameters::default(),
+//! #     distal: LinkParameters::default(),
+//! #     rotor_inertia_kgm2: 0.0,
+//! # };
+//! # let parameters = Parameters {
+//! #     legs: [leg(0.0, 0.433, 150.0), leg(0.5, 0.433, 30.0), leg(0.25, 0.0, 270.0)],
+//! #     platform: PlatformParameters {
+//! #         mass_kg: 0.5,
+//! #         inertia_kgm2: 0.0025,
+//! #         com_m: Vector2::new(0.0, 0.0),
+//! #     },
+//! #     gravity_m_s2: Vector2::new(0.0, 0.0),
+//! #     wrench_force_n: Vector2::new(0.0, 0.0),
+//! #     wrench_torque_nm: 0.0,
+//! # };
+//! use trirrr_core::forward::{Completeness, Forward, Tracker};
+//! use trirrr_core::setpoint::Pose;
+//!
+//! let geometry = Geometry::<f64>::build(&parameters)?;
+//! let forward = Forward::build(&parameters, &geometry);
+//! let start = Pose::from_f64(0.21, 0.22, 9f64.to_radians());
+//! let angles = geometry.motor_angles(&geometry.position(&start)?);
+//!
+//! let found = forward.assemblies(&angles)?;
+//! assert_eq!(found.completeness, Completeness::Complete);
+//! assert_eq!(found.modes().len(), 2);
+//! let here = forward.nearest(&found, &start).expect("two modes");
+//! assert!((here.pose.position - start.position).abs().max() < 1e-14);
+//!
+//! // Nearer than 0.01 to the parallel singularity, or in more than 16 parts, it says so instead.
+//! let tracker = Tracker::new(forward, 0.01, 16);
+//! let track = tracker.start(&angles, here.pose)?;
+//! let track = tracker.follow(&track, &[angles[0] + 0.01, angles[1], angles[2] - 0.01])?;
+//! assert!(track.det_a * here.det_a > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod assembly;
 mod isolate;

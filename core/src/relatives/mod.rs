@@ -42,6 +42,68 @@
 //!
 //! The motors and sliders together supply the machine's change of energy:
 //! sum tau_i thetadot_i + sum F_s sdot = d/dt (kinetic + potential) - wrench power.
+//!
+//! # Example
+//! The first leg of the thesis machine on a slider, and a machine with four legs under preload.
+//! ```
+//! use nalgebra::{Vector2, Vector3};
+//! use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, PlatformParameters};
+//! use trirrr_core::relatives::{Along, Relative, RelativeParameters, SliderParameters};
+//! use trirrr_core::setpoint::{Pose, Setpoint};
+//!
+//! let leg = |x: f64, y: f64, degrees: f64| LegParameters {
+//!     base_m: Vector2::new(x, y),
+//!     proximal_m: 0.2,
+//!     distal_m: 0.2,
+//!     joint_radius_m: 0.02,
+//!     joint_angle_rad: degrees.to_radians(),
+//!     elbow: Elbow::Positive,
+//!     proximal: LinkParameters::default(),
+//!     distal: LinkParameters::default(),
+//!     rotor_inertia_kgm2: 0.0,
+//! };
+//! let legs = [leg(0.0, 0.433, 150.0), leg(0.5, 0.433, 30.0), leg(0.25, 0.0, 270.0)];
+//! let slider = SliderParameters { direction_rad: 0.0, mass_kg: 0.5 };
+//! let parameters = RelativeParameters {
+//!     legs,
+//!     sliders: [Some(slider), None, None],
+//!     platform: PlatformParameters {
+//!         mass_kg: 0.5,
+//!         inertia_kgm2: 0.0025,
+//!         com_m: Vector2::new(0.0, 0.0),
+//!     },
+//!     gravity_m_s2: Vector2::new(0.0, 0.0),
+//!     wrench_force_n: Vector2::new(0.0, 0.0),
+//!     wrench_torque_nm: 0.0,
+//! };
+//! let setpoint = Setpoint {
+//!     pose: Pose::from_f64(0.25, 0.26, 0.2),
+//!     velocity: Vector3::new(0.3, -0.2, 0.5),
+//!     acceleration: Vector3::new(2.0, 1.0, -3.0),
+//! };
+//!
+//! let machine = Relative::<f64, 3>::build(&parameters)?;
+//! let along = Along { position: 0.03, velocity: 0.1, acceleration: 0.0 };
+//! let along = [along, Along::at(0.0), Along::at(0.0)];
+//! let motion = machine.evaluate(&setpoint, &along, &[0.0; 3])?;
+//! assert!(motion.sliders[0].is_some() && motion.sliders[1].is_none());
+//!
+//! let machine = Relative::<f64, 4>::build(&RelativeParameters {
+//!     legs: [legs[0], legs[1], legs[2], leg(0.0, 0.1, 210.0)],
+//!     sliders: [None; 4],
+//!     platform: parameters.platform,
+//!     gravity_m_s2: parameters.gravity_m_s2,
+//!     wrench_force_n: parameters.wrench_force_n,
+//!     wrench_torque_nm: parameters.wrench_torque_nm,
+//! })?;
+//! let norm = |wanted: [f64; 4]| {
+//!     let motion = machine.evaluate(&setpoint, &[Along::at(0.0); 4], &wanted)?;
+//!     let torques = motion.motors.map(|motor| motor.torque * motor.torque);
+//!     Ok::<f64, trirrr_core::status::Status>(torques.iter().sum())
+//! };
+//! assert!(norm([0.0; 4])? < norm([0.1, 0.0, 0.0, -0.1])?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod factor;
 mod machine;
