@@ -1,6 +1,9 @@
 //! A group solved by Newton-Raphson on its constraint equations, from the poses that its links
 //! have in the states handed over.
 
+#[cfg(test)]
+mod comparison;
+
 use super::constraint::{Equation, equations};
 use super::description::Linkage;
 use super::groups::Group;
@@ -183,82 +186,4 @@ fn acceleration(state: &State) -> [f64; 3] {
     let motion = &state.motion;
     let a = motion.origin.acceleration;
     [a.x, a.y, motion.acceleration]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linkage::groups::GroupKind;
-    use crate::linkage::track;
-    use std::path::Path;
-
-    /// Poses, rates and accelerations of the group's links, lengths in sizes of the linkage.
-    fn values(group: &Group, states: &[State], size: f64) -> [Vec<f64>; 3] {
-        let of = |value: fn(&State) -> [f64; 3]| -> Vec<f64> {
-            let each = group.links.iter().flat_map(|&link| {
-                let [x, y, angle] = value(&states[link]);
-                [x / size, y / size, angle]
-            });
-            each.collect()
-        };
-        [of(State::pose), of(velocity), of(acceleration)]
-    }
-
-    /// Every dyad of every shipped file, at every step of the turn, is also solved by
-    /// Newton-Raphson from poses a little off: closed form and closure give the same motion.
-    #[test]
-    fn closed_form_and_closure_agree() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../linkages");
-        let mut dyads = 0;
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let file = entry.unwrap().path();
-            let linkage = Linkage::read(&file).unwrap();
-            let size = linkage.size();
-            let track = track(&linkage);
-            for (index, group) in linkage.groups.iter().enumerate() {
-                if !matches!(group.kind, GroupKind::Dyad(_)) {
-                    continue;
-                }
-                dyads += 1;
-                for position in &track.positions {
-                    let mut states = position.states.clone();
-                    // What comes later is not known yet.
-                    for later in &linkage.groups[index..] {
-                        for &link in &later.links {
-                            states[link].known = false;
-                        }
-                    }
-                    for &link in &group.links {
-                        let [x, y, angle] = states[link].pose();
-                        states[link].move_to([x + 0.01 * size, y - 0.01 * size, angle + 0.01]);
-                    }
-                    let found = solve(&linkage, group, &mut states, position.t).unwrap();
-                    let closed = values(group, &position.states, size);
-                    let iterated = values(group, &states, size);
-                    let bound = 4.0 * (f64::EPSILON / 2.0) / found.distance;
-                    // Squares of rates go into the accelerations, those of the known links too.
-                    let rates = position.states.iter().map(|state| state.motion.rate.abs());
-                    let fastest = rates.fold(0.0, f64::max);
-                    for (order, (closed, iterated)) in closed.iter().zip(&iterated).enumerate() {
-                        let scale = closed.iter().fold(1.0, |s, value| f64::max(s, value.abs()));
-                        let scale = if order == 2 {
-                            scale.max(fastest * fastest)
-                        } else {
-                            scale
-                        };
-                        for (a, b) in closed.iter().zip(iterated) {
-                            let off = (a - b).abs();
-                            assert!(
-                                off <= bound * scale,
-                                "{}: group {index}, order {order}, t = {}: {a} and {b}",
-                                linkage.name,
-                                position.t
-                            );
-                        }
-                    }
-                }
-            }
-        }
-        assert_eq!(dyads, 16);
-    }
 }
