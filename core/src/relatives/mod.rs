@@ -105,9 +105,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod evaluate;
 mod factor;
 mod machine;
 mod parameters;
+#[cfg(test)]
+mod random;
+mod share;
+#[cfg(test)]
+mod tests;
 
-pub use machine::{Along, Distances, Relative, RelativeMotion, SliderDrive};
+pub use evaluate::{Along, RelativeMotion, SliderDrive};
+pub use machine::{Distances, Relative};
 pub use parameters::{RelativeParameters, SliderParameters};
