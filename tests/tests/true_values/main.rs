@@ -10,6 +10,7 @@
 //! Every bound is asserted from both sides: above the bracket is a defect, below it the core has
 //! become better than the bracket knows.
 
+mod closed_loop;
 mod core_results;
 mod job;
 mod model;
