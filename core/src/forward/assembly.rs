@@ -83,8 +83,8 @@ impl<N: Number> Assemblies<N> {
 impl<N: Number> Forward<N> {
     /// Every pose at which the motors stand at `angles`.
     ///
-    /// Bounded work, no allocation: some 30 to 100 arcs of the circle are looked at, and each root
-    /// costs about ten evaluations of the polynomial and three Newton steps.
+    /// Bounded work, no allocation; [`Assemblies::arcs`] tells how much it was. It is meant for
+    /// starting up and for looking round, not for every tick: [`super::Tracker`] is.
     ///
     /// # Errors
     /// [`AssemblyError`]. Angles that fit no pose are no error: the list is empty.

@@ -8,7 +8,7 @@ use crate::number::{Number, dot, perpendicular};
 use crate::setpoint::Pose;
 use nalgebra::Vector2;
 
-/// Newton steps that polish a root. Three are usual; near a double root each gains one bit.
+/// Newton steps that polish a root: a few, but near a double root each gains one bit.
 const POLISH: u32 = 40;
 
 /// The two points at which the circles of two legs meet.

@@ -30,7 +30,7 @@ use crate::setpoint::Pose;
 use core::fmt;
 use nalgebra::{Vector2, Vector3};
 
-/// Newton steps per part of a motion: inside the ball three or four are usual.
+/// Newton steps per part of a motion: many more than a ball in which T contracts takes.
 const NEWTON_STEPS: u32 = 20;
 
 /// What tracking needs besides the last pose; immutable.
@@ -129,9 +129,9 @@ impl<N: Number> Reach<N> {
 }
 
 impl<N: Number> Tracker<N> {
-    /// `least_distance` to the parallel singularity, scale-free, is refused below; a motion is
-    /// divided into at most `most_parts` parts, each of which costs about 150 operations and three
-    /// or four Newton steps.
+    /// Poses at a scale-free distance of `least_distance` or less to the parallel singularity are
+    /// refused; a motion is divided into at most `most_parts` parts, each of which costs a few
+    /// Newton steps.
     pub fn new(forward: Forward<N>, least_distance: N, most_parts: u32) -> Self {
         let third = N::ratio(1, 3);
         let [a, b, c] = forward.legs.each_ref().map(|leg| leg.joint);
