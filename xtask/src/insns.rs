@@ -17,6 +17,9 @@ use serde::{Deserialize, Serialize};
 use trirrr_image::generate::SCALARS;
 use trirrr_scene::Scene;
 
+/// The longest position of a dyad, f32 on m4f, in any scene.
+const DYAD_CEILING: f64 = 60.0;
+
 /// What no change may exceed: core, number type, scene, instructions of the longest tick.
 const CEILINGS: &[(&str, &str, &str, f64)] = &[
     ("m4f", "f32", "thesis", 600.0),
@@ -56,6 +59,8 @@ struct Row {
     setpoint_min: f64,
     setpoint_mean: f64,
     setpoint_max: f64,
+    /// Position of one RRR dyad as two vectors, without angles: the longest.
+    dyad_max: f64,
     /// Checksum of all results, the same on the host.
     bits: String,
 }
@@ -71,6 +76,7 @@ impl Measured for Row {
             ("max", self.max),
             ("setpoint_mean", self.setpoint_mean),
             ("setpoint_max", self.setpoint_max),
+            ("dyad_max", self.dyad_max),
         ]
     }
 }
@@ -178,6 +184,7 @@ fn measure_one(
         setpoint_min: setpoint.min,
         setpoint_mean: setpoint.mean,
         setpoint_max: setpoint.max,
+        dyad_max: Spread::of(&counts.dyads)?.max,
         bits: format!("{:016x}", counts.bits),
     })
 }
@@ -187,10 +194,12 @@ fn text(rows: &[Row]) -> String {
         let mut cells = vec![row.core.clone(), row.scalar.clone(), row.scene.clone()];
         let figures = [row.min, row.mean, row.max];
         let setpoint = [row.setpoint_min, row.setpoint_mean, row.setpoint_max];
+        let dyad = [row.dyad_max];
         cells.extend(
             figures
                 .iter()
                 .chain(&setpoint)
+                .chain(&dyad)
                 .map(|figure| format!("{figure}")),
         );
         cells.push(row.bits.clone());
@@ -206,6 +215,7 @@ fn text(rows: &[Row]) -> String {
         "setpoint min",
         "mean",
         "max",
+        "dyad max",
         "bits",
     ];
     table(&headings, &cells.collect::<Vec<_>>())
@@ -223,6 +233,16 @@ fn hold_ceilings(rows: &[Row]) -> Result<()> {
                 row.max
             );
         }
+    }
+    let mut on_m4f = rows
+        .iter()
+        .filter(|row| row.core == "m4f" && row.scalar == "f32");
+    if let Some(row) = on_m4f.find(|row| row.dyad_max > DYAD_CEILING) {
+        bail!(
+            "{}: {} instructions for a dyad, the ceiling is {DYAD_CEILING}",
+            row.key(),
+            row.dyad_max
+        );
     }
     Ok(())
 }
@@ -242,6 +262,7 @@ mod tests {
             setpoint_min: 40.0,
             setpoint_mean: 41.5,
             setpoint_max: 43.0,
+            dyad_max: 50.0,
             bits: "00000000000000ff".into(),
         }
     }

@@ -1,9 +1,11 @@
-//! The two functions whose instructions are counted.
+//! The three functions whose instructions are counted.
 //!
-//! Neither is inlined and both take their coefficients by reference, so that the geometry is
+//! None is inlined and all take their coefficients by reference, so that the geometry is
 //! known at run time only and nothing is computed by the compiler.
 
 use crate::scene::{Links, Payload, Scalar};
+use nalgebra::Vector2;
+use trirrr_core::linkage::rrr::{OutOfReach, Rrr};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
@@ -52,4 +54,14 @@ pub fn evaluate(tick: &SceneTick, setpoint: &Setpoint<Scalar>, outcome: &mut Out
 #[inline(never)]
 pub fn set(segment: &Segment<Scalar>, tick: u32, setpoint: &mut Setpoint<Scalar>) {
     *setpoint = segment.at(tick);
+}
+
+/// Position of one RRR dyad whose ends are `end` apart: its two links, as vectors.
+#[inline(never)]
+pub fn solve(
+    dyad: &Rrr<Scalar>,
+    end: &Vector2<Scalar>,
+    links: &mut Result<[Vector2<Scalar>; 2], OutOfReach>,
+) {
+    *links = dyad.position(*end).map(|at| [at.r1, at.r2]);
 }

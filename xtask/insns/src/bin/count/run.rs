@@ -2,11 +2,17 @@
 
 use super::counter;
 use core::hint::black_box;
+use nalgebra::Vector2;
 use semihosting::{println, process};
+use trirrr_core::linkage::rrr::{OutOfReach, Rrr};
+use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};
 use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD_S, Scalar};
-use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set};
+use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set, solve};
+
+/// What [`solve`] leaves.
+type Links = Result<[Vector2<Scalar>; 2], OutOfReach>;
 
 /// Stands in for [`evaluate`]: what a call and the counter's own reading cost.
 #[inline(never)]
@@ -15,6 +21,10 @@ fn empty_evaluate(_: &SceneTick, _: &Setpoint<Scalar>, _: &mut Outcome) {}
 /// Stands in for [`set`].
 #[inline(never)]
 fn empty_set(_: &Segment<Scalar>, _: u32, _: &mut Setpoint<Scalar>) {}
+
+/// Stands in for [`solve`].
+#[inline(never)]
+fn empty_solve(_: &Rrr<Scalar>, _: &Vector2<Scalar>, _: &mut Links) {}
 
 /// Counts one call through a pointer that the compiler cannot see through, so that the empty call
 /// costs the same as the full one.
@@ -43,6 +53,19 @@ fn count_set(
     counter::elapsed(before, counter::now())
 }
 
+/// As [`count_evaluate`], for the dyad.
+#[inline(never)]
+fn count_solve(
+    function: fn(&Rrr<Scalar>, &Vector2<Scalar>, &mut Links),
+    dyad: &Rrr<Scalar>,
+    end: &Vector2<Scalar>,
+    links: &mut Links,
+) -> u32 {
+    let before = counter::now();
+    function(dyad, end, links);
+    counter::elapsed(before, counter::now())
+}
+
 /// The whole program.
 pub(crate) fn run() -> ! {
     counter::start();
@@ -56,6 +79,10 @@ pub(crate) fn run() -> ! {
     let mut outcome = Outcome::default();
     let mut checksum = Checksum::default();
     let mut first = true;
+    // The dyad of the first leg, between the ends it has at each tick.
+    let dyad = tick.geometry().legs[0].dyad;
+    let mut end = Vector2::new(0.0, 0.0).map(Scalar::from_f64);
+    let mut links: Links = Err(OutOfReach::Unreachable);
     for segment in segments::<Scalar>(&MOVES, PERIOD_S) {
         for index in 0..segment.ticks() {
             let mut setpoint = segment.at(index);
@@ -64,7 +91,8 @@ pub(crate) fn run() -> ! {
                 let evaluate =
                     count_evaluate(black_box(empty_evaluate), &tick, &setpoint, &mut outcome);
                 let set = count_set(black_box(empty_set), &segment, index, &mut setpoint);
-                println!("empty {evaluate} {set}");
+                let solve = count_solve(black_box(empty_solve), &dyad, &end, &mut links);
+                println!("empty {evaluate} {set} {solve}");
             }
             let set = count_set(black_box(set), &segment, index, &mut setpoint);
             let evaluate = count_evaluate(black_box(evaluate), &tick, &setpoint, &mut outcome);
@@ -72,7 +100,11 @@ pub(crate) fn run() -> ! {
                 Ok(()) => checksum.add(&outcome.motors),
                 Err(status) => checksum.add_status(status),
             }
-            println!("tick {evaluate} {set}");
+            if let Ok(position) = tick.geometry().position(&setpoint.pose) {
+                end = position.legs[0].links.r1 + position.legs[0].links.r2;
+            }
+            let solve = count_solve(black_box(solve), &dyad, &end, &mut links);
+            println!("tick {evaluate} {set} {solve}");
         }
     }
     println!("bits {:016x}", checksum.value());
