@@ -6,7 +6,7 @@ use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::{Limits, read_limits};
 use crate::machine::read_parameters;
 use crate::path::check_job;
-use crate::read::{Bound, Document, Place, Section, with_root};
+use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use std::fmt;
 use std::path::Path;
 use trirrr_core::machine::{Geometry, Parameters};
@@ -82,11 +82,7 @@ impl Scene {
     /// [`SceneError`] with everything found wrong.
     pub fn read(file: impl AsRef<Path>) -> Result<Self, SceneError> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable {
-            file: file.to_owned(),
-            reason,
-        })?;
-        Self::parse(&text, &file.display().to_string())
+        Self::parse(&text_of(file)?, &file.display().to_string())
     }
 
     /// Checks the scene in `text`; `file` is only named in errors.

@@ -12,7 +12,20 @@ pub use bound::Bound;
 pub use document::{Document, Place};
 pub use section::Section;
 
+use crate::error::SceneError;
+use std::path::Path;
 use toml::de::DeTable;
+
+/// The text of `file`.
+///
+/// # Errors
+/// [`SceneError::Unreadable`] with the file and the reason.
+pub fn text_of(file: &Path) -> Result<String, SceneError> {
+    std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable {
+        file: file.to_owned(),
+        reason,
+    })
+}
 
 /// Parses `text` and hands its root table to `read`. Text that is no TOML becomes problems of the
 /// document, all that the parser could recover from, and `read` is not called: half a tree would

@@ -8,7 +8,7 @@ mod motion;
 use super::description::Linkage;
 use std::path::Path;
 use trirrr_scene::SceneError;
-use trirrr_scene::read::{Document, Place, with_root};
+use trirrr_scene::read::{Document, Place, text_of, with_root};
 
 const TOP_KEYS: &[&str] = &["name", "description", "trace"];
 
@@ -26,11 +26,7 @@ impl Linkage {
     /// [`SceneError`] with everything found wrong.
     pub fn read(file: impl AsRef<Path>) -> Result<Self, SceneError> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable {
-            file: file.to_owned(),
-            reason,
-        })?;
-        Self::parse(&text, &file.display().to_string())
+        Self::parse(&text_of(file)?, &file.display().to_string())
     }
 
     /// Checks the linkage in `text`; `file` is only named in errors.
