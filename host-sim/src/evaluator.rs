@@ -3,7 +3,7 @@
 
 use crate::record::{LegRecord, Record};
 use nalgebra::{Vector2, Vector3};
-use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::machine::{BuildError, LinksKind, Parameters, PayloadKind};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::singularity::Distances;
@@ -27,10 +27,9 @@ pub trait Evaluator<N: Number>: Send + Sync {
 /// # Errors
 /// The first quantity of the parameters that is refused.
 pub fn build<N: Number>(parameters: &Parameters) -> Result<Box<dyn Evaluator<N>>, BuildError> {
-    if parameters.platform.com_m == Vector2::zeros() {
-        with_payload::<N, Centred<N>>(parameters)
-    } else {
-        with_payload::<N, Offset<N>>(parameters)
+    match PayloadKind::of(parameters) {
+        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters),
+        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters),
     }
 }
 
@@ -39,16 +38,11 @@ where
     N: Number,
     P: Payload<N> + Send + Sync + 'static,
 {
-    let rotors = parameters
-        .legs
-        .iter()
-        .any(|leg| leg.rotor_inertia_kgm2 != 0.0);
-    let horizontal = parameters.gravity_m_s2 == Vector2::zeros();
-    match (parameters.links_are_massless(), rotors, horizontal) {
-        (true, false, _) => Machine::<N, P, Massless>::boxed(parameters),
-        (true, true, _) => Machine::<N, P, Rotors<N>>::boxed(parameters),
-        (false, _, true) => Machine::<N, P, Massive<N, Horizontal>>::boxed(parameters),
-        (false, _, false) => Machine::<N, P, Massive<N, InPlane<N>>>::boxed(parameters),
+    match LinksKind::of(parameters) {
+        LinksKind::Massless => Machine::<N, P, Massless>::boxed(parameters),
+        LinksKind::Rotors => Machine::<N, P, Rotors<N>>::boxed(parameters),
+        LinksKind::MassiveHorizontal => Machine::<N, P, Massive<N, Horizontal>>::boxed(parameters),
+        LinksKind::MassiveInPlane => Machine::<N, P, Massive<N, InPlane<N>>>::boxed(parameters),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The core's pipeline on any machine: the types that a machine's parameters call for, chosen at
 //! run time.
 
-use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::machine::{Geometry, LinksKind, Parameters, PayloadKind};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
@@ -18,10 +18,9 @@ pub fn evaluate<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
 ) -> Result<Motion<N>, Status> {
-    if parameters.platform.com_m.x == 0.0 && parameters.platform.com_m.y == 0.0 {
-        with_payload::<N, Centred<N>>(parameters, setpoint)
-    } else {
-        with_payload::<N, Offset<N>>(parameters, setpoint)
+    match PayloadKind::of(parameters) {
+        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters, setpoint),
+        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters, setpoint),
     }
 }
 
@@ -29,20 +28,11 @@ fn with_payload<N: Number, P: Payload<N>>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
 ) -> Result<Motion<N>, Status> {
-    let gravity = parameters.gravity_m_s2;
-    let rotors = parameters
-        .legs
-        .iter()
-        .any(|leg| leg.rotor_inertia_kgm2 != 0.0);
-    match (
-        parameters.links_are_massless(),
-        rotors,
-        gravity.x == 0.0 && gravity.y == 0.0,
-    ) {
-        (true, false, _) => with::<N, P, Massless>(parameters, setpoint),
-        (true, true, _) => with::<N, P, Rotors<N>>(parameters, setpoint),
-        (false, _, true) => with::<N, P, Massive<N, Horizontal>>(parameters, setpoint),
-        (false, _, false) => with::<N, P, Massive<N, InPlane<N>>>(parameters, setpoint),
+    match LinksKind::of(parameters) {
+        LinksKind::Massless => with::<N, P, Massless>(parameters, setpoint),
+        LinksKind::Rotors => with::<N, P, Rotors<N>>(parameters, setpoint),
+        LinksKind::MassiveHorizontal => with::<N, P, Massive<N, Horizontal>>(parameters, setpoint),
+        LinksKind::MassiveInPlane => with::<N, P, Massive<N, InPlane<N>>>(parameters, setpoint),
     }
 }
 

@@ -1,14 +1,13 @@
 //! What the host computes for a scene's job: the bits that every core has to give.
 
 use anyhow::{Context, Result, bail};
-use trirrr_core::machine::Parameters;
+use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
 use trirrr_image::Checksum;
-use trirrr_image::generate::{LinksKind, PayloadKind};
 use trirrr_scene::{JobPlayer, Scene};
 
 /// Checksum over every tick of the job in the number type called `scalar`.

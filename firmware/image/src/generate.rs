@@ -5,7 +5,6 @@
 mod kinds;
 mod source;
 
-pub use kinds::{LinksKind, PayloadKind};
 pub use source::source;
 
 use std::error::Error;

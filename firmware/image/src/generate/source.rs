@@ -1,9 +1,10 @@
 //! The text that an image includes.
 
-use super::kinds::{LinksKind, PayloadKind};
+use super::kinds::{links_path, payload_path};
 use crate::Move;
 use std::fmt::Write;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters};
+use trirrr_core::machine::{LinksKind, PayloadKind};
 use trirrr_core::setpoint::Pose;
 use trirrr_scene::Scene;
 
@@ -21,11 +22,11 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
     line(format_args!("pub type Scalar = {scalar};"));
     line(format_args!(
         "pub type Payload = {};",
-        PayloadKind::of(parameters).path(scalar)
+        payload_path(PayloadKind::of(parameters), scalar)
     ));
     line(format_args!(
         "pub type Links = {};",
-        LinksKind::of(parameters).path(scalar)
+        links_path(LinksKind::of(parameters), scalar)
     ));
     line(format_args!("pub const NAME: &str = {:?};", scene.name));
     line(format_args!(
