@@ -3,7 +3,7 @@
 
 use crate::job::{Move, PlacedJob};
 use crate::limits::Limits;
-use crate::player::Segment;
+use crate::player::segment;
 use crate::read::Document;
 use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
@@ -74,7 +74,7 @@ impl Workspace<'_> {
             _ => ticks.min(MOST_INTERVALS),
         };
         let interval_s = duration_s / f64::from(intervals);
-        let segment = Segment::<f64>::new(each, intervals, interval_s);
+        let segment = segment::<f64>(each, intervals, interval_s);
         let mut before: Option<f64> = None;
         for interval in 0..=intervals {
             let pose = segment.at(interval).pose;

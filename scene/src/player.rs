@@ -2,7 +2,7 @@
 
 use crate::job::{Job, Move};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Setpoint};
+use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment, Setpoint};
 
 /// A job's moves built in the number type `N`, ready to be asked for any tick.
 ///
@@ -28,32 +28,16 @@ struct TimedMove<N: Number> {
     segment: Segment<N>,
 }
 
-/// A move as the core evaluates it: one that starts and ends at rest is spared the general cubic.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Segment<N: Number> {
-    RestToRest(RestToRest<N>),
-    Hermite(Hermite<N>),
-}
-
-impl<N: Number> Segment<N> {
-    /// `each` in `ticks` ticks of `period_s` in place of its own.
-    pub(crate) fn new(each: &Move, ticks: u32, period_s: f64) -> Self {
-        let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
-        let (from, to, period) = (pose(&each.from), pose(&each.to), N::from_f64(period_s));
-        if each.is_rest_to_rest() {
-            return Self::RestToRest(RestToRest::new(from, to, ticks, period));
-        }
-        let start = each.start_velocity.map(N::from_f64);
-        let end = each.end_velocity.map(N::from_f64);
-        Self::Hermite(Hermite::new(from, start, to, end, ticks, period))
+/// `each` in `ticks` ticks of `period_s` in place of its own.
+pub(crate) fn segment<N: Number>(each: &Move, ticks: u32, period_s: f64) -> Segment<N> {
+    let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
+    let (from, to, period) = (pose(&each.from), pose(&each.to), N::from_f64(period_s));
+    if each.is_rest_to_rest() {
+        return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
     }
-
-    pub(crate) fn at(&self, tick: u32) -> Setpoint<N> {
-        match self {
-            Self::RestToRest(segment) => segment.at(tick),
-            Self::Hermite(segment) => segment.at(tick),
-        }
-    }
+    let start = each.start_velocity.map(N::from_f64);
+    let end = each.end_velocity.map(N::from_f64);
+    Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
 }
 
 impl<N: Number> JobPlayer<N> {
@@ -67,7 +51,7 @@ impl<N: Number> JobPlayer<N> {
         let timed = |each: &Move| {
             let timed = TimedMove {
                 start,
-                segment: Segment::new(each, each.duration_ticks, period_s),
+                segment: segment(each, each.duration_ticks, period_s),
             };
             start += each.duration_ticks;
             timed

@@ -6,9 +6,11 @@
 
 mod hermite;
 mod rest_to_rest;
+mod segment;
 
 pub use hermite::Hermite;
 pub use rest_to_rest::RestToRest;
+pub use segment::Segment;
 
 use crate::number::Number;
 use nalgebra::{Vector2, Vector3};

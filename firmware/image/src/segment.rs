@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Setpoint};
+use trirrr_core::setpoint::{self, Hermite, Pose, RestToRest, Setpoint};
 
 /// A move as it stands in an image. Poses are (x m, y m, alpha rad), velocities
 /// (vx m/s, vy m/s, alphadot rad/s).
@@ -32,17 +32,11 @@ pub enum Move {
     },
 }
 
-/// A move built in the number type `N`.
+/// A move built in the number type `N`, with the ticks that are its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment<N: Number> {
-    curve: Curve<N>,
+    curve: setpoint::Segment<N>,
     ticks: u32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Curve<N: Number> {
-    RestToRest(RestToRest<N>),
-    Hermite(Hermite<N>),
 }
 
 impl<N: Number> Segment<N> {
@@ -55,10 +49,7 @@ impl<N: Number> Segment<N> {
     /// The setpoint at `tick`, counted from the start of the move.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
-        match &self.curve {
-            Curve::RestToRest(curve) => curve.at(tick),
-            Curve::Hermite(curve) => curve.at(tick),
-        }
+        self.curve.at(tick)
     }
 }
 
@@ -75,13 +66,13 @@ pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item 
     })
 }
 
-fn build<N: Number>(one: &Move, period: N) -> (Curve<N>, u32) {
+fn build<N: Number>(one: &Move, period: N) -> (setpoint::Segment<N>, u32) {
     let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
     let velocity = |v: [f64; 3]| Vector3::from(v.map(N::from_f64));
     match *one {
         Move::RestToRest { from, to, ticks } => {
             let curve = RestToRest::new(pose(from), pose(to), ticks, period);
-            (Curve::RestToRest(curve), ticks)
+            (setpoint::Segment::RestToRest(curve), ticks)
         }
         Move::Hermite {
             from,
@@ -92,7 +83,7 @@ fn build<N: Number>(one: &Move, period: N) -> (Curve<N>, u32) {
         } => {
             let [start, end] = [velocity(from_velocity), velocity(to_velocity)];
             let curve = Hermite::new(pose(from), start, pose(to), end, ticks, period);
-            (Curve::Hermite(curve), ticks)
+            (setpoint::Segment::Hermite(curve), ticks)
         }
     }
 }

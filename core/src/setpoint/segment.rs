@@ -1,0 +1,24 @@
+//! A move of either kind.
+
+use super::{Hermite, RestToRest, Setpoint};
+use crate::number::Number;
+
+/// One move of a job: one that starts and ends at rest is spared the general cubic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Segment<N: Number> {
+    /// From rest to rest.
+    RestToRest(RestToRest<N>),
+    /// With a velocity at one end at least.
+    Hermite(Hermite<N>),
+}
+
+impl<N: Number> Segment<N> {
+    /// The setpoint at `tick`, counted from the start of the move; beyond the end, the end.
+    #[inline(always)]
+    pub fn at(&self, tick: u32) -> Setpoint<N> {
+        match self {
+            Self::RestToRest(segment) => segment.at(tick),
+            Self::Hermite(segment) => segment.at(tick),
+        }
+    }
+}
