@@ -10,6 +10,7 @@
 //! is loose. A machine has up to six assembly modes; which one is found depends on the guess:
 //! [`super::assembly`] finds them all, [`super::tracking`] follows one without leaving it.
 
+use crate::inverse::Rotation;
 use crate::machine::{Geometry, Parameters};
 use crate::number::{Number, cross, dot};
 use crate::setpoint::Pose;
@@ -170,17 +171,14 @@ impl<N: Number> Forward<N> {
 
     /// The equations at `pose`.
     pub(super) fn linearised(&self, pose: &Pose<N>, elbows: &[Vector2<N>; 3]) -> Linearised<N> {
-        let (sin, cos) = N::sin_cos(pose.angle);
+        let rotation = Rotation::new(pose.angle);
         let mut equations = Linearised {
             rows: [Vector3::new(N::ZERO, N::ZERO, N::ZERO); 3],
             gaps: [N::ZERO; 3],
             length_error: N::ZERO,
         };
         for (index, leg) in self.legs.iter().enumerate() {
-            let c = Vector2::new(
-                N::ab_minus_cd(leg.joint.x, cos, leg.joint.y, sin),
-                N::ab_plus_cd(leg.joint.y, cos, leg.joint.x, sin),
-            );
+            let c = rotation.apply(leg.joint);
             let r2 = (pose.position - elbows[index]) + c;
             let l2_sq = leg.l2 * leg.l2;
             let gap = N::HALF * (l2_sq - dot(r2, r2));

@@ -2,6 +2,7 @@
 //! Bernstein coefficients on an arc with a bound on their error. [`super`] derives it.
 
 use super::newton::Forward;
+use crate::inverse::Rotation;
 use crate::number::{Number, cross, dot, perpendicular};
 use nalgebra::Vector2;
 
@@ -114,13 +115,8 @@ impl<N: Number> Polynomial<N> {
 
     /// R e_1 and R e_2.
     fn rotated(&self, alpha: N) -> [Vector2<N>; 2] {
-        let (sin, cos) = N::sin_cos(N::angle(alpha));
-        self.e.map(|e| {
-            Vector2::new(
-                N::ab_minus_cd(e.x, cos, e.y, sin),
-                N::ab_plus_cd(e.y, cos, e.x, sin),
-            )
-        })
+        let rotation = Rotation::new(N::angle(alpha));
+        self.e.map(|e| rotation.apply(e))
     }
 
     /// Whether f is positive at `alpha`, rad. Where two of the circles miss each other it is: the
