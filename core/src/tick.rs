@@ -34,6 +34,20 @@ pub struct Motor<N: Number> {
     pub torque: N,
 }
 
+/// Everything that one tick computes; what a caller does not read is not computed, as long as the
+/// call is inlined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<N: Number> {
+    /// The three motors.
+    pub motors: [Motor<N>; 3],
+    /// How the links of each leg move.
+    pub legs: [LegMotion<N>; 3],
+    /// Loads of the legs' own masses.
+    pub loads: [LegLoad<N>; 3],
+    /// Forces along the distal links, and det A.
+    pub forces: Forces<N>,
+}
+
 impl<N: Number> Motion<N> {
     /// P_i = tau_i thetadot_i1 (5.11): mechanical power of each motor on the machine.
     ///
@@ -60,20 +74,6 @@ impl<N: Number> Motion<N> {
     }
 }
 
-/// Everything that one tick computes; what a caller does not read is not computed, as long as the
-/// call is inlined.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<N: Number> {
-    /// The three motors.
-    pub motors: [Motor<N>; 3],
-    /// How the links of each leg move.
-    pub legs: [LegMotion<N>; 3],
-    /// Loads of the legs' own masses.
-    pub loads: [LegLoad<N>; 3],
-    /// Forces along the distal links, and det A.
-    pub forces: Forces<N>,
-}
-
 impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     /// Checks `parameters` and builds the coefficients. Parts of the parameters that `P` and `L`
     /// have no room for are left out: it is the scene's business to choose types that fit.
@@ -94,8 +94,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         &self.geometry
     }
 
-    /// Position, rates, accelerations, load and motor angle of leg `index`: all of one leg before the
-    /// next begins, so that few values are alive at a time.
+    /// Position, rates, accelerations and load of leg `index`: all of one leg before the next begins,
+    /// so that few values are alive at a time.
     #[inline(always)]
     fn kinematics(
         &self,
