@@ -83,14 +83,7 @@ impl Measured for Row {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let everything = arguments.scene.is_empty() && arguments.core.is_empty();
-    let scenes = if arguments.scene.is_empty() {
-        repository::scenes()?
-    } else {
-        let named = arguments.scene.iter();
-        named
-            .map(|name| repository::scene(name))
-            .collect::<Result<_>>()?
-    };
+    let scenes = repository::scenes_named(&arguments.scene)?;
     let rows = measure(&scenes, &cores_named(&arguments.core)?)?;
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&rows)?);

@@ -34,7 +34,7 @@ pub(crate) struct SceneFile {
 }
 
 /// The scene that `name` means: a path, or the name of one in `scenes/`.
-pub(crate) fn scene(name: &str) -> Result<SceneFile> {
+fn scene(name: &str) -> Result<SceneFile> {
     let shipped = root().join("scenes").join(format!("{name}.toml"));
     let path = if shipped.is_file() {
         shipped
@@ -52,8 +52,16 @@ pub(crate) fn scene(name: &str) -> Result<SceneFile> {
     scene_file(path)
 }
 
+/// The scenes that `names` mean; without names, all scenes in `scenes/`.
+pub(crate) fn scenes_named(names: &[String]) -> Result<Vec<SceneFile>> {
+    if names.is_empty() {
+        return scenes();
+    }
+    names.iter().map(|name| scene(name)).collect()
+}
+
 /// All scenes in `scenes/`, by name.
-pub(crate) fn scenes() -> Result<Vec<SceneFile>> {
+fn scenes() -> Result<Vec<SceneFile>> {
     let directory = root().join("scenes");
     let mut found = Vec::new();
     for entry in fs::read_dir(&directory).with_context(|| directory.display().to_string())? {

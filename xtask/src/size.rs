@@ -65,14 +65,7 @@ impl Measured for Row {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let scenes = if arguments.scene.is_empty() {
-        repository::scenes()?
-    } else {
-        let named = arguments.scene.iter();
-        named
-            .map(|name| repository::scene(name))
-            .collect::<Result<_>>()?
-    };
+    let scenes = repository::scenes_named(&arguments.scene)?;
     let mut rows = Vec::new();
     for scene in &scenes {
         // A scene that is refused is better refused here than from within a build script.
