@@ -64,47 +64,7 @@ fn path(ties: &[Vec<(usize, usize)>], from: usize, to: usize) -> Option<Vec<usiz
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linkage::description::{PointRef, Prismatic};
-
-    fn pin(links: &[usize]) -> Joint {
-        Joint {
-            name: String::new(),
-            kind: JointKind::Revolute(
-                links
-                    .iter()
-                    .map(|&link| PointRef { link, point: 0 })
-                    .collect(),
-            ),
-            branch: None,
-        }
-    }
-
-    fn slide(guide: usize, slider: usize) -> Joint {
-        let point = |link| PointRef { link, point: 0 };
-        Joint {
-            name: String::new(),
-            kind: JointKind::Prismatic(Prismatic {
-                guide: point(guide),
-                direction: 0.0,
-                slider: point(slider),
-                offset: 0.0,
-                angle: 0.0,
-            }),
-            branch: None,
-        }
-    }
-
-    fn drive(joint: usize, base: usize, link: usize, slides: bool) -> Drive {
-        Drive {
-            joint,
-            base,
-            link,
-            slides,
-            start: 0.0,
-            rate: 1.0,
-            acceleration: 0.0,
-        }
-    }
+    use crate::linkage::example::{drive, pin, slide};
 
     #[test]
     fn three_prismatic_joints_in_a_chain_are_found() {

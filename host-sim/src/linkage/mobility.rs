@@ -173,32 +173,7 @@ impl Pebbles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linkage::description::{JointKind, PointRef};
-
-    fn pin(links: &[usize]) -> Joint {
-        Joint {
-            name: String::new(),
-            kind: JointKind::Revolute(
-                links
-                    .iter()
-                    .map(|&link| PointRef { link, point: 0 })
-                    .collect(),
-            ),
-            branch: None,
-        }
-    }
-
-    fn drive(joint: usize, base: usize, link: usize, slides: bool) -> Drive {
-        Drive {
-            joint,
-            base,
-            link,
-            slides,
-            start: 0.0,
-            rate: 1.0,
-            acceleration: 0.0,
-        }
-    }
+    use crate::linkage::example::{drive, pin};
 
     #[test]
     fn the_count_is_gruebler_s() {

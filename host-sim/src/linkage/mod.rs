@@ -13,6 +13,8 @@ mod dependence;
 mod description;
 mod draw;
 mod dyad;
+#[cfg(test)]
+mod example;
 mod groups;
 mod matrix;
 mod mobility;
