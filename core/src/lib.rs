@@ -81,6 +81,7 @@
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
+//! | the line | [`wire`]: messages as frames of bytes |
 //! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
 //! # What it will not do
@@ -108,3 +109,4 @@ pub mod singularity;
 pub mod status;
 pub mod tick;
 pub mod torque;
+pub mod wire;
