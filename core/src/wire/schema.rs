@@ -132,12 +132,14 @@ mod tests {
 
     /// The one without a value is not the longest, wherever it stands.
     #[derive(Schema, Serialize)]
+    #[expect(dead_code, reason = "shapes without a value of theirs")]
     enum Outcome<N> {
         Ok(N),
         None,
     }
 
     #[derive(Schema, Serialize)]
+    #[expect(dead_code, reason = "shapes without a value of theirs")]
     enum Choice<N> {
         One(N),
         Both { x: Option<N>, y: i64 },
@@ -183,6 +185,7 @@ mod tests {
             x: Some(1.0f64),
             y: i64::MIN,
         });
+        longest_is(&[Outcome::Ok(i128::MIN), Outcome::Ok(i128::MAX)]);
         longest_is(&(u16::MAX, i16::MIN, true, u8::MAX, '\u{10FFFF}', u128::MAX));
         longest_is(&[i32::MIN; 5]);
         longest_is(&Outcome::Ok([i128::MIN; 2]));
