@@ -187,19 +187,17 @@ fn the_number_type_can_be_chosen() {
             assert_eq!(f64::from(*value as f32), *value, "printed without rounding");
         }
     }
-    for missing in ["fixed", "micromath"] {
-        let output = run(
-            &scene_file("thesis.toml"),
-            folder.path(),
-            &["--scalar", missing],
-        );
-        assert_eq!(output.status.code(), Some(2));
-        let message = text(&output.stderr);
-        assert!(
-            message.contains(missing) && message.contains("f64 or f32"),
-            "{message}"
-        );
-    }
+    let output = run(
+        &scene_file("thesis.toml"),
+        folder.path(),
+        &["--scalar", "fixed"],
+    );
+    assert_eq!(output.status.code(), Some(2));
+    let message = text(&output.stderr);
+    assert!(
+        message.contains("fixed") && message.contains("f64, f32 or micromath"),
+        "{message}"
+    );
 }
 
 #[test]

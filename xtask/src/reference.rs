@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::number::Number;
+use trirrr_core::number::{Coarse, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
@@ -14,6 +14,7 @@ use trirrr_scene::{JobPlayer, Scene};
 pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
     match scalar {
         "f32" => with_number::<f32>(scene),
+        "micromath" => with_number::<Coarse>(scene),
         _ => bail!("{scalar}: the host has no such number type"),
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `f64` | host, reference | radians in an `f64` |
 //! | `f32` | microcontrollers with an FPU | radians in an `f32` |
+//! | [`Coarse`] | seeing what the micromath crate's functions cost | radians in a `Coarse` |
 //!
 //! Every function here gives the same bits on every machine: nothing calls the platform's libm,
 //! nothing is contracted into a fused multiply-add.
@@ -12,6 +13,7 @@
 //! a float gains nothing from them: fixed point accumulates them wide and rounds once.
 
 mod atan2;
+mod coarse;
 mod direction;
 #[cfg(test)]
 mod double_double;
@@ -26,6 +28,7 @@ mod vector;
 
 mod float;
 
+pub use coarse::Coarse;
 #[doc(hidden)]
 pub use fingerprint::fingerprint;
 pub use vector::{cross, dot, perpendicular};

@@ -13,7 +13,8 @@ use std::{env, fs};
 use trirrr_scene::Scene;
 
 /// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
-pub const SCALARS: &[(&str, &str)] = &[("f32", "f32")];
+pub const SCALARS: &[(&str, &str)] =
+    &[("f32", "f32"), ("micromath", "trirrr_core::number::Coarse")];
 
 /// Writes `OUT_DIR/scene.rs` from the scene that `TRIRRR_SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names

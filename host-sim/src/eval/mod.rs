@@ -13,7 +13,7 @@ use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Coarse, Number};
 
 /// What became of the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -81,6 +81,7 @@ pub fn evaluate(
     match scalar {
         Available::F64 => evaluate_in::<f64>(name, input, output),
         Available::F32 => evaluate_in::<f32>(name, input, output),
+        Available::Micromath => evaluate_in::<Coarse>(name, input, output),
     }
 }
 

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::{Duration, Instant};
-use trirrr_core::number::Number;
+use trirrr_core::number::{Coarse, Number};
 use trirrr_core::status::Status;
 use trirrr_scene::{JobPlayer, Scene};
 
@@ -114,6 +114,7 @@ pub fn simulate(
     match scalar.available()? {
         Available::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
         Available::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
+        Available::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
     }
 }
 
