@@ -19,6 +19,7 @@ mod path;
 mod player;
 pub mod read;
 mod scene;
+mod service;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, Stepper};
 pub use error::{Problem, SceneError};
@@ -26,3 +27,4 @@ pub use job::{Job, Move};
 pub use limits::Limits;
 pub use player::JobPlayer;
 pub use scene::{NumberType, Scene};
+pub use service::Service;

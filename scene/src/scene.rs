@@ -7,6 +7,7 @@ use crate::limits::{Limits, read_limits};
 use crate::machine::read_parameters;
 use crate::path::check_job;
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
+use crate::service::{Service, read_service};
 use std::fmt;
 use std::path::Path;
 use trirrr_core::machine::{Geometry, Parameters};
@@ -41,6 +42,8 @@ pub struct Scene {
     pub drives: Option<[Drive; 3]>,
     /// What the job must keep.
     pub limits: Limits,
+    /// How the service runs the job.
+    pub service: Service,
     /// What to do.
     pub job: Job,
 }
@@ -126,6 +129,7 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
     let drives = read_drives(root);
     let parameters = read_parameters(root, drives.flatten());
     let limits = read_limits(root);
+    let service = read_service(root);
     let placed = read_job(document, root, rate)?;
     let scene = Scene {
         name: name?,
@@ -135,6 +139,7 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
         parameters: parameters?,
         drives: drives?,
         limits: limits?,
+        service: service?,
         job: placed.job.clone(),
     };
     let legs = Place {

@@ -132,6 +132,24 @@ fn unknown_keys_suggest_the_right_one() {
 
 #[test]
 #[rustfmt::skip] // two lines a case
+fn the_service() {
+    check(THESIS, &[
+        case(("[platform]", 1, "[service]\nsilence_timeout_s = 0\n[platform]"),
+            "service.silence_timeout_s", Some("0"), "must be greater than 0 (s)"),
+        case(("[platform]", 1, "[service]\nhold_ramp_s = 4e3\n[platform]"),
+            "service.hold_ramp_s", Some("4e3"), "must be at most 3600 (s)"),
+        case(("[platform]", 1, "[service]\nhold_ramp_ms = 100\n[platform]"),
+            "service.hold_ramp_ms", Some("100"), "did you mean `hold_ramp_s`?"),
+        case(("[platform]", 1, "[service]\ntelemetry_ticks = 0\n[platform]"),
+            "service.telemetry_ticks", Some("0"), "must be from 1 to 1000000"),
+        case(("[platform]", 1, "[service]\ntelemetry_ticks = 2.5\n[platform]"),
+            "service.telemetry_ticks", Some("2.5"), "must be a whole number"),
+        case(("[platform]", 1, "service = 3\n[platform]"), "machine.leg[3].service", Some("3"), "unknown key"),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip] // two lines a case
 fn drives_and_limits() {
     check(VERTICAL, &[
         case(("kind = \"bldc\"", 1, "kind = \"servo\""),

@@ -1,0 +1,55 @@
+//! How the service runs the job.
+
+use crate::read::{Bound, Section};
+
+/// Longest time that a scene may give for any of it, s.
+const LONGEST_S: f64 = 3600.0;
+
+/// Settings of the service that plays the job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Service {
+    /// A host that is silent for this long is taken for lost: controlled stop, s, positive.
+    pub silence_timeout_s: f64,
+    /// A hold takes this long from full speed to rest, and a resume back, s, positive.
+    pub hold_ramp_s: f64,
+    /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
+    pub telemetry_ticks: u32,
+}
+
+impl Default for Service {
+    fn default() -> Self {
+        Self {
+            silence_timeout_s: 1.0,
+            hold_ramp_s: 0.1,
+            telemetry_ticks: 1,
+        }
+    }
+}
+
+/// Reads `[service]`; what is left out is as in [`Service::default`].
+pub(crate) fn read_service(root: &Section) -> Option<Service> {
+    let default = Service::default();
+    if !root.has("service") {
+        return Some(default);
+    }
+    let section = root.section("service")?;
+    let time = |key, default| {
+        let seconds = section.number_or(key, Bound::Positive, default)?;
+        if seconds > LONGEST_S {
+            section.refuse(key, format!("must be at most {LONGEST_S} (s)"));
+            return None;
+        }
+        Some(seconds)
+    };
+    let silence_timeout_s = time("silence_timeout_s", default.silence_timeout_s);
+    let hold_ramp_s = time("hold_ramp_s", default.hold_ramp_s);
+    let telemetry_ticks = match section.has("telemetry_ticks") {
+        true => section.integer("telemetry_ticks", 1, 1_000_000),
+        false => Some(default.telemetry_ticks),
+    };
+    Some(Service {
+        silence_timeout_s: silence_timeout_s?,
+        hold_ramp_s: hold_ramp_s?,
+        telemetry_ticks: telemetry_ticks?,
+    })
+}
