@@ -15,8 +15,6 @@
 mod atan2;
 mod coarse;
 mod direction;
-#[cfg(test)]
-mod double_double;
 mod fingerprint;
 mod polynomial;
 mod reduction;

@@ -104,3 +104,31 @@ pub(super) const ATAN2: [(f64, f64, Sum); 40] = [
     (1011.8603624273059, 2.3583354607189664, (1.5684656384133342, 1.3426051738408641e-17)),
     (2.575860827128063e-08, 24104.29946219207, (1.06863127516663e-12, 9.942941746014119e-29)),
 ];
+
+/// What the kernels are swept against agrees with the table, from which it did not come.
+#[test]
+fn double_double_agrees_with_the_table() {
+    use trirrr_double_double::DoubleDouble;
+    let agrees = |found: DoubleDouble, truth: Sum| {
+        let error = (found - DoubleDouble::sum(truth.0, truth.1)).value();
+        assert!(
+            error.abs() < 1e-29 * truth.0.abs(),
+            "{found:?} for {truth:?}"
+        );
+    };
+    for (x, sin, cos) in SIN_COS {
+        if x.abs() <= 1000.0 {
+            let found = DoubleDouble::new(x).sin_cos();
+            agrees(found.0, sin);
+            agrees(found.1, cos);
+        }
+    }
+    for (y, x, truth) in ATAN2 {
+        if x.abs().max(y.abs()) < 1e100 && x.abs().min(y.abs()) > 1e-100 {
+            agrees(
+                DoubleDouble::atan2(DoubleDouble::new(y), DoubleDouble::new(x)),
+                truth,
+            );
+        }
+    }
+}

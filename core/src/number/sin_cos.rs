@@ -140,9 +140,9 @@ fn turned_f64(quadrant: u32, r: f64, low: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::double_double::{self, Double};
     use super::super::reference::SIN_COS;
     use super::*;
+    use trirrr_double_double::DoubleDouble;
 
     /// Largest errors so far of the sine's polynomial and of the cosine's, in units in the last
     /// place.
@@ -170,7 +170,7 @@ mod tests {
             self.note(odd_quadrant(x.into()), ulps(s, sin), ulps(c, cos));
         }
 
-        fn note_f64(&mut self, x: f64, sin: Double, cos: Double) {
+        fn note_f64(&mut self, x: f64, sin: DoubleDouble, cos: DoubleDouble) {
             let (s, c) = sin_cos_f64(x);
             self.note(odd_quadrant(x), sin.ulps(s), cos.ulps(c));
         }
@@ -213,7 +213,7 @@ mod tests {
         let mut x = 1e-9;
         while x < 1000.0 {
             for x in [x, -x * 1.000_003, (x * 700.0) % 1000.0] {
-                let (sin, cos) = double_double::sin_cos(x);
+                let (sin, cos) = DoubleDouble::new(x).sin_cos();
                 sweep.note_f64(x, sin, cos);
             }
             x *= 1.000_3;
@@ -222,14 +222,15 @@ mod tests {
         for k in 1..1200 {
             let mut x = f64::from(k) * core::f64::consts::FRAC_PI_4;
             for _ in 0..8 {
-                let (sin, cos) = double_double::sin_cos(x);
+                let (sin, cos) = DoubleDouble::new(x).sin_cos();
                 sweep.note_f64(x, sin, cos);
                 x = x.next_up();
             }
         }
         let mut table = Worst::default();
         for (x, sin, cos) in SIN_COS {
-            table.note_f64(x, Double(sin.0, sin.1), Double(cos.0, cos.1));
+            let sum = |(hi, lo)| DoubleDouble::sum(hi, lo);
+            table.note_f64(x, sum(sin), sum(cos));
         }
         std::println!("f64: {sweep:?} table: {table:?}");
         assert!((0.9..1.0).contains(&sweep.sin), "{sweep:?}");

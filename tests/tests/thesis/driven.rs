@@ -8,7 +8,6 @@ use trirrr_core::status::Status;
 use trirrr_tests::double_double::DoubleDouble;
 use trirrr_tests::inputs::Inputs;
 use trirrr_tests::machines;
-use trirrr_tests::scalar::Scalar;
 use trirrr_tests::thesis_formula;
 
 /// State of the platform: (x, y, alpha) and rates.

@@ -1,9 +1,10 @@
 //! Numbers of about 31 digits, as the unevaluated sum of two `f64`: truth for machines that are in
 //! no reference file, and for finite differences that keep 15 digits.
 //!
-//! Source of the basic operations: Dekker 1971; Knuth, TAOCP 2, 4.2.2.
+//! Source of the basic operations: Dekker 1971; Knuth, TAOCP 2, 4.2.2. The functions are Taylor
+//! series and Newton steps, which have nothing in common with the kernels measured against them.
+#![forbid(unsafe_code)]
 
-use crate::scalar::Scalar;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// hi + lo, |lo| at most half a unit in the last place of hi.
@@ -59,21 +60,87 @@ impl DoubleDouble {
             two_sum(((x >> 32) << 32) as f64, (x % (1 << 32)) as f64)
         };
         let mut result =
-            number(low) + number(digits >> 64) * Self::constant(18_446_744_073_709_551_616.0);
+            number(low) + number(digits >> 64) * Self::new(18_446_744_073_709_551_616.0);
         let shift = exponent - i32::try_from(fraction.len()).ok()?;
         for _ in 0..shift.unsigned_abs() {
             result = if shift > 0 {
-                result * Self::constant(10.0)
+                result * Self::new(10.0)
             } else {
-                result / Self::constant(10.0)
+                result / Self::new(10.0)
             };
         }
         Some(if negative { -result } else { result })
     }
 
+    /// The number `x`, exactly.
+    pub const fn new(x: f64) -> Self {
+        Self { hi: x, lo: 0.0 }
+    }
+
+    /// hi + lo, which need not be apart.
+    pub fn sum(hi: f64, lo: f64) -> Self {
+        two_sum(hi, lo)
+    }
+
+    /// The nearest `f64`.
+    pub fn value(self) -> f64 {
+        self.hi
+    }
+
     /// `result` less this number: the error of `result`.
     pub fn error_of(self, result: f64) -> f64 {
-        (Self::constant(result) - self).value()
+        (Self::new(result) - self).hi
+    }
+
+    /// How far `result` is from this number, in units in the last place of this number as an `f64`.
+    pub fn ulps(self, result: f64) -> f64 {
+        let unit = self.hi.abs().next_up() - self.hi.abs();
+        self.error_of(result).abs() / unit
+    }
+
+    /// Square root.
+    pub fn sqrt(self) -> Self {
+        if self.hi == 0.0 {
+            return self;
+        }
+        // One Newton step from the root of the leading part doubles its digits.
+        let root = Self::new(self.hi.sqrt());
+        root + (self - root * root) / (root + root)
+    }
+
+    /// Sine and cosine of an angle in rad; all digits up to 1000 rad.
+    pub fn sin_cos(self) -> (Self, Self) {
+        let quarters = (self.hi / HALF_PI[0]).round();
+        let count = Self::new(quarters);
+        let reduced = HALF_PI
+            .iter()
+            .fold(self, |rest, &part| rest - count * Self::new(part));
+        // Taylor series on [-pi/4, pi/4]: (pi/4)^30 / 30! is below 1e-35.
+        let square = reduced * reduced;
+        let (mut sin, mut cos) = (reduced, Self::new(1.0));
+        let (mut odd, mut even) = (sin, cos);
+        for n in 1..15 {
+            let n = 2.0 * f64::from(n);
+            even = -(even * square) / Self::new((n - 1.0) * n);
+            odd = -(odd * square) / Self::new(n * (n + 1.0));
+            cos = cos + even;
+            sin = sin + odd;
+        }
+        match quarters.rem_euclid(4.0) as u8 {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
+            _ => (-cos, sin),
+        }
+    }
+
+    /// Angle of the vector (x, y) in rad.
+    pub fn atan2(y: Self, x: Self) -> Self {
+        let guess = Self::new(y.hi.atan2(x.hi));
+        let (sin, cos) = guess.sin_cos();
+        // The guess is off by some 1e-16, so the tangent of what is missing is what is missing.
+        let (across, along) = (y * cos - x * sin, x * cos + y * sin);
+        guess + Self::new(across.hi / along.hi)
     }
 }
 
@@ -118,66 +185,10 @@ impl Div for DoubleDouble {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let first = self.hi / other.hi;
-        let left = self - other * Self::constant(first);
+        let left = self - other * Self::new(first);
         let second = left.hi / other.hi;
-        let left = left - other * Self::constant(second);
-        two_sum(first, second) + Self::constant(left.hi / other.hi)
-    }
-}
-
-impl Scalar for DoubleDouble {
-    fn constant(x: f64) -> Self {
-        Self { hi: x, lo: 0.0 }
-    }
-
-    fn value(self) -> f64 {
-        self.hi
-    }
-
-    fn is_zero(self) -> bool {
-        self.hi == 0.0
-    }
-
-    fn sqrt(self) -> Self {
-        if self.hi == 0.0 {
-            return self;
-        }
-        // One Newton step from the root of the leading part doubles its digits.
-        let root = Self::constant(self.hi.sqrt());
-        root + (self - root * root) / (root + root)
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        let quarters = (self.hi / HALF_PI[0]).round();
-        let count = Self::constant(quarters);
-        let reduced = HALF_PI
-            .iter()
-            .fold(self, |rest, &part| rest - count * Self::constant(part));
-        // Taylor series on [-pi/4, pi/4]: (pi/4)^30 / 30! is below 1e-35.
-        let square = reduced * reduced;
-        let (mut sin, mut cos) = (reduced, Self::constant(1.0));
-        let (mut odd, mut even) = (sin, cos);
-        for n in 1..15 {
-            let n = 2.0 * f64::from(n);
-            even = -(even * square) / Self::constant((n - 1.0) * n);
-            odd = -(odd * square) / Self::constant(n * (n + 1.0));
-            cos = cos + even;
-            sin = sin + odd;
-        }
-        match quarters.rem_euclid(4.0) as u8 {
-            0 => (sin, cos),
-            1 => (cos, -sin),
-            2 => (-sin, -cos),
-            _ => (-cos, sin),
-        }
-    }
-
-    fn atan2(y: Self, x: Self) -> Self {
-        let guess = Self::constant(y.hi.atan2(x.hi));
-        let (sin, cos) = guess.sin_cos();
-        // The guess is off by some 1e-16, so the sine of what is missing is what is missing.
-        let radius = (x * x + y * y).sqrt();
-        guess + (y * cos - x * sin) / radius
+        let left = left - other * Self::new(second);
+        two_sum(first, second) + Self::new(left.hi / other.hi)
     }
 }
 
@@ -197,7 +208,7 @@ mod tests {
     /// Constants from tables of elementary functions, 33 digits.
     #[test]
     fn functions_have_thirty_digits() {
-        let number = DoubleDouble::constant;
+        let number = DoubleDouble::new;
         close(
             number(2.0).sqrt(),
             "1.41421356237309504880168872420969808",
@@ -228,8 +239,8 @@ mod tests {
 
     #[test]
     fn reads_decimals_of_every_form() {
-        assert_eq!(parsed("-0.25"), DoubleDouble::constant(-0.25));
-        assert_eq!(parsed("1e3"), DoubleDouble::constant(1000.0));
+        assert_eq!(parsed("-0.25"), DoubleDouble::new(-0.25));
+        assert_eq!(parsed("1e3"), DoubleDouble::new(1000.0));
         assert_eq!(DoubleDouble::parse("1e"), None);
         assert_eq!(DoubleDouble::parse("NaN"), None);
         // 0.1 is no binary number: its f64 errs by 5.55e-18.

@@ -4,6 +4,7 @@
 //! [`DoubleDouble`]: crate::double_double::DoubleDouble
 //! [`Dual`]: crate::dual::Dual
 
+use crate::double_double::DoubleDouble;
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -29,6 +30,32 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self);
     /// Angle of the vector (x, y) in rad.
     fn atan2(y: Self, x: Self) -> Self;
+}
+
+impl Scalar for DoubleDouble {
+    fn constant(x: f64) -> Self {
+        Self::new(x)
+    }
+
+    fn value(self) -> f64 {
+        DoubleDouble::value(self)
+    }
+
+    fn is_zero(self) -> bool {
+        DoubleDouble::value(self) == 0.0
+    }
+
+    fn sqrt(self) -> Self {
+        DoubleDouble::sqrt(self)
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        DoubleDouble::sin_cos(self)
+    }
+
+    fn atan2(y: Self, x: Self) -> Self {
+        DoubleDouble::atan2(y, x)
+    }
 }
 
 /// A vector in the plane.
@@ -116,7 +143,6 @@ pub fn solve<S: Scalar>(mut a: Vec<Vec<S>>, mut b: Vec<S>) -> Vec<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::double_double::DoubleDouble;
 
     #[test]
     fn solves_where_pivoting_is_needed() {
