@@ -78,6 +78,7 @@
 //! | numbers | [`number`]: the trait, and kernels with the same bits on every machine |
 //! | parts | [`setpoint`], [`linkage`] |
 //! | machine | [`machine`] |
+//! | what is said to it and by it | [`message`] |
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
@@ -101,6 +102,7 @@ pub mod forward;
 pub mod inverse;
 pub mod linkage;
 pub mod machine;
+pub mod message;
 pub mod number;
 pub mod reaction;
 pub mod relatives;

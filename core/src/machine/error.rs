@@ -1,9 +1,11 @@
 //! Why a machine was refused.
 
 use core::fmt;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 /// A quantity of the machine's description that can be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[allow(missing_docs)] // the variants are named after the fields they stand for
 pub enum Quantity {
     Base,

@@ -7,6 +7,7 @@
 mod hermite;
 mod rest_to_rest;
 mod segment;
+mod serial;
 
 pub use hermite::Hermite;
 pub use rest_to_rest::RestToRest;

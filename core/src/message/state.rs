@@ -1,0 +1,46 @@
+//! What the machine is doing.
+
+use super::violation::Bounded;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// What the machine is doing. The four states that the tool knows are idle, running, holding and
+/// fault; the others lie between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum State {
+    /// Stands, nothing under way.
+    Idle,
+    /// Plays the job.
+    Running,
+    /// Running, on the way to a hold.
+    Slowing,
+    /// Comes to rest to drop the job.
+    Stopping,
+    /// Stands on the path.
+    Holding,
+    /// A fault is latched, the drives are off.
+    Fault,
+    /// The fault was acknowledged, the drives hold; waits for a recovery.
+    Cleared,
+    /// The motors move one by one to where they are at a pose.
+    Recovering,
+}
+
+/// What keeps the machine from normal speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Acting {
+    /// Nothing.
+    Nothing,
+    /// A hold that the host asked for.
+    Hold,
+    /// It is on the way back to normal speed.
+    Resume,
+    /// A stop that the host asked for.
+    Stop,
+    /// The host has been silent for too long.
+    Silence,
+    /// What is queued ends moving: it waits for more.
+    QueueDry,
+    /// A limit of the scene: the one that the fault names.
+    Limit(Bounded),
+}

@@ -1,0 +1,85 @@
+use super::*;
+use crate::setpoint::{Pose, Setpoint};
+use crate::wire::schema::longest;
+use crate::wire::{Decoder, encode, frame_length};
+use core::fmt::Debug;
+use nalgebra::Vector3;
+use std::vec;
+
+fn telemetry<N: Number>() -> Telemetry<N> {
+    let n = N::from_f64;
+    Telemetry {
+        tick: u32::MAX,
+        state: State::Recovering,
+        acting: Acting::Limit(Bounded::Range),
+        number: u32::MAX,
+        at: u32::MAX,
+        part: u16::MAX,
+        setpoint: Setpoint {
+            pose: Pose::from_f64(0.25, -0.5, 1.0),
+            velocity: Vector3::new(n(1.0), n(2.0), n(3.0)),
+            acceleration: Vector3::new(n(4.0), n(5.0), n(6.0)),
+        },
+        angles: [0.5, -1.0, 2.0].map(N::angle_from_f64),
+        rates: [7.0, 8.0, 9.0].map(n),
+        accelerations: [10.0, 11.0, 12.0].map(n),
+        torques: [13.0, 14.0, 15.0].map(n),
+        tool: n(0.5),
+        duration: u32::MAX,
+        lost: u32::MAX,
+    }
+}
+
+fn survives<T: Transmitted>(message: T) {
+    let mut room = vec![0; frame_length(longest::<T>())];
+    let frame = encode(&message, &mut room).unwrap();
+    let mut line = frame;
+    let back: Option<Result<T, _>> = Decoder::<512>::new().take(&mut line);
+    assert_eq!(back, Some(Ok(message)));
+}
+
+trait Transmitted: Serialize + DeserializeOwned + Schema + Debug + PartialEq {}
+impl<T: Serialize + DeserializeOwned + Schema + Debug + PartialEq> Transmitted for T {}
+
+/// Each variant of a kind travels and comes back the same, and the greatest length that the wire
+/// reckons with is enough.
+#[test]
+fn messages_survive_the_line() {
+    survives(Message::Telemetry(telemetry::<f32>()));
+    survives(Message::Telemetry(telemetry::<f64>()));
+    survives(Request {
+        sequence: 7,
+        command: Command::Move(Move {
+            number: 3,
+            from: Pose::<f32>::from_f64(0.1, 0.2, 0.3),
+            to: Pose::from_f64(0.4, 0.5, 0.6),
+            start_velocity: [0.0; 3],
+            end_velocity: [1.0, 2.0, 3.0],
+            ticks: 100,
+            tool_power: 0.5,
+            tool_speed: 0.1,
+        }),
+    });
+    survives(Message::<f64>::Reply {
+        sequence: 9,
+        reply: Reply::Refused(Refusal::Recovery(Violation {
+            what: Bounded::Rate,
+            index: Some(2),
+            at: 0.5,
+            value: 3.0,
+            limit: 2.0,
+            shortest: Some(150),
+        })),
+    });
+}
+
+/// A full telemetry sample in f32 a thousand times a second takes less than 1.5 Mbaud: ten bits on
+/// the line for each byte.
+#[test]
+fn telemetry_fits_the_line() {
+    let bits = |bytes: usize| 10 * 1000 * frame_length(bytes);
+    let longest = longest::<Telemetry<f32>>() + 1;
+    assert!(bits(longest) < 1_500_000, "{longest}");
+    // It is not small because something is missing: 21 numbers at least.
+    assert!(longest > 21 * 4);
+}
