@@ -28,6 +28,18 @@ pub struct Move {
     pub end_velocity: Vector3<f64>,
     /// Duration in ticks, positive.
     pub duration_ticks: u32,
+    /// What the tool does on the way; none: it is off.
+    pub tool: Option<Tool>,
+}
+
+/// What the tool does in a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tool {
+    /// Power at `speed_m_s`, 0 to 1 of what the tool can give.
+    pub power: f64,
+    /// Speed of the reference point D along the path at which the tool has that power, m/s,
+    /// positive. The power follows the true speed in proportion, up to 1.
+    pub speed_m_s: f64,
 }
 
 impl Job {
@@ -80,17 +92,20 @@ pub(crate) fn read_job(
         let to = read_pose(each, "to");
         let end_velocity = read_velocity(each);
         let ticks = read_ticks(each, rate, [from, to], [start_velocity, end_velocity]);
-        match (from, to, start_velocity, end_velocity, ticks) {
-            (Some(from), Some(to), Some(start_velocity), Some(end_velocity), Some(ticks)) => {
-                moves.push(Move {
-                    from,
-                    to,
-                    start_velocity,
-                    end_velocity,
-                    duration_ticks: ticks,
-                });
-            }
-            _ => complete = false,
+        let tool = read_tool(each);
+        let whole = || {
+            Some(Move {
+                from: from?,
+                to: to?,
+                start_velocity: start_velocity?,
+                end_velocity: end_velocity?,
+                duration_ticks: ticks?,
+                tool: tool?,
+            })
+        };
+        match whole() {
+            Some(whole) => moves.push(whole),
+            None => complete = false,
         }
         (from, start_velocity) = (to, end_velocity);
     }
@@ -143,6 +158,20 @@ fn read_velocity(each: &Section) -> Option<Vector3<f64>> {
     let vy = velocity.number_or("vy_m_s", Bound::Finite, 0.0);
     let valpha = velocity.number_or("valpha_rad_s", Bound::Finite, 0.0);
     Some(Vector3::new(vx?, vy?, valpha?))
+}
+
+/// The tool of a move: `Some(None)` where it is left out.
+fn read_tool(each: &Section) -> Option<Option<Tool>> {
+    if !each.has("tool") {
+        return Some(None);
+    }
+    let tool = each.section("tool")?;
+    let power = tool.number("power", Bound::Within(0.0, 1.0));
+    let speed = tool.number("speed_m_s", Bound::Positive);
+    Some(Some(Tool {
+        power: power?,
+        speed_m_s: speed?,
+    }))
 }
 
 fn read_ticks(

@@ -23,7 +23,7 @@ mod service;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, Stepper};
 pub use error::{Problem, SceneError};
-pub use job::{Job, Move};
+pub use job::{Job, Move, Tool};
 pub use limits::Limits;
 pub use player::JobPlayer;
 pub use scene::{NumberType, Scene};

@@ -132,7 +132,7 @@ fn unknown_keys_suggest_the_right_one() {
 
 #[test]
 #[rustfmt::skip] // two lines a case
-fn the_service() {
+fn the_service_and_the_tool() {
     check(THESIS, &[
         case(("[platform]", 1, "[service]\nsilence_timeout_s = 0\n[platform]"),
             "service.silence_timeout_s", Some("0"), "must be greater than 0 (s)"),
@@ -144,6 +144,14 @@ fn the_service() {
             "service.telemetry_ticks", Some("0"), "must be from 1 to 1000000"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 2.5\n[platform]"),
             "service.telemetry_ticks", Some("2.5"), "must be a whole number"),
+        case(("duration_s", 1, "tool = { power = 1.5, speed_m_s = 0.1 }\nduration_s"),
+            "job.move[1].tool.power", Some("1.5"), "must be from 0 to 1"),
+        case(("duration_s", 1, "tool = { power = 0.5, speed_m_s = 0 }\nduration_s"),
+            "job.move[1].tool.speed_m_s", Some("0"), "must be greater than 0 (m/s)"),
+        case(("duration_s", 1, "tool = { power = 0.5 }\nduration_s"),
+            "job.move[1].tool.speed_m_s", None, "missing, expected a number in m/s"),
+        case(("duration_s", 1, "tool = 0.5\nduration_s"),
+            "job.move[1].tool", Some("0.5"), "expected a table, found a number"),
         case(("[platform]", 1, "service = 3\n[platform]"), "machine.leg[3].service", Some("3"), "unknown key"),
     ]);
 }

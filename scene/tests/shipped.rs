@@ -6,7 +6,7 @@ use trirrr_core::inverse::Position;
 use trirrr_core::machine::{Elbow, Geometry, LinkParameters};
 use trirrr_core::number::Number;
 use trirrr_core::singularity::Distances;
-use trirrr_scene::{DriveKind, JobPlayer, NumberType, Scene};
+use trirrr_scene::{DriveKind, JobPlayer, NumberType, Scene, Tool};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenes")
@@ -147,6 +147,21 @@ fn the_engraving_keeps_its_speed_around_the_outline_and_the_circle() {
         assert!((0.09..=0.1001).contains(&speed), "{speed} at tick {tick}");
     }
     assert_eq!(counted, 700 + 4 * 331 + 2 * 500 + 1000 + 300 + 8 * 199);
+}
+
+#[test]
+fn the_laser_is_on_where_the_engraving_keeps_its_speed_and_nowhere_else() {
+    let scene = shipped("engraving");
+    let last = scene.job.moves.len() - 1;
+    for (index, each) in scene.job.moves.iter().enumerate() {
+        // Run-ins, run-outs and the way across.
+        let on = ![0, 10, 11, 12, last].contains(&index);
+        let laser = Tool {
+            power: 0.6,
+            speed_m_s: 0.1,
+        };
+        assert_eq!(each.tool, on.then_some(laser), "move {}", index + 1);
+    }
 }
 
 #[test]
