@@ -12,6 +12,7 @@ pub mod eval;
 pub mod evaluator;
 pub mod failure;
 pub mod figures;
+pub mod integrate;
 pub mod link;
 pub mod linkage;
 pub mod placement;
