@@ -19,3 +19,4 @@ pub mod placement;
 pub mod record;
 pub mod run;
 pub mod scalar;
+pub mod words;
