@@ -3,11 +3,12 @@
 //! [`run`] plays a scene's job tick by tick through [`trirrr_core`], in real time or as fast as it
 //! goes, and writes a table and [`figures`]. [`eval`] evaluates a table of cases. Both choose the
 //! pipeline of the scene or case in [`evaluator`] and speak in [`record`]s. [`linkage`] solves other
-//! planar mechanisms.
+//! planar mechanisms. [`client`] is the host's side of the conversation with a machine.
 
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod client;
 pub mod eval;
 pub mod evaluator;
 pub mod failure;

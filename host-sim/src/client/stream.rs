@@ -1,0 +1,398 @@
+//! Streams a job: hello, moves as there is room for them, start, and an eye on what becomes of it.
+
+use super::Failure;
+use super::exchange::{Exchange, Patience, Turn};
+use std::collections::VecDeque;
+use std::time::Duration;
+use trirrr_core::message::{
+    Command, Event, Hello, Identity, Message, Move, Refusal, Reply, Request, State, Status,
+    Transmit,
+};
+
+/// From one status to the next while nothing else is to be said.
+const STATUS_EVERY: Duration = Duration::from_millis(100);
+
+/// A machine that runs is asked this many times in the silence after which it would stop.
+const STATUS_PER_SILENCE: u32 = 4;
+
+/// What to do next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action<N: Transmit> {
+    /// Send this to the machine.
+    Send(Request<N>),
+    /// Listen; unless something comes, nothing is to be done before this time.
+    Wait(Duration),
+    /// The machine does not answer: open the port anew and call [`Stream::reconnected`], or give
+    /// up.
+    Lost,
+    /// The job is played to its end, or why not.
+    Finished(Result<(), Failure<N>>),
+}
+
+/// What a user may ask for while the job runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// Come to rest on the path.
+    Hold,
+    /// Go on.
+    Resume,
+    /// Come to rest on the path and drop the rest.
+    Stop,
+}
+
+/// Where the conversation stands.
+#[derive(Clone, Debug, PartialEq)]
+enum Phase<N: Transmit> {
+    /// The next thing is a hello.
+    Greeting,
+    /// The next thing is the status, the first after a hello.
+    Surveying,
+    /// The next thing is the telemetry rate.
+    Preparing,
+    /// Moves, start, status.
+    Streaming,
+    /// A stop, after which the job ends with this.
+    Ending(Failure<N>),
+    Finished(Result<(), Failure<N>>),
+}
+
+/// A job on its way to a machine.
+#[derive(Clone, Debug)]
+pub struct Stream<N: Transmit> {
+    exchange: Exchange<N>,
+    hello: Hello,
+    moves: Vec<Move<N>>,
+    /// Ticks from one telemetry sample to the next.
+    telemetry: u16,
+    phase: Phase<N>,
+    identity: Option<Identity>,
+    status: Option<Status<N>>,
+    /// The machine's number of the job's first move, from the first status on.
+    base: Option<u32>,
+    /// Moves that the machine has taken.
+    offered: u32,
+    /// Moves that it would still take, as far as known.
+    room: u8,
+    started: bool,
+    asked: VecDeque<Ask>,
+    stop_asked: bool,
+    /// When to look at the status again.
+    look: Duration,
+    /// Neither moves nor a start before this.
+    pause: Duration,
+}
+
+impl<N: Transmit> Stream<N> {
+    /// A job of `moves`, for a machine that is what `hello` says, with a telemetry sample every
+    /// `telemetry` ticks. The moves' numbers do not matter: the machine says what they have to be.
+    /// `conversation`: a number that another conversation with the machine is not likely to have.
+    pub fn new(
+        moves: Vec<Move<N>>,
+        hello: Hello,
+        telemetry: u16,
+        patience: Patience,
+        conversation: u32,
+    ) -> Self {
+        Self {
+            exchange: Exchange::new(patience, conversation),
+            hello,
+            moves,
+            telemetry,
+            phase: Phase::Greeting,
+            identity: None,
+            status: None,
+            base: None,
+            offered: 0,
+            room: 0,
+            started: false,
+            asked: VecDeque::new(),
+            stop_asked: false,
+            look: Duration::ZERO,
+            pause: Duration::ZERO,
+        }
+    }
+
+    /// Who answered.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// The last status that came.
+    pub fn status(&self) -> Option<&Status<N>> {
+        self.status.as_ref()
+    }
+
+    /// Moves of the job.
+    pub fn moves(&self) -> u32 {
+        // A machine counts them in 32 bits.
+        self.moves.len() as u32
+    }
+
+    /// Moves that the machine has taken.
+    pub fn offered(&self) -> u32 {
+        self.offered
+    }
+
+    /// Moves played to their end, as of the last status.
+    pub fn done(&self) -> u32 {
+        match (self.base, &self.status) {
+            (Some(base), Some(status)) => status.done.wrapping_sub(base),
+            _ => 0,
+        }
+    }
+
+    /// The job's move that the machine calls `number`, counted from 0.
+    pub fn index(&self, number: u32) -> Option<u32> {
+        let index = number.wrapping_sub(self.base?);
+        (index < self.moves()).then_some(index)
+    }
+
+    /// Requests that had to be sent again so far.
+    pub fn repeated(&self) -> u64 {
+        self.exchange.repeated()
+    }
+
+    /// A wish of the user; it goes before everything but what is being asked.
+    pub fn ask(&mut self, ask: Ask) {
+        self.asked.push_back(ask);
+    }
+
+    /// The port was opened anew: the conversation starts again, the job goes on where it is.
+    pub fn reconnected(&mut self) {
+        if matches!(
+            self.phase,
+            Phase::Streaming | Phase::Surveying | Phase::Preparing
+        ) {
+            self.phase = Phase::Greeting;
+        }
+        self.exchange.forget();
+    }
+
+    /// What to do at `now`, counted from any start and never going back.
+    pub fn poll(&mut self, now: Duration) -> Action<N> {
+        loop {
+            if let Phase::Finished(result) = &self.phase {
+                return Action::Finished(*result);
+            }
+            match self.exchange.poll(now) {
+                Turn::Send(request) => return Action::Send(request),
+                Turn::Wait(until) => return Action::Wait(until),
+                Turn::Silent => return Action::Lost,
+                Turn::Free => {}
+            }
+            match self.next(now) {
+                Some(Command::Hello(hello)) => self.exchange.greet(hello, now),
+                Some(command) => self.exchange.ask(command, now),
+                None => return Action::Wait(self.look),
+            }
+        }
+    }
+
+    /// The next thing to say; none before the next look at the status.
+    fn next(&mut self, now: Duration) -> Option<Command<N>> {
+        match &self.phase {
+            Phase::Greeting => return Some(Command::Hello(self.hello)),
+            Phase::Surveying => return Some(Command::Status),
+            Phase::Preparing => {
+                return Some(Command::Telemetry {
+                    every: self.telemetry,
+                });
+            }
+            Phase::Ending(_) => return Some(Command::Stop),
+            Phase::Streaming | Phase::Finished(_) => {}
+        }
+        if let Some(ask) = self.asked.pop_front() {
+            return Some(match ask {
+                Ask::Hold => Command::Hold,
+                Ask::Resume => Command::Resume,
+                Ask::Stop => Command::Stop,
+            });
+        }
+        if self.look <= now {
+            return Some(Command::Status);
+        }
+        if self.stop_asked || now < self.pause {
+            return None;
+        }
+        let next = self.moves.get(self.offered as usize);
+        if let (Some(next), Some(base)) = (next, self.base)
+            && self.room > 0
+        {
+            return Some(Command::Move(Move {
+                number: base.wrapping_add(self.offered),
+                ..*next
+            }));
+        }
+        (!self.started && self.is_decided()).then_some(Command::Start)
+    }
+
+    /// Whether the last status knows a verdict over everything that was offered.
+    fn is_decided(&self) -> bool {
+        let decided = |status: &Status<N>| {
+            let admitted = self.base.map(|base| status.admitted.wrapping_sub(base));
+            admitted == Some(self.offered) && self.offered > 0
+        };
+        self.status.as_ref().is_some_and(decided)
+    }
+
+    /// Takes what the machine said.
+    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+        if let Message::Event(event) = message {
+            // A hint, no more: it may be late, or come twice. The status says what holds.
+            self.look = self.look.min(now);
+            if let (Event::State { state, .. }, Some(status)) = (event, &mut self.status) {
+                status.state = *state;
+            }
+            return;
+        }
+        let Some((command, reply)) = self.exchange.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(identity) => self.greeted(identity),
+            Reply::Status(status) => self.surveyed(status, now),
+            Reply::Refused(refusal) => self.refused(&command, refusal, now),
+            Reply::Done => self.executed(&command, now),
+            // Never asked for.
+            Reply::Section(_) => {}
+        }
+    }
+
+    fn finish(&mut self, result: Result<(), Failure<N>>) {
+        self.phase = Phase::Finished(result);
+    }
+
+    /// Ends the job with `failure`, once the machine was told to stop.
+    fn end(&mut self, failure: Failure<N>) {
+        if !matches!(self.phase, Phase::Ending(_) | Phase::Finished(_)) {
+            self.phase = Phase::Ending(failure);
+        }
+    }
+
+    fn greeted(&mut self, identity: Identity) {
+        self.identity = Some(identity);
+        self.phase = Phase::Surveying;
+    }
+
+    fn surveyed(&mut self, status: Status<N>, now: Duration) {
+        self.look = now + self.status_every();
+        self.room = status.room;
+        let first = self.phase == Phase::Surveying;
+        let base = *self.base.get_or_insert(status.next);
+        let taken = status.next.wrapping_sub(base);
+        let standing = matches!(status.state, State::Idle);
+        if let Some(fault) = status.fault {
+            self.status = Some(status);
+            return self.finish(Err(Failure::Fault(fault)));
+        }
+        if let Some(verdict) = status.refused
+            && let Some(violation) = verdict.violation
+            && let Some(index) = self.index(verdict.number)
+        {
+            self.status = Some(status);
+            return self.end(Failure::Inadmissible { index, violation });
+        }
+        let before = self.status.replace(status);
+        if first && before.is_none() && (!standing || status.next != status.done) {
+            return self.finish(Err(Failure::Occupied(status.state)));
+        }
+        if taken > self.moves() {
+            // Less than before, seen as a huge number, or more than there are.
+            return self.finish(Err(Failure::Restarted));
+        }
+        if taken < self.offered {
+            let done = self.done();
+            return self.finish(Err(match self.stop_asked {
+                true => Failure::Stopped { done },
+                false => Failure::Dropped {
+                    done,
+                    acting: status.acting,
+                },
+            }));
+        }
+        // More only where the answer to the last move was lost with the line.
+        self.offered = taken;
+        if self.done() == self.moves() && standing {
+            return self.finish(Ok(()));
+        }
+        if first {
+            self.phase = Phase::Preparing;
+        }
+    }
+
+    /// How long to leave the machine alone.
+    fn status_every(&self) -> Duration {
+        let silence = self.identity.as_ref().and_then(|identity| {
+            let seconds = f64::from(identity.silence_ticks) / identity.tick_rate_hz;
+            let interval = seconds / f64::from(STATUS_PER_SILENCE);
+            (interval > 0.0).then(|| Duration::try_from_secs_f64(interval).ok())?
+        });
+        silence.map_or(STATUS_EVERY, |silence| silence.min(STATUS_EVERY))
+    }
+
+    fn executed(&mut self, command: &Command<N>, now: Duration) {
+        match command {
+            Command::Telemetry { .. } => self.phase = Phase::Streaming,
+            Command::Move(_) => {
+                self.offered += 1;
+                self.room = self.room.saturating_sub(1);
+                // Its verdict takes a moment.
+                if self.room == 0 || self.offered == self.moves() {
+                    self.look = now;
+                }
+            }
+            Command::Start => self.started = true,
+            Command::Stop => match &self.phase {
+                Phase::Ending(failure) => {
+                    let failure = *failure;
+                    self.finish(Err(failure));
+                }
+                _ => {
+                    self.stop_asked = true;
+                    self.look = now;
+                }
+            },
+            _ => {}
+        }
+    }
+
+    fn refused(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        match (command, refusal) {
+            (Command::Hello(_), refusal) => self.finish(Err(Failure::Refused {
+                index: None,
+                refusal,
+            })),
+            // The machine was switched off and on, or another client came between.
+            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                self.phase = match std::mem::replace(&mut self.phase, Phase::Greeting) {
+                    Phase::Ending(failure) => Phase::Finished(Err(failure)),
+                    _ => Phase::Greeting,
+                };
+            }
+            // Not now: the status will say when.
+            (Command::Move(_), Refusal::QueueFull | Refusal::Busy) => self.wait(now),
+            (
+                Command::Start,
+                Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving | Refusal::Busy,
+            ) => self.wait(now),
+            (_, Refusal::Busy) => self.wait(now),
+            // What the machine has taken is not what we think: the status says it.
+            (Command::Move(_), Refusal::MoveNumber { .. }) => self.phase = Phase::Surveying,
+            // A wish that came too late or too early, and no harm.
+            (Command::Hold | Command::Resume, _) => {}
+            _ => match self.phase.clone() {
+                Phase::Ending(failure) => self.finish(Err(failure)),
+                _ => {
+                    let index = matches!(command, Command::Move(_)).then_some(self.offered);
+                    self.end(Failure::Refused { index, refusal });
+                }
+            },
+        }
+    }
+
+    /// Looks at the status at once, and says nothing else before the one after.
+    fn wait(&mut self, now: Duration) {
+        self.pause = now + self.status_every() / 4;
+        self.look = self.pause;
+    }
+}
