@@ -82,6 +82,7 @@
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
+//! | drives | [`drive`]: torques to currents, duties and steps |
 //! | the line | [`wire`]: messages as frames of bytes |
 //! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
@@ -98,6 +99,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod drive;
 pub mod forward;
 pub mod inverse;
 pub mod linkage;

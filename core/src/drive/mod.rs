@@ -1,0 +1,13 @@
+//! Drive commands: from what a motor has to do to what its electronics are told.
+//!
+//! ```text
+//! tick::Motor ──> joint::Reference ──> joint::Loop ──> bldc::Bldc ──> current, duty
+//!                        │               (torque)
+//!                        └──────────> stepper::StepMotor ──> stepper::Schedule ──> steps
+//! ```
+//! Arithmetic only: no pin, no timer, no device. The inner loop runs at a rate of its own, above
+//! that of the ticks; [`joint::Reference::after`] carries a tick's reference over to it.
+
+pub mod bldc;
+pub mod joint;
+pub mod stepper;
