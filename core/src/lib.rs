@@ -83,6 +83,7 @@
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
 //! | drives | [`drive`]: torques to currents, duties and steps |
+//! | before a move is played | [`admission`] against [`limits`] |
 //! | the line | [`wire`]: messages as frames of bytes |
 //! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
@@ -99,9 +100,11 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod admission;
 pub mod drive;
 pub mod forward;
 pub mod inverse;
+pub mod limits;
 pub mod linkage;
 pub mod machine;
 pub mod message;

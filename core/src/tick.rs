@@ -116,6 +116,26 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         Ok((motion, load))
     }
 
+    /// The torques alone, for legs whose motion is known.
+    ///
+    /// # Errors
+    /// [`Status::ParallelSingular`].
+    pub(crate) fn torques(
+        &self,
+        legs: &[LegMotion<N>; 3],
+        setpoint: &Setpoint<N>,
+        rotation: &Rotation<N>,
+    ) -> Result<[N; 3], Status> {
+        let load = |leg: usize| {
+            let dyad = &self.geometry.legs[leg].dyad;
+            self.links.load(leg, dyad, &legs[leg])
+        };
+        let loads = [load(0), load(1), load(2)];
+        let demand = self.payload.demand(setpoint, rotation);
+        let forces = self.balance.forces(legs, &demand, &loads)?;
+        Ok(forces.torques(legs, &loads))
+    }
+
     /// One tick: inverse kinematics, rates, accelerations, torques.
     ///
     /// # Errors

@@ -188,6 +188,11 @@ impl<N: Number> Rrr<N> {
         }
     }
 
+    /// The least and the greatest distance of the end joints, abs(l1 - l2) and l1 + l2.
+    pub fn reach(&self) -> (N, N) {
+        (self.folded_sq.sqrt(), self.stretched_sq.sqrt())
+    }
+
     /// l2. Not among the coefficients: the stages, which the machine's tick consists of, need its
     /// square only.
     #[inline]

@@ -34,6 +34,12 @@ pub enum Quantity {
     WrenchTorque,
     SliderDirection,
     SliderMass,
+    RateLimit,
+    AccelerationLimit,
+    TorqueLimit,
+    PowerLimit,
+    SerialDistance,
+    ParallelDistance,
 }
 
 /// A machine's description that cannot be built: which quantity, of which leg, its value, why.

@@ -68,6 +68,7 @@ fn messages_survive_the_line() {
             at: 0.5,
             value: 3.0,
             limit: 2.0,
+            ramp: false,
             shortest: Some(150),
         })),
     });

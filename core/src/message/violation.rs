@@ -42,6 +42,8 @@ pub struct Violation<N: Number> {
     pub value: N,
     /// The bound.
     pub limit: N,
+    /// Whether it takes a hold, a stop or a resume there: at normal speed the bound is kept.
+    pub ramp: bool,
     /// The shortest duration in ticks that would pass, where the move is merely too fast.
     pub shortest: Option<u32>,
 }

@@ -73,6 +73,13 @@ pub trait Number:
     /// Relative rounding error of one operation (half a unit in the last place of 1).
     const UNIT_ROUNDOFF: Self;
 
+    /// A bound of what one operation rounds whose result is of this size, which is not negative.
+    /// Underflow is left out.
+    #[inline(always)]
+    fn roundoff(size: Self) -> Self {
+        size * Self::UNIT_ROUNDOFF
+    }
+
     /// The nearest value to `x`. For building coefficients, not for the tick.
     fn from_f64(x: f64) -> Self;
     /// The value as a binary64 number, exactly.

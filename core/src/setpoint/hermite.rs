@@ -59,6 +59,15 @@ impl<N: Number> Cubic<N> {
         let half = self.c2 + self.c3 * (s + s + s);
         half + half
     }
+
+    #[inline(always)]
+    fn setpoint(&self, s: N, per_duration: N) -> Setpoint<N> {
+        Setpoint {
+            pose: self.pose(s),
+            velocity: self.first_derivative(s) * per_duration,
+            acceleration: self.second_derivative(s) * (per_duration * per_duration),
+        }
+    }
 }
 
 impl<N: Number> Hermite<N> {
@@ -102,11 +111,18 @@ impl<N: Number> Hermite<N> {
                 -self.per_duration,
             )
         };
-        Setpoint {
-            pose: cubic.pose(s),
-            velocity: cubic.first_derivative(s) * per_duration,
-            acceleration: cubic.second_derivative(s) * (per_duration * per_duration),
-        }
+        cubic.setpoint(s, per_duration)
+    }
+
+    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
+    #[inline(always)]
+    pub fn at_fraction(&self, s: N) -> Setpoint<N> {
+        let (cubic, s, per_duration) = if s <= N::HALF {
+            (&self.forward, s, self.per_duration)
+        } else {
+            (&self.backward, N::ONE - s, -self.per_duration)
+        };
+        cubic.setpoint(s, per_duration)
     }
 }
 

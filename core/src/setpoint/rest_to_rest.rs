@@ -52,6 +52,7 @@ impl<N: Number> RestToRest<N> {
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
+    #[inline(always)]
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
         if s <= N::HALF {
             self.after_start(s)

@@ -21,4 +21,13 @@ impl<N: Number> Segment<N> {
             Self::Hermite(segment) => segment.at(tick),
         }
     }
+
+    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
+    #[inline(always)]
+    pub fn at_fraction(&self, s: N) -> Setpoint<N> {
+        match self {
+            Self::RestToRest(segment) => segment.at_fraction(s),
+            Self::Hermite(segment) => segment.at_fraction(s),
+        }
+    }
 }

@@ -20,6 +20,9 @@ pub struct LegLoad<N> {
 
 /// A kind of links.
 pub trait Links<N: Number>: Sized {
+    /// The same kind in another number type.
+    type Over<M: Number>: Links<M>;
+
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
@@ -32,6 +35,8 @@ pub trait Links<N: Number>: Sized {
 pub struct Massless;
 
 impl<N: Number> Links<N> for Massless {
+    type Over<M: Number> = Self;
+
     fn build(_: &Parameters) -> Self {
         Self
     }
@@ -50,6 +55,8 @@ impl<N: Number> Links<N> for Massless {
 pub struct Rotors<N>([N; 3]);
 
 impl<N: Number> Links<N> for Rotors<N> {
+    type Over<M: Number> = Rotors<M>;
+
     fn build(parameters: &Parameters) -> Self {
         Self(
             parameters
@@ -149,6 +156,8 @@ impl<N: Number> MassiveLeg<N> {
 }
 
 impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
+    type Over<M: Number> = Massive<M, G::Over<M>>;
+
     fn build(parameters: &Parameters) -> Self {
         Self {
             legs: parameters.legs.each_ref().map(MassiveLeg::build),
@@ -164,6 +173,9 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
 
 /// Gravity as the links feel it. Chosen by type.
 pub trait Gravity<N: Number> {
+    /// The same kind in another number type.
+    type Over<M: Number>: Gravity<M>;
+
     /// From the vector g, m/s^2.
     fn build(gravity_m_s2: Vector2<f64>) -> Self;
 
@@ -176,6 +188,8 @@ pub trait Gravity<N: Number> {
 pub struct Horizontal;
 
 impl<N: Number> Gravity<N> for Horizontal {
+    type Over<M: Number> = Self;
+
     fn build(_: Vector2<f64>) -> Self {
         Self
     }
@@ -191,6 +205,8 @@ impl<N: Number> Gravity<N> for Horizontal {
 pub struct InPlane<N>(pub(crate) Vector2<N>);
 
 impl<N: Number> Gravity<N> for InPlane<N> {
+    type Over<M: Number> = InPlane<M>;
+
     fn build(gravity_m_s2: Vector2<f64>) -> Self {
         Self(gravity_m_s2.map(N::from_f64))
     }

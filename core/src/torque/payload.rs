@@ -17,6 +17,9 @@ pub struct Demand<N> {
 
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
 pub trait Payload<N: Number>: Sized {
+    /// The same kind in another number type.
+    type Over<M: Number>: Payload<M>;
+
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
@@ -36,6 +39,8 @@ pub struct Centred<N> {
 }
 
 impl<N: Number> Payload<N> for Centred<N> {
+    type Over<M: Number> = Centred<M>;
+
     fn build(parameters: &Parameters) -> Self {
         let mass = parameters.platform.mass_kg;
         let force = -(parameters.gravity_m_s2 * mass + parameters.wrench_force_n);
@@ -70,6 +75,8 @@ pub struct Offset<N> {
 }
 
 impl<N: Number> Payload<N> for Offset<N> {
+    type Over<M: Number> = Offset<M>;
+
     fn build(parameters: &Parameters) -> Self {
         Self {
             mass: N::from_f64(parameters.platform.mass_kg),
