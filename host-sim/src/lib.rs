@@ -18,6 +18,7 @@ pub mod link;
 pub mod linkage;
 pub mod placement;
 pub mod record;
+pub mod recording;
 pub mod run;
 pub mod scalar;
 pub mod words;

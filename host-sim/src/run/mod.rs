@@ -2,28 +2,24 @@
 
 mod histogram;
 mod pace;
-mod peaks;
 mod progress;
-mod recorder;
 mod summary;
 
 pub use histogram::Histogram;
 pub use pace::Deadlines;
-pub use peaks::{At, MotorPeaks, Peaks};
 
 use crate::cli::RunArgs;
 use crate::evaluator;
 use crate::failure::Failure;
-use crate::figures;
 use crate::record::Record;
+use crate::recording::{Peaks, Recorded, Recorder};
 use crate::scalar::{Available, Scalar};
 use pace::Pacer;
 use progress::Progress;
-use recorder::{Recorder, unwritable};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use trirrr_core::number::{Coarse, Number};
 use trirrr_core::status::Status;
@@ -134,14 +130,13 @@ fn simulate_in<N: Number>(
         rate_hz: scene.tick_rate_hz,
     };
 
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     let recorder = Recorder::create(folder, setpoints)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let progress = Progress::new(setpoints, expected);
 
     let (sender, receiver) = sync_channel(WAITING);
     let (played, recorded) = std::thread::scope(|scope| {
-        let recording = scope.spawn(move || recorder.record_all(&receiver, progress));
+        let recording = scope.spawn(move || record_all(recorder, &receiver, progress));
         let played = job.play(paced, stop, sender);
         // A panic there is a bug and goes on here.
         (
@@ -151,25 +146,34 @@ fn simulate_in<N: Number>(
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
         )
     });
-    let recorded = recorded?;
-
-    let mut heading = scene.name.clone();
-    if let (false, Some(last)) = (played.end == End::Complete, recorded.traces.last()) {
-        heading = format!("{heading} until t = {} s", last.t);
-    }
-    let figures = figures::write_all(folder, &heading, recorded.traces)
-        .map_err(|error| unwritable(&error.path, &error.source))?;
+    let is_complete = played.end == End::Complete;
+    let Recorded { rows, peaks, files } = recorded?.finish(&scene.name, is_complete)?;
     Ok(Report {
         end: played.end,
-        records: recorded.rows,
+        records: rows,
         setpoints,
         elapsed: played.elapsed,
         computation: played.computation,
         deadlines: played.deadlines,
-        peaks: recorded.peaks,
+        peaks,
         scalar,
-        files: std::iter::once(recorded.path).chain(figures).collect(),
+        files,
     })
+}
+
+/// Takes every record until the sender is gone. It has a thread of its own, so that a slow disk does
+/// not delay a tick. After an error no more are taken, which the sender notices.
+fn record_all(
+    mut recorder: Recorder,
+    records: &Receiver<Record>,
+    mut progress: Progress,
+) -> Result<Recorder, Failure> {
+    for record in records {
+        recorder.record(&record)?;
+        progress.update(recorder.rows(), record.t);
+    }
+    progress.finish();
+    Ok(recorder)
 }
 
 /// A job ready to be played.

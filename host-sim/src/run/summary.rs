@@ -1,7 +1,7 @@
 //! The summary of a run.
 
-use super::peaks::At;
 use super::{End, Histogram, Report};
+use crate::recording::At;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;

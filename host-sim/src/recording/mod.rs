@@ -1,0 +1,115 @@
+//! Takes the records of a job as they come, from a run or from a board: table, figures, peaks.
+
+mod peaks;
+
+pub use peaks::{At, MotorPeaks, Peaks};
+
+use crate::failure::Failure;
+use crate::figures;
+use crate::figures::Traces;
+use crate::record::{Record, TICK_COLUMNS};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What a job gives, while it is being written.
+pub struct Recorder {
+    folder: PathBuf,
+    path: PathBuf,
+    table: BufWriter<File>,
+    traces: Traces,
+    peaks: Option<Peaks>,
+    rows: u64,
+    line: String,
+}
+
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// Rows of the table.
+    pub rows: u64,
+    /// None if there was no record.
+    pub peaks: Option<Peaks>,
+    /// The files.
+    pub files: Vec<PathBuf>,
+}
+
+impl Recorder {
+    /// Begins `ticks.csv` in `folder`, which is made if it is missing, for a job of `ticks` records.
+    ///
+    /// # Errors
+    /// Failed: it cannot be written.
+    pub fn create(folder: &Path, ticks: u64) -> Result<Self, Failure> {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        let path = folder.join("ticks.csv");
+        let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
+        let mut table = BufWriter::new(file);
+        writeln!(table, "{}", TICK_COLUMNS.join(",")).map_err(|error| unwritable(&path, &error))?;
+        Ok(Self {
+            folder: folder.into(),
+            path,
+            table,
+            traces: Traces::new(ticks),
+            peaks: None,
+            rows: 0,
+            line: String::new(),
+        })
+    }
+
+    /// Adds the record of the next tick.
+    ///
+    /// # Errors
+    /// Failed: it cannot be written.
+    pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
+        use std::fmt::Write as _;
+        self.line.clear();
+        for (column, value) in record.tick_row().iter().enumerate() {
+            let comma = if column > 0 { "," } else { "" };
+            // Writing to a String does not fail. See `record::number` for the form.
+            let _ = write!(self.line, "{comma}{value:?}");
+        }
+        self.line.push('\n');
+        self.table
+            .write_all(self.line.as_bytes())
+            .map_err(|error| unwritable(&self.path, &error))?;
+        self.traces.push(record);
+        match &mut self.peaks {
+            Some(peaks) => peaks.merge(record),
+            none => *none = Some(Peaks::new(record)),
+        }
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// Records so far.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Ends the table and draws the figures. `name` begins their titles; of a job that did not come
+    /// to its end, they say when it ended.
+    ///
+    /// # Errors
+    /// Failed: something cannot be written.
+    pub fn finish(mut self, name: &str, is_complete: bool) -> Result<Recorded, Failure> {
+        self.table
+            .flush()
+            .map_err(|error| unwritable(&self.path, &error))?;
+        let heading = match self.traces.last() {
+            Some(last) if !is_complete => format!("{name} until t = {} s", last.t),
+            _ => name.into(),
+        };
+        let figures = figures::write_all(&self.folder, &heading, self.traces)
+            .map_err(|error| unwritable(&error.path, &error.source))?;
+        Ok(Recorded {
+            rows: self.rows,
+            peaks: self.peaks,
+            files: std::iter::once(self.path).chain(figures).collect(),
+        })
+    }
+}
+
+/// `path: cannot be written: why`.
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Failed(format!("{}: cannot be written: {error}", path.display()))
+}
