@@ -14,7 +14,8 @@ use trirrr_core::torque::payload::{Centred, Offset, Payload};
 
 /// The pipeline of one machine in the number type `N`.
 pub trait Evaluator<N: Number>: Send + Sync {
-    /// Evaluates one setpoint. The record's time is `t`, which nothing is computed from.
+    /// Evaluates one setpoint. The record's time is `t`, which nothing is computed from; its tool is
+    /// off.
     ///
     /// # Errors
     /// The [`Status`] that leaves the setpoint without a motion, [`Status::OutOfRange`] where any
@@ -104,6 +105,7 @@ where
             legs: [leg(0), leg(1), leg(2)],
             det_a: motion.forces.det_a.to_f64(),
             parallel: self.distances.parallel(&position).to_f64(),
+            tool: 0.0,
         };
         if record.is_finite() {
             Ok(record)

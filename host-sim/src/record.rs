@@ -62,6 +62,8 @@ pub struct Record {
     pub det_a: f64,
     /// Scale-free distance to the parallel singularity, |det A| / (l2_1 l2_2 l2_3 rho).
     pub parallel: f64,
+    /// Power of the tool, 0 to 1 of what it can give.
+    pub tool: f64,
 }
 
 impl Record {
@@ -118,6 +120,7 @@ impl Record {
         legs(|leg| leg.cross);
         legs(|leg| leg.serial);
         put(self.parallel);
+        put(self.tool);
         debug_assert_eq!(next, TICK_COLUMNS.len());
         values
     }
@@ -129,15 +132,15 @@ impl Record {
 }
 
 /// Columns of `ticks.csv`, SI units: the setpoint, the motors, det A, then the distal links,
-/// D = r1 x r2 and the scale-free distances to the serial and parallel singularity.
-pub const TICK_COLUMNS: [&str; 42] = [
+/// D = r1 x r2, the scale-free distances to the serial and parallel singularity, and the tool.
+pub const TICK_COLUMNS: [&str; 43] = [
     "t", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha", //
     "th1_1", "th1_2", "th1_3", "dth1_1", "dth1_2", "dth1_3", "ddth1_1", "ddth1_2",
     "ddth1_3", //
     "tau1", "tau2", "tau3", "P1", "P2", "P3", "detA", //
     "th2_1", "th2_2", "th2_3", "dth2_1", "dth2_2", "dth2_3", "ddth2_1", "ddth2_2",
     "ddth2_3", //
-    "D1", "D2", "D3", "serial1", "serial2", "serial3", "parallel",
+    "D1", "D2", "D3", "serial1", "serial2", "serial3", "parallel", "tool",
 ];
 
 /// Result columns of a batch after `case` and `status`, SI units.
@@ -182,6 +185,7 @@ mod tests {
             legs: [leg(1.0), leg(2.0), leg(3.0)],
             det_a: 200.0,
             parallel: 300.0,
+            tool: 0.5,
         }
     }
 
@@ -211,7 +215,7 @@ mod tests {
             assert_eq!(tick(&format!("serial{n}")), leg.serial);
         }
         assert_eq!([tick("detA"), result("detA")], [200.0; 2]);
-        assert_eq!(tick("parallel"), 300.0);
+        assert_eq!([tick("parallel"), tick("tool")], [300.0, 0.5]);
         assert_eq!(
             [
                 "t", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"

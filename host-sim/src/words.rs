@@ -4,7 +4,7 @@ use trirrr_core::message::{
     Acting, Bounded, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
 };
 
-/// The units that a machine's messages are in, and the time that its ticks take.
+/// The units that a machine's messages are in, and the rate of its ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
     /// One unit of length, m.
@@ -13,18 +13,28 @@ pub struct Units {
     pub time_s: f64,
     /// One unit of mass, kg.
     pub mass_kg: f64,
-    /// Seconds per tick.
-    pub period_s: f64,
+    /// Ticks per second.
+    pub tick_rate_hz: f64,
 }
 
 impl Units {
+    /// SI, as the float types have them, at `tick_rate_hz` ticks per second.
+    pub fn si(tick_rate_hz: f64) -> Self {
+        Self {
+            length_m: 1.0,
+            time_s: 1.0,
+            mass_kg: 1.0,
+            tick_rate_hz,
+        }
+    }
+
     /// Those that a machine named in its hello.
     pub fn of(identity: &Identity) -> Self {
         Self {
             length_m: identity.length_m,
             time_s: identity.time_s,
             mass_kg: identity.mass_kg,
-            period_s: 1.0 / identity.tick_rate_hz,
+            tick_rate_hz: identity.tick_rate_hz,
         }
     }
 
@@ -49,7 +59,7 @@ impl Units {
 
     /// `640 ticks (1.28 s)`.
     fn ticks(&self, ticks: u32) -> String {
-        let seconds = short(f64::from(ticks) * self.period_s);
+        let seconds = short(f64::from(ticks) / self.tick_rate_hz);
         format!("{ticks} ticks ({seconds} s)")
     }
 }
@@ -109,7 +119,7 @@ pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Unit
     let values = [violation.value, violation.limit];
     let mut text = beyond(violation.what, violation.index, "would be", values, units);
     let fraction = violation.at.to_f64();
-    let time = fraction * f64::from(ticks) * units.period_s;
+    let time = fraction * f64::from(ticks) / units.tick_rate_hz;
     text += &format!(", {} s into the move", short(time));
     if let Some(shortest) = violation.shortest {
         text += &format!("; {} would be long enough", units.ticks(shortest));
@@ -229,13 +239,6 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
 mod tests {
     use super::*;
 
-    const SI: Units = Units {
-        length_m: 1.0,
-        time_s: 1.0,
-        mass_kg: 1.0,
-        period_s: 0.002,
-    };
-
     #[test]
     fn a_violation_names_what_which_when_value_limit_and_the_way_out() {
         let found = Violation {
@@ -247,7 +250,7 @@ mod tests {
             shortest: Some(640),
         };
         assert_eq!(
-            violation(&found, 400, &SI),
+            violation(&found, 400, &Units::si(500.0)),
             "torque of motor 2 would be -9.312 N m, the most allowed is 9 N m, 0.2 s into the \
              move; 640 ticks (1.28 s) would be long enough"
         );
@@ -260,7 +263,7 @@ mod tests {
             shortest: None,
         };
         assert_eq!(
-            violation(&found, 100, &SI),
+            violation(&found, 100, &Units::si(500.0)),
             "distance from the parallel singularity would be 0.0031, the least allowed is 0.01, \
              0.2 s into the move"
         );
@@ -272,7 +275,7 @@ mod tests {
             length_m: 0.5,
             time_s: 0.1,
             mass_kg: 2.0,
-            period_s: 0.001,
+            tick_rate_hz: 1000.0,
         };
         for (what, text) in [
             (Bounded::Reach, "1 m"),
@@ -297,7 +300,10 @@ mod tests {
             limit: 0.0,
             tick: 77,
         };
-        assert_eq!(fault(&found, &SI), "leg 3 is out of reach (tick 77)");
+        assert_eq!(
+            fault(&found, &Units::si(500.0)),
+            "leg 3 is out of reach (tick 77)"
+        );
         let found = Fault {
             code: FaultCode::Limit(Bounded::Rate),
             index: Some(0),
@@ -306,7 +312,7 @@ mod tests {
             tick: 8,
         };
         assert_eq!(
-            fault(&found, &SI),
+            fault(&found, &Units::si(500.0)),
             "rate of motor 1 was 5.25 rad/s, the most allowed is 5 rad/s (tick 8)"
         );
     }

@@ -12,7 +12,7 @@ use trirrr_scene::Scene;
 
 const HEADER: &str = "t,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,th1_1,th1_2,th1_3,dth1_1,dth1_2,dth1_3,\
     ddth1_1,ddth1_2,ddth1_3,tau1,tau2,tau3,P1,P2,P3,detA,th2_1,th2_2,th2_3,dth2_1,dth2_2,dth2_3,\
-    ddth2_1,ddth2_2,ddth2_3,D1,D2,D3,serial1,serial2,serial3,parallel";
+    ddth2_1,ddth2_2,ddth2_3,D1,D2,D3,serial1,serial2,serial3,parallel,tool";
 
 const FILES: [&str; 10] = [
     "ticks.csv",
