@@ -95,9 +95,10 @@ pub struct Status<N: Number> {
     pub fault: Option<Fault<N>>,
     /// Number of the next move to offer.
     pub next: u32,
-    /// Moves admitted since the machine was switched on, modulo 2^32,
+    /// Number of the first move that is not admitted: all before it are,
     pub admitted: u32,
-    /// and played to their end.
+    /// and of the first that is not over: all before it were played to their end, or cut short
+    /// where the job was stopped.
     pub done: u32,
     /// Moves for which there is room.
     pub room: u8,
@@ -137,7 +138,7 @@ pub enum Event<N: Number> {
         state: State,
         /// what keeps it from normal speed,
         acting: Acting,
-        /// and how many moves were played to their end.
+        /// and the number of the first move that is not over.
         done: u32,
     },
     /// A fault was latched.
@@ -160,7 +161,7 @@ pub struct Telemetry<N: Number> {
     /// Whole ticks of the move's own time that have passed,
     pub at: u32,
     /// and the rest in parts of 2 `ramp_ticks` to the tick; always 0 at normal speed.
-    pub part: u16,
+    pub part: u32,
     /// Pose, velocity, acceleration, time scaling included.
     pub setpoint: Setpoint<N>,
     /// theta_i1, in (-pi, pi].

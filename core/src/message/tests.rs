@@ -14,7 +14,7 @@ fn telemetry<N: Number>() -> Telemetry<N> {
         acting: Acting::Limit(Bounded::Range),
         number: u32::MAX,
         at: u32::MAX,
-        part: u16::MAX,
+        part: u32::MAX,
         setpoint: Setpoint {
             pose: Pose::from_f64(0.25, -0.5, 1.0),
             velocity: Vector3::new(n(1.0), n(2.0), n(3.0)),

@@ -1,5 +1,6 @@
 //! The cubic with given velocities at both ends, so that moves chain without stopping.
 
+use super::between::Nearer;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -110,6 +111,16 @@ impl<N: Number> Hermite<N> {
                 N::ratio(left, self.ticks),
                 -self.per_duration,
             )
+        };
+        cubic.setpoint(s, per_duration)
+    }
+
+    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    #[inline(always)]
+    pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
+        let (cubic, s, per_duration) = match Nearer::of(tick, part, self.ticks) {
+            Nearer::Start(s) => (&self.forward, s, self.per_duration),
+            Nearer::End(s) => (&self.backward, s, -self.per_duration),
         };
         cubic.setpoint(s, per_duration)
     }

@@ -4,12 +4,15 @@
 //! evaluated from whichever end is nearer, so that the first and the last tick of a move give its
 //! two poses exactly, and a chain of moves neither drifts nor jumps.
 
+mod between;
 mod hermite;
+mod joint;
 mod rest_to_rest;
 mod segment;
 mod serial;
 
 pub use hermite::Hermite;
+pub use joint::{JointMove, JointSetpoint};
 pub use rest_to_rest::RestToRest;
 pub use segment::Segment;
 

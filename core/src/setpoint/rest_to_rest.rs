@@ -1,5 +1,6 @@
 //! The rest-to-rest cubic, thesis (5.1) to (5.10).
 
+use super::between::Nearer;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -58,6 +59,15 @@ impl<N: Number> RestToRest<N> {
             self.after_start(s)
         } else {
             self.before_end(N::ONE - s)
+        }
+    }
+
+    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    #[inline(always)]
+    pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
+        match Nearer::of(tick, part, self.ticks) {
+            Nearer::Start(s) => self.after_start(s),
+            Nearer::End(s) => self.before_end(s),
         }
     }
 

@@ -30,4 +30,21 @@ impl<N: Number> Segment<N> {
             Self::Hermite(segment) => segment.at_fraction(s),
         }
     }
+
+    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    #[inline(always)]
+    pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
+        match self {
+            Self::RestToRest(segment) => segment.between(tick, part),
+            Self::Hermite(segment) => segment.between(tick, part),
+        }
+    }
+
+    /// Length of the move in ticks.
+    pub fn ticks(&self) -> u32 {
+        match self {
+            Self::RestToRest(segment) => segment.ticks(),
+            Self::Hermite(segment) => segment.ticks(),
+        }
+    }
 }

@@ -1,0 +1,72 @@
+//! Instants between ticks.
+
+use crate::number::Number;
+
+/// An instant of a move, as the fraction of its duration from the nearer end.
+pub(super) enum Nearer<N> {
+    /// After the start.
+    Start(N),
+    /// Before the end.
+    End(N),
+}
+
+impl<N: Number> Nearer<N> {
+    /// The instant `part` of a tick, 0 to less than 1, after `tick`, in a move of `ticks`. Whole
+    /// ticks and the part are divided apart, for together they do not fit an integer; that rounds
+    /// twice, so at a whole tick it is not left to this.
+    #[inline(always)]
+    pub(super) fn of(tick: u32, part: N, ticks: u32) -> Self {
+        let left = ticks.saturating_sub(tick);
+        let rest = part * N::ratio(1, ticks);
+        if tick < left {
+            Self::Start(N::ratio(tick, ticks) + rest)
+        } else if left == 0 {
+            Self::End(N::ZERO)
+        } else {
+            // Not negative: left >= 1 > part.
+            Self::End(N::ratio(left, ticks) - rest)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Hermite, Pose, RestToRest, Segment, Setpoint};
+    use nalgebra::Vector3;
+
+    fn close(a: &Setpoint<f64>, b: &Setpoint<f64>) -> bool {
+        (a.pose.position - b.pose.position).abs().max() < 1e-15
+            && (a.pose.angle - b.pose.angle).abs() < 1e-15
+            && (a.velocity - b.velocity).abs().max() < 1e-14
+            && (a.acceleration - b.acceleration).abs().max() < 1e-13
+    }
+
+    /// The same path in ticks a quarter as long: its ticks are the quarters.
+    #[test]
+    fn quarters_are_the_ticks_of_a_finer_move() {
+        let (from, to) = (
+            Pose::from_f64(0.1, -0.2, 0.3),
+            Pose::from_f64(-0.4, 0.3, -0.1),
+        );
+        let (start, end) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(0.1, 0.0, -0.4));
+        for ticks in [1, 2, 7, 10] {
+            let pairs = [
+                (
+                    Segment::RestToRest(RestToRest::new(from, to, ticks, 0.2)),
+                    Segment::RestToRest(RestToRest::new(from, to, 4 * ticks, 0.05)),
+                ),
+                (
+                    Segment::Hermite(Hermite::new(from, start, to, end, ticks, 0.2)),
+                    Segment::Hermite(Hermite::new(from, start, to, end, 4 * ticks, 0.05)),
+                ),
+            ];
+            for (coarse, fine) in &pairs {
+                for quarter in 0..=4 * ticks + 3 {
+                    let between = coarse.between(quarter / 4, f64::from(quarter % 4) / 4.0);
+                    assert!(close(&between, &fine.at(quarter)), "{ticks} {quarter}");
+                }
+                assert_eq!(coarse.between(ticks, 0.75), coarse.at(ticks));
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Moves in joint space: for machines that stand where the platform's pose says nothing.
+
+use super::between::Nearer;
+use crate::number::Number;
+
+/// The three motors, each by itself, from rest to rest in the same time; the cubic of
+/// [`RestToRest`](super::RestToRest) on each motor's angle, the shorter way round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointMove<N: Number> {
+    from: [N::Angle; 3],
+    to: [N::Angle; 3],
+    ticks: u32,
+    /// h, at most half a turn.
+    displacement: [N; 3],
+    /// 6 / T.
+    velocity: N,
+    /// 6 / T^2.
+    acceleration: N,
+}
+
+/// Angle, rate and acceleration of the three motors at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSetpoint<N: Number> {
+    /// Angles, in (-pi, pi] but for rounding.
+    pub angles: [N::Angle; 3],
+    /// Rates.
+    pub rates: [N; 3],
+    /// Accelerations.
+    pub accelerations: [N; 3],
+}
+
+impl<N: Number> JointMove<N> {
+    /// The move `from` -> `to` in `ticks` ticks of `period` each, both positive. The angles lie in
+    /// (-pi, pi].
+    pub fn new(from: [N::Angle; 3], to: [N::Angle; 3], ticks: u32, period: N) -> Self {
+        let per_duration = N::ratio(1, ticks).div(period);
+        let velocity = N::ratio(6, 1) * per_duration;
+        let way = |motor: usize| shorter_way(N::radians(to[motor] - from[motor]));
+        Self {
+            from,
+            to,
+            ticks,
+            displacement: [way(0), way(1), way(2)],
+            velocity,
+            acceleration: velocity * per_duration,
+        }
+    }
+
+    /// Length of the move in ticks.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// Where the motors come to.
+    pub fn to(&self) -> [N::Angle; 3] {
+        self.to
+    }
+
+    /// The largest rate of each motor, 3 h / (2 T), and the largest acceleration, 6 h / T^2.
+    pub fn peaks(&self) -> ([N; 3], [N; 3]) {
+        let quarter = N::HALF * N::HALF;
+        let (rate, acceleration) = (self.velocity * quarter, self.acceleration);
+        (
+            self.displacement.map(|way| (way * rate).abs()),
+            self.displacement.map(|way| (way * acceleration).abs()),
+        )
+    }
+
+    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    pub fn between(&self, tick: u32, part: N) -> JointSetpoint<N> {
+        // The angle is reckoned from the nearer end: both are exact.
+        let (s, base, towards, slope) = match Nearer::of(tick, part, self.ticks) {
+            Nearer::Start(s) => (s, &self.from, N::ONE, N::ONE - (s + s)),
+            Nearer::End(s) => (s, &self.to, -N::ONE, (s + s) - N::ONE),
+        };
+        let blend = s * s * ((N::ONE - s) + (N::ONE - s) + N::ONE) * towards;
+        let rate = self.velocity * (s * (N::ONE - s));
+        let acceleration = self.acceleration * slope;
+        let [h1, h2, h3] = self.displacement;
+        let [b1, b2, b3] = *base;
+        let angle = |base: N::Angle, way: N| wrapped::<N>(base + N::angle(way * blend));
+        JointSetpoint {
+            angles: [angle(b1, h1), angle(b2, h2), angle(b3, h3)],
+            rates: self.displacement.map(|way| way * rate),
+            accelerations: self.displacement.map(|way| way * acceleration),
+        }
+    }
+}
+
+/// pi.
+fn half_turn<N: Number>() -> N {
+    N::radians(N::direction(-N::ONE, N::ZERO, N::ONE))
+}
+
+/// A difference of two angles in (-pi, pi], the shorter way round.
+fn shorter_way<N: Number>(way: N) -> N {
+    let half = half_turn::<N>();
+    let turn = half + half;
+    if way > half {
+        way - turn
+    } else if way < -half {
+        way + turn
+    } else {
+        way
+    }
+}
+
+/// `angle`, less than a turn beyond (-pi, pi], within.
+fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
+    let half = half_turn::<N>();
+    let radians = N::radians(angle);
+    let turn = N::angle(half) + N::angle(half);
+    if radians > half {
+        angle - turn
+    } else if radians < -half {
+        angle + turn
+    } else {
+        angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    #[test]
+    fn both_ends_are_exact_and_at_rest() {
+        let (from, to) = ([3.1, -0.2, 1.0], [-3.1, 0.7, 1.0]);
+        let joint = JointMove::<f64>::new(from, to, 9, 0.01);
+        assert_eq!(joint.between(0, 0.0).angles, from);
+        assert_eq!(joint.between(9, 0.0).angles, to);
+        assert_eq!(joint.between(9, 0.5), joint.between(9, 0.0));
+        for tick in [0, 9] {
+            assert_eq!(joint.between(tick, 0.0).rates, [0.0; 3]);
+        }
+    }
+
+    #[test]
+    fn takes_the_shorter_way_round() {
+        let joint = JointMove::<f64>::new([3.1, -3.1, 0.0], [-3.1, 3.1, 3.0], 10, 0.1);
+        let way = 2.0 * PI - 6.2;
+        let (rates, accelerations) = joint.peaks();
+        // 3 h / (2 T) and 6 h / T^2 with T = 1 s.
+        for (motor, way) in [way, way, 3.0].into_iter().enumerate() {
+            assert!((rates[motor] - 1.5 * way).abs() < 1e-14);
+            assert!((accelerations[motor] - 6.0 * way).abs() < 1e-13);
+        }
+        for tick in 0..=10 {
+            let [up, down, _] = joint.between(tick, 0.0).angles;
+            assert!(up.abs() >= 3.1 && up.abs() <= PI, "{tick} {up}");
+            assert!(down.abs() >= 3.1 && down.abs() <= PI, "{tick} {down}");
+        }
+        assert!((joint.between(5, 0.0).rates[0] - rates[0]).abs() < 1e-15);
+    }
+
+    /// Rates are the derivative of the angles, accelerations that of the rates.
+    #[test]
+    fn derivatives_fit() {
+        let joint = JointMove::<f64>::new([0.0; 3], [1.0, -2.0, 0.5], 20, 0.05);
+        let step = 1e-5;
+        for tick in [3, 9, 10, 11, 16] {
+            let (before, now, after) = (
+                joint.between(tick, 0.5 - step),
+                joint.between(tick, 0.5),
+                joint.between(tick, 0.5 + step),
+            );
+            let time = 2.0 * step * 0.05;
+            for motor in 0..3 {
+                let rate = (after.angles[motor] - before.angles[motor]) / time;
+                let acceleration = (after.rates[motor] - before.rates[motor]) / time;
+                assert!((rate - now.rates[motor]).abs() < 1e-8);
+                assert!((acceleration - now.accelerations[motor]).abs() < 1e-7);
+            }
+        }
+    }
+}
