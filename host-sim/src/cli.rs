@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::report::Section;
 use crate::scalar::Scalar;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -30,6 +31,8 @@ pub enum Command {
     Eval(EvalArgs),
     /// Solve a planar linkage over its motion: Assur groups, table, figures
     Linkage(LinkageArgs),
+    /// Measure what the numbers are worth and what they cost: errors, run times, extremes
+    Report(ReportArgs),
 }
 
 /// `host-sim run`.
@@ -103,6 +106,24 @@ pub struct LinkageArgs {
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `host-sim report`.
+///
+/// Writes report.md with its tables as CSV and its figures as SVG. Instruction counts are those
+/// that were checked in when this program was built; everything else is measured now.
+#[derive(Args, Clone, Debug)]
+pub struct ReportArgs {
+    /// Folder for what is written, made if missing; files of an earlier report are replaced
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    pub out: PathBuf,
+    /// A part of the report; repeat for more [default: all of them]
+    #[arg(long)]
+    pub section: Vec<Section>,
+    /// A Markdown file whose copies of the report's parts are replaced, and the figures in
+    /// `images` beside it
+    #[arg(long, value_name = "FILE.md")]
+    pub docs: Option<PathBuf>,
 }
 
 const EVAL_COLUMNS: &str = "\

@@ -8,7 +8,7 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
-use trirrr_core::tick::Tick;
+use trirrr_core::tick::{Motor, Tick};
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
 
@@ -21,6 +21,13 @@ pub trait Evaluator<N: Number>: Send + Sync {
     /// The [`Status`] that leaves the setpoint without a motion, [`Status::OutOfRange`] where any
     /// value of the record would not be finite.
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status>;
+
+    /// The twelve results that the motors need, and nothing else is computed: the tick as it runs
+    /// on a target.
+    ///
+    /// # Errors
+    /// The [`Status`] that leaves the setpoint without a motion.
+    fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status>;
 }
 
 /// Builds the pipeline that has room for what `parameters` hold, and for nothing else.
@@ -112,6 +119,10 @@ where
         } else {
             Err(Status::OutOfRange)
         }
+    }
+
+    fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status> {
+        self.tick.evaluate(setpoint).map(|motion| motion.motors)
     }
 }
 

@@ -3,7 +3,8 @@
 //! [`run`] plays a scene's job tick by tick through [`trirrr_core`], in real time or as fast as it
 //! goes, and writes a table and [`figures`]. [`eval`] evaluates a table of cases. Both choose the
 //! pipeline of the scene or case in [`evaluator`] and speak in [`record`]s. [`linkage`] solves other
-//! planar mechanisms. [`client`] is the host's side of the conversation with a machine.
+//! planar mechanisms. [`client`] is the host's side of the conversation with a machine. [`report`]
+//! measures errors and run times.
 
 #![forbid(unsafe_code)]
 
@@ -19,7 +20,8 @@ pub mod link;
 pub mod linkage;
 pub mod placement;
 pub mod record;
-pub mod recording;
+//! planar mechanisms. [`client`] is the host's side of the conversation with a machine. [`report`]
+//! measures errors and run times.
 pub mod run;
 pub mod scalar;
 pub mod telemetry;

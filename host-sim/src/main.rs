@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use trirrr_host_sim::cli::{Cli, Command, RunArgs};
 use trirrr_host_sim::failure::Failure;
 use trirrr_host_sim::run::End;
-use trirrr_host_sim::{eval, linkage, run};
+use trirrr_host_sim::{eval, linkage, report, run};
 
 /// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -24,6 +24,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run(args),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Report(args) => report::command(args).map(|()| ExitCode::SUCCESS),
     };
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.

@@ -1,8 +1,7 @@
 //! Comparison of results with true values.
 
 use crate::double_double::DoubleDouble;
-use crate::results::Name;
-use crate::scalar::Scalar;
+use crate::results::{Name, angle_error};
 use core::f64::consts::TAU;
 
 /// How far the worst of many results came to its bound.
@@ -60,15 +59,10 @@ impl Worst {
 
 /// The error of `result`; of angles without whole turns.
 pub fn error(name: Name, result: f64, truth: DoubleDouble) -> f64 {
-    let error = truth.error_of(result);
-    if name.is_angle() && error.abs() > 3.0 {
-        // 2 pi as pi is known to 53 bits and 53 more.
-        let turn = (DoubleDouble::constant(TAU)
-            + DoubleDouble::constant(2.449_293_598_294_706_4e-16))
-            * DoubleDouble::constant((error / TAU).round());
-        (truth + turn).error_of(result)
+    if name.is_angle() {
+        angle_error(truth, result)
     } else {
-        error
+        truth.error_of(result)
     }
 }
 

@@ -5,6 +5,7 @@ use crate::dual::Dual;
 use crate::inputs::{Inputs, Sizes};
 use crate::model::{Dynamics, Kinematics};
 use crate::scalar::Scalar;
+use core::f64::consts::TAU;
 use trirrr_core::machine::Parameters;
 use trirrr_core::number::Number;
 use trirrr_core::reaction::Reactions;
@@ -34,6 +35,18 @@ impl Name {
     /// Whether the result is an angle, of which whole turns do not matter.
     pub fn is_angle(self) -> bool {
         matches!(self.stem, "th1" | "th2")
+    }
+}
+
+/// The error of the angle `result`, without whole turns.
+pub fn angle_error(truth: DoubleDouble, result: f64) -> f64 {
+    let error = truth.error_of(result);
+    if error.abs() > 3.0 {
+        // 2 pi as pi is known to 53 bits and 53 more.
+        let turn = DoubleDouble::sum(TAU, 2.449_293_598_294_706_4e-16);
+        (truth + turn * DoubleDouble::new((error / TAU).round())).error_of(result)
+    } else {
+        error
     }
 }
 

@@ -4,6 +4,7 @@
 pub(crate) mod canvas;
 mod catalogue;
 mod decimate;
+pub(crate) mod loglog;
 mod machine;
 pub(crate) mod panel;
 pub(crate) mod scale;

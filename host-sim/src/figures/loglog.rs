@@ -1,0 +1,250 @@
+//! Points and curves over two logarithmic axes, such as error against run time.
+
+use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use super::panel::range;
+use super::style::{CURVES, FRAME, GRID, INK};
+
+/// One curve or cloud of points in one colour.
+pub(crate) struct Series {
+    /// What the legend says.
+    pub(crate) label: String,
+    /// Whether the points are joined, in their order.
+    pub(crate) joined: bool,
+    /// The points. What is not positive and finite has no place on the axes and is left out.
+    pub(crate) points: Vec<Point>,
+}
+
+/// One point.
+pub(crate) struct Point {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    /// What is written beside it; nothing if empty.
+    pub(crate) label: String,
+}
+
+/// A figure.
+pub(crate) struct LogLog<'a> {
+    pub(crate) title: &'a str,
+    /// What the axes show, with units: `instructions per tick`, `error (m)`.
+    pub(crate) x: &'a str,
+    pub(crate) y: &'a str,
+    pub(crate) series: &'a [Series],
+    /// Curves drawn dashed behind the points, such as Pareto fronts: each with its name.
+    pub(crate) fronts: &'a [(String, Vec<(f64, f64)>)],
+}
+
+const WIDTH: f64 = 900.0;
+const HEIGHT: f64 = 520.0;
+const TOP: f64 = 52.0;
+const BOTTOM: f64 = 64.0;
+const LEFT: f64 = 84.0;
+
+/// The points of `points` that no other one beats in both coordinates, from left to right.
+pub(crate) fn pareto_front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut points: Vec<_> = points.filter(|&(x, y)| is_drawn(x, y)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut front: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if front.last().is_none_or(|last| point.1 < last.1) {
+            front.push(point);
+        }
+    }
+    front
+}
+
+fn is_drawn(x: f64, y: f64) -> bool {
+    x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()
+}
+
+/// Draws the figure.
+pub(crate) fn draw(figure: &LogLog<'_>) -> Drawn {
+    let labels = figure.series.iter().map(|series| &series.label);
+    let widest = labels
+        .chain(figure.fronts.iter().map(|(label, _)| label))
+        .map(|label| Size::Label.width(label))
+        .fold(0.0, f64::max);
+    let frame = Frame::around(figure, WIDTH - widest - 56.0);
+    page(WIDTH, TOP + HEIGHT + BOTTOM, |canvas| {
+        let middle = (WIDTH / 2.0, 26.0);
+        canvas.text(figure.title, middle, Size::Title, CENTRED, INK)?;
+        frame.draw(canvas, figure)?;
+        for (label, points) in figure.fronts {
+            frame.front(canvas, label, points)?;
+        }
+        for (series, colour) in figure.series.iter().zip(CURVES.iter().cycle()) {
+            let drawn: Vec<_> = series
+                .points
+                .iter()
+                .filter(|point| is_drawn(point.x, point.y))
+                .map(|point| (frame.at((point.x, point.y)), &point.label))
+                .collect();
+            if series.joined {
+                let line: Vec<_> = drawn.iter().map(|(at, _)| *at).collect();
+                canvas.line(&line, *colour, 1.8)?;
+            }
+            for (at, label) in drawn {
+                canvas.dot(at, 4.2, *colour)?;
+                canvas.text(label, (at.0 + 8.0, at.1), Size::Tick, RIGHT_OF, INK)?;
+            }
+        }
+        frame.legend(canvas, figure)
+    })
+}
+
+/// The area of the axes, which run over whole decades.
+struct Frame {
+    right: f64,
+    /// Decimal exponents at the ends.
+    x: (i32, i32),
+    y: (i32, i32),
+}
+
+impl Frame {
+    fn around(figure: &LogLog<'_>, right: f64) -> Self {
+        let points = || {
+            let of_series = figure.series.iter().flat_map(|series| &series.points);
+            let of_fronts = figure.fronts.iter().flat_map(|(_, points)| points.iter());
+            of_series
+                .map(|point| (point.x, point.y))
+                .chain(of_fronts.copied())
+                .filter(|&(x, y)| is_drawn(x, y))
+        };
+        let decades = |(low, high): (f64, f64)| {
+            let (low, high) = (low.floor() as i32, high.ceil() as i32);
+            (low, high.max(low + 1))
+        };
+        Self {
+            right,
+            x: decades(range(points().map(|(x, _)| x.log10()))),
+            y: decades(range(points().map(|(_, y)| y.log10()))),
+        }
+    }
+
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let part = |value: f64, (low, high): (i32, i32)| {
+            (value.log10() - f64::from(low)) / f64::from(high - low)
+        };
+        (
+            LEFT + part(x, self.x) * (self.right - LEFT),
+            TOP + (1.0 - part(y, self.y)) * HEIGHT,
+        )
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>, figure: &LogLog<'_>) -> Draw {
+        let (bottom, right) = (TOP + HEIGHT, self.right);
+        // Of many decades every second or fifth has a line.
+        let step = |(low, high): (i32, i32)| match high - low {
+            0..=12 => 1,
+            13..=24 => 2,
+            _ => 5,
+        };
+        let exponents = |ends: (i32, i32)| (ends.0..=ends.1).step_by(step(ends));
+        for exponent in exponents(self.x) {
+            let (x, _) = self.at((10f64.powi(exponent), 1.0));
+            canvas.line(&[(x, TOP), (x, bottom)], GRID, 1.0)?;
+            let label = format!("1e{exponent}");
+            canvas.text(&label, (x, bottom + 8.0), Size::Tick, BELOW, INK)?;
+        }
+        for exponent in exponents(self.y) {
+            let (_, y) = self.at((1.0, 10f64.powi(exponent)));
+            canvas.line(&[(LEFT, y), (right, y)], GRID, 1.0)?;
+            let label = format!("1e{exponent}");
+            canvas.text(&label, (LEFT - 8.0, y), Size::Tick, LEFT_OF, INK)?;
+        }
+        let corners = [
+            (LEFT, TOP),
+            (right, TOP),
+            (right, bottom),
+            (LEFT, bottom),
+            (LEFT, TOP),
+        ];
+        canvas.line(&corners, FRAME, 1.0)?;
+        let middle = ((LEFT + right) / 2.0, bottom + 34.0);
+        canvas.text(figure.x, middle, Size::Label, BELOW, INK)?;
+        canvas.upright(figure.y, (18.0, TOP + HEIGHT / 2.0), Size::Label, INK)
+    }
+
+    /// A staircase through the points of a front: what lies above and to the right of it is beaten.
+    fn front(&self, canvas: &Canvas<'_>, label: &str, points: &[(f64, f64)]) -> Draw {
+        let places: Vec<_> = points.iter().map(|&point| self.at(point)).collect();
+        for pair in places.windows(2) {
+            let corner = (pair[1].0, pair[0].1);
+            canvas.dashed(pair[0], corner, FRAME)?;
+            canvas.dashed(corner, pair[1], FRAME)?;
+        }
+        match places.first() {
+            Some(first) => {
+                canvas.text(label, (first.0, first.1 - 16.0), Size::Tick, CENTRED, FRAME)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Beside the frame, where it covers nothing.
+    fn legend(&self, canvas: &Canvas<'_>, figure: &LogLog<'_>) -> Draw {
+        let x = self.right + 16.0;
+        for (row, (series, colour)) in figure.series.iter().zip(CURVES.iter().cycle()).enumerate() {
+            let y = TOP + 14.0 + 22.0 * row as f64;
+            canvas.dot((x + 6.0, y), 4.2, *colour)?;
+            canvas.text(&series.label, (x + 18.0, y), Size::Label, RIGHT_OF, INK)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let points = [
+            (1.0, 9.0),
+            (2.0, 5.0),
+            (2.0, 4.0),
+            (3.0, 4.0),
+            (4.0, 1.0),
+            (5.0, 2.0),
+            (0.5, f64::NAN),
+            (0.5, 0.0),
+        ];
+        let front = pareto_front(points.into_iter());
+        assert_eq!(front, [(1.0, 9.0), (2.0, 4.0), (4.0, 1.0)]);
+    }
+
+    #[test]
+    fn decades_frame_the_points_and_what_has_no_logarithm_is_left_out() {
+        let point = |x: f64, y: f64| Point {
+            x,
+            y,
+            label: format!("at {x}"),
+        };
+        let series = [Series {
+            label: "a series".into(),
+            joined: true,
+            points: vec![point(30.0, 2e-7), point(0.0, 1.0), point(4000.0, 3e-16)],
+        }];
+        let figure = LogLog {
+            title: "title",
+            x: "time",
+            y: "error",
+            series: &series,
+            fronts: &[("front".into(), vec![(30.0, 2e-7), (4000.0, 3e-16)])],
+        };
+        let frame = Frame::around(&figure, 700.0);
+        assert_eq!((frame.x, frame.y), ((1, 4), (-16, -6)));
+        assert_eq!(frame.at((10.0, 1e-16)), (LEFT, TOP + HEIGHT));
+        assert_eq!(frame.at((1e4, 1e-6)), (700.0, TOP));
+        let svg = draw(&figure).unwrap();
+        assert!(svg.contains("at 30") && !svg.contains("at 0"));
+        for text in ["1e-16", "1e4", "a series", "front"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        let empty = LogLog {
+            series: &[],
+            fronts: &[],
+            ..figure
+        };
+        assert!(draw(&empty).unwrap().ends_with("</svg>\n"));
+    }
+}
