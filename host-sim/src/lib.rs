@@ -20,8 +20,8 @@ pub mod link;
 pub mod linkage;
 pub mod placement;
 pub mod record;
-//! planar mechanisms. [`client`] is the host's side of the conversation with a machine. [`report`]
-//! measures errors and run times.
+pub mod recording;
+pub mod report;
 pub mod run;
 pub mod scalar;
 pub mod telemetry;
