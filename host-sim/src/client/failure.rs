@@ -1,7 +1,6 @@
 //! How a job ends when it does not end at its end.
 
-use super::describe::{fault, violation};
-use std::fmt;
+use crate::words::{self, Units};
 use trirrr_core::message::{Acting, Fault, Refusal, State, Transmit, Violation};
 
 /// Why a job was not played to its end. Moves are counted from 0 here and from 1 in messages.
@@ -41,41 +40,44 @@ pub enum Failure<N: Transmit> {
     Restarted,
 }
 
-impl<N: Transmit> fmt::Display for Failure<N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl<N: Transmit> Failure<N> {
+    /// The failure in words and SI units. `ticks`: the duration of the move that it is about, if it is
+    /// about one.
+    pub(super) fn describe(&self, ticks: u32, units: &Units) -> String {
         match self {
-            Self::Occupied(state) => {
-                write!(
-                    f,
-                    "the machine is not free: {state:?}, or with moves of another job"
-                )
+            Self::Occupied(State::Idle) => "the machine has moves of another job".into(),
+            Self::Occupied(state) => format!(
+                "the machine is not free: {}",
+                words::state(*state, Acting::Nothing)
+            ),
+            Self::Refused { index, refusal } => {
+                let why = words::refusal(refusal, ticks, units);
+                match index {
+                    Some(index) => format!("move {} is refused: {why}", index + 1),
+                    None => why,
+                }
             }
-            Self::Refused {
-                index: Some(index),
-                refusal,
-            } => write!(f, "move {} was refused: {refusal:?}", index + 1),
-            Self::Refused {
-                index: None,
-                refusal,
-            } => write!(f, "refused: {refusal:?}"),
-            Self::Inadmissible {
-                index,
-                violation: found,
-            } => write!(
-                f,
+            Self::Inadmissible { index, violation } => format!(
                 "move {} is not admitted: {}",
                 index + 1,
-                violation(found)
+                words::violation(violation, ticks, units)
             ),
-            Self::Fault(latched) => write!(f, "{}", fault(latched)),
-            Self::Stopped { done } => write!(f, "stopped, {done} moves done"),
-            Self::Dropped { done, acting } => write!(
-                f,
-                "the machine stopped by itself ({acting:?}) and dropped the job, {done} moves done"
+            Self::Fault(fault) => words::fault(fault, units),
+            Self::Stopped { done } => format!("stopped, {done} moves done"),
+            Self::Dropped { done, acting } => format!(
+                "the machine stopped by itself and dropped the rest of the job, {done} moves done: {}",
+                words::state(State::Idle, *acting)
             ),
-            Self::Restarted => write!(f, "the machine was switched off and on during the job"),
+            Self::Restarted => "the machine was switched off and on during the job".into(),
+        }
+    }
+
+    /// The move that it is about.
+    pub(super) fn index(&self) -> Option<u32> {
+        match self {
+            Self::Refused { index, .. } => *index,
+            Self::Inadmissible { index, .. } => Some(*index),
+            _ => None,
         }
     }
 }
-
-impl<N: Transmit> std::error::Error for Failure<N> {}

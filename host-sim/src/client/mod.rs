@@ -7,7 +7,6 @@
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`stream`] plays a job through it.
 
-mod describe;
 pub mod exchange;
 mod failure;
 pub mod stream;

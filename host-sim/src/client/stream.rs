@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::exchange::{Exchange, Patience, Turn};
+use crate::words::Units;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_core::message::{
@@ -150,6 +151,25 @@ impl<N: Transmit> Stream<N> {
     /// Requests that had to be sent again so far.
     pub fn repeated(&self) -> u64 {
         self.exchange.repeated()
+    }
+
+    /// `failure` in words, in SI units.
+    pub fn describe(&self, failure: &Failure<N>) -> String {
+        // Before a hello nothing with a unit is reported.
+        let units = self.identity.as_ref().map_or(
+            Units {
+                length_m: 1.0,
+                time_s: 1.0,
+                mass_kg: 1.0,
+                period_s: 1.0,
+            },
+            Units::of,
+        );
+        let index = failure
+            .index()
+            .and_then(|index| usize::try_from(index).ok());
+        let about = index.and_then(|index| self.moves.get(index));
+        failure.describe(about.map_or(0, |each| each.ticks), &units)
     }
 
     /// A wish of the user; it goes before everything but what is being asked.
