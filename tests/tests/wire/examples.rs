@@ -1,0 +1,206 @@
+//! The example frames: encoded, they are what the document shows; decoded, they are the messages.
+
+use super::document;
+use nalgebra::Vector3;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
+use std::fmt::Write;
+use trirrr_core::message::{
+    Acting, Bounded, Command, Event, Hello, Identity, Message, Move, NAME_CAPACITY, PROTOCOL,
+    Refusal, Reply, Request, State, Telemetry, Transmit, Verdict, Violation,
+};
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::wire::schema::key;
+use trirrr_core::wire::{Decoder, encode};
+
+/// An example's section in the document. Its frame is decoded on the way.
+fn section<T>(name: &str, what: &str, message: &T) -> String
+where
+    T: Serialize + DeserializeOwned + PartialEq + Debug,
+{
+    let mut room = [0; 512];
+    let plain = postcard::to_slice(message, &mut room).expect(name).to_vec();
+    let frame = encode(message, &mut room).expect(name).to_vec();
+
+    let mut decoder = Decoder::<512>::new();
+    for byte in &frame[..frame.len() - 1] {
+        assert_eq!(decoder.feed::<T>(*byte), None, "{name}");
+    }
+    let decoded = decoder
+        .feed::<T>(0)
+        .expect("the frame is over")
+        .expect(name);
+    assert_eq!(&decoded, message, "{name}");
+
+    let hex = |bytes: &[u8]| {
+        let mut text = String::new();
+        for line in bytes.chunks(24) {
+            text += "\n ";
+            line.iter()
+                .for_each(|byte| write!(text, " {byte:02X}").expect("a String takes it"));
+        }
+        text
+    };
+    format!(
+        "### `{name}`\n\n{what}\n\n```text\nmessage:{}\nframe:{}\n```\n\n",
+        hex(&plain),
+        hex(&frame)
+    )
+}
+
+fn hello<N: Transmit>(sequence: u32) -> Request<N> {
+    Request {
+        sequence,
+        command: Command::Hello(Hello {
+            protocol: PROTOCOL,
+            schema: key::<Request<N>, Message<N>>(),
+            scene: 0,
+        }),
+    }
+}
+
+fn plain<N: Transmit>(sequence: u32, command: Command<N>) -> Request<N> {
+    Request { sequence, command }
+}
+
+/// x 0.21 -> 0.28 m, y 0.22 -> 0.28 m, alpha 0.15 -> 0.2 rad in 300 ticks, to a speed of 0.1 m/s.
+fn a_move<N: Transmit>() -> Request<N> {
+    let n = N::from_f64;
+    Request {
+        sequence: 300,
+        command: Command::Move(Move {
+            number: 2,
+            from: Pose::from_f64(0.21, 0.22, 0.15),
+            to: Pose::from_f64(0.28, 0.28, 0.2),
+            start_velocity: [N::ZERO; 3],
+            end_velocity: [n(0.1), n(0.0), n(0.0)],
+            ticks: 300,
+            tool_power: n(0.75),
+            tool_speed: n(0.1),
+        }),
+    }
+}
+
+fn identity() -> Message<f32> {
+    let mut name = [0; NAME_CAPACITY];
+    name[..6].copy_from_slice(b"thesis");
+    Message::Reply {
+        sequence: 7,
+        reply: Reply::Hello(Identity {
+            protocol: PROTOCOL,
+            schema: key::<Request<f32>, Message<f32>>(),
+            scene: 0x1234_5678,
+            name,
+            tick_rate_hz: 1000.0,
+            length_m: 1.0,
+            time_s: 1.0,
+            mass_kg: 1.0,
+            ramp_ticks: 100,
+            silence_ticks: 1000,
+            queue: 15,
+            next_sequence: 300,
+        }),
+    }
+}
+
+fn telemetry() -> Message<f32> {
+    Message::Telemetry(Telemetry {
+        tick: 100_000,
+        state: State::Running,
+        acting: Acting::Nothing,
+        number: 2,
+        at: 150,
+        part: 0,
+        setpoint: Setpoint {
+            pose: Pose::from_f64(0.25, 0.5, 0.125),
+            velocity: Vector3::new(0.1, -0.2, 0.3),
+            acceleration: Vector3::new(-1.0, 2.0, 0.0),
+        },
+        angles: [1.5, -0.5, 3.0],
+        rates: [0.5, -1.5, 0.25],
+        accelerations: [10.0, -20.0, 30.0],
+        torques: [0.0125, -0.03, 0.5],
+        tool: 0.75,
+        duration: 499,
+        lost: 0,
+    })
+}
+
+#[test]
+fn the_example_frames_are_the_messages() {
+    let sections = [
+        section(
+            "hello",
+            "To an f32 machine with any scene.",
+            &hello::<f32>(7),
+        ),
+        section(
+            "hello-f64",
+            "To an f64 machine with any scene.",
+            &hello::<f64>(7),
+        ),
+        section(
+            "identity",
+            "Its answer: the scene `thesis`, 1000 ticks per second.",
+            &identity(),
+        ),
+        section(
+            "status",
+            "The question; a request without content.",
+            &plain::<f32>(301, Command::Status),
+        ),
+        section(
+            "move",
+            "From (0.21 m, 0.22 m, 0.15 rad) at rest to (0.28 m, 0.28 m, 0.2 rad) at 0.1 m/s along \
+             x, in 300 ticks, the tool at 0.75 for a speed of 0.1 m/s.",
+            &a_move::<f32>(),
+        ),
+        section("move-f64", "The same to an f64 machine.", &a_move::<f64>()),
+        section(
+            "telemetry-rate",
+            "A sample every tenth tick.",
+            &plain::<f32>(302, Command::Telemetry { every: 10 }),
+        ),
+        section(
+            "done",
+            "The move is taken.",
+            &Message::<f32>::Reply {
+                sequence: 300,
+                reply: Reply::Done,
+            },
+        ),
+        section(
+            "out-of-sequence",
+            "A request was skipped.",
+            &Message::<f32>::Reply {
+                sequence: 305,
+                reply: Reply::Refused(Refusal::Sequence { expected: 303 }),
+            },
+        ),
+        section(
+            "not-admitted",
+            "Move 2 would need 1.25 N m of motor 1, which may give 1 N m, at a half of its way; in \
+             640 ticks it would pass.",
+            &Message::Event(Event::Verdict(Verdict {
+                number: 2,
+                violation: Some(Violation {
+                    what: Bounded::Torque,
+                    index: Some(1),
+                    at: 0.5f32,
+                    value: 1.25,
+                    limit: 1.0,
+                    shortest: Some(640),
+                    ramp: true,
+                }),
+            })),
+        ),
+        section("telemetry", "A sample of tick 100,000.", &telemetry()),
+    ];
+    let expected = sections.concat();
+    document::compare(
+        "unless the\nname says otherwise.\n\n",
+        "## The schema key\n",
+        &expected,
+    );
+}

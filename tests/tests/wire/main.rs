@@ -1,0 +1,5 @@
+//! The line: its specification in `docs/wire.md` against the code.
+
+mod document;
+mod examples;
+mod schema;
