@@ -16,11 +16,11 @@ use nalgebra::Vector2;
 
 /// Coefficients of the distances; only who asks for the distances holds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Distances<N> {
+pub struct Distances<N: Number> {
     /// 1 / (l1 l2) of each leg.
-    serial: [N; 3],
+    serial: [N::Factor; 3],
     /// 1 / (l2_1 l2_2 l2_3 s).
-    parallel: N,
+    parallel: N::Factor,
 }
 
 impl<N: Number> Distances<N> {
@@ -30,23 +30,26 @@ impl<N: Number> Distances<N> {
         Self {
             serial: parameters
                 .legs
-                .map(|leg| N::from_f64(1.0 / (leg.proximal_m * leg.distal_m))),
+                .map(|leg| N::factor_from_f64(1.0 / (leg.proximal_m * leg.distal_m))),
             // A platform whose joints coincide is singular everywhere.
-            parallel: N::from_f64(if greatest > 0.0 { 1.0 / greatest } else { 0.0 }),
+            parallel: N::factor_from_f64(if greatest > 0.0 { 1.0 / greatest } else { 0.0 }),
         }
     }
 
     /// Distance of each leg from its serial singularity.
     #[inline]
     pub fn serial(&self, position: &Position<N>) -> [N; 3] {
-        let distance = |leg: usize| (position.legs[leg].links.r1_cross_r2 * self.serial[leg]).abs();
+        let distance = |leg: usize| {
+            let cross = position.legs[leg].links.r1_cross_r2;
+            cross.scaled(self.serial[leg]).abs()
+        };
         [distance(0), distance(1), distance(2)]
     }
 
     /// Distance of the machine from its parallel singularity.
     #[inline]
     pub fn parallel(&self, position: &Position<N>) -> N {
-        (det_a(position) * self.parallel).abs()
+        det_a(position).scaled(self.parallel).abs()
     }
 }
 

@@ -14,7 +14,7 @@ use crate::torque::payload::{Centred, Payload};
 
 /// The pipeline with its coefficients, immutable once built.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick<N, P = Centred<N>, L = Massless> {
+pub struct Tick<N: Number, P = Centred<N>, L = Massless> {
     geometry: Geometry<N>,
     balance: Balance<N>,
     payload: P,

@@ -54,7 +54,7 @@ where
     }
 }
 
-struct Machine<N, P, L> {
+struct Machine<N: Number, P, L> {
     tick: Tick<N, P, L>,
     distances: Distances<N>,
 }

@@ -31,7 +31,11 @@ struct TimedMove<N: Number> {
 /// `each` in `ticks` ticks of `period_s` in place of its own.
 pub(crate) fn segment<N: Number>(each: &Move, ticks: u32, period_s: f64) -> Segment<N> {
     let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
-    let (from, to, period) = (pose(&each.from), pose(&each.to), N::from_f64(period_s));
+    let (from, to, period) = (
+        pose(&each.from),
+        pose(&each.to),
+        N::factor_from_f64(period_s),
+    );
     if each.is_rest_to_rest() {
         return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
     }

@@ -44,7 +44,11 @@ fn rounded<N: Number>(pose: &Pose<f64>) -> Pose<N> {
 fn ends_are_exact<N: Number>() {
     let moves = (pose(), pose(), velocity(), velocity(), ticks());
     for_all(5000, moves, |(from, to, v0, v1, ticks)| {
-        let (from, to, period) = (rounded::<N>(&from), rounded::<N>(&to), N::from_f64(0.01));
+        let (from, to, period) = (
+            rounded::<N>(&from),
+            rounded::<N>(&to),
+            N::factor_from_f64(0.01),
+        );
         let rest = RestToRest::new(from, to, ticks, period);
         let chained = Hermite::new(
             from,

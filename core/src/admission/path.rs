@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 
 /// A machine with its limits, ready to measure intervals of moves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path<N, P, L> {
+pub(super) struct Path<N: Number, P, L> {
     tick: Tick<TaylorModel<N>, P, L>,
     distances: Distances<TaylorModel<N>>,
     limits: Limits<N>,

@@ -19,6 +19,7 @@
 //! the pipeline need, for there a comparison that is false means "refuse".
 
 use crate::number::Number;
+use crate::number::simple::rounds_every_step;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -297,6 +298,7 @@ impl<N: Number> Sub for AngleModel<N> {
 
 impl<N: Number> Number for TaylorModel<N> {
     type Angle = AngleModel<N>;
+    rounds_every_step!();
 
     const ZERO: Self = Self {
         constant: N::ZERO,

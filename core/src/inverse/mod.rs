@@ -13,10 +13,11 @@ mod velocity;
 pub use position::{LegPosition, Position, Rotation};
 
 use crate::linkage::rrr::{Accelerations, Rates};
+use crate::number::Number;
 
 /// How the links of one leg move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LegMotion<N> {
+pub struct LegMotion<N: Number> {
     /// Where the joints are,
     pub position: LegPosition<N>,
     /// how fast the links turn,

@@ -16,7 +16,7 @@ pub struct Rotation<N> {
 
 /// Where the joints of one leg are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LegPosition<N> {
+pub struct LegPosition<N: Number> {
     /// c: from the platform's reference point D to the platform joint C, in the fixed frame.
     pub platform_joint: Vector2<N>,
     /// The two links.
@@ -25,7 +25,7 @@ pub struct LegPosition<N> {
 
 /// Where every joint is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N> {
+pub struct Position<N: Number> {
     /// The three legs.
     pub legs: [LegPosition<N>; 3],
 }

@@ -1,36 +1,28 @@
 //! The RRR dyad: two links A -> B -> C, revolute joints at A, B and C; the motions of A and C are
 //! known, the inner joint B is wanted.
 //!
-//! With d = C - A and sigma the branch (the side of A -> C on which B lies, +1 for the left):
+//! A, B and C are the corners of a [`Triangle`] over d = C - A with the branch sigma (the side of
+//! A -> C on which B lies, +1 for the left). With S twice its area:
 //!
 //! ```text
-//! k   = (d^2 + l1^2 - l2^2) / 2
-//! S^2 = ((l1 + l2)^2 - d^2) (d^2 - (l1 - l2)^2) / 4       twice the area of ABC, squared
-//! r1  = (k d + sigma S E d) / d^2                          A -> B
-//! r2  = d - r1                                             B -> C
+//! r1  = A -> B,   r2  = B -> C = d - r1
 //! r1 x r2 = -sigma S
 //! ```
 //!
-//! S^2 is formed from its factors: near a stretched or folded dyad the expanded form
-//! d^2 l1^2 - k^2 loses every digit. No angle is needed anywhere; whoever wants one takes the
-//! arctangent of r1 or r2. Singular where S = 0; the scale-free distance is S / (l1 l2), the sine
+//! No angle is needed anywhere; whoever wants one takes the arctangent of r1 or r2. Singular where S = 0; the scale-free distance is S / (l1 l2), the sine
 //! of the angle between the links. Both ends may move: the stages take the position, velocity and
 //! acceleration of C relative to A, and [`Rrr::solve`] the two motions themselves. Source: thesis (3.2) to (3.21), corrected; the sign of r2 is B -> C.
 
 use super::motion::{LinkMotion, PointMotion};
 use super::status::LinkageStatus;
-use crate::number::{Number, dot};
+pub use crate::number::OutOfReach;
+use crate::number::{Number, Triangle, sum_dot};
 use nalgebra::Vector2;
 
 /// Coefficients of an RRR dyad, built from its two lengths and its branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rrr<N> {
-    /// (l1 + l2)^2
-    stretched_sq: N,
-    /// (l1 - l2)^2
-    folded_sq: N,
-    /// l1^2 - l2^2
-    difference_of_squares: N,
+pub struct Rrr<N: Number> {
+    triangle: Triangle<N>,
     /// l1^2 + l2^2
     sum_of_squares: N,
     /// l1
@@ -39,23 +31,11 @@ pub struct Rrr<N> {
     l1_sq: N,
     /// l2^2
     l2_sq: N,
-    /// sigma
-    branch: N,
-}
-
-/// The end joints are too far apart or too close, or exactly so far that the two links lie on one
-/// line, where the inner joint has no defined velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutOfReach {
-    /// d > l1 + l2 or d < |l1 - l2|.
-    Unreachable,
-    /// d = l1 + l2 or d = |l1 - l2|: stretched or folded, a serial singularity.
-    Singular,
 }
 
 /// A dyad's configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N> {
+pub struct Position<N: Number> {
     /// A -> B.
     pub r1: Vector2<N>,
     /// B -> C.
@@ -63,7 +43,7 @@ pub struct Position<N> {
     /// r1 x r2 = -sigma S: zero where the dyad is stretched or folded, at most l1 l2 in size.
     pub r1_cross_r2: N,
     /// 1 / (r1 x r2).
-    inverse_cross: N,
+    inverse_cross: N::Factor,
     /// d^2, d = A -> C.
     distance_sq: N,
 }
@@ -104,45 +84,24 @@ impl<N: Number> Rrr<N> {
     /// lies to the left of A -> C for `branch` = +1, to the right for -1.
     pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
         Self {
-            stretched_sq: N::from_f64((l1 + l2) * (l1 + l2)),
-            folded_sq: N::from_f64((l1 - l2) * (l1 - l2)),
-            difference_of_squares: N::from_f64((l1 - l2) * (l1 + l2)),
+            triangle: Triangle::new(l1, l2, branch),
             sum_of_squares: N::from_f64(l1 * l1 + l2 * l2),
             l1: N::from_f64(l1),
             l1_sq: N::from_f64(l1 * l1),
             l2_sq: N::from_f64(l2 * l2),
-            branch: N::from_f64(branch),
         }
     }
 
     /// The configuration for `d`, the vector A -> C.
     #[inline(always)]
     pub fn position(&self, d: Vector2<N>) -> Result<Position<N>, OutOfReach> {
-        let distance_sq = dot(d, d);
-        let four_s_sq = (self.stretched_sq - distance_sq) * (distance_sq - self.folded_sq);
-        if !(four_s_sq > N::ZERO) {
-            return Err(if four_s_sq == N::ZERO {
-                OutOfReach::Singular
-            } else {
-                OutOfReach::Unreachable
-            });
-        }
-        let two_sigma_s = self.branch * four_s_sq.sqrt();
-        let two_k = distance_sq + self.difference_of_squares;
-        // 1 / (2 d^2): the halves of k and S are taken here, once.
-        let half_inverse = N::HALF.div(distance_sq);
-        let along = two_k * half_inverse;
-        let across = two_sigma_s * half_inverse;
-        let r1 = Vector2::new(
-            N::ab_minus_cd(along, d.x, across, d.y),
-            N::ab_plus_cd(along, d.y, across, d.x),
-        );
+        let apex = N::apex(&self.triangle, d)?;
         Ok(Position {
-            r1,
-            r2: d - r1,
-            r1_cross_r2: -(N::HALF * two_sigma_s),
-            inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
-            distance_sq,
+            r1: apex.r1,
+            r2: d - apex.r1,
+            r1_cross_r2: apex.cross,
+            inverse_cross: apex.inverse_cross,
+            distance_sq: apex.base_sq,
         })
     }
 
@@ -162,8 +121,8 @@ impl<N: Number> Rrr<N> {
     #[inline(always)]
     pub fn rates(&self, at: &Position<N>, v: Vector2<N>) -> Rates<N> {
         Rates {
-            proximal: dot(at.r2, v) * at.inverse_cross,
-            distal: -(dot(at.r1, v) * at.inverse_cross),
+            proximal: N::round_scaled(sum_dot(at.r2, v), at.inverse_cross),
+            distal: -N::round_scaled(sum_dot(at.r1, v), at.inverse_cross),
         }
     }
 
@@ -180,17 +139,17 @@ impl<N: Number> Rrr<N> {
         let w1 = rates.proximal * rates.proximal;
         let w2 = rates.distal * rates.distal;
         let r1_dot_r2 = self.r1_dot_r2(at);
-        let r2_dot_b = dot(at.r2, a) + N::ab_plus_cd(w1, r1_dot_r2, w2, self.l2_sq);
-        let r1_dot_b = dot(at.r1, a) + N::ab_plus_cd(w1, self.l1_sq, w2, r1_dot_r2);
+        let r2_dot_b = sum_dot(at.r2, a) + N::sum_ab_plus_cd(w1, r1_dot_r2, w2, self.l2_sq);
+        let r1_dot_b = sum_dot(at.r1, a) + N::sum_ab_plus_cd(w1, self.l1_sq, w2, r1_dot_r2);
         Accelerations {
-            proximal: r2_dot_b * at.inverse_cross,
-            distal: -(r1_dot_b * at.inverse_cross),
+            proximal: N::round_scaled(r2_dot_b, at.inverse_cross),
+            distal: -N::round_scaled(r1_dot_b, at.inverse_cross),
         }
     }
 
     /// The least and the greatest distance of the end joints, abs(l1 - l2) and l1 + l2.
     pub fn reach(&self) -> (N, N) {
-        (self.folded_sq.sqrt(), self.stretched_sq.sqrt())
+        self.triangle.reach()
     }
 
     /// l2. Not among the coefficients: the stages, which the machine's tick consists of, need its

@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 
 /// One leg: where it is fixed, where it holds the platform, and the dyad between.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leg<N> {
+pub struct Leg<N: Number> {
     /// Base joint A in the fixed frame.
     pub base: Vector2<N>,
     /// Platform joint relative to D, in the platform's frame.
@@ -18,7 +18,7 @@ pub struct Leg<N> {
 
 /// The geometry of the three legs in the number type `N`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Geometry<N> {
+pub struct Geometry<N: Number> {
     /// The three legs.
     pub legs: [Leg<N>; 3],
 }

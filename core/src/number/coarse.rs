@@ -12,6 +12,7 @@
 //! standard library is linked, `f32` has methods of the same names, and those win.
 
 use super::Number;
+use super::simple::rounds_every_step;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use micromath::F32;
 
@@ -52,6 +53,7 @@ impl Neg for Coarse {
 
 impl Number for Coarse {
     type Angle = Self;
+    rounds_every_step!();
 
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);

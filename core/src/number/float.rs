@@ -1,11 +1,13 @@
 //! [`Number`] for the two IEEE floats.
 
+use super::simple::rounds_every_step;
 use super::{Number, atan2, direction, sin_cos, sqrt};
 
 macro_rules! float {
     ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $direction:path) => {
         impl Number for $float {
             type Angle = $float;
+            rounds_every_step!();
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;

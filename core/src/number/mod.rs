@@ -20,8 +20,10 @@ mod polynomial;
 mod reduction;
 #[cfg(test)]
 mod reference;
+pub(crate) mod simple;
 mod sin_cos;
 mod sqrt;
+pub(crate) mod triangle;
 mod vector;
 
 mod float;
@@ -29,10 +31,12 @@ mod float;
 pub use coarse::Coarse;
 #[doc(hidden)]
 pub use fingerprint::fingerprint;
-pub use vector::{cross, dot, perpendicular};
+pub use triangle::{Apex, OutOfReach, Triangle};
+pub use vector::{cross, dot, perpendicular, sum_cross, sum_dot};
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use nalgebra::Vector2;
 
 /// What the pipeline needs of a number.
 ///
@@ -64,6 +68,37 @@ pub trait Number:
         + Sub<Output = Self::Angle>
         + Neg<Output = Self::Angle>;
 
+    /// A sum of products that is not yet rounded to `Self`. Floats round every step, so theirs is
+    /// the float itself; fixed point holds 64 bits and rounds once, in [`round`](Number::round).
+    type Sum: Copy
+        + Debug
+        + PartialOrd
+        + Send
+        + Sync
+        + 'static
+        + Add<Output = Self::Sum>
+        + Sub<Output = Self::Sum>
+        + Neg<Output = Self::Sum>;
+
+    /// A number of any size that others are multiplied by: a reciprocal, a rate of ticks. For
+    /// floats the float itself; fixed point holds a significand and an exponent.
+    type Factor: Copy
+        + Debug
+        + PartialEq
+        + Send
+        + Sync
+        + 'static
+        + Mul<Output = Self::Factor>
+        + Neg<Output = Self::Factor>;
+
+    /// A positive count of ticks that [fractions](Number::fraction) are taken of, prepared so that
+    /// a fraction costs no wide division.
+    type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
+
+    /// Whether what is computed from a value that is not [finite](Number::is_finite) is not finite
+    /// either, as infinities do; otherwise the stages look at what may have left the range.
+    const SPREADS: bool;
+
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -94,8 +129,49 @@ pub trait Number:
     /// An angle, or a difference of angles, in radians.
     fn radians(angle: Self::Angle) -> Self;
 
-    /// `numerator / denominator` of two tick counts, exact at 0 and 1, correctly rounded between.
+    /// `numerator / denominator`, correctly rounded; for building coefficients, not for the tick.
     fn ratio(numerator: u32, denominator: u32) -> Self;
+
+    /// Prepares the count that fractions are taken of.
+    fn count(ticks: u32) -> Self::Count;
+    /// `numerator / count` of ticks, the numerator not above the count: exact at 0 and 1, within
+    /// one unit in the last place between.
+    fn fraction(numerator: u32, count: &Self::Count) -> Self;
+
+    /// The factor nearest to `x`. For building coefficients, not for the tick.
+    fn factor_from_f64(x: f64) -> Self::Factor;
+    /// The factor as a binary64 number, exactly.
+    fn factor_to_f64(factor: Self::Factor) -> f64;
+    /// `numerator / denominator` as a factor.
+    fn quotient(numerator: u32, denominator: u32) -> Self::Factor;
+    /// f / g; for building coefficients, not for the tick.
+    fn factor_over(f: Self::Factor, g: Self::Factor) -> Self::Factor;
+    /// 1 / self, for multiplying by. Of zero, a factor whose products are not
+    /// [finite](Number::is_finite).
+    fn reciprocal(self) -> Self::Factor;
+    /// self f.
+    fn scaled(self, f: Self::Factor) -> Self;
+    /// self f g.
+    fn scaled_twice(self, f: Self::Factor, g: Self::Factor) -> Self;
+
+    /// The sum nearest to `x`. For building coefficients, not for the tick.
+    fn sum_from_f64(x: f64) -> Self::Sum;
+    /// The value as a sum, exactly.
+    fn widen(self) -> Self::Sum;
+    /// a b + c d, not rounded.
+    fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
+    /// a b - c d, not rounded.
+    fn sum_ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
+    /// The sum, rounded.
+    fn round(sum: Self::Sum) -> Self;
+    /// sum f, rounded once.
+    fn round_scaled(sum: Self::Sum, f: Self::Factor) -> Self;
+
+    /// The third corner of a triangle over the side `base`.
+    ///
+    /// # Errors
+    /// [`OutOfReach`].
+    fn apex(triangle: &Triangle<Self>, base: Vector2<Self>) -> Result<Apex<Self>, OutOfReach>;
 
     /// a b + c d.
     fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self;

@@ -1,4 +1,4 @@
-//! The three operations on plane vectors that the whole pipeline is made of.
+//! The operations on plane vectors that the whole pipeline is made of.
 
 use super::Number;
 use nalgebra::Vector2;
@@ -13,6 +13,18 @@ pub fn dot<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N {
 #[inline(always)]
 pub fn cross<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N {
     N::ab_minus_cd(a.x, b.y, a.y, b.x)
+}
+
+/// Scalar product a . b, not rounded.
+#[inline(always)]
+pub fn sum_dot<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
+    N::sum_ab_plus_cd(a.x, b.x, a.y, b.y)
+}
+
+/// Plane cross product a x b, not rounded.
+#[inline(always)]
+pub fn sum_cross<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
+    N::sum_ab_minus_cd(a.x, b.y, a.y, b.x)
 }
 
 /// `v` turned by +90 degrees (E v in the documentation).

@@ -14,7 +14,7 @@ use nalgebra::Vector2;
 
 /// A relative with its coefficients, immutable once built.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Relative<N, const LEGS: usize> {
+pub struct Relative<N: Number, const LEGS: usize> {
     pub(super) legs: [RelativeLeg<N>; LEGS],
     pub(super) payload: Offset<N>,
     pub(super) gravity: Vector2<N>,
@@ -25,7 +25,7 @@ pub struct Relative<N, const LEGS: usize> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RelativeLeg<N> {
+pub(super) struct RelativeLeg<N: Number> {
     pub(super) leg: Leg<N>,
     pub(super) inertia: MassiveLeg<N>,
     pub(super) masses: LegMasses<N>,

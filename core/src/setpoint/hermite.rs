@@ -16,8 +16,9 @@ pub struct Hermite<N: Number> {
     forward: Cubic<N>,
     backward: Cubic<N>,
     ticks: u32,
+    count: N::Count,
     /// 1 / T.
-    per_duration: N,
+    per_duration: N::Factor,
 }
 
 /// The cubic as seen from one end: time runs from that end into the move.
@@ -62,11 +63,12 @@ impl<N: Number> Cubic<N> {
     }
 
     #[inline(always)]
-    fn setpoint(&self, s: N, per_duration: N) -> Setpoint<N> {
+    fn setpoint(&self, s: N, per_duration: N::Factor) -> Setpoint<N> {
+        let per_duration_sq = per_duration * per_duration;
         Setpoint {
             pose: self.pose(s),
-            velocity: self.first_derivative(s) * per_duration,
-            acceleration: self.second_derivative(s) * (per_duration * per_duration),
+            velocity: self.first_derivative(s).map(|q| q.scaled(per_duration)),
+            acceleration: self.second_derivative(s).map(|q| q.scaled(per_duration_sq)),
         }
     }
 }
@@ -80,16 +82,18 @@ impl<N: Number> Hermite<N> {
         to: Pose<N>,
         to_velocity: Vector3<N>,
         ticks: u32,
-        period: N,
+        period: N::Factor,
     ) -> Self {
         let h = from.displacement(&to);
-        let duration = N::ratio(ticks, 1) * period;
-        let (t_v0, t_v1) = (from_velocity * duration, to_velocity * duration);
+        let duration = N::quotient(ticks, 1) * period;
+        let [t_v0, t_v1] =
+            [from_velocity, to_velocity].map(|velocity| velocity.map(|v| v.scaled(duration)));
         Self {
             forward: Cubic::new(from, h, t_v0, t_v1),
             backward: Cubic::new(to, -h, -t_v1, -t_v0),
             ticks,
-            per_duration: N::ratio(1, ticks).div(period),
+            count: N::count(ticks),
+            per_duration: N::factor_over(N::quotient(1, ticks), period),
         }
     }
 
@@ -104,11 +108,15 @@ impl<N: Number> Hermite<N> {
         let left = self.ticks.saturating_sub(tick);
         // Seen from the end, time runs backwards: velocity changes sign, acceleration does not.
         let (cubic, s, per_duration) = if tick <= left {
-            (&self.forward, N::ratio(tick, self.ticks), self.per_duration)
+            (
+                &self.forward,
+                N::fraction(tick, &self.count),
+                self.per_duration,
+            )
         } else {
             (
                 &self.backward,
-                N::ratio(left, self.ticks),
+                N::fraction(left, &self.count),
                 -self.per_duration,
             )
         };

@@ -12,6 +12,7 @@ pub struct RestToRest<N: Number> {
     from: Pose<N>,
     to: Pose<N>,
     ticks: u32,
+    count: N::Count,
     /// h.
     displacement: Vector3<N>,
     /// 6 h / T.
@@ -22,17 +23,18 @@ pub struct RestToRest<N: Number> {
 
 impl<N: Number> RestToRest<N> {
     /// The move `from` -> `to` in `ticks` ticks of `period` seconds each, both positive.
-    pub fn new(from: Pose<N>, to: Pose<N>, ticks: u32, period: N) -> Self {
+    pub fn new(from: Pose<N>, to: Pose<N>, ticks: u32, period: N::Factor) -> Self {
         let displacement = from.displacement(&to);
-        let per_duration = N::ratio(1, ticks).div(period);
-        let velocity = displacement * (N::ratio(6, 1) * per_duration);
+        let per_duration = N::factor_over(N::quotient(1, ticks), period);
+        let six_per_duration = N::quotient(6, 1) * per_duration;
         Self {
             from,
             to,
             ticks,
+            count: N::count(ticks),
             displacement,
-            velocity,
-            acceleration: velocity * per_duration,
+            velocity: displacement.map(|h| h.scaled(six_per_duration)),
+            acceleration: displacement.map(|h| h.scaled_twice(six_per_duration, per_duration)),
         }
     }
 
@@ -46,9 +48,9 @@ impl<N: Number> RestToRest<N> {
     pub fn at(&self, tick: u32) -> Setpoint<N> {
         let left = self.ticks.saturating_sub(tick);
         if tick <= left {
-            self.after_start(N::ratio(tick, self.ticks))
+            self.after_start(N::fraction(tick, &self.count))
         } else {
-            self.before_end(N::ratio(left, self.ticks))
+            self.before_end(N::fraction(left, &self.count))
         }
     }
 

@@ -4,16 +4,16 @@ use super::links::LegLoad;
 use super::payload::Demand;
 use crate::inverse::LegMotion;
 use crate::machine::Parameters;
-use crate::number::{Number, cross, dot, perpendicular};
+use crate::number::{Number, cross, dot, perpendicular, sum_dot};
 use crate::singularity;
 use crate::status::Status;
 use nalgebra::Vector2;
 
 /// Coefficients of the balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Balance<N> {
+pub struct Balance<N: Number> {
     /// 1 / l2^2 of leg 1.
-    inverse_l2_sq: N,
+    inverse_l2_sq: N::Factor,
     /// Below this size det A is rounding noise.
     least_det_a: N,
 }
@@ -35,7 +35,7 @@ impl<N: Number> Balance<N> {
         // unit roundoffs of its largest possible value.
         let noise = 2.0 * N::UNIT_ROUNDOFF.to_f64();
         Self {
-            inverse_l2_sq: N::from_f64(1.0 / (l2 * l2)),
+            inverse_l2_sq: N::factor_from_f64(1.0 / (l2 * l2)),
             least_det_a: N::from_f64(noise * singularity::greatest_det_a(parameters)),
         }
     }
@@ -81,15 +81,22 @@ impl<N: Number> Balance<N> {
             return Err(Status::ParallelSingular);
         }
         let across = cross(d1, force);
-        let inverse = N::ONE.div(det_a);
-        let f2 = N::ab_plus_cd(across, moment3, d3_x_d1, moment) * inverse;
-        let f3 = N::ab_minus_cd(d1_x_d2, moment, moment2, across) * inverse;
+        let inverse = det_a.reciprocal();
+        let f2 = N::round_scaled(N::sum_ab_plus_cd(across, moment3, d3_x_d1, moment), inverse);
+        let f3 = N::round_scaled(
+            N::sum_ab_minus_cd(d1_x_d2, moment, moment2, across),
+            inverse,
+        );
         let left = Vector2::new(
-            force.x - N::ab_plus_cd(f2, d2.x, f3, d3.x),
-            force.y - N::ab_plus_cd(f2, d2.y, f3, d3.y),
+            N::round(force.x.widen() - N::sum_ab_plus_cd(f2, d2.x, f3, d3.x)),
+            N::round(force.y.widen() - N::sum_ab_plus_cd(f2, d2.y, f3, d3.y)),
         );
         Ok(Forces {
-            along: [dot(d1, left) * self.inverse_l2_sq, f2, f3],
+            along: [
+                N::round_scaled(sum_dot(d1, left), self.inverse_l2_sq),
+                f2,
+                f3,
+            ],
             det_a,
         })
     }

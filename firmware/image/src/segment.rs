@@ -55,7 +55,7 @@ impl<N: Number> Segment<N> {
 
 /// The moves one after another in the number type `N`, built as they are reached.
 pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item = Segment<N>> {
-    let period = N::from_f64(period_s);
+    let period = N::factor_from_f64(period_s);
     moves.iter().enumerate().map(move |(index, one)| {
         let (curve, ticks) = build(one, period);
         let is_last = index + 1 == moves.len();
@@ -66,7 +66,7 @@ pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item 
     })
 }
 
-fn build<N: Number>(one: &Move, period: N) -> (setpoint::Segment<N>, u32) {
+fn build<N: Number>(one: &Move, period: N::Factor) -> (setpoint::Segment<N>, u32) {
     let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
     let velocity = |v: [f64; 3]| Vector3::from(v.map(N::from_f64));
     match *one {

@@ -111,8 +111,9 @@ fn read_move<N: Number>(row: &Row<'_>, columns: &MoveColumns) -> Result<Setpoint
         return Err(row.refusal(&columns.time, &reason));
     }
     // One tick as long as the whole move: its fraction is t / T, which need not be a tick.
-    let whole = N::from_f64(duration);
-    Ok(RestToRest::new(from, to, 1, whole).at_fraction(N::from_f64(time).div(whole)))
+    let whole = N::factor_from_f64(duration);
+    let part = N::factor_over(N::factor_from_f64(time), whole);
+    Ok(RestToRest::new(from, to, 1, whole).at_fraction(N::ONE.scaled(part)))
 }
 
 /// A row with the name of the number type that it has to fit.

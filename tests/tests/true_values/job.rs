@@ -19,7 +19,7 @@ fn thesis_ends<N: Number>() -> (Pose<N>, Pose<N>) {
 /// conditions in the files are against those ends.
 fn job_as_run<N: Number>() -> Worst {
     let mut worst = Worst::default();
-    let ((from, to), period) = (thesis_ends(), N::from_f64(0.01));
+    let ((from, to), period) = (thesis_ends(), N::factor_from_f64(0.01));
     let job = RestToRest::<N>::new(from, to, 100, period);
     for (file, parameters) in moves() {
         for (tick, row) in (0..).zip(Table::read(file).rows()) {

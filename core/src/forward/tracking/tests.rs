@@ -18,7 +18,7 @@ fn follows_the_move<N: Number>(tolerance: f64) -> u32 {
     let tracker = Tracker::new(forward, N::from_f64(0.01), 16);
     let from = Pose::from_f64(0.21, 0.22, 9f64.to_radians());
     let to = Pose::from_f64(0.28, 0.28, 12f64.to_radians());
-    let job = RestToRest::new(from, to, 100, N::from_f64(0.01));
+    let job = RestToRest::new(from, to, 100, N::factor_from_f64(0.01));
     let angles = |tick| {
         let pose = job.at(tick).pose;
         geometry.motor_angles(&geometry.position(&pose).unwrap())

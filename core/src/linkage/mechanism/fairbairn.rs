@@ -49,7 +49,7 @@ pub const SHIPPED: Dimensions = Dimensions {
 
 /// Coefficients of the guide.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fairbairn<N> {
+pub struct Fairbairn<N: Number> {
     crank: Crank<N>,
     origin: PointMotion<N>,
     bridle: Rrr<N>,

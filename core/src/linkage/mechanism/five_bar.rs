@@ -37,7 +37,7 @@ pub const SHIPPED: Dimensions = Dimensions {
 
 /// Coefficients of a five-bar linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FiveBar<N> {
+pub struct FiveBar<N: Number> {
     left: Crank<N>,
     right: Crank<N>,
     dyad: Rrr<N>,

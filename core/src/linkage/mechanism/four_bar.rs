@@ -54,7 +54,7 @@ pub enum Grashof {
 
 /// Coefficients of a four-bar linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FourBar<N> {
+pub struct FourBar<N: Number> {
     crank: Crank<N>,
     pivot: PointMotion<N>,
     dyad: Rrr<N>,

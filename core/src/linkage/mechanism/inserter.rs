@@ -48,7 +48,7 @@ pub const SHIPPED: Dimensions = Dimensions {
 
 /// Coefficients of an inserter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inserter<N> {
+pub struct Inserter<N: Number> {
     crank: Crank<N>,
     pivot: PointMotion<N>,
     rocker: Rrr<N>,

@@ -30,7 +30,7 @@ pub const SHIPPED: Dimensions = Dimensions {
 
 /// Coefficients of the arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SerialArm<N> {
+pub struct SerialArm<N: Number> {
     lengths: [N; 3],
     /// Elbow to the left and to the right of the way from base to wrist.
     dyads: [Rrr<N>; 2],

@@ -66,7 +66,7 @@ pub const SHIPPED: Dimensions = Dimensions {
 
 /// Coefficients of the linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TwoLoop<N> {
+pub struct TwoLoop<N: Number> {
     crank: Crank<N>,
     pivot: PointMotion<N>,
     rocker: Rrr<N>,
