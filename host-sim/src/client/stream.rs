@@ -156,15 +156,7 @@ impl<N: Transmit> Stream<N> {
     /// `failure` in words, in SI units.
     pub fn describe(&self, failure: &Failure<N>) -> String {
         // Before a hello nothing with a unit is reported.
-        let units = self.identity.as_ref().map_or(
-            Units {
-                length_m: 1.0,
-                time_s: 1.0,
-                mass_kg: 1.0,
-                period_s: 1.0,
-            },
-            Units::of,
-        );
+        let units = self.identity.as_ref().map_or(Units::si(1.0), Units::of);
         let index = failure
             .index()
             .and_then(|index| usize::try_from(index).ok());
