@@ -68,7 +68,7 @@ impl Method {
     }
 
     /// Checks the parameters by themselves.
-    pub fn check(&self) -> Result<(), Unfit> {
+    pub(super) fn check(&self) -> Result<(), Unfit> {
         if let Some(step_s) = self.step_s()
             && !(step_s.is_finite() && step_s > 0.0)
         {

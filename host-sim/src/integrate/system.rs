@@ -107,7 +107,7 @@ pub enum Direction {
 
 impl Direction {
     /// Whether going from the value `before` to the value `after` counts.
-    pub fn crossed(self, before: f64, after: f64) -> bool {
+    pub(super) fn crossed(self, before: f64, after: f64) -> bool {
         let rises = before < 0.0 && after >= 0.0;
         let falls = before > 0.0 && after <= 0.0;
         match self {
