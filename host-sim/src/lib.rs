@@ -19,6 +19,7 @@ pub mod job;
 pub mod link;
 pub mod linkage;
 pub mod placement;
+pub mod plant;
 pub mod record;
 pub mod recording;
 pub mod report;

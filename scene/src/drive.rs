@@ -53,6 +53,19 @@ pub struct Stepper {
     pub step_rate_limit_hz: Option<f64>,
     /// Holding torque of the rotor, N m, if it is known.
     pub holding_torque_nm: Option<f64>,
+    /// Detent torque of the unpowered rotor, N m; 0 where the scene leaves it out.
+    pub detent_torque_nm: f64,
+    /// One point of the pull-out curve, if it is known.
+    pub pull_out: Option<PullOut>,
+}
+
+/// The torque that a stepper still has at a rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PullOut {
+    /// Torque of the rotor, N m, less than the holding torque.
+    pub torque_nm: f64,
+    /// Rate of the rotor, rad/s, positive.
+    pub rate_rad_s: f64,
 }
 
 /// A drive on the CAN bus.
@@ -168,12 +181,38 @@ fn read_stepper(section: &Section) -> Option<Stepper> {
     let microsteps = section.integer("microsteps", 1, 1024);
     let step_rate_limit_hz = section.optional_number("step_rate_limit_hz", Bound::Positive);
     let holding_torque_nm = section.optional_number("holding_torque_nm", Bound::Positive);
+    let detent_torque_nm = section.number_or("detent_torque_nm", Bound::NotNegative, 0.0);
+    let pull_out = read_pull_out(section, holding_torque_nm);
     Some(Stepper {
         steps_per_rev: steps_per_rev?,
         microsteps: microsteps?,
         step_rate_limit_hz,
         holding_torque_nm,
+        detent_torque_nm: detent_torque_nm?,
+        pull_out: pull_out?,
     })
+}
+
+/// `pull_out_torque_nm` and `pull_out_rate_rad_s`: both or neither.
+fn read_pull_out(section: &Section, holding_torque_nm: Option<f64>) -> Option<Option<PullOut>> {
+    let (torque, rate) = ("pull_out_torque_nm", "pull_out_rate_rad_s");
+    if !section.has(torque) && !section.has(rate) {
+        return Some(None);
+    }
+    let torque_nm = section.number(torque, Bound::Positive);
+    let rate_rad_s = section.number(rate, Bound::Positive);
+    let (torque_nm, rate_rad_s) = (torque_nm?, rate_rad_s?);
+    if !holding_torque_nm.is_some_and(|holding| torque_nm < holding) {
+        section.refuse(
+            torque,
+            "must be less than holding_torque_nm, which it is compared with",
+        );
+        return None;
+    }
+    Some(Some(PullOut {
+        torque_nm,
+        rate_rad_s,
+    }))
 }
 
 fn read_can(section: &Section) -> Option<Can> {

@@ -16,15 +16,17 @@ mod job;
 mod limits;
 mod machine;
 mod path;
+mod plant;
 mod player;
 pub mod read;
 mod scene;
 mod service;
 
-pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, Stepper};
+pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, PullOut, Stepper};
 pub use error::{Problem, SceneError};
 pub use job::{Job, Move, Tool};
 pub use limits::Limits;
+pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;
 pub use scene::{NumberType, Scene};
 pub use service::Service;

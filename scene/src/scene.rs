@@ -6,6 +6,7 @@ use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::{Limits, read_limits};
 use crate::machine::read_parameters;
 use crate::path::check_job;
+use crate::plant::{Plant, read_plant};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
 use std::fmt;
@@ -46,6 +47,8 @@ pub struct Scene {
     pub service: Service,
     /// What to do.
     pub job: Job,
+    /// How the real machine is simulated, if the scene says.
+    pub plant: Option<Plant>,
 }
 
 /// The number types of the pipeline. A scene may name any; whoever runs it says if it cannot.
@@ -130,7 +133,12 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
     let parameters = read_parameters(root, drives.flatten());
     let limits = read_limits(root);
     let service = read_service(root);
+    let plant = read_plant(root, drives, rate);
     let placed = read_job(document, root, rate)?;
+    let plant = match plant? {
+        Some(plant) => Some(plant.checked(root, f64::from(placed.job.ticks()) / rate?)?),
+        None => None,
+    };
     let scene = Scene {
         name: name?,
         description: description.into_owned(),
@@ -141,6 +149,7 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
         limits: limits?,
         service: service?,
         job: placed.job.clone(),
+        plant,
     };
     let legs = Place {
         value: None,

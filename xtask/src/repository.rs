@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
+use trirrr_scene::Scene;
 
 /// The repository's root.
 pub(crate) fn root() -> &'static Path {
@@ -60,7 +61,7 @@ pub(crate) fn scenes_named(names: &[String]) -> Result<Vec<SceneFile>> {
     names.iter().map(|name| scene(name)).collect()
 }
 
-/// All scenes in `scenes/`, by name.
+/// All scenes in `scenes/` that are for a board, by name: those with a plant are the simulator's.
 fn scenes() -> Result<Vec<SceneFile>> {
     let directory = root().join("scenes");
     let mut found = Vec::new();
@@ -69,6 +70,7 @@ fn scenes() -> Result<Vec<SceneFile>> {
         if path
             .extension()
             .is_some_and(|extension| extension == "toml")
+            && Scene::read(&path)?.plant.is_none()
         {
             found.push(scene_file(path)?);
         }

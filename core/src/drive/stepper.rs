@@ -2,7 +2,7 @@
 //! them falls. Whole numbers keep the sum exact: whatever the rounding of an angle, the position
 //! after a tick is that angle rounded, and no step is ever lost in the arithmetic.
 
-use crate::number::Number;
+use crate::number::{Coarse, Number};
 use core::fmt;
 
 /// What it takes to count steps in a number type.
@@ -32,6 +32,13 @@ macro_rules! countable {
     )*};
 }
 countable!(f32, f64);
+
+impl Countable for Coarse {
+    #[inline(always)]
+    fn nearest(self) -> i32 {
+        self.0.nearest()
+    }
+}
 
 /// A stepper behind a gear, its position counted in microsteps from where it was switched on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,6 +5,8 @@ const UNITS: &[(&str, &str)] = &[
     ("rad_s2", "rad/s^2"),
     ("m_s2", "m/s^2"),
     ("rad_s", "rad/s"),
+    ("nm_s_rad", "N m s/rad"),
+    ("nm_rad", "N m/rad"),
     ("v_s_rad", "V s/rad"),
     ("nm_a", "N m/A"),
     ("m_s", "m/s"),

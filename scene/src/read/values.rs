@@ -118,6 +118,17 @@ impl<'d> Section<'d, '_> {
         Some(number)
     }
 
+    /// `true` or `false`, which must be there.
+    pub fn boolean(&self, key: &'d str) -> Option<bool> {
+        self.demand(key, "true or false")?;
+        let value = self.value(key)?;
+        let boolean = value.get_ref().as_bool();
+        if boolean.is_none() {
+            self.refuse(key, expected_but_found("true or false", value.get_ref()));
+        }
+        boolean
+    }
+
     /// A string that may be left out.
     pub fn optional_text(&self, key: &'d str) -> Option<Cow<'d, str>> {
         let value = self.value(key)?;

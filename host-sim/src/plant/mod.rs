@@ -1,0 +1,25 @@
+//! The plant: the machine with its motors, transmissions and friction in forward dynamics, in
+//! binary64, under the control of a scene. `docs/plant.md` has the equations.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`mechanics`] | the rigid bodies: torques to accelerations, energies |
+//! | [`friction`], [`motor`] | what acts in the joints |
+//! | [`layout`], [`model`], [`system`] | all together, as differential equations |
+//! | [`watch`] | where they change or end |
+//! | [`control`] | what commands the motors |
+//! | [`statistics`] | what is gathered over a run |
+
+pub mod control;
+pub mod friction;
+pub mod layout;
+pub mod mechanics;
+pub mod model;
+pub mod motor;
+pub mod refusal;
+pub mod statistics;
+mod system;
+pub mod watch;
+
+pub use model::{Control, Plant, layout_of};
+pub use refusal::Refusal;

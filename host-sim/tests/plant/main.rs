@@ -1,0 +1,4 @@
+//! The plant: its forward dynamics against independent ones, its energy, its closed loop.
+
+mod dynamics;
+mod scenes;

@@ -1,0 +1,33 @@
+//! Scenes that the tests simulate.
+
+use std::path::PathBuf;
+use trirrr_scene::Scene;
+
+/// The text of a shipped scene.
+pub(crate) fn text(name: &str) -> String {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../scenes")
+        .join(name)
+        .with_extension("toml");
+    std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
+/// A shipped scene.
+pub(crate) fn shipped(name: &str) -> Scene {
+    parse(&text(name))
+}
+
+/// The scene in `text`.
+pub(crate) fn parse(text: &str) -> Scene {
+    Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The machine of a shipped scene with ideal sources of torque in place of its drives; the rotors
+/// stay where they are.
+pub(crate) fn without_drives(name: &str) -> Scene {
+    Scene {
+        drives: None,
+        plant: None,
+        ..shipped(name)
+    }
+}

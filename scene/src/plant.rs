@@ -1,0 +1,403 @@
+//! The plant: what of the real machine a simulation is to show besides its rigid bodies, how the
+//! motors are controlled, and how it is integrated.
+
+use crate::drive::{Drive, DriveKind};
+use crate::read::{Bound, Place, Section};
+
+/// How the plant is simulated. What is `None` takes no part in its equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plant {
+    /// How to integrate.
+    pub method: Method,
+    /// Time that is simulated after the end of the job, s.
+    pub settle_s: f64,
+    /// Time between two rows of the table, s.
+    pub record_s: f64,
+    /// Following error of a joint at which the run ends, rad.
+    pub following_error_rad: Option<f64>,
+    /// The controller of torque-driven motors.
+    pub controller: Option<Controller>,
+    /// Friction in the joints.
+    pub friction: JointFriction,
+    /// Elastic transmission between rotor and joint, of each motor.
+    pub transmission: Option<[Transmission; 3]>,
+    /// Counts of the rotor's encoder per turn of the rotor.
+    pub encoder_counts_per_rev: Option<u32>,
+}
+
+/// Method of integration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Chosen by the stiffness that is found.
+    Auto {
+        /// Tolerance; the method's own where it is left out.
+        tolerance: Option<f64>,
+    },
+    /// Semi-implicit Euler with a fixed step in s.
+    SemiImplicitEuler {
+        /// The step.
+        step_s: f64,
+    },
+    /// Runge-Kutta of order 4 with a fixed step in s.
+    Rk4 {
+        /// The step.
+        step_s: f64,
+    },
+    /// Dormand and Prince's adaptive explicit pair.
+    DormandPrince {
+        /// Tolerance; the method's own where it is left out.
+        tolerance: Option<f64>,
+    },
+    /// Radau IIA, implicit and adaptive.
+    RadauIia {
+        /// Tolerance; the method's own where it is left out.
+        tolerance: Option<f64>,
+    },
+}
+
+/// The joint controller: tau = kp (theta_ref - theta) + kd (rate_ref - rate) \[+ tau_ref\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controller {
+    /// When it acts.
+    pub timing: Timing,
+    /// Proportional gain at each joint, N m/rad.
+    pub kp_nm_rad: [f64; 3],
+    /// Derivative gain at each joint, N m s/rad.
+    pub kd_nm_s_rad: [f64; 3],
+    /// Whether the torque of the setpoint is added.
+    pub feed_forward: bool,
+}
+
+/// When a controller acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Timing {
+    /// At every instant.
+    Continuous,
+    /// Sampled; its command is held until the next sample.
+    Sampled {
+        /// Samples in each tick; the samples' rate is the tick rate times this.
+        per_tick: u32,
+    },
+}
+
+/// Friction of the three kinds of joint, alike in all legs.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct JointFriction {
+    /// At the motors, their gears included.
+    pub motor: Option<Friction>,
+    /// At the elbows.
+    pub elbow: Option<Friction>,
+    /// At the platform's joints.
+    pub platform: Option<Friction>,
+}
+
+/// Friction of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Viscous, N m s/rad, not negative.
+    pub viscous_nm_s_rad: f64,
+    /// Coulomb's, N m, not negative.
+    pub coulomb_nm: f64,
+    /// Rate below which the joint sticks, rad/s, positive.
+    pub stick_rad_s: f64,
+}
+
+/// An elastic transmission, seen at the joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transmission {
+    /// Stiffness, N m/rad, positive.
+    pub stiffness_nm_rad: f64,
+    /// Damping, N m s/rad, not negative.
+    pub damping_nm_s_rad: f64,
+}
+
+impl Plant {
+    /// Rate of the joint controller's samples, Hz, at ticks of `tick_rate_hz`.
+    pub fn sample_rate_hz(&self, tick_rate_hz: f64) -> Option<f64> {
+        match self.controller?.timing {
+            Timing::Continuous => None,
+            Timing::Sampled { per_tick } => Some(tick_rate_hz * f64::from(per_tick)),
+        }
+    }
+}
+
+/// Where keys of the plant stand, for what is checked with the job.
+pub(crate) struct PlacedPlant {
+    pub(crate) plant: Plant,
+    step: Place,
+}
+
+/// Rate below which a joint with Coulomb friction sticks where the scene does not say, rad/s.
+const STICK_RAD_S: f64 = 1e-3;
+/// Rows of the table are this far apart where the scene does not say, s.
+const RECORD_S: f64 = 1e-3;
+/// Fastest joint controller, Hz.
+const FASTEST_HZ: f64 = 1e6;
+
+/// Reads `[plant]`: `Some(None)` where there is none. `drives` and `tick_rate_hz` are `None` where
+/// they were refused.
+pub(crate) fn read_plant(
+    root: &Section,
+    drives: Option<Option<[Drive; 3]>>,
+    tick_rate_hz: Option<f64>,
+) -> Option<Option<PlacedPlant>> {
+    if !root.has("plant") {
+        return Some(None);
+    }
+    let section = root.section("plant")?;
+    let method = read_method(&section);
+    let settle_s = section.number_or("settle_s", Bound::NotNegative, 0.0);
+    let record_s = section.number_or("record_s", Bound::Positive, RECORD_S);
+    let following_error_rad = section.optional_number("following_error_rad", Bound::Positive);
+    let controller = read_controller(&section, tick_rate_hz);
+    let friction = read_friction(&section);
+    let transmission = read_transmission(&section, drives);
+    let counts = match section.has("encoder_counts_per_rev") {
+        true => section
+            .integer("encoder_counts_per_rev", 1, 1 << 30)
+            .map(Some),
+        false => Some(None),
+    };
+    let plant = Plant {
+        method: method?,
+        settle_s: settle_s?,
+        record_s: record_s?,
+        following_error_rad,
+        controller: controller?,
+        friction: friction?,
+        transmission: transmission?,
+        encoder_counts_per_rev: counts?,
+    };
+    check_drives(&section, root, &plant, drives?)?;
+    Some(Some(PlacedPlant {
+        plant,
+        step: section.place_of("step_s"),
+    }))
+}
+
+impl PlacedPlant {
+    /// Refuses a step longer than the run of `run_s`; the plant.
+    pub(crate) fn checked(self, root: &Section, job_s: f64) -> Option<Plant> {
+        let run_s = job_s + self.plant.settle_s;
+        if let Method::SemiImplicitEuler { step_s } | Method::Rk4 { step_s } = self.plant.method
+            && step_s > run_s
+        {
+            let reason = format!("a step longer than the run, which lasts {run_s} s");
+            root.refuse_at(&self.step, reason);
+            return None;
+        }
+        Some(self.plant)
+    }
+}
+
+fn read_method(section: &Section) -> Option<Method> {
+    #[derive(Clone, Copy)]
+    enum Kind {
+        Auto,
+        Euler,
+        Rk4,
+        Pair,
+        Implicit,
+    }
+    let kinds = [
+        ("auto", Kind::Auto),
+        ("semi-implicit-euler", Kind::Euler),
+        ("rk4", Kind::Rk4),
+        ("dormand-prince", Kind::Pair),
+        ("radau-iia", Kind::Implicit),
+    ];
+    let kind = match section.has("method") {
+        true => section.choice("method", &kinds),
+        false => Some(Kind::Auto),
+    };
+    let Some(kind) = kind else {
+        // Which of the two belongs to the method is not known.
+        section.has("step_s");
+        section.has("tolerance");
+        return None;
+    };
+    if let Kind::Euler | Kind::Rk4 = kind {
+        let step_s = section.number("step_s", Bound::Positive)?;
+        return Some(match kind {
+            Kind::Euler => Method::SemiImplicitEuler { step_s },
+            _ => Method::Rk4 { step_s },
+        });
+    }
+    let tolerance = section.optional_number("tolerance", Bound::Within(1e-14, 0.1));
+    if section.has("tolerance") && tolerance.is_none() {
+        return None;
+    }
+    Some(match kind {
+        Kind::Pair => Method::DormandPrince { tolerance },
+        Kind::Implicit => Method::RadauIia { tolerance },
+        _ => Method::Auto { tolerance },
+    })
+}
+
+fn read_controller(section: &Section, tick_rate_hz: Option<f64>) -> Option<Option<Controller>> {
+    if !section.has("controller") {
+        return Some(None);
+    }
+    let section = section.section("controller")?;
+    let gain = |key| {
+        section.has(key).then_some(()).or_else(|| {
+            section.refuse(key, "missing, expected a number, or three");
+            None
+        })?;
+        section.number_or_three(key, Bound::NotNegative)
+    };
+    let (kp, kd) = (gain("kp_nm_rad"), gain("kd_nm_s_rad"));
+    let feed_forward = match section.has("feed_forward") {
+        true => section.boolean("feed_forward"),
+        false => Some(true),
+    };
+    let sampled = match section.has("timing") {
+        true => section.choice("timing", &[("continuous", false), ("sampled", true)]),
+        false => Some(true),
+    };
+    let timing = match sampled {
+        Some(false) => Some(Timing::Continuous),
+        Some(true) => read_rate(&section, tick_rate_hz),
+        None => {
+            section.ignore_rest();
+            None
+        }
+    };
+    Some(Some(Controller {
+        timing: timing?,
+        kp_nm_rad: kp?,
+        kd_nm_s_rad: kd?,
+        feed_forward: feed_forward?,
+    }))
+}
+
+/// `rate_hz`, a whole multiple of the tick rate.
+fn read_rate(section: &Section, tick_rate_hz: Option<f64>) -> Option<Timing> {
+    if !section.has("rate_hz") {
+        return Some(Timing::Sampled { per_tick: 1 });
+    }
+    let rate = section.number("rate_hz", Bound::Within(1.0, FASTEST_HZ))?;
+    let ticks = tick_rate_hz?;
+    let per_tick = (rate / ticks).round();
+    if per_tick < 1.0 || (rate - per_tick * ticks).abs() > 1e-9 * rate {
+        let reason = format!("must be a whole multiple of tick_rate_hz = {ticks}");
+        section.refuse("rate_hz", reason);
+        return None;
+    }
+    Some(Timing::Sampled {
+        per_tick: per_tick as u32,
+    })
+}
+
+fn read_friction(section: &Section) -> Option<JointFriction> {
+    if !section.has("friction") {
+        return Some(JointFriction::default());
+    }
+    let section = section.section("friction")?;
+    let joint = |key| {
+        if !section.has(key) {
+            return Some(None);
+        }
+        let joint = section.section(key)?;
+        let viscous = joint.number_or("viscous_nm_s_rad", Bound::NotNegative, 0.0);
+        let coulomb = joint.number_or("coulomb_nm", Bound::NotNegative, 0.0);
+        let stick = joint.number_or("stick_rad_s", Bound::Positive, STICK_RAD_S);
+        Some(Some(Friction {
+            viscous_nm_s_rad: viscous?,
+            coulomb_nm: coulomb?,
+            stick_rad_s: stick?,
+        }))
+    };
+    let (motor, elbow, platform) = (joint("motor"), joint("elbow"), joint("platform"));
+    Some(JointFriction {
+        motor: motor?,
+        elbow: elbow?,
+        platform: platform?,
+    })
+}
+
+fn read_transmission(
+    section: &Section,
+    drives: Option<Option<[Drive; 3]>>,
+) -> Option<Option<[Transmission; 3]>> {
+    if !section.has("transmission") {
+        return Some(None);
+    }
+    let place = section.place_of("transmission");
+    let inner = section.section("transmission")?;
+    if !inner.has("stiffness_nm_rad") {
+        inner.refuse("stiffness_nm_rad", "missing, expected a number in N m/rad");
+    }
+    let stiffness = inner.number_or_three("stiffness_nm_rad", Bound::Positive);
+    let damping = match inner.has("damping_nm_s_rad") {
+        true => inner.number_or_three("damping_nm_s_rad", Bound::NotNegative),
+        false => Some([0.0; 3]),
+    };
+    let (stiffness, damping) = (stiffness?, damping?);
+    let rotors = drives?.map(|drives| drives.map(|drive| drive.rotor_inertia_kgm2));
+    if !rotors.is_some_and(|rotors| rotors.iter().all(|inertia| *inertia > 0.0)) {
+        let reason = "an elastic transmission needs a rotor to turn against: every [[drive]] \
+                      needs a rotor_inertia_kgm2 greater than 0";
+        section.refuse_at(
+            &Place {
+                value: None,
+                ..place
+            },
+            reason,
+        );
+        return None;
+    }
+    Some(Some([0, 1, 2].map(|i| Transmission {
+        stiffness_nm_rad: stiffness[i],
+        damping_nm_s_rad: damping[i],
+    })))
+}
+
+/// What of the drives the plant can simulate, and whether they are controlled.
+fn check_drives(
+    section: &Section,
+    root: &Section,
+    plant: &Plant,
+    drives: Option<[Drive; 3]>,
+) -> Option<()> {
+    let kinds = drives.map(|drives| drives.map(|drive| drive.kind));
+    let mut by_torque = kinds.is_none();
+    let mut steppers = false;
+    for kind in kinds.iter().flatten() {
+        match kind {
+            DriveKind::Bldc(_) => by_torque = true,
+            DriveKind::Stepper(stepper) => {
+                steppers = true;
+                if stepper.holding_torque_nm.is_none() {
+                    let reason = "a [plant] needs the holding_torque_nm of its steppers";
+                    root.refuse_list("drive", reason);
+                    return None;
+                }
+            }
+            DriveKind::Can(_) => {
+                let reason = "a [plant] has no model of a drive on the CAN bus: describe its \
+                              motor as kind = \"bldc\"";
+                root.refuse_list("drive", reason);
+                return None;
+            }
+        }
+    }
+    match plant.controller {
+        None if by_torque => {
+            let reason = "missing, expected [plant.controller]: motors driven by torque need one";
+            section.refuse("controller", reason);
+            None
+        }
+        Some(controller) if steppers && controller.timing == Timing::Continuous => {
+            let place = Place {
+                value: None,
+                ..section.place_of("controller")
+            };
+            let reason = "timing = \"continuous\": steppers are commanded step by step, so that \
+                          the controller has to be sampled";
+            section.refuse_at(&place, reason);
+            None
+        }
+        _ => Some(()),
+    }
+}
