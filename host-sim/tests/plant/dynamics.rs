@@ -52,9 +52,9 @@ fn accelerations_take_the_torques_that_caused_them() {
             let inputs = Inputs::exact(&scene.parameters, &setpoint);
             let kinematics = inputs.kinematics();
             let truth = inputs.dynamics(&kinematics);
-            for leg in 0..3 {
-                let found = record.legs[leg].torque - torques[leg];
-                let exact = truth.torques[leg].value() - torques[leg];
+            for (leg, applied) in torques.iter().enumerate() {
+                let found = record.legs[leg].torque - applied;
+                let exact = truth.torques[leg].value() - applied;
                 worst.0 = worst.0.max(found.abs());
                 worst.1 = worst.1.max(exact.abs());
             }
