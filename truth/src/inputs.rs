@@ -46,68 +46,118 @@ pub struct Inputs<S> {
     pub angle_acceleration: S,
 }
 
+/// What an input is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// A base joint's place, a link's length, a radius, a centre of mass on a link, m.
+    Length,
+    /// Where a platform joint lies about D, rad.
+    JointAngle,
+    /// kg.
+    Mass,
+    /// kg m^2.
+    Inertia,
+    /// m/s^2.
+    Gravity,
+    /// N.
+    Force,
+    /// N m.
+    Moment,
+    /// Of D, m.
+    Position,
+    /// Of the platform, rad.
+    Angle,
+    /// Of D, m/s.
+    Velocity,
+    /// Of the platform, rad/s.
+    AngleRate,
+    /// Of D, m/s^2.
+    Acceleration,
+    /// Of the platform, rad/s^2.
+    AngleAcceleration,
+}
+
+/// One input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input {
+    /// What it is.
+    pub quantity: Quantity,
+    /// Its value.
+    pub value: f64,
+    /// The length of the vector that it is a component of; of a scalar, its size.
+    pub length: f64,
+    /// Which component it is, 0 or 1; of a scalar, 0.
+    pub component: usize,
+}
+
 /// The sizes of all inputs: what each is perturbed by, relative to the unit roundoff.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes(pub [f64; INPUTS]);
 
 impl<S: Scalar> Inputs<S> {
-    /// Calls `lift` once for each input, in a fixed order, with its value and the length of the
-    /// vector that it is a component of (a scalar's own size).
+    /// Calls `lift` once for each input, in a fixed order.
     fn lifted<N: Number>(
         parameters: &Parameters,
         setpoint: &Setpoint<N>,
-        mut lift: impl FnMut(f64, f64) -> S,
+        mut lift: impl FnMut(Input) -> S,
     ) -> Self {
-        let mut vector = |x: f64, y: f64| {
-            let length = x.hypot(y);
-            [lift(x, length), lift(y, length)]
+        use Quantity as Q;
+        let mut vector = |quantity, v: Vector2<f64>| {
+            let length = v.x.hypot(v.y);
+            [(0, v.x), (1, v.y)].map(|(component, value)| {
+                lift(Input {
+                    quantity,
+                    value,
+                    length,
+                    component,
+                })
+            })
         };
-        let bases = parameters
-            .legs
-            .map(|leg| vector(leg.base_m.x, leg.base_m.y));
-        let of = |v: Vector2<f64>| (v.x, v.y);
-        let number = |x: N| x.to_f64();
-        let pairs = [
-            of(parameters.platform.com_m),
-            of(parameters.gravity_m_s2),
-            of(parameters.wrench_force_n),
-            of(setpoint.pose.position.map(number)),
-            of(setpoint.velocity.xy().map(number)),
-            of(setpoint.acceleration.xy().map(number)),
-        ];
-        let [com, gravity, force, position, velocity, acceleration] =
-            pairs.map(|(x, y)| vector(x, y));
-        let mut scalar = |x: f64| lift(x, x.abs());
+        let bases = parameters.legs.map(|leg| vector(Q::Length, leg.base_m));
+        let com = vector(Q::Length, parameters.platform.com_m);
+        let gravity = vector(Q::Gravity, parameters.gravity_m_s2);
+        let force = vector(Q::Force, parameters.wrench_force_n);
+        let position = vector(Q::Position, setpoint.pose.position.map(N::to_f64));
+        let velocity = vector(Q::Velocity, setpoint.velocity.xy().map(N::to_f64));
+        let acceleration = vector(Q::Acceleration, setpoint.acceleration.xy().map(N::to_f64));
+        let mut scalar = |quantity, value: f64| {
+            lift(Input {
+                quantity,
+                value,
+                length: value.abs(),
+                component: 0,
+            })
+        };
         let mut leg = |base: Plane<S>, leg: &LegParameters| Leg {
             base,
-            l1: scalar(leg.proximal_m),
-            l2: scalar(leg.distal_m),
-            h: scalar(leg.joint_radius_m),
-            lambda: scalar(leg.joint_angle_rad),
+            l1: scalar(Q::Length, leg.proximal_m),
+            l2: scalar(Q::Length, leg.distal_m),
+            h: scalar(Q::Length, leg.joint_radius_m),
+            lambda: scalar(Q::JointAngle, leg.joint_angle_rad),
             elbow: leg.elbow.sign(),
-            m1: scalar(leg.proximal.mass_kg),
-            c1: scalar(leg.proximal.com_m),
-            i1: scalar(leg.proximal.inertia_kgm2),
-            m2: scalar(leg.distal.mass_kg),
-            c2: scalar(leg.distal.com_m),
-            i2: scalar(leg.distal.inertia_kgm2),
-            rotor: scalar(leg.rotor_inertia_kgm2),
+            m1: scalar(Q::Mass, leg.proximal.mass_kg),
+            c1: scalar(Q::Length, leg.proximal.com_m),
+            i1: scalar(Q::Inertia, leg.proximal.inertia_kgm2),
+            m2: scalar(Q::Mass, leg.distal.mass_kg),
+            c2: scalar(Q::Length, leg.distal.com_m),
+            i2: scalar(Q::Inertia, leg.distal.inertia_kgm2),
+            rotor: scalar(Q::Inertia, leg.rotor_inertia_kgm2),
         };
         let legs = [0, 1, 2].map(|index| leg(bases[index], &parameters.legs[index]));
         Self {
             legs,
-            mass: scalar(parameters.platform.mass_kg),
-            inertia: scalar(parameters.platform.inertia_kgm2),
+            mass: scalar(Q::Mass, parameters.platform.mass_kg),
+            inertia: scalar(Q::Inertia, parameters.platform.inertia_kgm2),
             com,
             gravity,
             force,
-            moment: scalar(parameters.wrench_torque_nm),
+            moment: scalar(Q::Moment, parameters.wrench_torque_nm),
             position,
-            angle: scalar(N::angle_to_f64(setpoint.pose.angle)),
+            angle: scalar(Q::Angle, N::angle_to_f64(setpoint.pose.angle)),
             velocity,
-            angle_rate: scalar(setpoint.velocity.z.to_f64()),
+            angle_rate: scalar(Q::AngleRate, setpoint.velocity.z.to_f64()),
             acceleration,
-            angle_acceleration: scalar(setpoint.acceleration.z.to_f64()),
+            angle_acceleration: scalar(Q::AngleAcceleration, setpoint.acceleration.z.to_f64()),
         }
     }
 
@@ -130,35 +180,26 @@ impl<S: Scalar> Inputs<S> {
 impl Inputs<DoubleDouble> {
     /// The inputs exactly as given.
     pub fn exact<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Self {
-        Self::lifted(parameters, setpoint, |x, _| DoubleDouble::constant(x))
+        Self::lifted(parameters, setpoint, |input| {
+            DoubleDouble::constant(input.value)
+        })
     }
 }
 
 impl Inputs<Dual> {
-    /// The inputs as variables, with their sizes: of a vector's components the size of each.
-    pub fn variable<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> (Self, Sizes) {
-        let (inputs, sizes, _) = Self::with_sizes(parameters, setpoint);
-        (inputs, sizes)
-    }
-
-    /// The same with the length of a vector as the size of its components: for what a turn of the
-    /// whole machine does.
-    pub fn isotropic<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> (Self, Sizes) {
-        let (inputs, _, lengths) = Self::with_sizes(parameters, setpoint);
-        (inputs, lengths)
-    }
-
-    fn with_sizes<N: Number>(
+    /// The inputs as variables, each with what `size` makes of it: how far it may move.
+    pub fn variable<N: Number>(
         parameters: &Parameters,
         setpoint: &Setpoint<N>,
-    ) -> (Self, Sizes, Sizes) {
-        let (mut sizes, mut lengths, mut count) = ([0.0; INPUTS], [0.0; INPUTS], 0);
-        let inputs = Self::lifted(parameters, setpoint, |x, length| {
-            (sizes[count], lengths[count]) = (x.abs(), length);
+        size: impl Fn(Input) -> f64,
+    ) -> (Self, Sizes) {
+        let (mut sizes, mut count) = ([0.0; INPUTS], 0);
+        let inputs = Self::lifted(parameters, setpoint, |input| {
+            sizes[count] = size(input);
             count += 1;
-            Dual::variable(x, count - 1)
+            Dual::variable(input.value, count - 1)
         });
         assert_eq!(count, INPUTS);
-        (inputs, Sizes(sizes), Sizes(lengths))
+        (inputs, Sizes(sizes))
     }
 }

@@ -1,8 +1,7 @@
 //! The results of a motion as a flat list, the same for the core and for the independent model.
 
 use crate::double_double::DoubleDouble;
-use crate::dual::Dual;
-use crate::inputs::{Inputs, Sizes};
+use crate::inputs::{Input, Inputs};
 use crate::model::{Dynamics, Kinematics};
 use crate::scalar::Scalar;
 use core::f64::consts::TAU;
@@ -130,7 +129,7 @@ pub fn truth<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Vec<
 
 /// Condition of every result: the sum of |dq/dp p| over all inputs p.
 pub fn conditions<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Vec<f64> {
-    sensitivities(&Inputs::variable(parameters, setpoint))
+    uncertainties(parameters, setpoint, |input| input.value.abs())
 }
 
 /// The same with the length of a vector in place of its components, larger than
@@ -139,10 +138,17 @@ pub fn isotropic_conditions<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
 ) -> Vec<f64> {
-    sensitivities(&Inputs::isotropic(parameters, setpoint))
+    uncertainties(parameters, setpoint, |input| input.length)
 }
 
-fn sensitivities((inputs, sizes): &(Inputs<Dual>, Sizes)) -> Vec<f64> {
+/// How far every result moves, at most and to first order, when each input moves by what
+/// `uncertainty` says of it: the sum of |dq/dp| times that.
+pub fn uncertainties<N: Number>(
+    parameters: &Parameters,
+    setpoint: &Setpoint<N>,
+    uncertainty: impl Fn(Input) -> f64,
+) -> Vec<f64> {
+    let (inputs, sizes) = Inputs::variable(parameters, setpoint, uncertainty);
     let kinematics = inputs.kinematics();
     of_model(&kinematics, &inputs.dynamics(&kinematics))
         .iter()
