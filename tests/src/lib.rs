@@ -7,6 +7,8 @@
 //! | [`inputs`], [`model`], [`results`] | from `trirrr_truth`: the machine computed a second time |
 //! | [`scalar`], [`double_double`], [`dual`] | its numbers: 31 digits, or with derivatives |
 //! | [`random`] | random machines and states |
+//! | [`motors`] | what the motors need, as numbers |
+//! | [`vector_formulas`] | the tick in plain f64 with its functions handed in |
 //! | [`thesis_formula`] | the thesis's formulas, errors included |
 //! | [`bound`] | comparison of results with \|error\| <= 2 u cond |
 #![forbid(unsafe_code)]
@@ -16,6 +18,8 @@ pub use trirrr_truth::{double_double, dual, inputs, model, results, scalar};
 pub mod bound;
 pub mod evaluate;
 pub mod machines;
+pub mod motors;
 pub mod random;
 pub mod table;
 pub mod thesis_formula;
+pub mod vector_formulas;
