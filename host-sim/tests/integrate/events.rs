@@ -179,7 +179,7 @@ fn two_crossings_within_a_step_are_both_found() {
 #[test]
 fn a_threshold_that_is_missed_by_little_is_no_event() {
     let method = Method::DormandPrince { tolerance: 1e-10 };
-    assert_eq!(crossings(1.000_001, Direction::Either, method), []);
+    assert!(crossings(1.000_001, Direction::Either, method).is_empty());
 }
 
 /// Two thresholds at the same instant: both are handled, in order.
