@@ -1,0 +1,179 @@
+"""The example frames of docs/wire.md, and the line's damages."""
+
+import re
+import unittest
+from pathlib import Path
+
+from trirrr import cobs, frames, messages, postcard
+from trirrr.messages import (
+    Acting, Bounded, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, Refusal, Reply,
+    Request, Setpoint, State, Telemetry, Verdict, Violation,
+)
+
+DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
+F32, F64 = NUMBERS["f32"], NUMBERS["f64"]
+
+
+def single(value: float) -> float:
+    """The binary32 number nearest to ``value``."""
+    return postcard.loads(postcard.F32, postcard.dumps(postcard.F32, value, F32), F32)
+
+
+def hello(numbers) -> object:
+    content = Hello(protocol=1, schema=messages.schema_key(numbers), scene=0)
+    return Request(7, Command.Hello(content))
+
+
+def move(rounded) -> object:
+    return Request(300, Command.Move(Move(
+        number=2,
+        from_=Pose(*map(rounded, (0.21, 0.22, 0.15))),
+        to=Pose(*map(rounded, (0.28, 0.28, 0.2))),
+        start_velocity=(0.0, 0.0, 0.0),
+        end_velocity=(rounded(0.1), 0.0, 0.0),
+        ticks=300,
+        tool_power=0.75,
+        tool_speed=rounded(0.1),
+    )))
+
+
+EXAMPLES = {
+    "hello": (F32, Request, hello(F32)),
+    "hello-f64": (F64, Request, hello(F64)),
+    "identity": (F32, Message, Message.Reply(sequence=7, reply=Reply.Hello(Identity(
+        protocol=1,
+        schema=messages.schema_key(F32),
+        scene=0x12345678,
+        name=tuple(b"thesis".ljust(32, b"\0")),
+        tick_rate_hz=1000.0,
+        length_m=1.0,
+        time_s=1.0,
+        mass_kg=1.0,
+        ramp_ticks=100,
+        silence_ticks=1000,
+        queue=15,
+        next_sequence=300,
+    )))),
+    "status": (F32, Request, Request(301, Command.Status())),
+    "move": (F32, Request, move(single)),
+    "move-f64": (F64, Request, move(float)),
+    "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10))),
+    "done": (F32, Message, Message.Reply(sequence=300, reply=Reply.Done())),
+    "out-of-sequence": (F32, Message, Message.Reply(
+        sequence=305, reply=Reply.Refused(Refusal.Sequence(expected=303)))),
+    "not-admitted": (F32, Message, Message.Event(Event.Verdict(Verdict(number=2, violation=Violation(
+        what=Bounded.Torque(), index=1, at=0.5, value=1.25, limit=1.0, ramp=True, shortest=640,
+    ))))),
+    "telemetry": (F32, Message, Message.Telemetry(Telemetry(
+        tick=100_000,
+        state=State.Running(),
+        acting=Acting.Nothing(),
+        number=2,
+        at=150,
+        part=0,
+        setpoint=Setpoint(
+            Pose(0.25, 0.5, 0.125),
+            tuple(map(single, (0.1, -0.2, 0.3))),
+            (-1.0, 2.0, 0.0),
+        ),
+        angles=(1.5, -0.5, 3.0),
+        rates=(0.5, -1.5, 0.25),
+        accelerations=(10.0, -20.0, 30.0),
+        torques=tuple(map(single, (0.0125, -0.03, 0.5))),
+        tool=0.75,
+        duration=499,
+        lost=0,
+    ))),
+}
+
+
+def shown() -> dict[str, tuple[bytes, bytes]]:
+    """Message and frame of each example in the document."""
+    pattern = r"### `([\w-]+)`\n.*?```text\nmessage:(.*?)frame:(.*?)```"
+    found = re.findall(pattern, DOCUMENT.read_text(), re.S)
+    return {name: (bytes.fromhex(plain), bytes.fromhex(frame)) for name, plain, frame in found}
+
+
+class Examples(unittest.TestCase):
+    def test_the_document_shows_these_examples(self):
+        self.assertEqual(set(shown()), set(EXAMPLES))
+
+    def test_they_are_encoded_and_decoded_byte_for_byte(self):
+        for name, (plain, frame) in shown().items():
+            numbers, kind, value = EXAMPLES[name]
+            with self.subTest(name):
+                self.assertEqual(postcard.dumps(kind, value, numbers), plain)
+                self.assertEqual(frames.encode(plain), frame)
+                decoder = frames.Decoder()
+                self.assertEqual(list(decoder.feed(frame)), [plain])
+                self.assertFalse(decoder.errors)
+                self.assertEqual(postcard.loads(kind, plain, numbers), value)
+
+    def test_the_schema_keys_are_the_documents(self):
+        rows = re.findall(r"^\| (\w+) \|.*\| 0x([0-9A-F]{16}) \|$", DOCUMENT.read_text(), re.M)
+        keys = {name: int(key, 16) for name, key in rows}
+        self.assertEqual(keys, {name: messages.schema_key(each) for name, each in NUMBERS.items()})
+
+
+class Damages(unittest.TestCase):
+    def errors(self, line: bytes) -> dict[str, int]:
+        decoder = frames.Decoder(longest=64)
+        self.assertEqual(list(decoder.feed(line)), [])
+        # Whatever it was: the next frame is heard.
+        self.assertEqual(list(decoder.feed(frames.encode(b"good"))), [b"good"])
+        return dict(decoder.errors)
+
+    def test_each_has_its_name(self):
+        frame = frames.encode(b"message")
+        flipped = bytes([frame[0], frame[1] ^ 4]) + frame[2:]
+        for line, name in [
+            (b"\0", "Empty"),
+            (b"\1" * 65 + b"\0", "TooLong"),
+            (cobs.encode(b"abc") + b"\0", "Truncated"),
+            (frame[:-2] + b"\0", "Stuffing"),
+            (flipped, "Checksum"),
+        ]:
+            with self.subTest(name):
+                self.assertEqual(self.errors(line), {name: 1})
+
+    def test_what_is_no_message_is_counted(self):
+        listener = messages.Listener(F32)
+        done = postcard.dumps(Message, Message.Reply(sequence=1, reply=Reply.Done()), F32)
+        for payload in (b"\x09", done[:-1], done + b"\0", b"\0" + b"\xff" * 6):
+            self.assertEqual(list(listener.feed(frames.encode(payload))), [])
+        self.assertEqual(dict(listener.decoder.errors), {"Message": 3, "Trailing": 1})
+
+    def test_a_line_full_of_noise_keeps_little(self):
+        decoder = frames.Decoder(longest=64)
+        for _ in range(1000):
+            list(decoder.feed(b"\x55" * 100))
+        self.assertLessEqual(len(decoder._bytes), 64)
+
+
+class Stuffing(unittest.TestCase):
+    def test_there_and_back_at_every_length(self):
+        for length in (*range(10), *range(250, 262), *range(505, 515)):
+            for fill in (b"\0", b"\1", b"\xff", bytes(range(256))):
+                data = (fill * (length + 1))[:length]
+                stuffed = cobs.encode(data)
+                self.assertNotIn(0, stuffed)
+                self.assertEqual(cobs.decode(stuffed), data)
+
+    def test_the_published_vectors(self):
+        # Cheshire and Baker, "Consistent Overhead Byte Stuffing", and its common examples.
+        run = bytes(range(1, 255))
+        for plain, stuffed in [
+            (b"", b"\x01"),
+            (b"\0", b"\x01\x01"),
+            (b"\x11\x22\0\x33", b"\x03\x11\x22\x02\x33"),
+            (b"\x11\0\0\0", b"\x02\x11\x01\x01\x01"),
+            (run, b"\xff" + run),
+            (b"\0" + run, b"\x01\xff" + run),
+            (run + b"\xff", b"\xff" + run + b"\x02\xff"),
+        ]:
+            self.assertEqual(cobs.encode(plain), stuffed)
+            self.assertEqual(cobs.decode(stuffed), plain)
+
+
+if __name__ == "__main__":
+    unittest.main()

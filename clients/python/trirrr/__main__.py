@@ -1,0 +1,85 @@
+"""``python -m trirrr``: plays a job on a machine, records what it did, draws it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import jobs, plot
+from .exchange import Refused, Silent
+from .jobs import JobError
+from .messages import Command, SectionName
+from .ports import PortError, open_port
+from .record import Recorder
+from .stream import JobFailed, Stream
+
+
+def arguments() -> argparse.ArgumentParser:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="trirrr", description=__doc__)
+    parser.add_argument("job", help="scene file (.toml), or a table of moves (.csv)")
+    parser.add_argument("--port", required=True, help="serial port, or tcp:HOST:PORT")
+    parser.add_argument("--baud", type=int, default=115_200, help="of a serial port (%(default)s)")
+    parser.add_argument("--out", default="out", help="folder for ticks.csv and ticks.svg (%(default)s)")
+    parser.add_argument("--every", type=int, default=1, help="ticks from one sample to the next")
+    parser.add_argument("--any-scene", action="store_true", help="do not compare the machine's scene")
+    parser.add_argument("--answer", type=float, default=0.2, help="seconds to wait for an answer")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    return parser
+
+
+def main() -> int:
+    """0: the job is done. 1: it is not, and why. 2: it could not be tried."""
+    options = arguments().parse_args()
+    recorder = Recorder()
+
+    def progress(done: int, moves: int, state: str) -> None:
+        if not options.quiet:
+            print(f"{done} of {moves} moves, {state.lower()}", flush=True)
+
+    try:
+        job = jobs.read(options.job)
+    except JobError as error:
+        print(f"trirrr: {error}", file=sys.stderr)
+        return 2
+    stream = Stream(
+        lambda: open_port(options.port, options.baud),
+        job,
+        recorder.hear,
+        progress,
+        options.every,
+        options.any_scene,
+        answer_s=options.answer,
+        survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
+    )
+    try:
+        stream.run()
+    except (JobError, JobFailed, Silent, Refused, PortError) as error:
+        print(f"trirrr: {options.port}: {error}", file=sys.stderr)
+        return 1
+    finally:
+        if stream.survey and recorder.samples:
+            write(options.out, stream, recorder, Path(options.job).stem)
+    if not options.quiet:
+        lost = recorder.missing if options.every == 1 else 0
+        print(
+            f"done: {len(recorder.samples)} samples, {lost} missing, {stream.repeated} requests "
+            f"repeated, {stream.reconnected} reconnects, {sum(stream.damaged.values())} damaged frames"
+        )
+    return 0
+
+
+def write(folder: str, stream: Stream, recorder: Recorder, title: str) -> None:
+    """Writes table and figures of what was recorded."""
+    out = Path(folder)
+    out.mkdir(parents=True, exist_ok=True)
+    legs = [section.content.leg for section in stream.survey]
+    exchange = stream.exchange
+    rows = recorder.rows(exchange.identity, legs, exchange.numbers)
+    recorder.write(str(out / "ticks.csv"), rows)
+    plot.plot(str(out / "ticks.svg"), rows, title)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

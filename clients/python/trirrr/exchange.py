@@ -1,0 +1,150 @@
+"""Requests and their answers over a port: numbered, repeated, counted.
+
+A request that is not answered is sent again, unchanged, with the same sequence number; the machine
+executes it once however often it comes. So it does not matter whether the request or its answer was
+lost.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable
+from typing import Any
+
+from . import PROTOCOL
+from .messages import NUMBERS, Command, Hello, Listener, Request, encode, schema_key
+from .ports import Port, PortError
+from .postcard import Numbers, Value
+
+
+class Silent(Exception):
+    """The machine did not answer, however often it was asked."""
+
+
+class Refused(Exception):
+    """The machine does not do what it was asked to."""
+
+    def __init__(self, command: Value, refusal: Value) -> None:
+        super().__init__(f"{command.name} refused: {refusal}")
+        self.command = command
+        self.refusal = refusal
+
+
+class Exchange:
+    """A conversation with one machine.
+
+    ``heard`` gets every event and telemetry sample as it comes. Times are in seconds; after each
+    repetition the wait doubles, up to eight times.
+    """
+
+    def __init__(
+        self,
+        port: Port,
+        numbers: Numbers | None,
+        heard: Callable[[Value], None],
+        answer_s: float = 0.2,
+        attempts: int = 7,
+    ) -> None:
+        self._port = port
+        self._heard = heard
+        self._answer_s = answer_s
+        self._attempts = attempts
+        self._sequence = 0
+        # Each hello has its own number: a late answer to an old one is not taken for the new one.
+        self._hello = random.getrandbits(31)
+        self._numbers = numbers
+        self._listener: Listener | None = None
+        self.repeated = 0
+        self.identity: Any = None
+
+    @property
+    def numbers(self) -> Numbers:
+        """The machine's number type; known after the hello."""
+        if self._numbers is None:
+            raise ValueError("the machine's number type is not known before a hello")
+        return self._numbers
+
+    @property
+    def damaged(self) -> dict[str, int]:
+        """Damaged frames by what was wrong with them."""
+        return dict(self._listener.decoder.errors) if self._listener else {}
+
+    def hello(self, scene: int = 0) -> Any:
+        """Opens the conversation; the machine's identity. ``scene``: key of the scene, 0 for any.
+
+        Where the number type is not given, the one that the machine accepts is taken.
+        """
+        for numbers in [self._numbers] if self._numbers else list(NUMBERS.values()):
+            self._listener = Listener(numbers)
+            command = Command.Hello(Hello(PROTOCOL, schema_key(numbers), scene))
+            self._hello = (self._hello + 1) % (1 << 32)
+            try:
+                reply = self._converse(Request(self._hello, command), numbers)
+            except Refused as refused:
+                if refused.refusal.name == "Schema" and self._numbers is None:
+                    last = refused
+                    continue
+                raise
+            self._numbers = numbers
+            self.identity = reply.content
+            self._sequence = self.identity.next_sequence
+            return self.identity
+        raise last
+
+    def ask(self, command: Value) -> Any:
+        """The content of the answer to ``command``. ``Refused`` and ``Silent`` say why there is none."""
+        request = Request(self._sequence, command)
+        try:
+            reply = self._converse(request, self.numbers)
+        except Refused as refused:
+            if refused.refusal.name not in ("HelloFirst", "Sequence", "SequenceReused"):
+                self._sequence = (self._sequence + 1) % (1 << 32)
+            raise
+        self._sequence = (self._sequence + 1) % (1 << 32)
+        return reply.content
+
+    def listen(self, seconds: float) -> None:
+        """Takes what comes in the next ``seconds``."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0:
+            self._take(left, None)
+
+    def _converse(self, request: Any, numbers: Numbers) -> Value:
+        frame = encode(request, numbers)
+        for attempt in range(self._attempts):
+            self.repeated += attempt > 0
+            self._port.send(frame)
+            until = time.monotonic() + self._answer_s * 2 ** min(attempt, 3)
+            while (left := until - time.monotonic()) > 0:
+                reply = self._take(left, request)
+                if reply is None:
+                    continue
+                if reply.name == "Refused":
+                    raise Refused(request.command, reply.content)
+                return reply
+        raise Silent(f"no answer to {request.command.name} in {self._attempts} attempts")
+
+    def _take(self, timeout: float, request: Any) -> Value | None:
+        """What comes next; the answer to ``request`` if it is among it."""
+        assert self._listener is not None, "a hello comes first"
+        found = None
+        for message in self._listener.feed(self._port.receive(timeout)):
+            if message.name != "Reply":
+                self._heard(message)
+            elif request is not None and _answers(request, message.content):
+                found = message.content.reply
+        return found
+
+
+def _answers(request: Any, content: Any) -> bool:
+    """Whether the reply belongs to the request: by its number, and by its kind, for a number can
+    come again in another conversation."""
+    if content.sequence != request.sequence:
+        return False
+    kinds = {"Hello": "Hello", "Status": "Status", "Read": "Section"}
+    expected = kinds.get(request.command.name, "Done")
+    return content.reply.name in ("Refused", expected)
+
+
+__all__ = ["Exchange", "PortError", "Refused", "Silent"]

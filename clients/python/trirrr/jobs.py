@@ -1,0 +1,205 @@
+"""Jobs: moves from a scene file (TOML) or a table (CSV), in SI units."""
+
+from __future__ import annotations
+
+import csv
+import math
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .messages import Move, Pose
+
+#: A duration may be this far from a whole number of ticks, for it is written in decimals.
+_TOLERANCE_TICKS = 1e-6
+
+Vector = tuple[float, float, float]
+_REST: Vector = (0.0, 0.0, 0.0)
+
+
+class JobError(ValueError):
+    """The file is no job; file, place and reason."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One move in SI units. ``duration_s`` ``None``: at constant acceleration along its line."""
+
+    start: Vector
+    end: Vector
+    start_velocity: Vector
+    end_velocity: Vector
+    duration_s: float | None
+    power: float = 0.0
+    speed_m_s: float = 0.0
+    place: str = ""
+
+    def ticks(self, rate_hz: float) -> int:
+        """Duration in ticks. ``JobError`` where it is no whole number."""
+        if self.duration_s is None:
+            return self._ticks_at_constant_acceleration(rate_hz)
+        exact = self.duration_s * rate_hz
+        whole = round(exact)
+        if whole < 1 or abs(exact - whole) > _TOLERANCE_TICKS:
+            raise JobError(f"{self.place}: duration of {exact!r} ticks at {rate_hz:g} Hz, must be whole")
+        return whole
+
+    def _ticks_at_constant_acceleration(self, rate_hz: float) -> int:
+        way = [b - a for a, b in zip(self.start, self.end)]
+        velocity = [a + b for a, b in zip(self.start_velocity, self.end_velocity)]
+        # In the plane; a move that only turns, by its angle.
+        parts = (0, 1) if way[0] or way[1] else (2,)
+        squared = sum(way[part] ** 2 for part in parts)
+        along = sum(way[part] * velocity[part] for part in parts)
+        if not squared or along <= 0:
+            raise JobError(f"{self.place}: needs a duration")
+        return max(1, math.ceil(2 * squared / along * rate_hz - _TOLERANCE_TICKS))
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to play, and on which machine."""
+
+    steps: list[Step]
+    #: Key of the scene, 0 for any.
+    scene: int = 0
+    #: Name of the machine's number type, where the file says it.
+    number: str | None = None
+    #: Geometry of the legs where the file has it: the parsed ``[[machine.leg]]`` tables.
+    legs: list[dict[str, Any]] = field(default_factory=list)
+
+    def moves(self, identity: Any) -> list[Any]:
+        """The moves for the machine that ``identity`` describes, numbered from 0."""
+        length, time = identity.length_m, identity.time_s
+
+        def pose(values: Vector) -> Pose:
+            return Pose(values[0] / length, values[1] / length, values[2])
+
+        def velocity(values: Vector) -> Vector:
+            speed = length / time
+            return (values[0] / speed, values[1] / speed, values[2] * time)
+
+        return [
+            Move(
+                number=number,
+                from_=pose(step.start),
+                to=pose(step.end),
+                start_velocity=velocity(step.start_velocity),
+                end_velocity=velocity(step.end_velocity),
+                ticks=step.ticks(identity.tick_rate_hz),
+                tool_power=step.power,
+                tool_speed=step.speed_m_s * time / length,
+            )
+            for number, step in enumerate(self.steps)
+        ]
+
+
+def read(path: str) -> Job:
+    """The job in a scene file (``.toml``) or a table (``.csv``). ``JobError`` says what is wrong."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise JobError(f"{path}: {error.strerror}") from None
+    if path.endswith(".csv"):
+        return _from_table(path, data)
+    return _from_scene(path, data)
+
+
+def scene_key(text: bytes) -> int:
+    """Key of a scene file: FNV-1a, 32 bits, never 0."""
+    key = 0x811C_9DC5
+    for byte in text:
+        key = (key ^ byte) * 0x0100_0193 % (1 << 32)
+    return key or 1
+
+
+def _from_scene(path: str, data: bytes) -> Job:
+    try:
+        scene = tomllib.loads(data.decode())
+        job = scene["job"]
+        start = _pose(job["start"])
+        steps = []
+        velocity = _REST
+        for index, each in enumerate(job["move"], 1):
+            end = _pose(each["to"])
+            end_velocity = tuple(
+                float(each.get("end_velocity", {}).get(key, 0.0))
+                for key in ("vx_m_s", "vy_m_s", "valpha_rad_s")
+            )
+            duration = each.get("duration_s")
+            tool = each.get("tool")
+            steps.append(
+                Step(
+                    start,
+                    end,
+                    velocity,
+                    end_velocity,
+                    None if duration is None else float(duration),
+                    float(tool["power"]) if tool else 0.0,
+                    float(tool["speed_m_s"]) if tool else 0.0,
+                    f"{path}: job.move[{index}]",
+                )
+            )
+            start, velocity = end, end_velocity
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise JobError(f"{path}: {error}") from None
+    except KeyError as error:
+        raise JobError(f"{path}: {error.args[0]} is missing in the job") from None
+    except (TypeError, AttributeError, ValueError) as error:
+        raise JobError(f"{path}: job: {error}") from None
+    legs = scene.get("machine", {}).get("leg", [])
+    return Job(steps, scene_key(data), scene.get("number", "f64"), legs)
+
+
+def _pose(table: dict[str, Any]) -> Vector:
+    return (float(table["x_m"]), float(table["y_m"]), float(table["alpha_rad"]))
+
+
+#: Columns of a table: end pose, then duration, then what is 0 where it is left out.
+_NEEDED = ("x", "y", "alpha", "duration")
+_OPTIONAL = ("vx", "vy", "valpha", "power", "speed")
+
+
+def _from_table(path: str, data: bytes) -> Job:
+    try:
+        rows = csv.DictReader(data.decode().splitlines())
+    except UnicodeDecodeError as error:
+        raise JobError(f"{path}: {error}") from None
+    names = rows.fieldnames or []
+    unknown = [name for name in names if name not in _NEEDED + _OPTIONAL]
+    missing = [name for name in _NEEDED if name not in names]
+    if missing or unknown:
+        raise JobError(f"{path}: columns missing: {missing}, unknown: {unknown}")
+    steps: list[Step] = []
+    before: tuple[Vector, Vector] | None = None
+    for row in rows:
+        place = f"{path}: line {rows.line_num}"
+
+        def number(name: str) -> float:
+            text = row.get(name) or ("0" if name in _OPTIONAL else "")
+            try:
+                value = float(text)
+            except ValueError:
+                raise JobError(f"{place}: {name} = {text!r} is no number") from None
+            if not math.isfinite(value):
+                raise JobError(f"{place}: {name} = {text} is not finite")
+            return value
+
+        end = (number("x"), number("y"), number("alpha"))
+        velocity = (number("vx"), number("vy"), number("valpha"))
+        duration = number("duration")
+        if before is None:
+            if duration != 0 or velocity != _REST:
+                raise JobError(f"{place}: the first row is where the machine stands: duration 0, at rest")
+        else:
+            start, start_velocity = before
+            steps.append(
+                Step(start, end, start_velocity, velocity, duration, number("power"), number("speed"), place)
+            )
+        before = (end, velocity)
+    if not steps:
+        raise JobError(f"{path}: a job needs a start and at least one move")
+    if steps[-1].end_velocity != _REST:
+        raise JobError(f"{steps[-1].place}: the last move must end at rest")
+    return Job(steps)

@@ -1,0 +1,371 @@
+"""The messages of docs/wire.md: fields and variants in their order.
+
+What they mean, and in which units, stands there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from . import frames, postcard
+from .postcard import ANGLE, BOOL, BYTE, F32, F64, N, U16, U32, U64
+from .postcard import Enum, Numbers, Optional, Struct, Tuple, array
+
+
+class Pose(NamedTuple):
+    """Where the platform is."""
+
+    x: float
+    y: float
+    alpha: float
+
+
+class Setpoint(NamedTuple):
+    """Pose, velocity (vx, vy, alphadot) and acceleration."""
+
+    pose: Pose
+    velocity: tuple[float, float, float]
+    acceleration: tuple[float, float, float]
+
+
+POSE = Tuple("Pose", [N, N, ANGLE], Pose._make)
+SETPOINT = Tuple("Setpoint", [POSE, array(N, 3), array(N, 3)], Setpoint._make)
+
+SectionName = Enum(
+    "SectionName",
+    Leg=BYTE,
+    Platform=None,
+    Limits=None,
+)
+
+Leg = Struct(
+    "Leg",
+    base_m=array(F64, 2),
+    proximal_m=F64,
+    distal_m=F64,
+    joint_radius_m=F64,
+    joint_angle_rad=F64,
+    elbow_positive=BOOL,
+    proximal=array(F64, 3),
+    distal=array(F64, 3),
+    rotor_inertia_kgm2=F64,
+)
+
+Platform = Struct(
+    "Platform",
+    mass_kg=F64,
+    inertia_kgm2=F64,
+    com_m=array(F64, 2),
+    gravity_m_s2=array(F64, 2),
+    wrench_force_n=array(F64, 2),
+    wrench_torque_nm=F64,
+)
+
+Limits = Struct(
+    "Limits",
+    rate_rad_s=Optional(array(F64, 3)),
+    acceleration_rad_s2=Optional(array(F64, 3)),
+    torque_nm=Optional(array(F64, 3)),
+    power_w=Optional(array(F64, 3)),
+    serial_distance_min=F64,
+    parallel_distance_min=F64,
+)
+
+Section = Enum(
+    "Section",
+    Leg={"index": BYTE, "leg": Leg},
+    Platform=Platform,
+    Limits=Limits,
+)
+
+Bounded = Enum(
+    "Bounded",
+    Reach=None,
+    SerialDistance=None,
+    ParallelDistance=None,
+    Rate=None,
+    Acceleration=None,
+    Torque=None,
+    Power=None,
+    Range=None,
+)
+
+State = Enum(
+    "State",
+    Idle=None,
+    Running=None,
+    Slowing=None,
+    Stopping=None,
+    Holding=None,
+    Fault=None,
+    Cleared=None,
+    Recovering=None,
+)
+
+Acting = Enum(
+    "Acting",
+    Nothing=None,
+    Hold=None,
+    Resume=None,
+    Stop=None,
+    Silence=None,
+    QueueDry=None,
+    Limit=Bounded,
+)
+
+FaultCode = Enum(
+    "FaultCode",
+    Limit=Bounded,
+    Unreachable=None,
+    SerialSingular=None,
+    ParallelSingular=None,
+    OutOfRange=None,
+    Overrun=None,
+    Drive=None,
+    Board=None,
+)
+
+Fault = Struct(
+    "Fault",
+    code=FaultCode,
+    index=Optional(BYTE),
+    value=N,
+    limit=N,
+    tick=U32,
+)
+
+Quantity = Enum(
+    "Quantity",
+    Base=None,
+    ProximalLength=None,
+    DistalLength=None,
+    Reach=None,
+    JointRadius=None,
+    JointAngle=None,
+    ProximalMass=None,
+    ProximalCentreOfMass=None,
+    ProximalInertia=None,
+    DistalMass=None,
+    DistalCentreOfMass=None,
+    DistalInertia=None,
+    RotorInertia=None,
+    GreatestDetA=None,
+    PlatformMass=None,
+    PlatformInertia=None,
+    PlatformCentreOfMass=None,
+    Gravity=None,
+    WrenchForce=None,
+    WrenchTorque=None,
+    SliderDirection=None,
+    SliderMass=None,
+    RateLimit=None,
+    AccelerationLimit=None,
+    TorqueLimit=None,
+    PowerLimit=None,
+    SerialDistance=None,
+    ParallelDistance=None,
+)
+
+Violation = Struct(
+    "Violation",
+    what=Bounded,
+    index=Optional(BYTE),
+    at=N,
+    value=N,
+    limit=N,
+    ramp=BOOL,
+    shortest=Optional(U32),
+)
+
+Refusal = Enum(
+    "Refusal",
+    HelloFirst=None,
+    Protocol={"expected": U16},
+    Schema={"expected": U64},
+    Scene={"expected": U32},
+    Sequence={"expected": U32},
+    SequenceReused=None,
+    State=State,
+    NothingQueued=None,
+    Undecided=None,
+    EndsMoving=None,
+    QueueFull=None,
+    MoveNumber={"expected": U32},
+    NotFinite=None,
+    Duration={"longest": U32},
+    StartPose=None,
+    StartVelocity=None,
+    Tool=None,
+    NotAdjustable=None,
+    NoSuchLeg=None,
+    Parameter={"quantity": Quantity, "leg": Optional(BYTE)},
+    Limit=None,
+    NoPose=None,
+    Recovery=Violation,
+    Busy=None,
+)
+
+Hello = Struct(
+    "Hello",
+    protocol=U16,
+    schema=U64,
+    scene=U32,
+)
+
+Move = Struct(
+    "Move",
+    number=U32,
+    from_=POSE,
+    to=POSE,
+    start_velocity=array(N, 3),
+    end_velocity=array(N, 3),
+    ticks=U32,
+    tool_power=N,
+    tool_speed=N,
+)
+
+Recovery = Struct(
+    "Recovery",
+    to=POSE,
+    ticks=U32,
+)
+
+Command = Enum(
+    "Command",
+    Hello=Hello,
+    Status=None,
+    Read=SectionName,
+    Override=Section,
+    Move=Move,
+    Start=None,
+    Hold=None,
+    Resume=None,
+    Stop=None,
+    ClearFault=None,
+    Recover=Recovery,
+    Telemetry={"every": U16},
+)
+
+Request = Struct(
+    "Request",
+    sequence=U32,
+    command=Command,
+)
+
+Identity = Struct(
+    "Identity",
+    protocol=U16,
+    schema=U64,
+    scene=U32,
+    name=array(BYTE, 32),
+    tick_rate_hz=F64,
+    length_m=F64,
+    time_s=F64,
+    mass_kg=F64,
+    ramp_ticks=U16,
+    silence_ticks=U32,
+    queue=BYTE,
+    next_sequence=U32,
+)
+
+Verdict = Struct(
+    "Verdict",
+    number=U32,
+    violation=Optional(Violation),
+)
+
+Status = Struct(
+    "Status",
+    tick=U32,
+    state=State,
+    acting=Acting,
+    fault=Optional(Fault),
+    next=U32,
+    admitted=U32,
+    done=U32,
+    room=BYTE,
+    refused=Optional(Verdict),
+    end=Optional(SETPOINT),
+    lost=U32,
+    longest_tick=U32,
+)
+
+Event = Enum(
+    "Event",
+    Verdict=Verdict,
+    State={"state": State, "acting": Acting, "done": U32},
+    Fault=Fault,
+)
+
+Telemetry = Struct(
+    "Telemetry",
+    tick=U32,
+    state=State,
+    acting=Acting,
+    number=U32,
+    at=U32,
+    part=U32,
+    setpoint=SETPOINT,
+    angles=array(ANGLE, 3),
+    rates=array(N, 3),
+    accelerations=array(N, 3),
+    torques=array(N, 3),
+    tool=N,
+    duration=U32,
+    lost=U32,
+)
+
+Reply = Enum(
+    "Reply",
+    Done=None,
+    Refused=Refusal,
+    Hello=Identity,
+    Section=Section,
+    Status=Status,
+)
+
+Message = Enum(
+    "Message",
+    Reply={"sequence": U32, "reply": Reply},
+    Event=Event,
+    Telemetry=Telemetry,
+)
+
+#: Every kind of machine, by the name of its number type in scenes.
+NUMBERS = {
+    "f64": Numbers("f64", F64, F64),
+    "f32": Numbers("f32", F32, F32),
+}
+
+
+def schema_key(numbers: Numbers) -> int:
+    """The key that a machine with ``numbers`` and a client have to agree on."""
+    return postcard.key(Tuple("", [Request, Message]), numbers)
+
+
+def encode(request: Any, numbers: Numbers) -> bytes:
+    """The frame of a request."""
+    return frames.encode(postcard.dumps(Request, request, numbers))
+
+
+class Listener:
+    """Messages out of what a line delivers."""
+
+    def __init__(self, numbers: Numbers) -> None:
+        self.numbers = numbers
+        self.decoder = frames.Decoder()
+
+    def feed(self, data: bytes) -> Iterable[Any]:
+        """The messages in ``data``; what is damaged is counted in ``decoder.errors``."""
+        for payload in self.decoder.feed(data):
+            reader = postcard.Reader(payload)
+            try:
+                message = Message.read(reader, self.numbers)
+            except postcard.DecodeError:
+                self.decoder.errors["Message"] += 1
+                continue
+            if reader.left:
+                self.decoder.errors["Trailing"] += 1
+                continue
+            yield message

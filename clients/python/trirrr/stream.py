@@ -1,0 +1,173 @@
+"""A whole job: hello, moves as there is room, start, and an eye on it until it is done."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from .exchange import Exchange, Refused, Silent
+from .jobs import Job
+from .messages import NUMBERS, Command
+from .ports import Port, PortError
+from .postcard import Value
+
+_MODULUS = 1 << 32
+
+#: Refusals that pass by themselves.
+_NOT_YET = {
+    "Move": {"QueueFull", "Busy"},
+    "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
+    "Telemetry": {"Busy"},
+    "Stop": {"Busy"},
+}
+
+
+class JobFailed(Exception):
+    """The job was not played to its end, and why."""
+
+
+class Stream:
+    """Plays ``job`` through ports that ``connect`` opens, anew after each that breaks.
+
+    ``heard`` gets events and telemetry, ``progress`` the moves done, their number and the state.
+    ``survey``: what to ask before the job starts; the answers are in the attribute of that name.
+    """
+
+    def __init__(
+        self,
+        connect: Callable[[], Port],
+        job: Job,
+        heard: Callable[[Value], None],
+        progress: Callable[[int, int, str], None] = lambda done, moves, state: None,
+        telemetry: int = 1,
+        any_scene: bool = False,
+        reconnects: int = 3,
+        answer_s: float = 0.2,
+        survey: Sequence[Value] = (),
+    ) -> None:
+        self._connect = connect
+        self._job = job
+        self._heard = heard
+        self._progress = progress
+        self._telemetry = telemetry
+        self._scene = 0 if any_scene else job.scene
+        self._reconnects = reconnects
+        self._answer_s = answer_s
+        self._questions = survey
+        self.survey: list[Any] = []
+        self._moves: list[Any] = []
+        self._base: int | None = None
+        self._offered = 0
+        self._started = False
+        self.exchange: Exchange | None = None
+        self.status: Any = None
+        self.repeated = 0
+        self.reconnected = 0
+        self.damaged: Counter[str] = Counter()
+
+    def run(self) -> None:
+        """Plays the job. ``JobFailed`` says why it did not end; ``PortError`` and ``Silent`` that the
+        machine is out of reach."""
+        while True:
+            try:
+                port = self._connect()
+                try:
+                    return self._play(port)
+                finally:
+                    if self.exchange is not None:
+                        self.repeated += self.exchange.repeated
+                        self.damaged.update(self.exchange.damaged)
+                    port.close()
+            except (PortError, Silent):
+                if self.reconnected == self._reconnects:
+                    raise
+                self.reconnected += 1
+
+    def _play(self, port: Port) -> None:
+        numbers = NUMBERS.get(self._job.number) if self._job.number else None
+        if self._job.number and numbers is None:
+            raise JobFailed(f"machines with {self._job.number} numbers are not known here")
+        exchange = self.exchange = Exchange(port, numbers, self._heard, self._answer_s)
+        port.send(b"\0")  # ends whatever the line held
+        try:
+            identity = exchange.hello(self._scene)
+        except Refused as refused:
+            raise JobFailed(str(refused)) from None
+        if not self._moves:
+            self._moves = self._job.moves(identity)
+        if not self.survey:
+            self.survey = [exchange.ask(question) for question in self._questions]
+        self._look()
+        self._command(Command.Telemetry(every=self._telemetry))
+        pause = min(0.1, identity.silence_ticks / identity.tick_rate_hz / 4 or 0.1)
+        try:
+            while not self._look():
+                if not self._push():
+                    exchange.listen(pause)
+        except KeyboardInterrupt:
+            self._command(Command.Stop())
+            raise JobFailed("stopped by the user") from None
+
+    def _push(self) -> bool:
+        """Offers a move or starts; whether there was anything to do."""
+        if self._offered < len(self._moves):
+            if not self.status.room:
+                return self._start()
+            number = (self._base + self._offered) % _MODULUS
+            move = dataclasses.replace(self._moves[self._offered], number=number)
+            if not self._command(Command.Move(move)):
+                return False
+            self._offered += 1
+            return True
+        return self._start()
+
+    def _start(self) -> bool:
+        admitted = (self.status.admitted - self._base) % _MODULUS
+        if self._started or admitted != self._offered:
+            return False
+        self._started = self._command(Command.Start())
+        return self._started
+
+    def _command(self, command: Value) -> bool:
+        """Asks; whether it was done. What passes by itself is no failure."""
+        try:
+            self.exchange.ask(command)
+            return True
+        except Refused as refused:
+            name = refused.refusal.name
+            if name in _NOT_YET.get(command.name, ()):
+                return False
+            if command.name == "Move":
+                raise JobFailed(f"move {self._offered + 1}: {refused}") from None
+            raise JobFailed(str(refused)) from None
+
+    def _look(self) -> bool:
+        """Reads the status; whether the job is done. ``JobFailed`` where it never will be."""
+        before, self.status = self.status, self.exchange.ask(Command.Status())
+        status = self.status
+        state = status.state.name
+        if status.fault is not None:
+            raise JobFailed(f"fault: {status.fault}")
+        if self._base is None:
+            if state != "Idle" or status.next != status.done:
+                raise JobFailed(f"the machine is not free: {state}, or with moves of another job")
+            self._base = status.next
+        if status.refused is not None and status.refused.violation is not None:
+            index = (status.refused.number - self._base) % _MODULUS
+            if index < len(self._moves):
+                self._command(Command.Stop())
+                raise JobFailed(f"move {index + 1} is not admitted: {status.refused.violation}")
+        taken = (status.next - self._base) % _MODULUS
+        done = (status.done - self._base) % _MODULUS
+        if taken > len(self._moves):
+            raise JobFailed("the machine was switched off and on during the job")
+        if taken < self._offered:
+            raise JobFailed(
+                f"the machine dropped the job ({status.acting}), {done} of {len(self._moves)} moves done"
+            )
+        self._offered = taken  # more only where the answer to a move was lost with the line
+        if before is None or before.done != status.done or before.state != status.state:
+            self._progress(done, len(self._moves), state)
+        return done == len(self._moves) and state == "Idle"
