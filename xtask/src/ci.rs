@@ -121,6 +121,19 @@ fn steps() -> Vec<Step> {
     }
     steps.push(step("tests", &["test"]));
     steps.push(step(
+        "admission of ten thousand moves",
+        &[
+            "test",
+            "-p",
+            "trirrr-tests",
+            "--test",
+            "admission",
+            "--",
+            "--ignored",
+            "--nocapture",
+        ],
+    ));
+    steps.push(step(
         "tests of the chores",
         &["test", "-p", "xtask", "-p", "trirrr-image"],
     ));

@@ -13,7 +13,7 @@ use crate::torque::payload::Payload;
 const COARSEST: u32 = 4;
 
 /// Halvings down to the shortest interval. Its middle is still a binary32 number.
-const FINEST: u32 = 16;
+const FINEST: u32 = 20;
 
 /// Intervals after which none is halved any more. A move that keeps a limit by less than the
 /// bounds tell, all along, would otherwise take 2^16 of them.

@@ -1,0 +1,221 @@
+//! The dense check: the tick itself, at so many instants of a move, with the setpoints of normal
+//! speed and of holds, stops and resumes.
+
+use crate::judge::Setting;
+use nalgebra::Vector3;
+use trirrr_core::machine::{LinksKind, PayloadKind};
+use trirrr_core::message::Move;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use trirrr_core::singularity::{Distances, det_a};
+use trirrr_core::tick::Tick;
+use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
+use trirrr_core::torque::payload::{Centred, Offset, Payload};
+
+/// How closely a move is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Density {
+    /// Intervals; both ends of each are evaluated.
+    pub(crate) samples: u32,
+    /// Speeds between rest and normal at each: one that changes from sample to sample, or many.
+    pub(crate) every_speed: bool,
+}
+
+/// The largest sizes, or least distances, at one instant or all along.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extremes {
+    /// Within reach, and det A never changes its sign.
+    pub(crate) possible: bool,
+    pub(crate) serial: [f64; 3],
+    pub(crate) parallel: f64,
+    pub(crate) rate: [f64; 3],
+    pub(crate) acceleration: [f64; 3],
+    pub(crate) torque: [f64; 3],
+    pub(crate) power: [f64; 3],
+}
+
+impl Extremes {
+    const NONE: Self = Self {
+        possible: true,
+        serial: [f64::INFINITY; 3],
+        parallel: f64::INFINITY,
+        rate: [0.0; 3],
+        acceleration: [0.0; 3],
+        torque: [0.0; 3],
+        power: [0.0; 3],
+    };
+
+    fn join(&mut self, other: &Self) {
+        self.possible &= other.possible;
+        self.parallel = self.parallel.min(other.parallel);
+        for leg in 0..3 {
+            self.serial[leg] = self.serial[leg].min(other.serial[leg]);
+            self.rate[leg] = self.rate[leg].max(other.rate[leg]);
+            self.acceleration[leg] = self.acceleration[leg].max(other.acceleration[leg]);
+            self.torque[leg] = self.torque[leg].max(other.torque[leg]);
+            self.power[leg] = self.power[leg].max(other.power[leg]);
+        }
+    }
+
+    /// The least of the three.
+    pub(crate) fn least_serial(&self) -> f64 {
+        self.serial.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// By how much, relative to the limit, the limit that is exceeded furthest is exceeded;
+    /// negative where all are kept.
+    pub(crate) fn excess(&self, setting: &Setting) -> f64 {
+        if !self.possible {
+            return f64::INFINITY;
+        }
+        let limits = &setting.limits;
+        let mut excess = f64::NEG_INFINITY;
+        for (limit, values) in [
+            (limits.rate_rad_s, self.rate),
+            (limits.acceleration_rad_s2, self.acceleration),
+            (limits.torque_nm, self.torque),
+            (limits.power_w, self.power),
+        ] {
+            for (limit, value) in limit.iter().flatten().zip(values) {
+                excess = excess.max(value / limit - 1.0);
+            }
+        }
+        for (limit, value) in [
+            (limits.serial_distance_min, self.least_serial()),
+            (limits.parallel_distance_min, self.parallel),
+        ] {
+            if limit > 0.0 {
+                excess = excess.max(1.0 - value / limit);
+            }
+        }
+        excess
+    }
+}
+
+/// The move as the tick plays it.
+pub(crate) fn segment<N: Number>(offered: &Move<N>, period_s: f64) -> Segment<N> {
+    let period = N::factor_from_f64(period_s);
+    if offered.is_rest_to_rest() {
+        let segment = RestToRest::new(offered.from, offered.to, offered.ticks, period);
+        return Segment::RestToRest(segment);
+    }
+    Segment::Hermite(Hermite::new(
+        offered.from,
+        Vector3::from(offered.start_velocity),
+        offered.to,
+        Vector3::from(offered.end_velocity),
+        offered.ticks,
+        period,
+    ))
+}
+
+/// The extremes of a move.
+pub(crate) fn extremes<N: Number>(
+    setting: &Setting,
+    offered: &Move<N>,
+    density: Density,
+) -> Extremes {
+    let mut found = Extremes::NONE;
+    visit(setting, offered, density, &mut |_, at| {
+        found.join(at);
+        at.possible
+    });
+    found
+}
+
+/// Calls `visitor` with the fraction of the move and the extremes there, as long as it returns true.
+pub(crate) fn visit<N: Number>(
+    setting: &Setting,
+    offered: &Move<N>,
+    density: Density,
+    visitor: &mut Visitor<'_>,
+) {
+    match PayloadKind::of(&setting.parameters) {
+        PayloadKind::Centred => with_payload::<N, Centred<N>>(setting, offered, density, visitor),
+        PayloadKind::Offset => with_payload::<N, Offset<N>>(setting, offered, density, visitor),
+    }
+}
+
+type Visitor<'v> = dyn FnMut(f64, &Extremes) -> bool + 'v;
+
+fn with_payload<N: Number, P: Payload<N>>(
+    setting: &Setting,
+    offered: &Move<N>,
+    density: Density,
+    visitor: &mut Visitor<'_>,
+) {
+    match LinksKind::of(&setting.parameters) {
+        LinksKind::Massless => with::<N, P, Massless>(setting, offered, density, visitor),
+        LinksKind::Rotors => with::<N, P, Rotors<N>>(setting, offered, density, visitor),
+        LinksKind::MassiveHorizontal => {
+            with::<N, P, Massive<N, Horizontal>>(setting, offered, density, visitor)
+        }
+        LinksKind::MassiveInPlane => {
+            with::<N, P, Massive<N, InPlane<N>>>(setting, offered, density, visitor)
+        }
+    }
+}
+
+fn with<N: Number, P: Payload<N>, L: Links<N>>(
+    setting: &Setting,
+    offered: &Move<N>,
+    density: Density,
+    visitor: &mut Visitor<'_>,
+) {
+    let tick = Tick::<N, P, L>::build(&setting.parameters).expect("a good machine");
+    let distances = Distances::<N>::build(&setting.parameters);
+    let segment = segment(offered, setting.period_s);
+    let ramp = 1.0 / (f64::from(setting.ramp_ticks) * setting.period_s);
+    let mut side = None;
+    for sample in 0..=density.samples {
+        let setpoint = segment.at_fraction(N::ratio(sample, density.samples));
+        let mut at = Extremes::NONE;
+        let mut evaluate = |u: f64, slope: f64| {
+            let (u, slope) = (N::from_f64(u), N::from_f64(slope));
+            let scaled = Setpoint {
+                pose: setpoint.pose,
+                velocity: setpoint.velocity * u,
+                acceleration: setpoint.acceleration * (u * u) + setpoint.velocity * slope,
+            };
+            let Ok(motion) = tick.evaluate(&scaled) else {
+                at.possible = false;
+                return;
+            };
+            for (leg, motor) in motion.motors.iter().enumerate() {
+                let raise = |greatest: &mut f64, value: f64| *greatest = greatest.max(value.abs());
+                raise(&mut at.rate[leg], motor.rate.to_f64());
+                raise(&mut at.acceleration[leg], motor.acceleration.to_f64());
+                raise(&mut at.torque[leg], motor.torque.to_f64());
+                raise(&mut at.power[leg], (motor.torque * motor.rate).to_f64());
+            }
+        };
+        evaluate(1.0, 0.0);
+        for slope in [ramp, -ramp] {
+            evaluate(1.0, slope);
+        }
+        if density.every_speed {
+            for speed in 0..100 {
+                for slope in [ramp, -ramp] {
+                    evaluate(f64::from(speed) / 100.0, slope);
+                }
+            }
+        } else {
+            let between = f64::from(sample * 37 % 101) / 101.0;
+            evaluate(0.0, ramp);
+            evaluate(0.0, -ramp);
+            evaluate(between, if sample % 2 == 0 { ramp } else { -ramp });
+        }
+        match tick.geometry().position(&setpoint.pose) {
+            Ok(position) => {
+                at.serial = distances.serial(&position).map(N::to_f64);
+                at.parallel = distances.parallel(&position).to_f64();
+                let positive = det_a(&position) > N::ZERO;
+                at.possible &= *side.get_or_insert(positive) == positive;
+            }
+            Err(_) => at.possible = false,
+        }
+        if !visitor(f64::from(sample) / f64::from(density.samples), &at) {
+            return;
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Random moves on random machines, with limits about what they need.
+
+use crate::dense::{Density, extremes};
+use crate::judge::Setting;
+use core::f64::consts::TAU;
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::message::Move;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_tests::random::{Case, case};
+
+/// A move on a machine with limits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offer {
+    pub(crate) setting: Setting,
+    pub(crate) offered: Move<f64>,
+}
+
+/// Numbers that are the same in every run: splitmix64.
+pub(crate) struct Draw(u64);
+
+impl Draw {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform from `low` to `high`.
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
+    }
+
+    /// Even in its logarithm.
+    pub(crate) fn log_within(&mut self, low: f64, high: f64) -> f64 {
+        self.within(low.ln(), high.ln()).exp()
+    }
+
+    pub(crate) fn chance(&mut self, part: f64) -> bool {
+        self.within(0.0, 1.0) < part
+    }
+}
+
+/// Random machines, each in a pose away from singularities.
+pub(crate) fn machines(seed: u64) -> impl Iterator<Item = Case> {
+    let mut bytes = [0; 32];
+    bytes[..8].copy_from_slice(&seed.to_le_bytes());
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
+    let config = Config {
+        max_local_rejects: u32::MAX,
+        max_global_rejects: u32::MAX,
+        ..Config::default()
+    };
+    let mut runner = TestRunner::new_with_rng(config, rng);
+    core::iter::from_fn(move || Some(case().new_tree(&mut runner).ok()?.current()))
+}
+
+/// `case` without the whole turns in its angle.
+pub(crate) fn within_a_turn(case: &Case) -> Case {
+    let mut case = *case;
+    case.setpoint.pose.angle %= TAU;
+    case
+}
+
+/// A random move from where `case` stands: of 1/300 to 3/5 of the machine's size, from
+/// rest to rest or not, in 10 to 1000 ticks.
+pub(crate) fn random_move(case: &Case, draw: &mut Draw) -> (Move<f64>, f64, u16) {
+    let size = case.size * draw.log_within(0.003, 0.6);
+    let direction = draw.within(0.0, TAU);
+    let turn = draw.within(-1.0, 1.0) * size / case.size;
+    let step = [size * direction.cos(), size * direction.sin(), turn];
+    let from = case.setpoint.pose;
+    let ticks = draw.log_within(10.0, 1000.0) as u32;
+    // The machine's natural time is a second, whatever its size: speeds go with the size.
+    let duration = draw.log_within(0.1, 10.0);
+    let ramp_ticks = (f64::from(ticks) * draw.log_within(0.03, 3.0)).max(1.0) as u16;
+    let rest = draw.chance(0.5);
+    let mut velocity = |end: bool| {
+        if rest || (end && draw.chance(0.3)) {
+            return [0.0; 3];
+        }
+        step.map(|step| step / duration * draw.within(-0.5, 2.0))
+    };
+    let offered = Move {
+        number: 0,
+        from,
+        to: Pose::from_f64(
+            from.position.x + step[0],
+            from.position.y + step[1],
+            from.angle + step[2],
+        ),
+        start_velocity: velocity(false),
+        end_velocity: velocity(true),
+        ticks,
+        tool_power: 0.0,
+        tool_speed: 0.0,
+    };
+    (offered, duration / f64::from(ticks), ramp_ticks)
+}
+
+/// The move in another number type.
+pub(crate) fn in_type<N: Number>(offered: &Move<f64>) -> Move<N> {
+    let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
+    Move {
+        number: offered.number,
+        from: pose(&offered.from),
+        to: pose(&offered.to),
+        start_velocity: offered.start_velocity.map(N::from_f64),
+        end_velocity: offered.end_velocity.map(N::from_f64),
+        ticks: offered.ticks,
+        tool_power: N::from_f64(offered.tool_power),
+        tool_speed: N::from_f64(offered.tool_speed),
+    }
+}
+
+/// `value` times a factor about one: as often far from it as near, down to `nearest`.
+fn about(value: f64, nearest: f64, draw: &mut Draw) -> f64 {
+    let away = draw.log_within(nearest, 1.0);
+    // Larger limits are kept, smaller ones broken: with up to four of them, mostly larger.
+    if draw.chance(0.93) {
+        value * (1.0 + away)
+    } else {
+        value / (1.0 + away)
+    }
+}
+
+/// A move with limits about its extremes, each there or not, and as near as `nearest` of them.
+pub(crate) fn offer(case: &Case, draw: &mut Draw, density: Density, nearest: f64) -> Offer {
+    let (offered, period_s, ramp_ticks) = random_move(case, draw);
+    let mut setting = Setting {
+        parameters: case.parameters,
+        limits: LimitParameters {
+            serial_distance_min: 0.01,
+            parallel_distance_min: 0.01,
+            ..LimitParameters::default()
+        },
+        ramp_ticks,
+        period_s,
+    };
+    let extremes = extremes(&setting, &offered, density);
+    if extremes.possible {
+        let mut motors = |values: [f64; 3]| {
+            let good = values.iter().all(|&value| value > 0.0);
+            (good && draw.chance(0.6)).then(|| values.map(|value| about(value, nearest, draw)))
+        };
+        setting.limits.rate_rad_s = motors(extremes.rate);
+        setting.limits.acceleration_rad_s2 = motors(extremes.acceleration);
+        setting.limits.torque_nm = motors(extremes.torque);
+        setting.limits.power_w = motors(extremes.power);
+        let mut distance = |value: f64| (1.0 / about(1.0 / value, nearest, draw)).min(0.999);
+        setting.limits.serial_distance_min = distance(extremes.least_serial());
+        setting.limits.parallel_distance_min = distance(extremes.parallel);
+    }
+    Offer { setting, offered }
+}
