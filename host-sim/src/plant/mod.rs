@@ -8,7 +8,9 @@
 //! | [`layout`], [`model`], [`system`] | all together, as differential equations |
 //! | [`watch`] | where they change or end |
 //! | [`control`] | what commands the motors |
-//! | [`statistics`] | what is gathered over a run |
+//! | [`source`], [`sampled`] | ticks, and the drives' inner loops that follow them |
+//! | [`simulate`] | a whole run |
+//! | [`statistics`], [`table`] | what is gathered over a run |
 
 pub mod control;
 pub mod friction;
@@ -17,8 +19,13 @@ pub mod mechanics;
 pub mod model;
 pub mod motor;
 pub mod refusal;
+pub mod sampled;
+pub mod simulate;
+pub mod source;
+mod stability;
 pub mod statistics;
 mod system;
+pub mod table;
 pub mod watch;
 
 pub use model::{Control, Plant, layout_of};

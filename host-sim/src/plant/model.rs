@@ -6,10 +6,11 @@ use super::layout::{Layout, RATES, ROTOR_RATES, ROTORS, three};
 use super::mechanics::{JointMoments, LegState, Mechanics};
 use super::motor::{Motor, wrapped};
 use super::refusal::Refusal;
+use super::stability::LoopGains;
 use super::statistics::Statistics;
 use super::watch::{Ending, Watch};
 use trirrr_core::singularity;
-use trirrr_scene::{Drive, Plant as Scenario, Scene, Transmission};
+use trirrr_scene::{Controller, Drive, Plant as Scenario, Scene, Transmission};
 
 /// What commands the motors.
 pub enum Control {
@@ -64,6 +65,10 @@ pub struct Plant<const N: usize> {
     pub(super) near_singular: bool,
     pub(super) ending: Option<Ending>,
     pub(super) statistics: Statistics,
+    /// Gains of a sampled loop, to judge it by.
+    pub(super) loop_gains: Option<LoopGains>,
+    /// Largest kinetic energy noted, J.
+    pub(super) kinetic_peak: f64,
 }
 
 /// Everything of the plant at one instant that is not in its state.
@@ -169,7 +174,12 @@ impl<const N: usize> Plant<N> {
             near_singular: true,
             ending: None,
             statistics: Statistics::default(),
+            loop_gains: None,
+            kinetic_peak: 0.0,
         };
+        plant.loop_gains = scenario
+            .and_then(|plant| plant.controller)
+            .map(|controller| plant.gains_of(&controller));
         plant.watches = plant.list_watches();
         plant.accelerations(0.0, &state)?;
         Ok((plant, state))
@@ -287,9 +297,21 @@ impl<const N: usize> Plant<N> {
     /// y' at `t`.
     #[inline(always)]
     pub(super) fn slope(&self, t: f64, y: &[f64; N], dy: &mut [f64; N]) -> Result<(), Refusal> {
-        let (q, v) = (three(y, 0), three(y, RATES));
-        let legs = self.mechanics.legs(q, v)?;
+        let legs = self.legs(y)?;
         let told = self.told(t, &legs, y)?;
+        self.slope_under(&told, &legs, y, dy)
+    }
+
+    /// y' with the motors told `told`.
+    #[inline(always)]
+    fn slope_under(
+        &self,
+        told: &[f64; 3],
+        legs: &[LegState; 3],
+        y: &[f64; N],
+        dy: &mut [f64; N],
+    ) -> Result<(), Refusal> {
+        let (q, v) = (three(y, 0), three(y, RATES));
         let mut moments = [JointMoments::default(); 3];
         let (mut work, mut loss) = (0.0, 0.0);
         for leg in 0..3 {
@@ -335,7 +357,7 @@ impl<const N: usize> Plant<N> {
             moment.platform = self.friction(2, leg, tilt);
             loss += moment.elbow * bend + moment.platform * tilt;
         }
-        let acceleration = self.mechanics.acceleration(q, v, &legs, &moments)?;
+        let acceleration = self.mechanics.acceleration(q, v, legs, &moments)?;
         dy[..3].copy_from_slice(&v);
         dy[RATES..RATES + 3].copy_from_slice(&acceleration);
         dy[N - 2] = work;
@@ -396,6 +418,69 @@ impl<const N: usize> Plant<N> {
             }
         }
         Ok(energy)
+    }
+
+    /// Looks at the energies, for the size of what flows.
+    pub(super) fn note_energy(&mut self, y: &[f64; N]) -> Result<(), Refusal> {
+        let (q, v) = (three(y, 0), three(y, RATES));
+        let legs = self.mechanics.legs(q, v)?;
+        let kinetic = self.mechanics.kinetic_energy(q, v, &legs);
+        self.kinetic_peak = self.kinetic_peak.max(kinetic);
+        Ok(())
+    }
+
+    /// What `controller` makes of a deviation of each joint.
+    fn gains_of(&self, controller: &Controller) -> LoopGains {
+        let mut gains = LoopGains {
+            angle: [0.0; 3],
+            rate: [0.0; 3],
+        };
+        for (leg, motor) in self.motors.iter().enumerate() {
+            let (kp, kd) = (controller.kp_nm_rad[leg], controller.kd_nm_s_rad[leg]);
+            (gains.angle[leg], gains.rate[leg]) = match motor {
+                Motor::Ideal => (-kp, -kd),
+                Motor::Bldc(winding) => {
+                    let per_torque = winding.resistance / winding.torque_constant;
+                    (-kp * per_torque, winding.back_emf - kd * per_torque)
+                }
+                Motor::Stepper(_) => (0.0, 0.0),
+            };
+        }
+        gains
+    }
+
+    /// Derivatives of y' by what each motor is told.
+    pub(super) fn input_slopes(&self, y: &[f64; N]) -> Result<[[f64; N]; 3], Refusal> {
+        let legs = self.legs(y)?;
+        let mut without = [0.0; N];
+        self.slope_under(&[0.0; 3], &legs, y, &mut without)?;
+        let mut slopes = [[0.0; N]; 3];
+        for (motor, slope) in slopes.iter_mut().enumerate() {
+            let mut told = [0.0; 3];
+            told[motor] = 1.0;
+            self.slope_under(&told, &legs, y, slope)?;
+            for (with, without) in slope.iter_mut().zip(&without) {
+                *with -= without;
+            }
+        }
+        Ok(slopes)
+    }
+
+    /// Derivatives by the state of the angle and the rate that each motor's controller sees, for a
+    /// machine at rest.
+    pub(super) fn sensed_slopes(&self, y: &[f64; N]) -> Result<[([f64; N], [f64; N]); 3], Refusal> {
+        let legs = self.legs(y)?;
+        let mut slopes = [([0.0; N], [0.0; N]); 3];
+        for (leg, (angle, rate)) in slopes.iter_mut().enumerate() {
+            if Self::ELASTIC {
+                angle[ROTORS + leg] = 1.0;
+                rate[ROTOR_RATES + leg] = 1.0;
+            } else {
+                angle[..3].copy_from_slice(&legs[leg].k1);
+                rate[RATES..RATES + 3].copy_from_slice(&legs[leg].k1);
+            }
+        }
+        Ok(slopes)
     }
 
     /// What the joints should do at `t`, where the control says so at every instant.

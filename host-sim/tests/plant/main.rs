@@ -1,4 +1,5 @@
 //! The plant: its forward dynamics against independent ones, its energy, its closed loop.
 
 mod dynamics;
+mod reference;
 mod scenes;

@@ -1,0 +1,78 @@
+//! What the joints are to do, tick by tick.
+
+use super::refusal::Refusal;
+use crate::evaluator::{self, Evaluator};
+use crate::record::Record;
+use nalgebra::Vector3;
+use trirrr_core::drive::joint::Reference;
+use trirrr_core::number::Number;
+use trirrr_scene::{JobPlayer, Scene};
+
+/// One tick's setpoint, at the joints and at the tool.
+#[derive(Clone, Copy, Debug)]
+pub struct TickReference {
+    /// What each joint is to do at the tick.
+    pub joints: [Reference<f64>; 3],
+    /// Where the platform is to be: x, y, alpha.
+    pub tool: [f64; 3],
+}
+
+impl From<&Record> for TickReference {
+    fn from(record: &Record) -> Self {
+        Self {
+            joints: record.legs.map(|leg| Reference {
+                angle: leg.th1,
+                rate: leg.dth1,
+                acceleration: leg.ddth1,
+                torque: leg.torque,
+            }),
+            tool: record.pose,
+        }
+    }
+}
+
+/// Gives the ticks one after the other.
+pub trait TickSource: Send {
+    /// The tick after the last, `tick` counted from 0; after the end of the job, its end at rest.
+    ///
+    /// # Errors
+    /// [`Refusal::Setpoint`].
+    fn tick(&mut self, tick: u32) -> Result<TickReference, Refusal>;
+}
+
+/// A job through the pipeline of the core in the number type `N`.
+pub struct Pipeline<N: Number> {
+    player: JobPlayer<N>,
+    evaluator: Box<dyn Evaluator<N>>,
+    period_s: f64,
+}
+
+impl<N: Number> Pipeline<N> {
+    /// The job of `scene`.
+    ///
+    /// # Errors
+    /// A machine that the core refuses.
+    pub fn build(scene: &Scene) -> Result<Self, Refusal> {
+        Ok(Self {
+            player: JobPlayer::new(&scene.job, scene.period_s()),
+            evaluator: evaluator::build::<N>(&scene.parameters)
+                .map_err(|error| Refusal::Machine(error.to_string()))?,
+            period_s: scene.period_s(),
+        })
+    }
+}
+
+impl<N: Number> TickSource for Pipeline<N> {
+    fn tick(&mut self, tick: u32) -> Result<TickReference, Refusal> {
+        let mut setpoint = self.player.at(tick);
+        if tick >= self.player.ticks() {
+            // The cubic arrives decelerating; the hold that follows does not.
+            setpoint.acceleration = Vector3::from([N::ZERO; 3]);
+        }
+        let t = f64::from(tick) * self.period_s;
+        self.evaluator
+            .evaluate(t, &setpoint)
+            .map(|record| TickReference::from(&record))
+            .map_err(Refusal::Setpoint)
+    }
+}

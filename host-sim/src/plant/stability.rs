@@ -1,0 +1,146 @@
+//! Whether the gains can be followed at all.
+
+use super::model::{Control, Plant};
+use super::refusal::Refusal;
+use crate::integrate::{Spectrum, System};
+use nalgebra::DMatrix;
+
+/// Deviations that grow by more than this over a run are not a machine that is hard to control but
+/// one that is not controlled: e^60 takes a rounding error to the size of the machine and beyond.
+const GROWS: f64 = 60.0;
+
+/// Refuses gains with which the loop is unstable at the start of a run of `run_s`.
+///
+/// A controller that is continuous in time is part of the linearisation, `spectrum`. A sampled one
+/// is not; there the map from one sample to the next is taken to first order, with the linearised
+/// plant between the samples and the voltage or torque held.
+///
+/// # Errors
+/// [`Refusal::Scene`] with the rate at which deviations grow.
+pub(super) fn check<const N: usize>(
+    plant: &Plant<N>,
+    y: &[f64; N],
+    spectrum: &Spectrum,
+    run_s: f64,
+) -> Result<(), Refusal> {
+    let growth = match &plant.control {
+        Control::Continuous(_) => spectrum.growth(),
+        Control::Held => return Ok(()),
+        Control::Sampled { rate_hz, .. } => {
+            let Some(gains) = plant.loop_gains else {
+                return Ok(());
+            };
+            let period = 1.0 / rate_hz;
+            match sampled_radius(plant, y, &gains, period)? {
+                Some(radius) => radius.ln() / period,
+                None => return Ok(()),
+            }
+        }
+    };
+    if growth * run_s <= GROWS {
+        return Ok(());
+    }
+    let rate = match &plant.control {
+        Control::Sampled { rate_hz, .. } => format!(" sampled at {rate_hz} Hz"),
+        _ => String::new(),
+    };
+    Err(Refusal::Scene {
+        key: "plant.controller.kp_nm_rad, kd_nm_s_rad".into(),
+        reason: format!(
+            "the loop{rate} is unstable at the start: deviations grow by a factor e every {:.3e} s",
+            1.0 / growth
+        ),
+    })
+}
+
+/// Gains of a sampled loop, from joint to what its motor is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LoopGains {
+    /// By angle, 1/rad.
+    pub(super) angle: [f64; 3],
+    /// By rate, s/rad.
+    pub(super) rate: [f64; 3],
+}
+
+/// Spectral radius of the map from sample to sample; `None` where it is not a number.
+fn sampled_radius<const N: usize>(
+    plant: &Plant<N>,
+    y: &[f64; N],
+    gains: &LoopGains,
+    period: f64,
+) -> Result<Option<f64>, Refusal> {
+    // The two recorded energies are left out: nothing depends on them.
+    let size = N - 2;
+    let mut jacobian = [[0.0; N]; N];
+    plant.jacobian(0.0, y, &mut jacobian)?;
+    let inputs = plant.input_slopes(y)?;
+    // exp([A, B; 0, 0] h) holds both exp(A h) and the integral that the held input is carried by.
+    let mut whole = DMatrix::zeros(size + 3, size + 3);
+    for row in 0..size {
+        for column in 0..size {
+            whole[(row, column)] = jacobian[row][column] * period;
+        }
+        for (motor, slope) in inputs.iter().enumerate() {
+            whole[(row, size + motor)] = slope[row] * period;
+        }
+    }
+    if !whole.iter().all(|entry: &f64| entry.is_finite()) {
+        return Ok(None);
+    }
+    let step = exponential(&whole);
+    let sensed = plant.sensed_slopes(y)?;
+    let mut map = step.view((0, 0), (size, size)).into_owned();
+    let held = step.view((0, size), (size, 3));
+    for motor in 0..3 {
+        for column in 0..size {
+            let told = gains.angle[motor] * sensed[motor].0[column]
+                + gains.rate[motor] * sensed[motor].1[column];
+            for row in 0..size {
+                map[(row, column)] += held[(row, motor)] * told;
+            }
+        }
+    }
+    if !map.iter().all(|entry| entry.is_finite()) {
+        return Ok(Some(f64::INFINITY));
+    }
+    let radius = map
+        .complex_eigenvalues()
+        .iter()
+        .fold(0.0, |most: f64, value| most.max(value.norm()));
+    Ok(Some(radius))
+}
+
+/// exp(m) by scaling and squaring of a Taylor polynomial of degree 12, to about 1e-12 of the
+/// largest entry that occurs on the way.
+fn exponential(m: &DMatrix<f64>) -> DMatrix<f64> {
+    let norm = m
+        .row_iter()
+        .map(|row| row.iter().map(|entry| entry.abs()).sum::<f64>())
+        .fold(0.0, f64::max);
+    // After halving so often the norm is below 1/2: 0.5^13 / 13! = 2e-14 is left out.
+    let halvings = (norm.max(0.5) * 2.0).log2().ceil().min(60.0) as i32;
+    let small = m / 2.0_f64.powi(halvings);
+    let identity = DMatrix::identity(m.nrows(), m.ncols());
+    let mut sum = identity.clone();
+    for degree in (1..=12).rev() {
+        sum = &identity + (&small * &sum) / f64::from(degree);
+    }
+    for _ in 0..halvings {
+        sum = &sum * &sum;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponential_of_a_rotation_is_a_rotation() {
+        let turn = DMatrix::from_row_slice(2, 2, &[0.0, -20.0, 20.0, 0.0]);
+        let found = exponential(&turn);
+        let (sin, cos) = 20f64.sin_cos();
+        let exact = DMatrix::from_row_slice(2, 2, &[cos, -sin, sin, cos]);
+        assert!((found - exact).abs().max() < 1e-11);
+    }
+}

@@ -1,0 +1,117 @@
+//! The table of a run, `plant.csv`.
+
+use super::layout::{RATES, three};
+use super::model::{Control, Plant};
+use super::motor::{Motor, wrapped};
+use super::refusal::Refusal;
+
+/// One row: the plant at one instant, SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub t: f64,
+    /// x, y, alpha.
+    pub pose: [f64; 3],
+    /// Their rates.
+    pub rates: [f64; 3],
+    /// Currents; 0 where a motor has none.
+    pub currents: [f64; 3],
+    /// Voltages; 0 where a motor has none.
+    pub voltages: [f64; 3],
+    /// Joint angles theta_i1, in (-pi, pi].
+    pub angles: [f64; 3],
+    /// Joint rates.
+    pub joint_rates: [f64; 3],
+    /// Where the joints should be.
+    pub references: [f64; 3],
+    /// Torques of the motors at the joints, N m.
+    pub torques: [f64; 3],
+    /// Mechanical powers of the motors, W.
+    pub powers: [f64; 3],
+    /// Angles on the rotors' side of the transmissions, unwrapped.
+    pub rotors: [f64; 3],
+}
+
+/// Columns of `plant.csv`.
+pub const COLUMNS: [&str; 31] = [
+    "t", "x", "y", "alpha", "vx", "vy", "valpha", "i1", "i2", "i3", "u1", "u2", "u3", "th1_1",
+    "th1_2", "th1_3", "dth1_1", "dth1_2", "dth1_3", "thref_1", "thref_2", "thref_3", "tau1",
+    "tau2", "tau3", "P1", "P2", "P3", "phi1", "phi2", "phi3",
+];
+
+impl Row {
+    /// The plant at `t` in the state `y`. Statistics of a controller without samples are gathered
+    /// here, for it has no other instants.
+    ///
+    /// # Errors
+    /// As the plant's equations.
+    pub(super) fn of<const N: usize>(
+        plant: &mut Plant<N>,
+        t: f64,
+        y: &[f64; N],
+    ) -> Result<Self, Refusal> {
+        let outputs = plant.outputs(t, y)?;
+        let references = match plant.references(t) {
+            Some(references) => references?.map(|reference| reference.angle),
+            None => plant.commands.angle,
+        };
+        let voltage = |leg: usize| match &plant.motors[leg] {
+            Motor::Bldc(_) => outputs.told[leg],
+            Motor::Ideal | Motor::Stepper(_) => 0.0,
+        };
+        let row = Self {
+            t,
+            pose: three(y, 0),
+            rates: three(y, RATES),
+            currents: outputs.currents,
+            voltages: [voltage(0), voltage(1), voltage(2)],
+            angles: outputs.angles,
+            joint_rates: outputs.legs.map(|leg| leg.rates[0]),
+            references,
+            torques: outputs.torques,
+            powers: [0, 1, 2].map(|leg| outputs.torques[leg] * outputs.rotor_rates[leg]),
+            rotors: outputs.rotor_angles,
+        };
+        plant.note_energy(y)?;
+        let tool = match &plant.control {
+            Control::Continuous(continuous) => Some(continuous.setpoint(t).pose),
+            Control::Held | Control::Sampled { .. } => None,
+        };
+        if let Some(pose) = tool {
+            let setpoint = [pose.position.x, pose.position.y, pose.angle];
+            plant.statistics.tool(t, row.pose, setpoint);
+            for leg in 0..3 {
+                let motor = &mut plant.statistics.motors[leg];
+                motor
+                    .error
+                    .push(t, wrapped(row.references[leg] - row.angles[leg]));
+                motor.torque.push(t, row.torques[leg]);
+                motor.current.push(t, row.currents[leg]);
+                motor.power.push(t, row.powers[leg]);
+            }
+        }
+        Ok(row)
+    }
+
+    /// The values of the columns.
+    pub fn values(&self) -> [f64; COLUMNS.len()] {
+        let mut values = [0.0; COLUMNS.len()];
+        values[0] = self.t;
+        let triples = [
+            self.pose,
+            self.rates,
+            self.currents,
+            self.voltages,
+            self.angles,
+            self.joint_rates,
+            self.references,
+            self.torques,
+            self.powers,
+            self.rotors,
+        ];
+        for (place, value) in values[1..].iter_mut().zip(triples.iter().flatten()) {
+            *place = *value;
+        }
+        values
+    }
+}
