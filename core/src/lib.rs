@@ -85,12 +85,13 @@
 //! | drives | [`drive`]: torques to currents, duties and steps |
 //! | before a move is played | [`admission`] against [`limits`] |
 //! | the line | [`wire`]: messages as frames of bytes |
+//! | on top | [`service`]: commands in, motion and telemetry out, states, faults |
 //! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
 //! # What it will not do
 //! It does not clip, project or repair a setpoint: one that has no motion ends in a
-//! [`status::Status`]. It holds no state from one tick to the next. It knows no drive, no bus and
-//! no unit but SI.
+//! [`status::Status`]. The pipeline holds no state from one tick to the next; only the [`service`]
+//! does. It knows no device and no clock.
 #![no_std]
 #![forbid(unsafe_op_in_unsafe_fn)]
 // A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a
@@ -111,6 +112,7 @@ pub mod message;
 pub mod number;
 pub mod reaction;
 pub mod relatives;
+pub mod service;
 pub mod setpoint;
 pub mod singularity;
 pub mod status;

@@ -41,7 +41,7 @@ pub enum Refusal<N: Number> {
     State(State),
     /// Start, and nothing is admitted.
     NothingQueued,
-    /// Start, and there is a move whose admission is not decided yet.
+    /// Start, and what is admitted is not enough, but there are moves that are not judged yet.
     Undecided,
     /// Start, and what is admitted ends moving before the machine could come to rest.
     EndsMoving,
@@ -67,6 +67,9 @@ pub enum Refusal<N: Number> {
     Tool,
     /// The image holds no code to change its scene.
     NotAdjustable,
+    /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a
+    /// centre of mass off the reference point.
+    NotInImage,
     /// There is no such leg.
     NoSuchLeg,
     /// The scene's part cannot be built.
@@ -76,12 +79,12 @@ pub enum Refusal<N: Number> {
         /// and of which leg.
         leg: Option<u8>,
     },
-    /// A limit that is not positive, or a distance that is not 0 or more and less than 1.
-    Limit,
     /// With the new geometry, no pose near the last fits the motors' angles.
     NoPose,
     /// The recovery would break this limit, or end where this limit does not allow.
     Recovery(Violation<N>),
-    /// The queue to the tick is full: it has not run since the commands before this one.
+    /// The tick has not taken the commands before this one yet.
     Busy,
+    /// The pose of a recovery is out of reach, or too near a singularity, for this leg or all.
+    Pose(Violation<N>),
 }

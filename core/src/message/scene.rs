@@ -1,5 +1,6 @@
 //! The parts of a scene that can be read and replaced: binary64 in SI, as in the scene's file.
 
+use crate::limits::LimitParameters;
 use crate::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
 use nalgebra::Vector2;
 use postcard_schema::Schema;
@@ -164,6 +165,32 @@ impl Platform {
             wrench_force_n: Vector2::from(self.wrench_force_n),
             wrench_torque_nm: self.wrench_torque_nm,
             ..*parameters
+        }
+    }
+}
+
+impl From<&LimitParameters> for Limits {
+    fn from(limits: &LimitParameters) -> Self {
+        Self {
+            rate_rad_s: limits.rate_rad_s,
+            acceleration_rad_s2: limits.acceleration_rad_s2,
+            torque_nm: limits.torque_nm,
+            power_w: limits.power_w,
+            serial_distance_min: limits.serial_distance_min,
+            parallel_distance_min: limits.parallel_distance_min,
+        }
+    }
+}
+
+impl From<&Limits> for LimitParameters {
+    fn from(limits: &Limits) -> Self {
+        Self {
+            rate_rad_s: limits.rate_rad_s,
+            acceleration_rad_s2: limits.acceleration_rad_s2,
+            torque_nm: limits.torque_nm,
+            power_w: limits.power_w,
+            serial_distance_min: limits.serial_distance_min,
+            parallel_distance_min: limits.parallel_distance_min,
         }
     }
 }

@@ -5,7 +5,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// What the machine is doing. The four states that the tool knows are idle, running, holding and
-/// fault; the others lie between.
+/// fault: it is on in running only, [`State::is_running`]; the other states lie between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum State {
     /// Stands, nothing under way.
@@ -43,4 +43,19 @@ pub enum Acting {
     QueueDry,
     /// A limit of the scene: the one that the fault names.
     Limit(Bounded),
+}
+
+impl State {
+    /// Whether the job is played, at whatever speed: the only states in which the tool may be on.
+    pub fn is_running(self) -> bool {
+        matches!(self, Self::Running | Self::Slowing)
+    }
+
+    /// Whether the machine stands still and stays so until it is told otherwise.
+    pub fn is_at_rest(self) -> bool {
+        matches!(
+            self,
+            Self::Idle | Self::Holding | Self::Fault | Self::Cleared
+        )
+    }
 }

@@ -1,0 +1,177 @@
+//! Start, hold, resume, stop, faults and recovery.
+
+use super::super::guard;
+use super::super::link::Order;
+use super::super::pace::Pace;
+use super::super::scene::{Put, Scene, Setup};
+use super::Background;
+use crate::inverse::Position;
+use crate::message::{Bounded, FaultCode, Recovery, Refusal, State, Violation};
+use crate::number::Number;
+use crate::setpoint::{JointMove, Pose};
+use crate::status::Status;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+
+impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
+        if self.state != State::Idle {
+            return Err(Refusal::State(self.state));
+        }
+        let undecided = self.offered.0.len() > 0;
+        // In idle nothing is under way: what is left is all that is admitted.
+        let left = self.ahead.left(self.played);
+        if left == 0 {
+            return Err(if undecided {
+                Refusal::Undecided
+            } else {
+                Refusal::NothingQueued
+            });
+        }
+        let enough = Pace::new(self.settings.ramp_ticks).is_enough(left, 0);
+        if !self.ahead.ends_at_rest && !enough {
+            return Err(if undecided {
+                Refusal::Undecided
+            } else {
+                Refusal::EndsMoving
+            });
+        }
+        self.order(Order::Start, State::Running)
+    }
+
+    pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
+        match self.state {
+            State::Running => self.order(Order::Hold, State::Slowing),
+            State::Slowing | State::Holding => self.order(Order::Hold, self.state),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
+        match self.state {
+            State::Slowing | State::Holding => self.order(Order::Resume, self.state),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    /// In every state: it never makes a machine move.
+    pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
+        match self.state {
+            State::Fault | State::Cleared => Ok(()),
+            _ => self.order(Order::Stop, State::Stopping),
+        }
+    }
+
+    pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
+        match self.state {
+            State::Fault => self.order(Order::ClearFault, State::Cleared),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    pub(super) fn set_telemetry(&mut self, every: u16) -> Result<(), Refusal<N>> {
+        self.order(Order::Telemetry { every }, self.state)
+    }
+
+    pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {
+        if self.state != State::Cleared {
+            self.waits()?;
+        }
+        let pose = &recovery.to;
+        let numbers = [pose.position.x, pose.position.y, N::radians(pose.angle)];
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(Refusal::NotFinite);
+        }
+        if recovery.ticks == 0 {
+            return Err(Refusal::Duration { longest: u32::MAX });
+        }
+        let position = self.clear_position(pose).map_err(Refusal::Pose)?;
+        let angles = self.geometry.motor_angles(&position);
+        let path = JointMove::new(self.angles, angles, recovery.ticks, self.settings.period);
+        let (rates, accelerations) = path.peaks();
+        guard::within(Bounded::Rate, &self.limits.rate, rates)
+            .and_then(|()| {
+                // A stop on the way adds the ramp's own: the rate over the ramp's duration.
+                let ramp = N::ratio(u32::from(self.settings.ramp_ticks.max(1)), 1);
+                let per_ramp = N::ONE.div(ramp * self.settings.period);
+                let [a, b, c] = rates.map(|rate| rate * per_ramp);
+                let [x, y, z] = accelerations;
+                let sums = [x + a, y + b, z + c];
+                guard::within(Bounded::Acceleration, &self.limits.acceleration, sums)
+            })
+            .map_err(|broken| {
+                let what = match broken.code {
+                    FaultCode::Limit(what) => what,
+                    _ => Bounded::Range,
+                };
+                // The rate is largest half way, the acceleration at the ends.
+                let at = match what {
+                    Bounded::Rate => N::HALF,
+                    _ => N::ZERO,
+                };
+                Refusal::Recovery(Violation {
+                    what,
+                    index: broken.index,
+                    at,
+                    value: broken.value,
+                    limit: broken.limit,
+                    ramp: what == Bounded::Acceleration,
+                    shortest: None,
+                })
+            })?;
+        let to = *pose;
+        self.order(Order::Recover { path, to }, State::Recovering)?;
+        self.end = None;
+        Ok(())
+    }
+
+    /// Refuses unless the machine waits in idle with nothing queued.
+    pub(super) fn waits(&self) -> Result<(), Refusal<N>> {
+        let empty = self.offered.0.len() == 0 && self.ahead.left(self.played) == 0;
+        if self.state == State::Idle && empty {
+            Ok(())
+        } else {
+            Err(Refusal::State(self.state))
+        }
+    }
+
+    /// Where the joints are at `pose`, which must be clear of the singularities.
+    pub(super) fn clear_position(&self, pose: &Pose<N>) -> Result<Position<N>, Violation<N>> {
+        let violation = |what, index, value, limit| Violation {
+            what,
+            index,
+            at: N::ONE,
+            value,
+            limit,
+            ramp: false,
+            shortest: None,
+        };
+        let position = self.geometry.position(pose).map_err(|status: Status| {
+            let (code, leg) = FaultCode::of(status);
+            let what = code.bounded().unwrap_or(Bounded::Range);
+            violation(what, leg, N::ZERO, N::ZERO)
+        })?;
+        let least = self.limits.serial_distance;
+        for (leg, distance) in self.distances.serial(&position).into_iter().enumerate() {
+            if !(distance >= least) {
+                let leg = Some(leg as u8);
+                return Err(violation(Bounded::SerialDistance, leg, distance, least));
+            }
+        }
+        let (distance, least) = (
+            self.distances.parallel(&position),
+            self.limits.parallel_distance,
+        );
+        if !(distance >= least) || !(distance > N::ZERO) {
+            return Err(violation(Bounded::ParallelDistance, None, distance, least));
+        }
+        Ok(position)
+    }
+}

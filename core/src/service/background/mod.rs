@@ -1,0 +1,287 @@
+//! The half that talks and judges, below the tick.
+
+mod control;
+mod moves;
+mod parts;
+mod receive;
+
+use super::link::{Ahead, Order, Planned, Report, Shared};
+use super::queue::{Receiver, Sender};
+use super::scene::{Put, Scene, Setup};
+use super::settings::Settings;
+use crate::admission::Admission;
+use crate::limits::Limits;
+use crate::machine::Geometry;
+use crate::message::{
+    Acting, Event, Fault, Message, Move, Refusal, Request, State, Status, Telemetry, Verdict,
+};
+use crate::number::Number;
+use crate::setpoint::{Pose, Setpoint};
+use crate::singularity::Distances;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+use core::sync::atomic::Ordering;
+use nalgebra::Vector3;
+
+/// The half of the service that receives commands, judges moves and has what is to be sent.
+pub struct Background<'q, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+{
+    scene: S,
+    settings: Settings<N>,
+    geometry: Geometry<N>,
+    limits: Limits<N>,
+    distances: Distances<N>,
+    admission: Admission<N, P, L>,
+
+    moves: Sender<'q, Planned<N>>,
+    orders: Sender<'q, Order<N>>,
+    setups: U,
+    reports: Receiver<'q, Report<N>>,
+    samples: Receiver<'q, Telemetry<N>>,
+    shared: &'q Shared,
+
+    /// Offered moves that are not judged yet; both ends are here.
+    offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
+    /// Events that wait to be sent; both ends are here.
+    events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+
+    greeted: bool,
+    /// The last request that counted, and what became of it.
+    last: Option<(Request<N>, Option<Refusal<N>>)>,
+    next_sequence: u32,
+
+    /// Where the tick stands, as far as known, with what the orders that it has not taken yet will
+    /// make of it.
+    state: State,
+    acting: Acting,
+    fault: Option<Fault<N>>,
+    /// The last state event.
+    told: (State, Acting, u32),
+    generation: u8,
+    begun: u32,
+    done: u32,
+    played: u32,
+    angles: [N::Angle; 3],
+    orders_sent: u8,
+    orders_taken: u8,
+
+    /// Number of the next move to offer,
+    next: u32,
+    /// and of the first that is not admitted.
+    admitted: u32,
+    ahead: Ahead,
+    /// The oldest of the offered moves is with the admission.
+    judging: bool,
+    refused: Option<Verdict<N>>,
+    /// Where the next move has to start; none while that is not known.
+    end: Option<End<N>>,
+}
+
+/// Where moves end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct End<N: Number> {
+    pose: Pose<N>,
+    velocity: [N; 3],
+}
+
+impl<N: Number> End<N> {
+    fn at_rest(pose: Pose<N>) -> Self {
+        Self {
+            pose,
+            velocity: [N::ZERO; 3],
+        }
+    }
+}
+
+/// What the background needs of a [`Setup`].
+pub(super) struct Stand<N: Number> {
+    pub(super) geometry: Geometry<N>,
+    pub(super) limits: Limits<N>,
+    pub(super) pose: Pose<N>,
+}
+
+/// The ends that belong to the background.
+pub(super) struct Ends<'q, N: Number, U> {
+    pub(super) moves: Sender<'q, Planned<N>>,
+    pub(super) orders: Sender<'q, Order<N>>,
+    pub(super) setups: U,
+    pub(super) reports: Receiver<'q, Report<N>>,
+    pub(super) samples: Receiver<'q, Telemetry<N>>,
+    pub(super) shared: &'q Shared,
+    pub(super) offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
+    pub(super) events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+}
+
+impl<'q, N, P, L, S, U> Background<'q, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    pub(super) fn new(
+        scene: S,
+        stand: Stand<N>,
+        angles: [N::Angle; 3],
+        admission: Admission<N, P, L>,
+        settings: Settings<N>,
+        ends: Ends<'q, N, U>,
+    ) -> Self {
+        Self {
+            distances: Distances::build(scene.parameters()),
+            scene,
+            settings,
+            geometry: stand.geometry,
+            limits: stand.limits,
+            admission,
+            moves: ends.moves,
+            orders: ends.orders,
+            setups: ends.setups,
+            reports: ends.reports,
+            samples: ends.samples,
+            shared: ends.shared,
+            offered: ends.offered,
+            events: ends.events,
+            greeted: false,
+            last: None,
+            next_sequence: 0,
+            state: State::Idle,
+            acting: Acting::Nothing,
+            fault: None,
+            told: (State::Idle, Acting::Nothing, 0),
+            generation: 0,
+            begun: 0,
+            done: 0,
+            played: 0,
+            angles,
+            orders_sent: 0,
+            orders_taken: 0,
+            next: 0,
+            admitted: 0,
+            ahead: Ahead::NOTHING,
+            judging: false,
+            refused: None,
+            end: Some(End::at_rest(stand.pose)),
+        }
+    }
+
+    /// A slice of background work, bounded: what the tick reported, then one step of the admission.
+    /// Whether there is more to do at once.
+    pub fn step(&mut self) -> bool {
+        self.learn();
+        self.judge()
+    }
+
+    /// What is to be sent next: events, then telemetry.
+    pub fn outgoing(&mut self) -> Option<Message<N>> {
+        self.learn();
+        if let Some(event) = self.events.1.receive() {
+            return Some(Message::Event(event));
+        }
+        self.samples.receive().map(Message::Telemetry)
+    }
+
+    /// The next event. [`Background::outgoing`] has them too; for who sends the two kinds in
+    /// different ways.
+    pub fn event(&mut self) -> Option<Event<N>> {
+        self.learn();
+        self.events.1.receive()
+    }
+
+    /// The next telemetry sample.
+    pub fn sample(&mut self) -> Option<Telemetry<N>> {
+        self.samples.receive()
+    }
+
+    /// Where everything stands.
+    pub fn status(&mut self) -> Status<N> {
+        self.learn();
+        Status {
+            tick: self.shared.tick.load(Ordering::Relaxed),
+            state: self.state,
+            acting: self.acting,
+            fault: self.fault,
+            next: self.next,
+            admitted: self.admitted,
+            done: self.done,
+            room: self.room(),
+            refused: self.refused,
+            end: self.end.map(|end| Setpoint {
+                pose: end.pose,
+                velocity: Vector3::from(end.velocity),
+                acceleration: Vector3::new(N::ZERO, N::ZERO, N::ZERO),
+            }),
+            lost: self.shared.lost.load(Ordering::Relaxed),
+            longest_tick: self.shared.longest.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Takes in what the tick reported.
+    fn learn(&mut self) {
+        while let Some(report) = self.reports.receive() {
+            self.orders_taken = report.orders;
+            self.begun = report.begun;
+            self.played = report.played;
+            self.angles = report.angles;
+            let over = report.generation != self.generation;
+            if over {
+                self.start_over(&report);
+            }
+            if report.fault != self.fault {
+                self.fault = report.fault;
+                if let Some(fault) = report.fault {
+                    self.tell(Event::Fault(fault));
+                }
+            }
+            self.done = report.done;
+            let told = (report.state, report.acting, report.done);
+            if self.told != told {
+                self.told = told;
+                self.tell(Event::State {
+                    state: report.state,
+                    acting: report.acting,
+                    done: report.done,
+                });
+            }
+            // What an order under way will change is not known better by an older report.
+            if over || self.orders_taken == self.orders_sent {
+                (self.state, self.acting) = (report.state, report.acting);
+                if self.end.is_none() && self.state == State::Idle {
+                    self.end = Some(End::at_rest(report.pose));
+                }
+            }
+        }
+    }
+
+    /// The tick dropped its queue: so does the background.
+    fn start_over(&mut self, report: &Report<N>) {
+        self.generation = report.generation;
+        while self.offered.1.receive().is_some() {}
+        self.judging = false;
+        self.next = report.begun;
+        self.admitted = report.begun;
+        self.ahead = Ahead::NOTHING;
+        self.shared.set_ahead(self.ahead);
+        self.end = None;
+    }
+
+    /// An event on its way to the host. Where there is no room it is dropped: the status has it.
+    fn tell(&mut self, event: Event<N>) {
+        self.events.0.send(event);
+    }
+
+    /// Sends an order and, until the tick reports, counts on what it will make of the state.
+    fn order(&mut self, order: Order<N>, state: State) -> Result<(), Refusal<N>> {
+        if !self.orders.send(order) {
+            return Err(Refusal::Busy);
+        }
+        self.orders_sent = self.orders_sent.wrapping_add(1);
+        self.state = state;
+        Ok(())
+    }
+}

@@ -1,0 +1,109 @@
+//! Requests: their order, and who may make them.
+
+use super::super::link::count;
+use super::super::scene::{Put, Scene, Setup, section};
+use super::Background;
+use crate::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
+use crate::number::Number;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+
+impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    /// Executes a request, unless it was executed already: the answer, to be sent with the request's
+    /// sequence number.
+    pub fn receive(&mut self, request: &Request<N>) -> Reply<N> {
+        // Whatever it is that comes, the host is there.
+        count(&self.shared.heard);
+        self.learn();
+        if let Command::Hello(hello) = &request.command {
+            return self.greet(hello);
+        }
+        if !self.greeted {
+            return Reply::Refused(Refusal::HelloFirst);
+        }
+        if let Some((last, refusal)) = &self.last
+            && last.sequence == request.sequence
+        {
+            // What is not a number differs from itself.
+            let same = last.command == request.command || *refusal == Some(Refusal::NotFinite);
+            return match (same, refusal) {
+                (false, _) => Reply::Refused(Refusal::SequenceReused),
+                (true, Some(refusal)) => Reply::Refused(*refusal),
+                (true, None) => self.answer(&request.command),
+            };
+        }
+        if request.sequence != self.next_sequence {
+            return Reply::Refused(Refusal::Sequence {
+                expected: self.next_sequence,
+            });
+        }
+        let result = self.execute(&request.command);
+        self.last = Some((*request, result.err()));
+        self.next_sequence = request.sequence.wrapping_add(1);
+        match result {
+            Ok(()) => self.answer(&request.command),
+            Err(refusal) => Reply::Refused(refusal),
+        }
+    }
+
+    #[cfg(test)]
+    pub(in crate::service) fn next_sequence_is(&mut self, sequence: u32) {
+        self.next_sequence = sequence;
+    }
+
+    fn greet(&mut self, hello: &Hello) -> Reply<N> {
+        let scene = &self.settings.scene;
+        if hello.protocol != PROTOCOL {
+            return Reply::Refused(Refusal::Protocol { expected: PROTOCOL });
+        }
+        if hello.schema != scene.schema {
+            return Reply::Refused(Refusal::Schema {
+                expected: scene.schema,
+            });
+        }
+        if hello.scene != 0 && hello.scene != scene.key {
+            return Reply::Refused(Refusal::Scene {
+                expected: scene.key,
+            });
+        }
+        self.greeted = true;
+        let queue = self.offered.0.capacity().min(255) as u8;
+        Reply::Hello(self.settings.identity(queue, self.next_sequence))
+    }
+
+    /// The answer to a command that was executed. Questions are answered anew when repeated.
+    fn answer(&mut self, command: &Command<N>) -> Reply<N> {
+        match command {
+            Command::Status => Reply::Status(self.status()),
+            Command::Read(name) => {
+                match section(*name, self.scene.parameters(), self.scene.limits()) {
+                    Ok(section) => Reply::Section(section),
+                    Err(refusal) => Reply::Refused(refusal),
+                }
+            }
+            _ => Reply::Done,
+        }
+    }
+
+    fn execute(&mut self, command: &Command<N>) -> Result<(), Refusal<N>> {
+        match command {
+            Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
+            Command::Override(section) => self.change(section),
+            Command::Move(offered) => self.offer(offered),
+            Command::Start => self.start(),
+            Command::Hold => self.hold(),
+            Command::Resume => self.resume(),
+            Command::Stop => self.stop(),
+            Command::ClearFault => self.clear_fault(),
+            Command::Recover(recovery) => self.recover(recovery),
+            Command::Telemetry { every } => self.set_telemetry(*every),
+        }
+    }
+}

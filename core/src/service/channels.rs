@@ -1,0 +1,190 @@
+//! The memory of a service, and how it comes apart into its two halves.
+
+use super::background::{self, Background, Stand};
+use super::foreground::{self, Foreground};
+use super::link::{Order, Planned, Report, Shared};
+use super::queue::{Receiver, Sender};
+use super::scene::{Scene, Setup, Slot};
+use super::settings::Settings;
+use crate::admission::Admission;
+use crate::limits::Limits;
+use crate::machine::BuildError;
+use crate::message::{Event, Move, Telemetry};
+use crate::number::Number;
+use crate::setpoint::Pose;
+use crate::status::Status;
+use crate::tick::Tick;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+use core::fmt;
+use heapless::spsc::Queue;
+
+/// Orders on their way to the tick, and one place that stays empty.
+const ORDERS: usize = 8;
+
+/// Reports on their way from the tick, and one place that stays empty. Where they are full the tick
+/// reports later.
+const REPORTS: usize = 4;
+
+/// Events that wait to be sent, and one place that stays empty.
+const EVENTS: usize = 16;
+
+/// The queues between the two halves: all the memory of a service besides the halves themselves.
+///
+/// `MOVES` - 1 moves can wait, those not yet judged included; `SAMPLES` - 1 telemetry samples.
+/// `S` is the [kind of scene](Scene).
+pub struct Channels<N, P, L, S, const MOVES: usize, const SAMPLES: usize>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    moves: Queue<Planned<N>, MOVES>,
+    offered: Queue<Move<N>, MOVES>,
+    orders: Queue<Order<N>, ORDERS>,
+    reports: Queue<Report<N>, REPORTS>,
+    samples: Queue<Telemetry<N>, SAMPLES>,
+    events: Queue<Event<N>, EVENTS>,
+    setups: S::Slot,
+    shared: Shared,
+}
+
+/// The half that ticks, of a service with scene `S`.
+pub type ForegroundOf<'q, N, P, L, S> =
+    Foreground<'q, N, P, L, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Take<'q>>;
+
+/// The half that talks, of a service with scene `S`.
+pub type BackgroundOf<'q, N, P, L, S> =
+    Background<'q, N, P, L, S, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Put<'q>>;
+
+/// Both halves of a service with scene `S`.
+pub type Halves<'q, N, P, L, S> = (ForegroundOf<'q, N, P, L, S>, BackgroundOf<'q, N, P, L, S>);
+
+/// Why a service cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ServiceError {
+    /// The machine or its limits.
+    Build(BuildError),
+    /// The machine cannot stand at the pose.
+    Pose(Status),
+}
+
+impl fmt::Display for ServiceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Build(error) => error.fmt(f),
+            Self::Pose(status) => write!(f, "the machine cannot stand at its first pose: {status}"),
+        }
+    }
+}
+
+impl core::error::Error for ServiceError {}
+
+impl From<BuildError> for ServiceError {
+    fn from(error: BuildError) -> Self {
+        Self::Build(error)
+    }
+}
+
+impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Channels<N, P, L, S, MOVES, SAMPLES>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    /// Empty queues.
+    pub const fn new() -> Self {
+        Self {
+            moves: Queue::new(),
+            offered: Queue::new(),
+            orders: Queue::new(),
+            reports: Queue::new(),
+            samples: Queue::new(),
+            events: Queue::new(),
+            setups: S::Slot::EMPTY,
+            shared: Shared::new(),
+        }
+    }
+
+    /// Builds the service of `scene`, its machine standing at `pose`, at rest, with nothing queued:
+    /// the half that ticks and the half that talks.
+    ///
+    /// # Errors
+    /// A machine or a limit that cannot be built; a pose in which it cannot stand.
+    pub fn split(
+        &mut self,
+        scene: S,
+        pose: Pose<N>,
+        settings: Settings<N>,
+    ) -> Result<Halves<'_, N, P, L, S>, ServiceError> {
+        let tick = Tick::<N, P, L>::build(scene.parameters())?;
+        let limits = Limits::build(scene.limits())?;
+        let period = settings.period.to_f64();
+        let admission = Admission::build(scene.parameters(), limits, settings.ramp_ticks, period)?;
+        let position = tick.geometry().position(&pose);
+        let angles = tick
+            .geometry()
+            .motor_angles(&position.map_err(ServiceError::Pose)?);
+        let stand = Stand {
+            geometry: *tick.geometry(),
+            limits,
+            pose,
+        };
+        let setup = Setup { tick, limits, pose };
+
+        let (moves_in, moves_out) = self.moves.split();
+        let (offered_in, offered_out) = self.offered.split();
+        let (orders_in, orders_out) = self.orders.split();
+        let (reports_in, reports_out) = self.reports.split();
+        let (samples_in, samples_out) = self.samples.split();
+        let (events_in, events_out) = self.events.split();
+        let (setups_in, setups_out) = self.setups.split();
+        let shared = &self.shared;
+        let foreground = Foreground::new(
+            setup,
+            angles,
+            &settings,
+            foreground::Ends {
+                moves: Receiver::new(moves_out),
+                orders: Receiver::new(orders_out),
+                setups: setups_out,
+                reports: Sender::new(reports_in),
+                samples: Sender::new(samples_in),
+                shared,
+            },
+        );
+        let background = Background::new(
+            scene,
+            stand,
+            angles,
+            admission,
+            settings,
+            background::Ends {
+                moves: Sender::new(moves_in),
+                orders: Sender::new(orders_in),
+                setups: setups_in,
+                reports: Receiver::new(reports_out),
+                samples: Receiver::new(samples_out),
+                shared,
+                offered: (Sender::new(offered_in), Receiver::new(offered_out)),
+                events: (Sender::new(events_in), Receiver::new(events_out)),
+            },
+        );
+        Ok((foreground, background))
+    }
+}
+
+impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Default
+    for Channels<N, P, L, S, MOVES, SAMPLES>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}

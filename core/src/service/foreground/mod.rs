@@ -1,0 +1,368 @@
+//! The half that runs once per tick, above everything else.
+
+mod obey;
+mod play;
+mod report;
+
+use super::guard::{self, Broken};
+use super::link::{Order, Planned, Report, Shared};
+use super::pace::{Pace, Place};
+use super::queue::{Receiver, Sender};
+use super::scene::Setup;
+use super::settings::Settings;
+use crate::limits::Limits;
+use crate::message::{Acting, Fault, FaultCode, State, Telemetry};
+use crate::number::Number;
+use crate::setpoint::{JointMove, JointSetpoint, Pose, Setpoint};
+use crate::tick::{Motor, Tick};
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+use core::sync::atomic::Ordering;
+use nalgebra::Vector3;
+
+/// What the motors and the tool have to do until the next tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output<N: Number> {
+    /// The motors. In fault and cleared they stand where they were commanded last.
+    pub motors: [Motor<N>; 3],
+    /// Power of the tool, 0 to 1 of what it can give.
+    pub tool: N,
+    /// Whether the drives are on. They are off while a fault is latched.
+    pub enabled: bool,
+}
+
+/// The half of the service that runs once per tick.
+pub struct Foreground<'q, N: Number, P, L, T> {
+    tick: Tick<N, P, L>,
+    pub(super) limits: Limits<N>,
+    /// 1 / (R dt): change of the speed along the path per time on a ramp.
+    slope: N,
+    silence_ticks: u32,
+
+    moves: Receiver<'q, Planned<N>>,
+    orders: Receiver<'q, Order<N>>,
+    setups: T,
+    reports: Sender<'q, Report<N>>,
+    samples: Sender<'q, Telemetry<N>>,
+    shared: &'q Shared,
+
+    state: State,
+    acting: Acting,
+    fault: Option<Fault<N>>,
+    path: Path<N>,
+    place: Place,
+    pace: Pace,
+    /// A hold that the host asked for: it waits to be resumed.
+    held: bool,
+    /// Where the platform was commanded last.
+    pub(super) pose: Pose<N>,
+    output: Output<N>,
+
+    generation: u8,
+    begun: u32,
+    done: u32,
+    played: u32,
+    orders_taken: u8,
+    /// Something changed that was not reported.
+    unreported: bool,
+
+    heard: u32,
+    silent: u32,
+    clock: u32,
+    every: u16,
+    countdown: u16,
+    duration: u32,
+}
+
+/// What is under way.
+#[derive(Clone, Copy, Debug)]
+enum Path<N: Number> {
+    None,
+    /// A move of the job.
+    Move(Planned<N>),
+    /// The last move of the job, at its end: a tick later it is over.
+    Ended(Planned<N>),
+    /// A recovery and where it leads.
+    Joints(JointMove<N>, Pose<N>),
+    /// A recovery at its end.
+    JointsEnded(JointMove<N>, Pose<N>),
+}
+
+/// What a tick asks of the machine.
+enum Target<N: Number> {
+    Setpoint(Setpoint<N>),
+    Joints(JointSetpoint<N>),
+    /// Where it is.
+    Still,
+}
+
+/// The ends that belong to the tick.
+pub(super) struct Ends<'q, N: Number, T> {
+    pub(super) moves: Receiver<'q, Planned<N>>,
+    pub(super) orders: Receiver<'q, Order<N>>,
+    pub(super) setups: T,
+    pub(super) reports: Sender<'q, Report<N>>,
+    pub(super) samples: Sender<'q, Telemetry<N>>,
+    pub(super) shared: &'q Shared,
+}
+
+impl<'q, N, P, L, T> Foreground<'q, N, P, L, T>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: super::scene::Take<Setup<N, P, L>>,
+{
+    pub(super) fn new(
+        setup: Setup<N, P, L>,
+        angles: [N::Angle; 3],
+        settings: &Settings<N>,
+        ends: Ends<'q, N, T>,
+    ) -> Self {
+        let pace = Pace::new(settings.ramp_ticks);
+        let ramp = N::ratio(pace.ramp(), 1) * settings.period;
+        let motor = |angle| Motor {
+            angle,
+            rate: N::ZERO,
+            acceleration: N::ZERO,
+            torque: N::ZERO,
+        };
+        Self {
+            tick: setup.tick,
+            limits: setup.limits,
+            slope: N::ONE.div(ramp),
+            silence_ticks: settings.silence_ticks,
+            moves: ends.moves,
+            orders: ends.orders,
+            setups: ends.setups,
+            reports: ends.reports,
+            samples: ends.samples,
+            shared: ends.shared,
+            state: State::Idle,
+            acting: Acting::Nothing,
+            fault: None,
+            path: Path::None,
+            place: Place::START,
+            pace,
+            held: false,
+            pose: setup.pose,
+            output: Output {
+                motors: angles.map(motor),
+                tool: N::ZERO,
+                enabled: true,
+            },
+            generation: 0,
+            begun: 0,
+            done: 0,
+            played: 0,
+            orders_taken: 0,
+            unreported: false,
+            heard: 0,
+            silent: 0,
+            clock: 0,
+            every: settings.telemetry_every,
+            countdown: 0,
+            duration: 0,
+        }
+    }
+
+    /// One tick: takes an order, goes on along the path, computes and checks what the motors have
+    /// to do, and samples. Never waits.
+    #[inline]
+    pub fn tick(&mut self) -> &Output<N> {
+        self.listen();
+        let started = self.obey();
+        let target = self.advance(started);
+        let setpoint = match target {
+            Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
+                Ok(motion) => match guard::check(&self.limits, &motion) {
+                    Ok(()) => {
+                        self.output.motors = motion.motors;
+                        self.output.tool = self.tool(&setpoint);
+                        self.pose = setpoint.pose;
+                        Some(setpoint)
+                    }
+                    Err(broken) => self.latch(broken),
+                },
+                Err(status) => self.latch(Broken::of(status)),
+            },
+            Target::Joints(joints) => match guard::check_joints(&self.limits, &joints) {
+                Ok(()) => {
+                    self.follow(&joints);
+                    None
+                }
+                Err(broken) => self.latch(broken),
+            },
+            Target::Still => {
+                self.stand();
+                None
+            }
+        };
+        self.clock = self.clock.wrapping_add(1);
+        self.shared.tick.store(self.clock, Ordering::Relaxed);
+        self.report();
+        self.sample(setpoint);
+        &self.output
+    }
+
+    /// What the last tick gave out.
+    pub fn output(&self) -> &Output<N> {
+        &self.output
+    }
+
+    /// What the machine is doing.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Latches a fault from outside: a drive's, the board's, a tick that came too late. To be called
+    /// between two ticks; the next one gives out no more motion. A fault that is latched already
+    /// stays.
+    pub fn raise(&mut self, code: FaultCode, index: Option<u8>, value: N, limit: N) {
+        self.latch(Broken {
+            code,
+            index,
+            value,
+            limit,
+        });
+    }
+
+    /// Says how long the last tick took, in counts of the board's timer.
+    pub fn took(&mut self, duration: u32) {
+        self.duration = duration;
+        let longest = self.shared.longest.load(Ordering::Relaxed);
+        if duration > longest {
+            self.shared.longest.store(duration, Ordering::Relaxed);
+        }
+    }
+
+    /// Says where the motors are, for a machine that has just found out (homing, encoders). Heard
+    /// while nothing moves; afterwards the platform's pose is not known, and it takes a
+    /// [recovery](crate::message::Command::Recover) to get there. Whether it was heard.
+    pub fn motors_are_at(&mut self, angles: [N::Angle; 3]) -> bool {
+        let waits = self.state == State::Idle && self.moves.peek().is_none();
+        if !waits && !matches!(self.state, State::Fault | State::Cleared) {
+            return false;
+        }
+        for (motor, angle) in self.output.motors.iter_mut().zip(angles) {
+            motor.angle = angle;
+        }
+        if waits {
+            self.drop_queue();
+            self.become_(State::Cleared, Acting::Nothing);
+        }
+        self.unreported = true;
+        true
+    }
+
+    /// Counts the silence of the host.
+    #[inline]
+    fn listen(&mut self) {
+        let heard = self.shared.heard.load(Ordering::Relaxed);
+        if heard != self.heard {
+            self.heard = heard;
+            self.silent = 0;
+            return;
+        }
+        self.silent = self.silent.saturating_add(1);
+        let moves = matches!(self.state, State::Running | State::Recovering);
+        if moves && self.silence_ticks != 0 && self.silent >= self.silence_ticks {
+            self.become_(State::Stopping, Acting::Silence);
+        }
+    }
+
+    /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
+    /// runs.
+    #[inline]
+    fn tool(&self, setpoint: &Setpoint<N>) -> N {
+        let (Path::Move(planned) | Path::Ended(planned)) = &self.path else {
+            return N::ZERO;
+        };
+        if !self.state.is_running() || !(planned.tool > N::ZERO) {
+            return N::ZERO;
+        }
+        let (x, y) = (setpoint.velocity.x, setpoint.velocity.y);
+        let power = planned.tool * N::ab_plus_cd(x, x, y, y).sqrt();
+        if power <= N::ONE {
+            power
+        } else if power.is_finite() {
+            N::ONE
+        } else {
+            N::ZERO
+        }
+    }
+
+    /// A tick of a recovery: no torque, for where the platform is says nothing.
+    fn follow(&mut self, joints: &JointSetpoint<N>) {
+        for (index, motor) in self.output.motors.iter_mut().enumerate() {
+            let part = |values: &[N; 3]| values.get(index).copied().unwrap_or(N::ZERO);
+            if let Some(angle) = joints.angles.get(index) {
+                motor.angle = *angle;
+            }
+            motor.rate = part(&joints.rates);
+            motor.acceleration = part(&joints.accelerations);
+            motor.torque = N::ZERO;
+        }
+        self.output.tool = N::ZERO;
+    }
+
+    /// Neither motion nor tool: the motors stay at their last angles.
+    fn stand(&mut self) {
+        for motor in &mut self.output.motors {
+            motor.rate = N::ZERO;
+            motor.acceleration = N::ZERO;
+            motor.torque = N::ZERO;
+        }
+        self.output.tool = N::ZERO;
+    }
+
+    /// Latches a fault: no motion any more, the queue is dropped, the drives go off.
+    #[cold]
+    fn latch(&mut self, broken: Broken<N>) -> Option<Setpoint<N>> {
+        self.stand();
+        self.output.enabled = false;
+        if self.fault.is_none() {
+            self.fault = Some(Fault {
+                code: broken.code,
+                index: broken.index,
+                value: broken.value,
+                limit: broken.limit,
+                tick: self.clock,
+            });
+            self.drop_queue();
+            let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
+            self.become_(State::Fault, acting);
+        }
+        None
+    }
+
+    fn become_(&mut self, state: State, acting: Acting) {
+        if self.state != state || self.acting != acting {
+            self.state = state;
+            self.acting = acting;
+            self.unreported = true;
+        }
+    }
+
+    /// Drops everything that is queued: it is of a generation that is over.
+    fn drop_queue(&mut self) {
+        self.generation = self.generation.wrapping_add(1);
+        self.path = Path::None;
+        self.place = Place::START;
+        self.pace.end();
+        self.held = false;
+        self.done = self.begun;
+        self.played = 0;
+        self.unreported = true;
+    }
+
+    /// The platform stands at `pose`.
+    fn standing(pose: Pose<N>) -> Setpoint<N> {
+        let zero = Vector3::new(N::ZERO, N::ZERO, N::ZERO);
+        Setpoint {
+            pose,
+            velocity: zero,
+            acceleration: zero,
+        }
+    }
+}

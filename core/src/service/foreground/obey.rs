@@ -1,0 +1,128 @@
+//! Orders from the background.
+
+use super::super::link::{Order, Planned};
+use super::super::pace::Place;
+use super::super::scene::{Setup, Take};
+use super::{Foreground, Path};
+use crate::message::{Acting, State};
+use crate::number::Number;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+
+impl<N, P, L, T> Foreground<'_, N, P, L, T>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+{
+    /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
+    /// its first setpoint is this tick's. An order that does not fit the state, because the state
+    /// changed while it was on its way, changes nothing.
+    #[inline]
+    pub(super) fn obey(&mut self) -> bool {
+        if self.moves.peek().is_some_and(|next| self.is_stale(next)) {
+            // One per tick; orders given after the queue was dropped wait until it is empty.
+            self.moves.receive();
+            return false;
+        }
+        let Some(order) = self.orders.receive() else {
+            return false;
+        };
+        self.orders_taken = self.orders_taken.wrapping_add(1);
+        self.unreported = true;
+        match order {
+            Order::Start => return self.start(),
+            Order::Hold => self.hold(),
+            Order::Resume => self.held = false,
+            Order::Stop => self.stop(),
+            Order::ClearFault => self.clear_fault(),
+            Order::Recover { path, to } => {
+                if matches!(self.state, State::Idle | State::Cleared) {
+                    self.drop_queue();
+                    self.path = Path::Joints(path, to);
+                    self.begin();
+                    self.become_(State::Recovering, Acting::Nothing);
+                    return true;
+                }
+            }
+            Order::Telemetry { every } => {
+                self.every = every;
+                self.countdown = 0;
+            }
+            Order::Adopt => {
+                if let Some(setup) = self.setups.take() {
+                    self.tick = setup.tick;
+                    self.limits = setup.limits;
+                    self.pose = setup.pose;
+                }
+            }
+        }
+        false
+    }
+
+    pub(super) fn is_stale(&self, planned: &Planned<N>) -> bool {
+        planned.generation != self.generation
+    }
+
+    fn start(&mut self) -> bool {
+        let ahead = self.shared.ahead();
+        let enough = ahead.ends_at_rest || self.pace.is_enough(ahead.left(self.played), 0);
+        if self.state != State::Idle || !enough {
+            return false;
+        }
+        let Some(first) = self.moves.receive() else {
+            return false;
+        };
+        self.begun = first.number.wrapping_add(1);
+        self.path = Path::Move(first);
+        self.begin();
+        self.become_(State::Running, Acting::Nothing);
+        true
+    }
+
+    /// At the start of a path, which starts at rest: normal speed at once.
+    fn begin(&mut self) {
+        self.place = Place::START;
+        self.pace.start();
+        self.held = false;
+        self.silent = 0;
+    }
+
+    fn hold(&mut self) {
+        match self.state {
+            State::Running => {
+                self.held = true;
+                self.become_(State::Slowing, Acting::Hold);
+            }
+            // What it waits for changes: it does not go on by itself any more.
+            State::Slowing | State::Holding => {
+                self.held = true;
+                self.become_(self.state, Acting::Hold);
+            }
+            _ => {}
+        }
+    }
+
+    fn stop(&mut self) {
+        match self.state {
+            State::Running | State::Slowing | State::Holding | State::Recovering => {
+                self.become_(State::Stopping, Acting::Stop);
+            }
+            State::Stopping => self.become_(State::Stopping, Acting::Stop),
+            State::Idle => {
+                self.drop_queue();
+                self.become_(State::Idle, Acting::Nothing);
+            }
+            State::Fault | State::Cleared => {}
+        }
+    }
+
+    fn clear_fault(&mut self) {
+        if self.state == State::Fault {
+            self.fault = None;
+            self.output.enabled = true;
+            self.become_(State::Cleared, self.acting);
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Along the path, tick by tick.
+
+use super::super::pace::{Place, Stride};
+use super::super::scene::{Setup, Take};
+use super::{Foreground, Path, Target};
+use crate::message::{Acting, State};
+use crate::number::Number;
+use crate::setpoint::Setpoint;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+
+impl<N, P, L, T> Foreground<'_, N, P, L, T>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+{
+    /// One tick further; `started`: the path was begun in this tick, and this is its start.
+    #[inline]
+    pub(super) fn advance(&mut self, started: bool) -> Target<N> {
+        self.settle();
+        match self.state {
+            State::Idle => return Target::Setpoint(Self::standing(self.pose)),
+            State::Fault | State::Cleared => return Target::Still,
+            _ => {}
+        }
+        let stride = if started {
+            self.pace.faster()
+        } else {
+            let stride = self.stride();
+            self.place = self.pace.take(stride, self.place);
+            self.change_over();
+            stride
+        };
+        let target = self.target(stride);
+        if self.pace.is_at_rest() {
+            self.come_to_rest();
+        }
+        target
+    }
+
+    /// What was at its end a tick ago is over, unless more was queued in time.
+    #[inline]
+    fn settle(&mut self) {
+        match self.path {
+            Path::Ended(last) => {
+                let stopping = matches!(self.state, State::Stopping);
+                let more = self.moves.peek().is_some_and(|next| !self.is_stale(next));
+                if more && !stopping {
+                    // The end of the last is the start of the next: this tick goes on from there.
+                    self.take_next();
+                    return;
+                }
+                self.played = self.played.wrapping_add(last.ticks);
+                self.path = Path::None;
+                self.place = Place::START;
+                self.pace.end();
+                self.held = false;
+                if stopping {
+                    self.drop_queue();
+                }
+                let acting = if stopping {
+                    self.acting
+                } else {
+                    Acting::Nothing
+                };
+                self.become_(State::Idle, acting);
+            }
+            Path::JointsEnded(_, to) => {
+                self.pose = to;
+                self.path = Path::None;
+                self.pace.end();
+                self.become_(State::Idle, Acting::Nothing);
+            }
+            _ => {}
+        }
+    }
+
+    /// How far this tick goes: towards normal speed where the state and what is queued allow, else
+    /// towards rest.
+    #[inline]
+    fn stride(&mut self) -> Stride {
+        match self.state {
+            State::Running => {
+                let faster = self.pace.faster();
+                if self.reaches(faster) {
+                    if faster.is_normal(&self.pace) && self.acting != Acting::Nothing {
+                        self.become_(State::Running, Acting::Nothing);
+                    }
+                    return faster;
+                }
+                self.become_(State::Slowing, Acting::QueueDry);
+            }
+            State::Recovering => return self.pace.faster(),
+            State::Holding if !self.held && self.has_enough() => {
+                self.pace.aim(self.place.part);
+                self.become_(State::Running, Acting::Resume);
+                return self.pace.faster();
+            }
+            State::Holding if !self.held && self.acting != Acting::QueueDry => {
+                self.become_(State::Holding, Acting::QueueDry);
+            }
+            _ => {}
+        }
+        self.pace.slower()
+    }
+
+    /// Ticks of the path between its place in whole ticks and the end of what is admitted; none if
+    /// it ends at rest and so needs no room to stop.
+    #[inline]
+    fn left(&self) -> Option<u32> {
+        let ahead = self.shared.ahead();
+        let left = ahead.left(self.played);
+        (!ahead.ends_at_rest).then(|| left.saturating_sub(self.place.tick))
+    }
+
+    /// Whether the path could still come to rest on what is admitted.
+    #[inline]
+    fn reaches(&self, stride: Stride) -> bool {
+        let part = self.place.part;
+        self.left()
+            .is_none_or(|left| self.pace.can_stop(stride, left, part))
+    }
+
+    /// Whether there is enough to leave a hold for: room for a ramp down from normal speed, or all
+    /// that the queue can hold.
+    fn has_enough(&self) -> bool {
+        let part = self.place.part;
+        self.moves.is_full()
+            || self
+                .left()
+                .is_none_or(|left| self.pace.is_enough(left, part))
+    }
+
+    /// Over the end of a move into the next, or to the end of the path. At most one end lies in a
+    /// tick, for a move has a tick at least.
+    #[inline]
+    fn change_over(&mut self) {
+        match self.path {
+            Path::Move(planned) if self.place.tick >= planned.ticks => {
+                if self.done != self.begun {
+                    self.done = self.begun;
+                    self.unreported = true;
+                }
+                if self.moves.peek().is_some_and(|next| !self.is_stale(next)) {
+                    self.path = Path::Ended(planned);
+                    self.take_next();
+                } else if self.shared.ahead().ends_at_rest {
+                    self.place = Place {
+                        tick: planned.ticks,
+                        part: 0,
+                    };
+                    self.path = Path::Ended(planned);
+                }
+                // Else it stands at the very end of what is admitted and waits for more.
+            }
+            Path::Joints(path, to) if self.place.tick >= path.ticks() => {
+                self.place = Place {
+                    tick: path.ticks(),
+                    part: 0,
+                };
+                self.path = Path::JointsEnded(path, to);
+            }
+            _ => {}
+        }
+    }
+
+    /// The next move takes the place of the one that ended.
+    #[inline]
+    fn take_next(&mut self) {
+        let Path::Ended(last) = self.path else {
+            return;
+        };
+        let Some(next) = self.moves.receive() else {
+            return;
+        };
+        self.played = self.played.wrapping_add(last.ticks);
+        self.place.tick = self.place.tick.saturating_sub(last.ticks);
+        self.begun = next.number.wrapping_add(1);
+        self.path = Path::Move(next);
+    }
+
+    /// What this place on the path asks of the machine, at the speed after `stride`.
+    #[inline]
+    fn target(&self, stride: Stride) -> Target<N> {
+        let place = self.place;
+        let whole = 2 * self.pace.ramp();
+        match &self.path {
+            Path::Move(planned) | Path::Ended(planned) => {
+                // At normal speed the place is a whole tick, and the setpoint the segment's own.
+                if stride.is_normal(&self.pace) && place.part == 0 {
+                    return Target::Setpoint(planned.segment.at(place.tick));
+                }
+                let on_path = if place.part == 0 {
+                    planned.segment.at(place.tick)
+                } else {
+                    let part = N::ratio(place.part, whole);
+                    planned.segment.between(place.tick, part)
+                };
+                Target::Setpoint(self.scaled(&on_path, stride))
+            }
+            Path::Joints(path, _) | Path::JointsEnded(path, _) => {
+                let mut joints = path.between(place.tick, N::ratio(place.part, whole));
+                let (speed, change) = self.speed(stride);
+                let square = speed * speed;
+                for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
+                    *acceleration = N::ab_plus_cd(*acceleration, square, *rate, change);
+                    *rate *= speed;
+                }
+                Target::Joints(joints)
+            }
+            Path::None => Target::Setpoint(Self::standing(self.pose)),
+        }
+    }
+
+    /// u and u' after `stride`.
+    fn speed(&self, stride: Stride) -> (N, N) {
+        let change = match stride.slope {
+            0 => N::ZERO,
+            1.. => self.slope,
+            _ => -self.slope,
+        };
+        (N::ratio(stride.level, self.pace.ramp()), change)
+    }
+
+    /// q' u and q'' u^2 + q' u'.
+    fn scaled(&self, on_path: &Setpoint<N>, stride: Stride) -> Setpoint<N> {
+        let (speed, change) = self.speed(stride);
+        Setpoint {
+            pose: on_path.pose,
+            velocity: on_path.velocity * speed,
+            acceleration: on_path.acceleration * (speed * speed) + on_path.velocity * change,
+        }
+    }
+
+    /// The speed along the path is 0 from now on, until something is done about it.
+    fn come_to_rest(&mut self) {
+        match self.state {
+            State::Slowing => self.become_(State::Holding, self.acting),
+            State::Stopping => {
+                let on_path = matches!(self.path, Path::Move(_) | Path::Ended(_));
+                self.drop_queue();
+                // In a recovery the platform's pose is not known.
+                let state = if on_path { State::Idle } else { State::Cleared };
+                self.become_(state, self.acting);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What the tick says of itself.
+
+use super::super::link::{Report, count};
+use super::super::scene::{Setup, Take};
+use super::Foreground;
+use crate::message::Telemetry;
+use crate::number::Number;
+use crate::setpoint::Setpoint;
+use crate::torque::links::Links;
+use crate::torque::payload::Payload;
+
+impl<N, P, L, T> Foreground<'_, N, P, L, T>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+{
+    /// Reports what changed; where there is no room, later.
+    #[inline]
+    pub(super) fn report(&mut self) {
+        if !self.unreported || !self.reports.has_room() {
+            return;
+        }
+        let report = Report {
+            orders: self.orders_taken,
+            generation: self.generation,
+            state: self.state,
+            acting: self.acting,
+            fault: self.fault,
+            begun: self.begun,
+            done: self.done,
+            played: self.played,
+            pose: self.pose,
+            angles: self.output.motors.each_ref().map(|motor| motor.angle),
+        };
+        self.unreported = !self.reports.send(report);
+    }
+
+    /// Every so many ticks a sample; where there is no room, one is lost and counted.
+    #[inline]
+    pub(super) fn sample(&mut self, setpoint: Option<Setpoint<N>>) {
+        if self.every == 0 {
+            return;
+        }
+        if self.countdown > 0 {
+            self.countdown -= 1;
+            return;
+        }
+        self.countdown = self.every - 1;
+        let motors = &self.output.motors;
+        let sample = Telemetry {
+            tick: self.clock,
+            state: self.state,
+            acting: self.acting,
+            number: self.begun.wrapping_sub(1),
+            at: self.place.tick,
+            part: self.place.part,
+            setpoint: setpoint.unwrap_or(Self::standing(self.pose)),
+            angles: motors.each_ref().map(|motor| motor.angle),
+            rates: motors.each_ref().map(|motor| motor.rate),
+            accelerations: motors.each_ref().map(|motor| motor.acceleration),
+            torques: motors.each_ref().map(|motor| motor.torque),
+            tool: self.output.tool,
+            duration: self.duration,
+            lost: self.shared.lost.load(core::sync::atomic::Ordering::Relaxed),
+        };
+        if !self.samples.send(sample) {
+            count(&self.shared.lost);
+        }
+    }
+}
