@@ -121,7 +121,7 @@ where
     ) -> Result<Halves<'_, N, P, L, S>, ServiceError> {
         let tick = Tick::<N, P, L>::build(scene.parameters())?;
         let limits = Limits::build(scene.limits())?;
-        let period = settings.period.to_f64();
+        let period = N::factor_to_f64(settings.period);
         let admission = Admission::build(scene.parameters(), limits, settings.ramp_ticks, period)?;
         let position = tick.geometry().position(&pose);
         let angles = tick

@@ -8,6 +8,7 @@
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`Shared`] | counters, each with one writer |
 
+use super::tool::Tool;
 use crate::message::{Acting, Fault, State};
 use crate::number::Number;
 use crate::setpoint::{JointMove, Pose, Segment};
@@ -19,8 +20,7 @@ pub(super) struct Planned<N: Number> {
     pub(super) segment: Segment<N>,
     pub(super) ticks: u32,
     pub(super) number: u32,
-    /// Power of the tool per speed along the path; 0 for none.
-    pub(super) tool: N,
+    pub(super) tool: Option<Tool<N>>,
     /// Generation of the queue: what was queued before the queue was dropped is not played.
     pub(super) generation: u8,
 }

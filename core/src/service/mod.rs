@@ -36,6 +36,7 @@ mod scene;
 mod settings;
 #[cfg(test)]
 mod tests;
+mod tool;
 
 pub use background::Background;
 pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, ServiceError};

@@ -5,9 +5,9 @@ use crate::number::Number;
 
 /// Settings of the service, from the scene. Times are ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings<N> {
+pub struct Settings<N: Number> {
     /// Length of a tick in the machine's unit of time.
-    pub period: N,
+    pub period: N::Factor,
     /// Ticks from normal speed to rest, positive.
     pub ramp_ticks: u16,
     /// Silence of the host after which a machine that moves comes to rest; 0 for never.

@@ -11,20 +11,20 @@ pub(super) enum Nearer<N> {
 }
 
 impl<N: Number> Nearer<N> {
-    /// The instant `part` of a tick, 0 to less than 1, after `tick`, in a move of `ticks`. Whole
+    /// The instant `part` of a tick, 0 to less than 1, after `tick`, in a move of `ticks`, which is `count`. Whole
     /// ticks and the part are divided apart, for together they do not fit an integer; that rounds
     /// twice, so at a whole tick it is not left to this.
     #[inline(always)]
-    pub(super) fn of(tick: u32, part: N, ticks: u32) -> Self {
+    pub(super) fn of(tick: u32, part: N, ticks: u32, count: &N::Count) -> Self {
         let left = ticks.saturating_sub(tick);
-        let rest = part * N::ratio(1, ticks);
+        let rest = part * N::fraction(1, count);
         if tick < left {
-            Self::Start(N::ratio(tick, ticks) + rest)
+            Self::Start(N::fraction(tick, count) + rest)
         } else if left == 0 {
             Self::End(N::ZERO)
         } else {
             // Not negative: left >= 1 > part.
-            Self::End(N::ratio(left, ticks) - rest)
+            Self::End(N::fraction(left, count) - rest)
         }
     }
 }

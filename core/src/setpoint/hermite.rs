@@ -126,7 +126,7 @@ impl<N: Number> Hermite<N> {
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        let (cubic, s, per_duration) = match Nearer::of(tick, part, self.ticks) {
+        let (cubic, s, per_duration) = match Nearer::of(tick, part, self.ticks, &self.count) {
             Nearer::Start(s) => (&self.forward, s, self.per_duration),
             Nearer::End(s) => (&self.backward, s, -self.per_duration),
         };

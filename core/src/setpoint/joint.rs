@@ -10,12 +10,13 @@ pub struct JointMove<N: Number> {
     from: [N::Angle; 3],
     to: [N::Angle; 3],
     ticks: u32,
+    count: N::Count,
     /// h, at most half a turn.
     displacement: [N; 3],
     /// 6 / T.
-    velocity: N,
+    velocity: N::Factor,
     /// 6 / T^2.
-    acceleration: N,
+    acceleration: N::Factor,
 }
 
 /// Angle, rate and acceleration of the three motors at one instant.
@@ -32,14 +33,15 @@ pub struct JointSetpoint<N: Number> {
 impl<N: Number> JointMove<N> {
     /// The move `from` -> `to` in `ticks` ticks of `period` each, both positive. The angles lie in
     /// (-pi, pi].
-    pub fn new(from: [N::Angle; 3], to: [N::Angle; 3], ticks: u32, period: N) -> Self {
-        let per_duration = N::ratio(1, ticks).div(period);
-        let velocity = N::ratio(6, 1) * per_duration;
+    pub fn new(from: [N::Angle; 3], to: [N::Angle; 3], ticks: u32, period: N::Factor) -> Self {
+        let per_duration = N::factor_over(N::quotient(1, ticks), period);
+        let velocity = N::quotient(6, 1) * per_duration;
         let way = |motor: usize| shorter_way(N::radians(to[motor] - from[motor]));
         Self {
             from,
             to,
             ticks,
+            count: N::count(ticks),
             displacement: [way(0), way(1), way(2)],
             velocity,
             acceleration: velocity * per_duration,
@@ -59,30 +61,34 @@ impl<N: Number> JointMove<N> {
     /// The largest rate of each motor, 3 h / (2 T), and the largest acceleration, 6 h / T^2.
     pub fn peaks(&self) -> ([N; 3], [N; 3]) {
         let quarter = N::HALF * N::HALF;
-        let (rate, acceleration) = (self.velocity * quarter, self.acceleration);
+        let rate = |way: N| (way * quarter).scaled(self.velocity).abs();
+        let acceleration = |way: N| way.scaled(self.acceleration).abs();
         (
-            self.displacement.map(|way| (way * rate).abs()),
-            self.displacement.map(|way| (way * acceleration).abs()),
+            self.displacement.map(rate),
+            self.displacement.map(acceleration),
         )
     }
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     pub fn between(&self, tick: u32, part: N) -> JointSetpoint<N> {
         // The angle is reckoned from the nearer end: both are exact.
-        let (s, base, towards, slope) = match Nearer::of(tick, part, self.ticks) {
+        let (s, base, towards, slope) = match Nearer::of(tick, part, self.ticks, &self.count) {
             Nearer::Start(s) => (s, &self.from, N::ONE, N::ONE - (s + s)),
             Nearer::End(s) => (s, &self.to, -N::ONE, (s + s) - N::ONE),
         };
         let blend = s * s * ((N::ONE - s) + (N::ONE - s) + N::ONE) * towards;
-        let rate = self.velocity * (s * (N::ONE - s));
-        let acceleration = self.acceleration * slope;
+        let bow = s * (N::ONE - s);
         let [h1, h2, h3] = self.displacement;
         let [b1, b2, b3] = *base;
         let angle = |base: N::Angle, way: N| wrapped::<N>(base + N::angle(way * blend));
         JointSetpoint {
             angles: [angle(b1, h1), angle(b2, h2), angle(b3, h3)],
-            rates: self.displacement.map(|way| way * rate),
-            accelerations: self.displacement.map(|way| way * acceleration),
+            rates: self
+                .displacement
+                .map(|way| (way * bow).scaled(self.velocity)),
+            accelerations: self
+                .displacement
+                .map(|way| (way * slope).scaled(self.acceleration)),
         }
     }
 }

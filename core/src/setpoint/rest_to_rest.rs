@@ -67,7 +67,7 @@ impl<N: Number> RestToRest<N> {
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        match Nearer::of(tick, part, self.ticks) {
+        match Nearer::of(tick, part, self.ticks, &self.count) {
             Nearer::Start(s) => self.after_start(s),
             Nearer::End(s) => self.before_end(s),
         }

@@ -1,5 +1,6 @@
 //! Start, hold, resume, stop, faults and recovery.
 
+use super::super::foreground::slope;
 use super::super::guard;
 use super::super::link::Order;
 use super::super::pace::Pace;
@@ -99,9 +100,9 @@ where
         guard::within(Bounded::Rate, &self.limits.rate, rates)
             .and_then(|()| {
                 // A stop on the way adds the ramp's own: the rate over the ramp's duration.
-                let ramp = N::ratio(u32::from(self.settings.ramp_ticks.max(1)), 1);
-                let per_ramp = N::ONE.div(ramp * self.settings.period);
-                let [a, b, c] = rates.map(|rate| rate * per_ramp);
+                let ramp = u32::from(self.settings.ramp_ticks.max(1));
+                let slope = slope::<N>(ramp, self.settings.period);
+                let [a, b, c] = rates.map(|rate| rate.scaled(slope));
                 let [x, y, z] = accelerations;
                 let sums = [x + a, y + b, z + c];
                 guard::within(Bounded::Acceleration, &self.limits.acceleration, sums)

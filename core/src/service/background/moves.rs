@@ -2,6 +2,7 @@
 
 use super::super::link::Planned;
 use super::super::scene::{Put, Scene, Setup};
+use super::super::tool::Tool;
 use super::{Background, End};
 use crate::admission;
 use crate::message::{Event, Move, Refusal, State, Verdict};
@@ -58,7 +59,9 @@ where
         if offered.start_velocity != end.velocity {
             return Err(Refusal::StartVelocity);
         }
-        tool(offered).ok_or(Refusal::Tool)?;
+        if !Tool::is_one(offered) {
+            return Err(Refusal::Tool);
+        }
         if self.room() == 0 || !self.offered.0.send(*offered) {
             return Err(Refusal::QueueFull);
         }
@@ -111,7 +114,7 @@ where
             segment: segment(&offered, self.settings.period),
             ticks: offered.ticks,
             number: offered.number,
-            tool: tool(&offered).unwrap_or(N::ZERO),
+            tool: Tool::of(&offered),
             generation: self.generation,
         };
         if !self.moves.send(planned) {
@@ -149,7 +152,7 @@ where
 }
 
 /// The move as the tick plays it.
-fn segment<N: Number>(offered: &Move<N>, period: N) -> Segment<N> {
+fn segment<N: Number>(offered: &Move<N>, period: N::Factor) -> Segment<N> {
     let (from, to, ticks) = (offered.from, offered.to, offered.ticks);
     if offered.is_rest_to_rest() {
         return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
@@ -157,19 +160,6 @@ fn segment<N: Number>(offered: &Move<N>, period: N) -> Segment<N> {
     let start = Vector3::from(offered.start_velocity);
     let end = Vector3::from(offered.end_velocity);
     Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
-}
-
-/// Power of the tool per speed; none if there is no such tool.
-fn tool<N: Number>(offered: &Move<N>) -> Option<N> {
-    let (power, speed) = (offered.tool_power, offered.tool_speed);
-    if power == N::ZERO {
-        return Some(N::ZERO);
-    }
-    if !(power > N::ZERO) || !(power <= N::ONE) || !(speed > N::ZERO) {
-        return None;
-    }
-    let ratio = power.div(speed);
-    ratio.is_finite().then_some(ratio)
 }
 
 fn is_finite<N: Number>(offered: &Move<N>) -> bool {

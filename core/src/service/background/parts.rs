@@ -45,7 +45,7 @@ where
         };
         let distances = Distances::build(&parameters);
         let ramp = self.settings.ramp_ticks;
-        let period = self.settings.period.to_f64();
+        let period = N::factor_to_f64(self.settings.period);
         let admission = Admission::build(&parameters, built, ramp, period).map_err(refusal)?;
 
         let setup = Setup {

@@ -36,7 +36,9 @@ pub struct Foreground<'q, N: Number, P, L, T> {
     tick: Tick<N, P, L>,
     pub(super) limits: Limits<N>,
     /// 1 / (R dt): change of the speed along the path per time on a ramp.
-    slope: N,
+    slope: N::Factor,
+    /// R and 2 R, to take fractions of.
+    ramp: [N::Count; 2],
     silence_ticks: u32,
 
     moves: Receiver<'q, Planned<N>>,
@@ -120,7 +122,6 @@ where
         ends: Ends<'q, N, T>,
     ) -> Self {
         let pace = Pace::new(settings.ramp_ticks);
-        let ramp = N::ratio(pace.ramp(), 1) * settings.period;
         let motor = |angle| Motor {
             angle,
             rate: N::ZERO,
@@ -130,7 +131,8 @@ where
         Self {
             tick: setup.tick,
             limits: setup.limits,
-            slope: N::ONE.div(ramp),
+            slope: slope::<N>(pace.ramp(), settings.period),
+            ramp: [N::count(pace.ramp()), N::count(2 * pace.ramp())],
             silence_ticks: settings.silence_ticks,
             moves: ends.moves,
             orders: ends.orders,
@@ -278,17 +280,9 @@ where
         let (Path::Move(planned) | Path::Ended(planned)) = &self.path else {
             return N::ZERO;
         };
-        if !self.state.is_running() || !(planned.tool > N::ZERO) {
-            return N::ZERO;
-        }
-        let (x, y) = (setpoint.velocity.x, setpoint.velocity.y);
-        let power = planned.tool * N::ab_plus_cd(x, x, y, y).sqrt();
-        if power <= N::ONE {
-            power
-        } else if power.is_finite() {
-            N::ONE
-        } else {
-            N::ZERO
+        match planned.tool {
+            Some(tool) if self.state.is_running() => tool.power(setpoint),
+            _ => N::ZERO,
         }
     }
 
@@ -365,4 +359,9 @@ where
             acceleration: zero,
         }
     }
+}
+
+/// u' on a ramp of `ramp` ticks: 1 / (R dt).
+pub(super) fn slope<N: Number>(ramp: u32, period: N::Factor) -> N::Factor {
+    N::factor_over(N::quotient(1, ramp), period)
 }

@@ -185,7 +185,6 @@ where
     #[inline]
     fn target(&self, stride: Stride) -> Target<N> {
         let place = self.place;
-        let whole = 2 * self.pace.ramp();
         match &self.path {
             Path::Move(planned) | Path::Ended(planned) => {
                 // At normal speed the place is a whole tick, and the setpoint the segment's own.
@@ -195,17 +194,19 @@ where
                 let on_path = if place.part == 0 {
                     planned.segment.at(place.tick)
                 } else {
-                    let part = N::ratio(place.part, whole);
+                    let part = N::fraction(place.part, &self.ramp[1]);
                     planned.segment.between(place.tick, part)
                 };
                 Target::Setpoint(self.scaled(&on_path, stride))
             }
             Path::Joints(path, _) | Path::JointsEnded(path, _) => {
-                let mut joints = path.between(place.tick, N::ratio(place.part, whole));
+                let mut joints = path.between(place.tick, N::fraction(place.part, &self.ramp[1]));
                 let (speed, change) = self.speed(stride);
-                let square = speed * speed;
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
-                    *acceleration = N::ab_plus_cd(*acceleration, square, *rate, change);
+                    *acceleration = *acceleration * speed * speed;
+                    if let Some(change) = change {
+                        *acceleration += rate.scaled(change);
+                    }
                     *rate *= speed;
                 }
                 Target::Joints(joints)
@@ -215,22 +216,26 @@ where
     }
 
     /// u and u' after `stride`.
-    fn speed(&self, stride: Stride) -> (N, N) {
+    fn speed(&self, stride: Stride) -> (N, Option<N::Factor>) {
         let change = match stride.slope {
-            0 => N::ZERO,
-            1.. => self.slope,
-            _ => -self.slope,
+            0 => None,
+            1.. => Some(self.slope),
+            _ => Some(-self.slope),
         };
-        (N::ratio(stride.level, self.pace.ramp()), change)
+        (N::fraction(stride.level, &self.ramp[0]), change)
     }
 
     /// q' u and q'' u^2 + q' u'.
     fn scaled(&self, on_path: &Setpoint<N>, stride: Stride) -> Setpoint<N> {
         let (speed, change) = self.speed(stride);
+        let mut acceleration = on_path.acceleration * speed * speed;
+        if let Some(change) = change {
+            acceleration += on_path.velocity.map(|velocity| velocity.scaled(change));
+        }
         Setpoint {
             pose: on_path.pose,
             velocity: on_path.velocity * speed,
-            acceleration: on_path.acceleration * (speed * speed) + on_path.velocity * change,
+            acceleration,
         }
     }
 

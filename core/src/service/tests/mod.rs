@@ -62,7 +62,7 @@ pub(super) fn rest<N: Number>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u3
 
 pub(super) fn settings<N: Number>() -> Settings<N> {
     Settings {
-        period: N::from_f64(PERIOD_S),
+        period: N::factor_from_f64(PERIOD_S),
         ramp_ticks: RAMP,
         silence_ticks: SILENCE,
         telemetry_every: 1,
