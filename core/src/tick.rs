@@ -113,7 +113,11 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             accelerations,
         };
         let load = self.links.load(index, &leg.dyad, &motion);
-        Ok((motion, load))
+        if N::SPREADS || motion.fits(setpoint) && load.fits() {
+            Ok((motion, load))
+        } else {
+            Err(Status::OutOfRange)
+        }
     }
 
     /// The torques alone, for legs whose motion is known.
@@ -143,6 +147,9 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     /// no infinity and nothing that is not a number.
     #[inline(always)]
     pub fn evaluate(&self, setpoint: &Setpoint<N>) -> Result<Motion<N>, Status> {
+        if !(N::fit(setpoint.velocity.into()) && N::fit(setpoint.acceleration.into())) {
+            return Err(Status::OutOfRange);
+        }
         let rotation = Rotation::new(setpoint.pose.angle);
         let kinematics = |leg| self.kinematics(leg, setpoint, &rotation);
         let [(leg1, load1), (leg2, load2), (leg3, load3)] =
@@ -158,7 +165,11 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         // with a part that is not finite is not finite.
         let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
         let [t1, t2, t3] = torques;
-        if !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite() {
+        let lost = match N::SPREADS {
+            true => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
+            false => !N::fit([a1, a2, a3, t1, t2, t3]),
+        };
+        if lost {
             return Err(Status::OutOfRange);
         }
         // The angles come last: nothing else waits for them, and with them would wait.

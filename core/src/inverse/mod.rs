@@ -14,6 +14,7 @@ pub use position::{LegPosition, Position, Rotation};
 
 use crate::linkage::rrr::{Accelerations, Rates};
 use crate::number::Number;
+use crate::setpoint::Setpoint;
 
 /// How the links of one leg move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,4 +25,25 @@ pub struct LegMotion<N: Number> {
     pub rates: Rates<N>,
     /// and how that changes.
     pub accelerations: Accelerations<N>,
+}
+
+impl<N: Number> LegMotion<N> {
+    /// Whether what was formed on the way to this motion of `setpoint` [fits](Number::fit).
+    #[inline(always)]
+    pub(crate) fn fits(&self, setpoint: &Setpoint<N>) -> bool {
+        let (v, a) = (
+            self.position.velocity(&setpoint.velocity),
+            self.position.acceleration(setpoint),
+        );
+        let (rates, acc) = (&self.rates, &self.accelerations);
+        N::fit([v.x, v.y, a.x, a.y])
+            && N::fit([
+                rates.proximal,
+                rates.distal,
+                rates.proximal * rates.proximal,
+                rates.distal * rates.distal,
+                acc.proximal,
+                acc.distal,
+            ])
+    }
 }

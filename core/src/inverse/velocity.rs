@@ -4,13 +4,25 @@ use super::LegPosition;
 use crate::linkage::rrr::Rates;
 use crate::machine::Leg;
 use crate::number::{Number, perpendicular};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
+
+impl<N: Number> LegPosition<N> {
+    /// Velocity of the platform joint when the platform moves with `velocity`.
+    #[inline(always)]
+    pub fn velocity(&self, velocity: &Vector3<N>) -> Vector2<N> {
+        velocity
+            .xy()
+            .zip_map(&perpendicular(self.platform_joint), |v, c| {
+                N::round(v.widen() + N::product(c, velocity.z))
+            })
+    }
+}
 
 impl<N: Number> Leg<N> {
     /// The link rates at `position` when the platform moves with `velocity` (vx, vy, alphadot).
     #[inline(always)]
     pub fn rates(&self, position: &LegPosition<N>, velocity: &Vector3<N>) -> Rates<N> {
-        let v_c = velocity.xy() + perpendicular(position.platform_joint) * velocity.z;
-        self.dyad.rates(&position.links, v_c)
+        self.dyad
+            .rates(&position.links, position.velocity(velocity))
     }
 }

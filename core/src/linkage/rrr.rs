@@ -26,7 +26,7 @@ pub struct Rrr<N: Number> {
     /// l1^2 + l2^2
     sum_of_squares: N,
     /// l1
-    l1: N,
+    l1: N::Length,
     /// l1^2
     l1_sq: N,
     /// l2^2
@@ -86,7 +86,7 @@ impl<N: Number> Rrr<N> {
         Self {
             triangle: Triangle::new(l1, l2, branch),
             sum_of_squares: N::from_f64(l1 * l1 + l2 * l2),
-            l1: N::from_f64(l1),
+            l1: N::length_from_f64(l1),
             l1_sq: N::from_f64(l1 * l1),
             l2_sq: N::from_f64(l2 * l2),
         }
@@ -108,7 +108,7 @@ impl<N: Number> Rrr<N> {
     /// Direction of A -> B, counter-clockwise from the x axis, in (-pi, pi].
     #[inline(always)]
     pub fn proximal_angle(&self, at: &Position<N>) -> N::Angle {
-        N::direction(at.r1.x, at.r1.y, self.l1)
+        N::direction(at.r1.x, at.r1.y, &self.l1)
     }
 
     /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
@@ -163,7 +163,7 @@ impl<N: Number> Rrr<N> {
     /// angles.
     #[inline]
     pub fn singularity_distance(&self, at: &Position<N>) -> N {
-        at.r1_cross_r2.abs().div(self.l1 * self.l2())
+        at.r1_cross_r2.abs().div(N::length(&self.l1) * self.l2())
     }
 
     /// All of it for the motions of A and C.
@@ -188,7 +188,7 @@ impl<N: Number> Rrr<N> {
         };
         let motion = Motion {
             joint,
-            first: link(*a, at.r1, self.l1, rates.proximal, acc.proximal),
+            first: link(*a, at.r1, N::length(&self.l1), rates.proximal, acc.proximal),
             second: link(joint, at.r2, self.l2(), rates.distal, acc.distal),
             singularity_distance: self.singularity_distance(&at),
         };

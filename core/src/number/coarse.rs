@@ -135,7 +135,7 @@ impl Number for Coarse {
     }
     /// As [`atan2`](Number::atan2), which makes nothing of the length. The vector must not be zero.
     #[inline(always)]
-    fn direction(x: Self, y: Self, _length: Self) -> Self {
+    fn direction(x: Self, y: Self, _length: &Self) -> Self {
         Self(F32(y.0).atan2(F32(x.0)).0)
     }
     #[inline(always)]
@@ -198,7 +198,7 @@ mod tests {
                 let (sin, cos) = std::primitive::f64::sin_cos(truth);
                 let (y, x) = (Coarse((length * sin) as f32), Coarse((length * cos) as f32));
                 let found = Coarse::atan2(y, x);
-                assert_eq!(found, Coarse::direction(x, y, Coarse(length as f32)));
+                assert_eq!(found, Coarse::direction(x, y, &Coarse(length as f32)));
                 let error = found.to_f64() - truth;
                 error - TAU * std::primitive::f64::round(error / TAU)
             });

@@ -38,7 +38,7 @@ pub fn fingerprint<N: Number<Angle = N>>() -> u64 {
             for (y, x) in [(sin, cos), (cos, -small), (-large, sin), (large, -large)] {
                 note(N::atan2(y, x));
             }
-            note(N::direction(cos, sin, N::ONE));
+            note(N::direction(cos, sin, &N::length_from_f64(1.0)));
         }
     }
     // Into the subnormal numbers of f32.

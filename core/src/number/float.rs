@@ -72,8 +72,8 @@ macro_rules! float {
                 $atan2(y, x)
             }
             #[inline(always)]
-            fn direction(x: Self, y: Self, length: Self) -> Self {
-                $direction(x, y, length)
+            fn direction(x: Self, y: Self, length: &Self) -> Self {
+                $direction(x, y, *length)
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

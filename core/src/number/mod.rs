@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `f64` | host, reference | radians in an `f64` |
 //! | `f32` | microcontrollers with an FPU | radians in an `f32` |
+//! | [`Fixed`] | microcontrollers without one | 2^-32 of a turn in an `i64` |
 //! | [`Coarse`] | seeing what the micromath crate's functions cost | radians in a `Coarse` |
 //!
 //! Every function here gives the same bits on every machine: nothing calls the platform's libm,
@@ -16,6 +17,7 @@ mod atan2;
 mod coarse;
 mod direction;
 mod fingerprint;
+pub mod fixed;
 mod polynomial;
 mod reduction;
 #[cfg(test)]
@@ -31,6 +33,7 @@ mod float;
 pub use coarse::Coarse;
 #[doc(hidden)]
 pub use fingerprint::fingerprint;
+pub use fixed::Fixed;
 pub use triangle::{Apex, OutOfReach, Triangle};
 pub use vector::{cross, dot, perpendicular, sum_cross, sum_dot};
 
@@ -95,6 +98,9 @@ pub trait Number:
     /// a fraction costs no wide division.
     type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
 
+    /// A length that vectors are known to have, prepared for [`direction`](Number::direction).
+    type Length: Copy + Debug + PartialEq + Send + Sync + 'static;
+
     /// Whether what is computed from a value that is not [finite](Number::is_finite) is not finite
     /// either, as infinities do; otherwise the stages look at what may have left the range.
     const SPREADS: bool;
@@ -158,6 +164,8 @@ pub trait Number:
     fn sum_from_f64(x: f64) -> Self::Sum;
     /// The value as a sum, exactly.
     fn widen(self) -> Self::Sum;
+    /// a b, not rounded.
+    fn product(a: Self, b: Self) -> Self::Sum;
     /// a b + c d, not rounded.
     fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
     /// a b - c d, not rounded.
@@ -188,9 +196,19 @@ pub trait Number:
     /// Angle of the vector (x, y), in [-pi, pi], within two units in the last place.
     /// `(0, 0)` gives 0.
     fn atan2(y: Self, x: Self) -> Self::Angle;
+    /// Prepares a positive length. For building coefficients, not for the tick.
+    fn length_from_f64(x: f64) -> Self::Length;
+    /// The length itself.
+    fn length(length: &Self::Length) -> Self;
     /// Angle of the vector (x, y) whose length is known to be `length`, in (-pi, pi]: cheaper than
     /// [`atan2`](Number::atan2), and as accurate as the length is.
-    fn direction(x: Self, y: Self, length: Self) -> Self::Angle;
+    fn direction(x: Self, y: Self, length: &Self::Length) -> Self::Angle;
     /// False for infinities and for what is not a number.
     fn is_finite(self) -> bool;
+    /// Whether all values are so small that what the next stage forms of them is within the
+    /// range. Where a value out of range [spreads](Number::SPREADS) there is nothing to ask.
+    #[inline(always)]
+    fn fit<const COUNT: usize>(_values: [Self; COUNT]) -> bool {
+        true
+    }
 }

@@ -7,6 +7,7 @@ macro_rules! rounds_every_step {
         type Sum = Self;
         type Factor = Self;
         type Count = u32;
+        type Length = Self;
 
         const SPREADS: bool = true;
 
@@ -47,12 +48,24 @@ macro_rules! rounds_every_step {
             self * f * g
         }
         #[inline(always)]
+        fn length_from_f64(x: f64) -> Self {
+            Self::from_f64(x)
+        }
+        #[inline(always)]
+        fn length(length: &Self) -> Self {
+            *length
+        }
+        #[inline(always)]
         fn sum_from_f64(x: f64) -> Self {
             Self::from_f64(x)
         }
         #[inline(always)]
         fn widen(self) -> Self {
             self
+        }
+        #[inline(always)]
+        fn product(a: Self, b: Self) -> Self {
+            a * b
         }
         #[inline(always)]
         fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {

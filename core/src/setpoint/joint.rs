@@ -95,7 +95,7 @@ impl<N: Number> JointMove<N> {
 
 /// pi.
 fn half_turn<N: Number>() -> N {
-    N::radians(N::direction(-N::ONE, N::ZERO, N::ONE))
+    N::radians(N::direction(-N::ONE, N::ZERO, &N::length_from_f64(1.0)))
 }
 
 /// A difference of two angles in (-pi, pi], the shorter way round.

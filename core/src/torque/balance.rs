@@ -4,7 +4,7 @@ use super::links::LegLoad;
 use super::payload::Demand;
 use crate::inverse::LegMotion;
 use crate::machine::Parameters;
-use crate::number::{Number, cross, dot, perpendicular, sum_dot};
+use crate::number::{Number, cross, dot, perpendicular, sum_cross, sum_dot};
 use crate::singularity;
 use crate::status::Status;
 use nalgebra::Vector2;
@@ -46,7 +46,7 @@ impl<N: Number> Balance<N> {
     /// that two equations in f_2 and f_3 are left. det A is the same about every point.
     ///
     /// # Errors
-    /// [`Status::ParallelSingular`].
+    /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
     #[inline(always)]
     pub fn forces(
         &self,
@@ -58,8 +58,8 @@ impl<N: Number> Balance<N> {
         let [d1, d2, d3] = legs.each_ref().map(|leg| leg.position.links.r2);
         let (arm2, arm3) = (c2 - c1, c3 - c1);
 
-        let mut moment = demand.moment - cross(c1, demand.force);
-        let mut force = demand.force;
+        let mut moment = demand.moment.widen() - sum_cross(c1, demand.force);
+        let mut force = demand.force.map(N::widen);
         // The forces across the distal links, -q E r2, are known: they go to the other side.
         for (load, distal, arm) in [
             (&loads[0], d1, None),
@@ -67,13 +67,15 @@ impl<N: Number> Balance<N> {
             (&loads[2], d3, Some(arm3)),
         ] {
             if let Some(q) = load.distal_over_l2_sq {
-                force += perpendicular(distal) * q;
+                let across = perpendicular(distal);
+                force = force.zip_map(&across, |force, across| force + N::product(across, q));
                 if let Some(arm) = arm {
-                    moment += dot(arm, distal) * q;
+                    moment = moment + N::product(dot(arm, distal), q);
                 }
             }
         }
 
+        let (force, moment) = (force.map(N::round), N::round(moment));
         let (moment2, moment3) = (cross(arm2, d2), cross(arm3, d3));
         let (d1_x_d2, d3_x_d1) = (cross(d1, d2), cross(d3, d1));
         let det_a = N::ab_plus_cd(d1_x_d2, moment3, d3_x_d1, moment2);
@@ -91,12 +93,13 @@ impl<N: Number> Balance<N> {
             N::round(force.x.widen() - N::sum_ab_plus_cd(f2, d2.x, f3, d3.x)),
             N::round(force.y.widen() - N::sum_ab_plus_cd(f2, d2.y, f3, d3.y)),
         );
+        let f1 = N::round_scaled(sum_dot(d1, left), self.inverse_l2_sq);
+        let loads_fit = N::fit([force.x, force.y, moment, moment2, moment3, across]);
+        if !(loads_fit && N::fit([f1, f2, f3, left.x, left.y])) {
+            return Err(Status::OutOfRange);
+        }
         Ok(Forces {
-            along: [
-                N::round_scaled(sum_dot(d1, left), self.inverse_l2_sq),
-                f2,
-                f3,
-            ],
+            along: [f1, f2, f3],
             det_a,
         })
     }
@@ -107,11 +110,11 @@ impl<N: Number> Forces<N> {
     #[inline(always)]
     pub fn torques(&self, legs: &[LegMotion<N>; 3], loads: &[LegLoad<N>; 3]) -> [N; 3] {
         let torque = |index: usize| {
-            let torque = legs[index].position.links.r1_cross_r2 * self.along[index];
-            match loads[index].at_motor {
-                Some(at_motor) => torque + at_motor,
+            let torque = N::product(legs[index].position.links.r1_cross_r2, self.along[index]);
+            N::round(match loads[index].at_motor {
+                Some(at_motor) => torque + at_motor.widen(),
                 None => torque,
-            }
+            })
         };
         [torque(0), torque(1), torque(2)]
     }

@@ -18,6 +18,15 @@ pub struct LegLoad<N> {
     pub distal_over_l2_sq: Option<N>,
 }
 
+impl<N: Number> LegLoad<N> {
+    /// Whether the load [fits](Number::fit).
+    #[inline(always)]
+    pub(crate) fn fits(&self) -> bool {
+        let fits = |load: Option<N>| load.is_none_or(|load| N::fit([load]));
+        fits(self.at_motor) && fits(self.distal_over_l2_sq)
+    }
+}
+
 /// A kind of links.
 pub trait Links<N: Number>: Sized {
     /// The same kind in another number type.
@@ -132,16 +141,17 @@ impl<N: Number> MassiveLeg<N> {
         let centripetal = rates.distal * rates.distal;
         let reaction = N::ab_minus_cd(r1_dot_r2, acc.distal, at.r1_cross_r2, centripetal);
         let mut proximal =
-            N::ab_plus_cd(self.proximal_inertia, acc.proximal, self.coupling, reaction);
+            N::sum_ab_plus_cd(self.proximal_inertia, acc.proximal, self.coupling, reaction);
         if let Some(weight) = gravity.across(at.r1) {
-            proximal -= self.proximal_weight * weight;
+            proximal = proximal - N::product(self.proximal_weight, weight);
         }
 
         let centripetal = rates.proximal * rates.proximal;
-        let mut reaction = N::ab_plus_cd(r1_dot_r2, acc.proximal, at.r1_cross_r2, centripetal);
+        let mut reaction = N::sum_ab_plus_cd(r1_dot_r2, acc.proximal, at.r1_cross_r2, centripetal);
         if let Some(weight) = gravity.across(at.r2) {
-            reaction -= weight;
+            reaction = reaction - weight.widen();
         }
+        let reaction = N::round(reaction);
         let q = N::ab_plus_cd(
             self.distal_inertia,
             acc.distal,
@@ -149,7 +159,7 @@ impl<N: Number> MassiveLeg<N> {
             reaction,
         );
         LegLoad {
-            at_motor: Some(proximal - q * r1_dot_r2),
+            at_motor: Some(N::round(proximal - N::product(q, r1_dot_r2))),
             distal_over_l2_sq: Some(q),
         }
     }

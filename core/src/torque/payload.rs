@@ -56,8 +56,10 @@ impl<N: Number> Payload<N> for Centred<N> {
     fn demand(&self, setpoint: &Setpoint<N>, _: &Rotation<N>) -> Demand<N> {
         let a = setpoint.acceleration;
         Demand {
-            force: a.xy() * self.mass + self.static_force,
-            moment: a.z * self.inertia + self.static_moment,
+            force: a.xy().zip_map(&self.static_force, |a, force| {
+                N::round(N::product(a, self.mass) + force.widen())
+            }),
+            moment: N::round(N::product(a.z, self.inertia) + self.static_moment.widen()),
         }
     }
 }

@@ -209,7 +209,7 @@ impl Mechanics {
     /// theta_i1 of leg `index`, in (-pi, pi].
     #[inline(always)]
     pub fn motor_angle(&self, index: usize, leg: &LegState) -> f64 {
-        <f64 as Number>::direction(leg.r1.x, leg.r1.y, self.legs[index].l1)
+        <f64 as Number>::direction(leg.r1.x, leg.r1.y, &self.legs[index].l1)
     }
 
     /// (x'', y'', alpha'') under the joints' moments.

@@ -188,7 +188,7 @@ impl<N: Number> Number for TaylorModel<N> {
     }
 
     /// Without use of the length, which only makes the angle cheaper to compute.
-    fn direction(x: Self, y: Self, _length: Self) -> Self::Angle {
+    fn direction(x: Self, y: Self, _length: &Self) -> Self::Angle {
         Self::atan2(y, x)
     }
 

@@ -1,0 +1,82 @@
+//! The third corner of a triangle in fixed point.
+//!
+//! d^2 and what is compared with it are held in 2^-58, exactly. Near a fold d, k and S are small
+//! together, and the corner is what they make of each other: they are shifted left as far as d
+//! allows before they are rounded, so that the corner is as accurate as d is.
+
+use super::Fixed;
+use super::factor::Factor;
+use super::product::{joined, normalised, rounded, signed, signed_high, unsigned};
+use super::reciprocal::reciprocal;
+use super::root::inverse_root;
+use crate::number::{Apex, OutOfReach, Triangle};
+use nalgebra::Vector2;
+
+/// The apex over `d`. The two lengths are below 2 together.
+#[inline(always)]
+pub(super) fn apex(
+    triangle: &Triangle<Fixed>,
+    d: Vector2<Fixed>,
+) -> Result<Apex<Fixed>, OutOfReach> {
+    let square = |raw: i32| unsigned(raw.unsigned_abs(), raw.unsigned_abs());
+    let x = square(d.x.0) + square(d.y.0);
+    let (stretched, folded) = (triangle.stretched_sq.0 as u64, triangle.folded_sq.0 as u64);
+    if x >= stretched || x <= folded {
+        return Err(if x == stretched || x == folded {
+            OutOfReach::Singular
+        } else {
+            OutOfReach::Unreachable
+        });
+    }
+
+    // 4 S^2 = u v = z 2^(12 - 2 half) with 1/4 <= z < 1, z in 2^-32.
+    let (u, u_shift) = normalised(stretched - x);
+    let (v, v_shift) = normalised(x - folded);
+    let product = (unsigned(u, v) >> 32) as u32;
+    let shift = u_shift + v_shift;
+    let (z, half) = match (shift & 1, product >> 31) {
+        (0, _) => (product, shift >> 1),
+        (_, 0) => (product << 1, (shift + 1) >> 1),
+        _ => (product >> 1, shift >> 1),
+    };
+    // Beyond it S is not half a unit.
+    if half > 32 {
+        return Err(OutOfReach::Singular);
+    }
+    // 1/sqrt(z) in 2^-30, sqrt(z) in 2^-31; S = sqrt(z) 2^(5 - half), half at least 4.
+    let inverse = inverse_root(z);
+    let root = (unsigned(z, inverse as u32) >> 31) as u32;
+    let area = ((root >> (half.wrapping_sub(4) & 31)) as i32 + 1) >> 1;
+
+    // x = w 2^(6 - 2 j - odd) with 1/2 <= w < 1, w in 2^-32. d takes j - 1 bits, k and S j + 1 of
+    // those that 2^-58 has and 2^-29 has not.
+    let (w, w_shift) = normalised(x);
+    let (j, odd) = ((w_shift >> 1) & 31, w_shift & 1);
+    let two_k = x.wrapping_add(triangle.difference_of_squares.0 as u64);
+    let k = joined((two_k >> 32) as u32, two_k as u32, j) as i32;
+    let s = (root >> (half.saturating_sub(j + 1) & 31)) as i32;
+    let up = j.wrapping_sub(1) & 31;
+    let (dx, dy) = (d.x.0 << up, d.y.0 << up);
+
+    let right = triangle.branch.0 < 0;
+    let (s, cross, significand) = if right {
+        (-s, area, inverse)
+    } else {
+        (s, -area, -inverse)
+    };
+    let inverse_sq = reciprocal(w);
+    let along = signed_high(k, inverse_sq) << odd;
+    let across = signed_high(s, inverse_sq) << odd;
+    Ok(Apex {
+        r1: Vector2::new(
+            Fixed(rounded::<30>(signed(along, dx) - signed(across, dy))),
+            Fixed(rounded::<30>(signed(along, dy) + signed(across, dx))),
+        ),
+        cross: Fixed(cross),
+        inverse_cross: Factor {
+            significand,
+            shift: 33 - half as i32,
+        },
+        base_sq: Fixed(rounded::<29>(x as i64)),
+    })
+}

@@ -1,0 +1,177 @@
+//! Numbers of any size that others are multiplied by.
+
+use super::product::{normalised, saturated, signed};
+use super::reciprocal::reciprocal;
+use core::ops::{Mul, Neg};
+
+/// `significand` 2^-30 2^(28 - `shift`), the significand of a size in [2^30, 2^31), or zero. Rounded
+/// to 31 bits wherever it comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Factor {
+    pub(super) significand: i32,
+    /// How far a sum in 2^-58 is shifted right before it is multiplied.
+    pub(super) shift: i32,
+}
+
+impl Factor {
+    const ZERO: Self = Self {
+        significand: 0,
+        shift: 0,
+    };
+
+    /// 1 / (`raw` 2^-29). Of zero, a factor that takes everything but zero out of range.
+    #[inline(always)]
+    pub(super) fn reciprocal_of(raw: i32) -> Self {
+        let size = raw.unsigned_abs();
+        if size == 0 {
+            return Self {
+                significand: i32::MAX,
+                shift: -63,
+            };
+        }
+        let zeros = size.leading_zeros() & 31;
+        let significand = reciprocal(size << zeros);
+        Self {
+            significand: if raw < 0 { -significand } else { significand },
+            shift: 31 - zeros as i32,
+        }
+    }
+
+    /// The count `n`, rounded to 31 bits.
+    pub(super) fn of_count(n: u32) -> Self {
+        if n == 0 {
+            return Self::ZERO;
+        }
+        let zeros = n.leading_zeros();
+        let significand = (n << zeros) >> 1;
+        Self {
+            significand: significand as i32,
+            shift: zeros as i32 - 3,
+        }
+    }
+
+    /// 1 / self.
+    pub(super) fn inverse(self) -> Self {
+        let size = self.significand.unsigned_abs();
+        let (significand, shift) = if size == 0 {
+            (i32::MAX, -63)
+        } else if size == 1 << 30 {
+            (1 << 30, 56 - self.shift)
+        } else {
+            (reciprocal(size << 1), 57 - self.shift)
+        };
+        Self {
+            significand: if self.significand < 0 {
+                -significand
+            } else {
+                significand
+            },
+            shift,
+        }
+    }
+
+    /// The factor nearest to `x`.
+    pub(super) fn from_f64(x: f64) -> Self {
+        let bits = x.to_bits();
+        let exponent = ((bits >> 52) & 0x7ff) as i32 - 1023;
+        if exponent < -900 {
+            return Self::ZERO;
+        }
+        if exponent > 900 {
+            return Self {
+                significand: i32::MAX,
+                shift: -63,
+            };
+        }
+        let fraction = (bits & ((1 << 52) - 1)) | (1 << 52);
+        // 53 bits to 31.
+        let rounded = (fraction + (1 << 21)) >> 22;
+        let (significand, exponent) = match rounded >> 31 {
+            0 => (rounded as i32, exponent),
+            _ => (1 << 30, exponent + 1),
+        };
+        Self {
+            significand: if x < 0.0 { -significand } else { significand },
+            shift: 28 - exponent,
+        }
+    }
+
+    /// The value, exactly.
+    pub(super) fn to_f64(self) -> f64 {
+        f64::from(self.significand) * power_of_two(-2 - self.shift)
+    }
+
+    /// `sum` in 2^-58, times self, in 2^-29; saturates.
+    ///
+    /// The sum is brought to 2^-30 of what the result is without the significand; where the result
+    /// is below 2 that has 32 bits. Above, the result may be a rail already.
+    #[inline(always)]
+    pub(super) fn times(self, sum: i64) -> i32 {
+        let shift = self.shift as u32;
+        if shift > 31 {
+            return self.times_far(sum);
+        }
+        let (high, low) = ((sum >> 32) as u32, sum as u32);
+        let shifted = (((high << 1) << (shift ^ 31)) | (low >> shift)) as i32;
+        // What went out at the top has to be the sign.
+        let fits = (high as i32) >> shift == shifted >> 31;
+        if !fits {
+            return i32::MAX ^ ((high as i32 ^ self.significand) >> 31);
+        }
+        saturated::<31>(signed(shifted, self.significand))
+    }
+
+    /// [`times`](Self::times) for factors far from 1.
+    #[cold]
+    #[inline(never)]
+    fn times_far(self, sum: i64) -> i32 {
+        let shifted = match self.shift {
+            32.. => sum >> self.shift.min(63),
+            shift => sum.saturating_mul(1i64 << shift.unsigned_abs().min(62)),
+        };
+        match i32::try_from(shifted) {
+            Ok(shifted) => saturated::<31>(signed(shifted, self.significand)),
+            Err(_) if (shifted < 0) == (self.significand < 0) => i32::MAX,
+            Err(_) => i32::MIN,
+        }
+    }
+}
+
+impl Mul for Factor {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let product = signed(self.significand, other.significand);
+        if product == 0 {
+            return Self::ZERO;
+        }
+        let (size, zeros) = normalised(product.unsigned_abs());
+        // Both in [2^30, 2^31): the product has 2 or 3 leading zeros, or 2 and is exact.
+        let size = (size >> 1) + (size & 1);
+        let (size, carry) = match size >> 31 {
+            0 => (size as i32, 0),
+            _ => (1 << 30, 1),
+        };
+        Self {
+            significand: if product < 0 { -size } else { size },
+            shift: self.shift + other.shift - 31 + zeros as i32 - carry,
+        }
+    }
+}
+
+impl Neg for Factor {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            significand: -self.significand,
+            ..self
+        }
+    }
+}
+
+/// 2^exponent, for exponents of normal numbers.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent.clamp(-1022, 1023) + 1023) as u64) << 52)
+}

@@ -1,0 +1,51 @@
+//! Angles as turns.
+
+use core::ops::{Add, Neg, Sub};
+use serde::{Deserialize, Serialize};
+
+/// An angle in 2^-32 of a turn, 1.46e-9 rad: 2^31 turns of either sign. What lies beyond a turn
+/// costs nothing to take off: it is the upper word.
+///
+/// | operator | does |
+/// |---|---|
+/// | `+`, `-`, unary `-` | exact; saturate |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[repr(transparent)]
+pub struct Turns(pub i64);
+
+impl Turns {
+    /// The angle nearest to `radians`; of what is not a number, 0.
+    pub(super) fn from_radians(radians: f64) -> Self {
+        // The conversion saturates.
+        Self(super::nearest(radians * (4_294_967_296.0 / core::f64::consts::TAU)) as i64)
+    }
+
+    /// The angle in radians, rounded to `f64`.
+    pub(super) fn to_radians(self) -> f64 {
+        self.0 as f64 * (core::f64::consts::TAU / 4_294_967_296.0)
+    }
+}
+
+impl Add for Turns {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+}
+
+impl Sub for Turns {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.saturating_sub(other.0))
+    }
+}
+
+impl Neg for Turns {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.saturating_neg())
+    }
+}
