@@ -228,7 +228,9 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             Some(leg) => format!("{quantity:?} of leg {} cannot be built", leg + 1),
             None => format!("{quantity:?} cannot be built"),
         },
-        Refusal::Limit => "a limit is not positive, or a distance not from 0 to 1".into(),
+        Refusal::NotInImage => {
+            "the board's image holds no code for what the scene would then have".into()
+        }
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),

@@ -67,9 +67,6 @@ pub enum Refusal<N: Number> {
     Tool,
     /// The image holds no code to change its scene.
     NotAdjustable,
-    /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a
-    /// centre of mass off the reference point.
-    NotInImage,
     /// There is no such leg.
     NoSuchLeg,
     /// The scene's part cannot be built.
@@ -79,12 +76,13 @@ pub enum Refusal<N: Number> {
         /// and of which leg.
         leg: Option<u8>,
     },
+    /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a
+    /// centre of mass off the reference point.
+    NotInImage,
     /// With the new geometry, no pose near the last fits the motors' angles.
     NoPose,
     /// The recovery would break this limit, or end where this limit does not allow.
     Recovery(Violation<N>),
     /// The tick has not taken the commands before this one yet.
     Busy,
-    /// The pose of a recovery is out of reach, or too near a singularity, for this leg or all.
-    Pose(Violation<N>),
 }

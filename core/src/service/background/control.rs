@@ -93,7 +93,7 @@ where
         if recovery.ticks == 0 {
             return Err(Refusal::Duration { longest: u32::MAX });
         }
-        let position = self.clear_position(pose).map_err(Refusal::Pose)?;
+        let position = self.clear_position(pose).map_err(Refusal::Recovery)?;
         let angles = self.geometry.motor_angles(&position);
         let path = JointMove::new(self.angles, angles, recovery.ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();

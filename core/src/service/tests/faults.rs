@@ -122,7 +122,7 @@ fn singular_poses_are_left_in_joint_space() {
         }
         // Not to another singular pose, and not to none at all.
         let refused = |refusal| match refusal {
-            Refusal::Pose(violation) => violation.what,
+            Refusal::Recovery(violation) => violation.what,
             other => panic!("{other:?}"),
         };
         let what = refused(rig.refused(recover(parallel, 300)));
