@@ -246,6 +246,7 @@ mod tests {
         let found = Violation {
             what: Bounded::Torque,
             index: Some(1),
+            ramp: false,
             at: 0.25,
             value: -9.31234,
             limit: 9.0,
@@ -259,6 +260,7 @@ mod tests {
         let found = Violation {
             what: Bounded::ParallelDistance,
             index: None,
+            ramp: false,
             at: 1.0,
             value: 0.0031f32,
             limit: 0.01,

@@ -13,7 +13,9 @@ use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
+use trirrr_core::machine::Parameters;
 use trirrr_core::number::{Coarse, Number};
+use trirrr_core::setpoint::Setpoint;
 
 /// What became of the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -128,6 +130,34 @@ fn evaluate_in<N: Number>(
     }
     results.flush()?;
     Ok(count)
+}
+
+/// The machines and states in the table `text`, which has the columns of a state: case by case.
+///
+/// # Errors
+/// Refused: the first column or value that cannot be used.
+pub(crate) fn cases(
+    name: &str,
+    text: &str,
+) -> Result<Vec<(String, Parameters, Setpoint<f64>)>, Failure> {
+    let refused = |reason: String| Failure::Refused(format!("{name}: {reason}"));
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader
+        .byte_headers()
+        .map_err(|error| refused(error.to_string()))?;
+    let columns = Columns::find(header).map_err(refused)?;
+    let mut cases = Vec::new();
+    for record in reader.byte_records() {
+        let record = record.map_err(|error| refused(error.to_string()))?;
+        let label = columns
+            .case
+            .as_ref()
+            .and_then(|column| record.get(column.index));
+        let label = String::from_utf8_lossy(label.unwrap_or_default()).into_owned();
+        let case = row::read::<f64>(&columns, &record).map_err(refused)?;
+        cases.push((label, case.parameters, case.setpoint));
+    }
+    Ok(cases)
 }
 
 /// The motion of a row, or its status.

@@ -3,6 +3,8 @@
 //! Each section lies in a folder of its own and writes its part of one page.
 
 pub mod docs;
+mod exact;
+mod extremes;
 mod numbers;
 mod page;
 mod scenes;
@@ -21,15 +23,18 @@ use std::path::{Path, PathBuf};
 pub enum Section {
     /// Error and run time of every number type
     Numbers,
+    /// Extreme machines, moves and poses in every number type
+    Extremes,
 }
 
 impl Section {
     /// All of them, in order.
-    pub const ALL: [Self; 1] = [Self::Numbers];
+    pub const ALL: [Self; 2] = [Self::Numbers, Self::Extremes];
 
     fn write(self, page: &mut Page<'_>) -> Result<(), Failure> {
         match self {
             Section::Numbers => numbers::write(page),
+            Section::Extremes => extremes::write(page),
         }
     }
 }

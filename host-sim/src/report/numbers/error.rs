@@ -1,9 +1,9 @@
 //! How far the results of a number type are from the exact ones.
 
-use super::exact::Instant;
 use super::tool::miss;
 use crate::evaluator;
 use crate::failure::Failure;
+use crate::report::exact::Instant;
 use trirrr_core::number::Number;
 use trirrr_scene::{JobPlayer, Scene};
 use trirrr_truth::results::angle_error;

@@ -2,10 +2,10 @@
 
 mod counts;
 mod error;
-mod exact;
 mod time;
 mod tool;
 
+use super::exact::{self, Instant};
 use super::page::Page;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
@@ -14,7 +14,6 @@ use crate::figures::loglog::{LogLog, Point, Series, draw, pareto_front};
 use crate::scalar::Scalar;
 use counts::{CORES, Count};
 use error::{Errors, SceneErrors, Stage};
-use exact::Instant;
 use trirrr_core::number::{Coarse, Number};
 use trirrr_scene::Scene;
 

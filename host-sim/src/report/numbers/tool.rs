@@ -50,7 +50,7 @@ pub(crate) fn miss(inputs: &Inputs<DoubleDouble>, angles: [f64; 3]) -> Option<[f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::numbers::exact::instants;
+    use crate::report::exact::instants;
     use crate::report::scenes::shipped;
 
     /// The thesis machine at the start of its move: angles off by 1e-6 rad move the tool by the

@@ -1,6 +1,7 @@
 //! The exact values: every setpoint of a job and what it asks of the motors, in 31 digits, by the
 //! independent model.
 
+use trirrr_core::machine::Parameters;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_scene::{Job, Move, Scene};
 use trirrr_truth::double_double::DoubleDouble;
@@ -23,29 +24,45 @@ pub(crate) fn instants(scene: &Scene) -> Vec<Instant> {
 
 fn instant(scene: &Scene, tick: u32) -> Instant {
     let state = state(&scene.job, scene.tick_rate_hz, tick);
+    let inputs = in_state(&scene.parameters, state);
+    Instant {
+        motors: motors(&inputs),
+        inputs,
+    }
+}
+
+/// The machine in a state: pose, velocity, acceleration.
+pub(crate) fn in_state(
+    parameters: &Parameters,
+    state: [[DoubleDouble; 3]; 3],
+) -> Inputs<DoubleDouble> {
+    let [
+        [x, y, angle],
+        [vx, vy, angle_rate],
+        [ax, ay, angle_acceleration],
+    ] = state;
     // The state replaces this setpoint, whose own numbers do not matter.
     let origin: Setpoint<f64> = Setpoint {
         pose: Pose::from_f64(0.0, 0.0, 0.0),
         velocity: nalgebra::Vector3::zeros(),
         acceleration: nalgebra::Vector3::zeros(),
     };
-    let [
-        [x, y, angle],
-        [vx, vy, angle_rate],
-        [ax, ay, angle_acceleration],
-    ] = state;
-    let inputs = Inputs {
+    Inputs {
         position: [x, y],
         angle,
         velocity: [vx, vy],
         angle_rate,
         acceleration: [ax, ay],
         angle_acceleration,
-        ..Inputs::exact(&scene.parameters, &origin)
-    };
+        ..Inputs::exact(parameters, &origin)
+    }
+}
+
+/// Angle, rate, acceleration and torque of each motor.
+pub(crate) fn motors(inputs: &Inputs<DoubleDouble>) -> [[DoubleDouble; 4]; 3] {
     let kinematics = inputs.kinematics();
     let torques = inputs.dynamics(&kinematics).torques;
-    let motor = |leg: usize| {
+    std::array::from_fn(|leg| {
         let motion = &kinematics.legs[leg];
         [
             motion.angles[0],
@@ -53,11 +70,7 @@ fn instant(scene: &Scene, tick: u32) -> Instant {
             motion.accelerations[0],
             torques[leg],
         ]
-    };
-    Instant {
-        motors: [motor(0), motor(1), motor(2)],
-        inputs,
-    }
+    })
 }
 
 /// Pose, velocity and acceleration at `tick`, which between two moves belongs to the later one.
@@ -72,8 +85,9 @@ fn state(job: &Job, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
     unreachable!("a job has a move")
 }
 
-/// The cubic with the move's poses and velocities at its ends, `tick` ticks after its start.
-fn on_move(each: &Move, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
+/// Pose, velocity and acceleration on one move, `tick` ticks after its start: the cubic with the
+/// move's poses and velocities at its ends.
+pub(crate) fn on_move(each: &Move, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
     let number = DoubleDouble::new;
     let whole = number(each.duration_ticks.into());
     let duration = whole / number(rate_hz);
