@@ -7,10 +7,12 @@ mod decimate;
 pub(crate) mod loglog;
 mod machine;
 pub(crate) mod panel;
+mod plant;
 pub(crate) mod scale;
 pub(crate) mod style;
 mod traces;
 
+pub use plant::PlantTraces;
 pub use traces::Traces;
 
 use std::io;

@@ -2,11 +2,11 @@
 //! every instant.
 
 use super::motor::{Motor, Winding, wrapped};
+use super::path::JobPath;
 use super::refusal::Refusal;
 use crate::evaluator::{self, Evaluator};
 use trirrr_core::drive::bldc::DriveLimit;
-use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
-use trirrr_scene::{Controller, Move, Scene};
+use trirrr_scene::{Controller, Scene};
 
 /// What is measured of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,8 +27,6 @@ pub struct Commands {
     pub angle: [f64; 3],
     /// The limit of each drive that acts.
     pub limited: [Option<DriveLimit>; 3],
-    /// Where the platform should be (x, y, alpha), at the instants of ticks.
-    pub tool: Option<[f64; 3]>,
 }
 
 /// A sampled controller.
@@ -53,10 +51,9 @@ pub struct JointReference {
 
 /// A controller that acts at every instant, its setpoints at every instant of the job.
 pub struct Continuous {
-    segments: Vec<TimedSegment>,
-    /// The segment under way; past the last, the end of the job is held.
-    segment: usize,
-    rest: Setpoint<f64>,
+    path: JobPath,
+    /// The move under way: a mode, switched by events. Past the last, the end of the job is held.
+    under_way: usize,
     evaluator: Box<dyn Evaluator<f64>>,
     controller: Controller,
     /// Which limit acts in each motor: a mode, switched by events.
@@ -70,12 +67,6 @@ pub struct Limited {
     pub current: Option<f64>,
     /// +1 or -1 where the voltage is limited.
     pub voltage: Option<f64>,
-}
-
-struct TimedSegment {
-    start: f64,
-    end: f64,
-    segment: Segment<f64>,
 }
 
 /// Margins of a motor's command: zero where a limit begins or ends to act, positive beyond.
@@ -95,54 +86,23 @@ impl Continuous {
     pub fn build(scene: &Scene, controller: Controller) -> Result<Self, Refusal> {
         let evaluator = evaluator::build::<f64>(&scene.parameters)
             .map_err(|error| Refusal::Machine(error.to_string()))?;
-        let period = scene.period_s();
-        let mut tick = 0_u32;
-        let mut timed = |each: &Move| {
-            let start = f64::from(tick) / scene.tick_rate_hz;
-            tick += each.duration_ticks;
-            TimedSegment {
-                start,
-                end: f64::from(tick) / scene.tick_rate_hz,
-                segment: segment(each, period),
-            }
-        };
-        let segments: Vec<_> = scene.job.moves.iter().map(&mut timed).collect();
-        let last = scene.job.moves.last();
-        let zero = nalgebra::Vector3::zeros();
         Ok(Self {
-            segments,
-            segment: 0,
-            rest: Setpoint {
-                pose: last.map_or(scene.job.start, |last| last.to),
-                velocity: zero,
-                acceleration: zero,
-            },
+            path: JobPath::new(scene),
+            under_way: 0,
             evaluator,
             controller,
             limited: Default::default(),
         })
     }
 
-    /// The setpoint at `t`, by the formula of the segment under way.
-    pub fn setpoint(&self, t: f64) -> Setpoint<f64> {
-        let Some(timed) = self.segments.get(self.segment) else {
-            return self.rest;
-        };
-        let s = (t - timed.start) / (timed.end - timed.start);
-        match &timed.segment {
-            Segment::RestToRest(segment) => segment.at_fraction(s),
-            Segment::Hermite(segment) => segment.at_fraction(s),
-        }
-    }
-
-    /// When the segment under way ends; `None` after the last.
+    /// When the move under way ends; `None` after the last.
     pub fn segment_end(&self) -> Option<f64> {
-        self.segments.get(self.segment).map(|timed| timed.end)
+        self.path.end_of(self.under_way)
     }
 
-    /// Goes on to the next segment.
+    /// Goes on to the next move.
     pub fn next_segment(&mut self) {
-        self.segment += 1;
+        self.under_way += 1;
     }
 
     /// What the joints should do at `t`.
@@ -152,7 +112,7 @@ impl Continuous {
     pub fn references(&self, t: f64) -> Result<[JointReference; 3], Refusal> {
         let record = self
             .evaluator
-            .evaluate(t, &self.setpoint(t))
+            .evaluate(t, &self.path.in_move(self.under_way, t))
             .map_err(Refusal::Setpoint)?;
         Ok(record.legs.map(|leg| JointReference {
             angle: leg.th1,
@@ -254,13 +214,4 @@ fn voltage(winding: &Winding, limited: &Limited, torque: f64, rate: f64) -> f64 
         None => torque / winding.torque_constant,
     };
     winding.resistance * current + winding.back_emf * rate
-}
-
-fn segment(each: &Move, period: f64) -> Segment<f64> {
-    let ticks = each.duration_ticks;
-    if each.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(each.from, each.to, ticks, period));
-    }
-    let (v0, v1) = (each.start_velocity, each.end_velocity);
-    Segment::Hermite(Hermite::new(each.from, v0, each.to, v1, ticks, period))
 }

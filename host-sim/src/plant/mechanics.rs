@@ -78,6 +78,8 @@ pub struct LegState {
     pub r2: Vector2<f64>,
     /// D = r1 x r2.
     pub cross: f64,
+    /// 1 / D.
+    pub inverse: f64,
     /// r1 . r2.
     pub dot: f64,
     /// K1: theta1' = K1 v.
@@ -197,6 +199,7 @@ impl Mechanics {
                 r1,
                 r2,
                 cross: links.r1_cross_r2,
+                inverse,
                 dot: leg.dyad.r1_dot_r2(&links),
                 k1,
                 k2,
@@ -245,7 +248,7 @@ impl Mechanics {
         }
         for index in 0..3 {
             let (leg, coefficients, moment) = (&legs[index], &self.legs[index], &moments[index]);
-            let inverse = 1.0 / leg.cross;
+            let inverse = leg.inverse;
             let [w1, w2] = [leg.rates[0] * leg.rates[0], leg.rates[1] * leg.rates[1]];
             let g1 = (w1 * leg.dot + w2 * coefficients.l2_sq - spin * dot(leg.r2, leg.c)) * inverse;
             let mut h1 = coefficients.inertia * g1 - moment.proximal - moment.elbow;

@@ -8,7 +8,7 @@
 //! | [`layout`], [`model`], [`system`] | all together, as differential equations |
 //! | [`watch`] | where they change or end |
 //! | [`control`] | what commands the motors |
-//! | [`source`], [`sampled`] | ticks, and the drives' inner loops that follow them |
+//! | [`path`], [`source`], [`sampled`] | the job in time, its ticks, and the drives' inner loops that follow them |
 //! | [`simulate`] | a whole run |
 //! | [`statistics`], [`table`] | what is gathered over a run |
 
@@ -18,6 +18,7 @@ pub mod layout;
 pub mod mechanics;
 pub mod model;
 pub mod motor;
+pub mod path;
 pub mod refusal;
 pub mod sampled;
 pub mod simulate;

@@ -5,6 +5,7 @@ use super::friction::{Friction, Region};
 use super::layout::{Layout, RATES, ROTOR_RATES, ROTORS, three};
 use super::mechanics::{JointMoments, LegState, Mechanics};
 use super::motor::{Motor, wrapped};
+use super::path::JobPath;
 use super::refusal::Refusal;
 use super::stability::LoopGains;
 use super::statistics::Statistics;
@@ -45,6 +46,7 @@ pub struct Plant<const N: usize> {
     pub(super) rotors: [f64; 3],
     pub(super) joints: Joints,
     pub(super) control: Control,
+    pub(super) path: JobPath,
     /// What the motors are told, where the control does not act at every instant.
     pub(super) held: [f64; 3],
     /// Counts of the rotors' encoders per radian of the joint, where there are any.
@@ -154,6 +156,7 @@ impl<const N: usize> Plant<N> {
                 regions: Default::default(),
             },
             control,
+            path: JobPath::new(scene),
             held: [0.0; 3],
             counts_per_radian: counts
                 .map(|counts| gears.map(|gear| gear * f64::from(counts) / std::f64::consts::TAU)),

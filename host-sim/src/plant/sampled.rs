@@ -3,7 +3,7 @@
 
 use super::control::{Commands, Measured, SampledController};
 use super::refusal::Refusal;
-use super::source::{TickReference, TickSource};
+use super::source::TickSource;
 use std::f64::consts::TAU;
 use trirrr_core::drive::bldc::{Bldc, BldcParameters};
 use trirrr_core::drive::joint::{Loop, Reference};
@@ -18,7 +18,6 @@ pub struct Sampled<N: Number> {
     /// Seconds from one sample to the next.
     period: N,
     joints: [Joint<N>; 3],
-    tick: TickReference,
 }
 
 struct Joint<N: Number> {
@@ -97,7 +96,7 @@ impl<N: Countable> Sampled<N> {
                 }),
             }
         };
-        let tick = source.tick(0)?;
+        let tick = source.start()?;
         let joint = |leg: usize| -> Result<Joint<N>, Refusal> {
             let stage = stage(leg)?;
             let by_torque = !matches!(stage, Stage::Steps { .. });
@@ -110,7 +109,7 @@ impl<N: Countable> Sampled<N> {
                 _ => None,
             };
             Ok(Joint {
-                reference: lowered(&tick.joints[leg]),
+                reference: lowered(&tick[leg]),
                 inner,
                 stage,
             })
@@ -120,19 +119,16 @@ impl<N: Countable> Sampled<N> {
             source,
             per_tick,
             period: N::from_f64(1.0 / rate_hz),
-            tick,
         })
     }
 
     /// Takes the tick at sample `sample`.
     fn take(&mut self, sample: u64) -> Result<(), Refusal> {
         let number = u32::try_from(sample / u64::from(self.per_tick)).unwrap_or(u32::MAX);
-        if number > 0 {
-            self.tick = self.source.tick(number)?;
-        }
+        let references = self.source.tick(number)?;
         let ticks = N::ratio(self.per_tick, 1) * self.period;
         for (leg, joint) in self.joints.iter_mut().enumerate() {
-            joint.reference = lowered(&self.tick.joints[leg]);
+            joint.reference = lowered(&references[leg]);
             if let Stage::Steps {
                 motor,
                 schedule,
@@ -170,10 +166,7 @@ impl<N: Countable> SampledController for Sampled<N> {
         if slot == 0 {
             self.take(tick)?;
         }
-        let mut commands = Commands {
-            tool: (slot == 0).then_some(self.tick.tool),
-            ..Commands::default()
-        };
+        let mut commands = Commands::default();
         let elapsed = N::ratio(slot, 1) * self.period;
         for (leg, joint) in self.joints.iter().enumerate() {
             let reference = joint.reference.after(elapsed);

@@ -8,36 +8,31 @@ use trirrr_core::drive::joint::Reference;
 use trirrr_core::number::Number;
 use trirrr_scene::{JobPlayer, Scene};
 
-/// One tick's setpoint, at the joints and at the tool.
-#[derive(Clone, Copy, Debug)]
-pub struct TickReference {
-    /// What each joint is to do at the tick.
-    pub joints: [Reference<f64>; 3],
-    /// Where the platform is to be: x, y, alpha.
-    pub tool: [f64; 3],
-}
+/// What each joint is to do at a tick.
+pub type JointReferences = [Reference<f64>; 3];
 
-impl From<&Record> for TickReference {
-    fn from(record: &Record) -> Self {
-        Self {
-            joints: record.legs.map(|leg| Reference {
-                angle: leg.th1,
-                rate: leg.dth1,
-                acceleration: leg.ddth1,
-                torque: leg.torque,
-            }),
-            tool: record.pose,
-        }
-    }
+fn joints(record: &Record) -> JointReferences {
+    record.legs.map(|leg| Reference {
+        angle: leg.th1,
+        rate: leg.dth1,
+        acceleration: leg.ddth1,
+        torque: leg.torque,
+    })
 }
 
 /// Gives the ticks one after the other.
 pub trait TickSource: Send {
+    /// Where the joints stand before the first tick.
+    ///
+    /// # Errors
+    /// [`Refusal::Setpoint`].
+    fn start(&mut self) -> Result<JointReferences, Refusal>;
+
     /// The tick after the last, `tick` counted from 0; after the end of the job, its end at rest.
     ///
     /// # Errors
     /// [`Refusal::Setpoint`].
-    fn tick(&mut self, tick: u32) -> Result<TickReference, Refusal>;
+    fn tick(&mut self, tick: u32) -> Result<JointReferences, Refusal>;
 }
 
 /// A job through the pipeline of the core in the number type `N`.
@@ -63,7 +58,11 @@ impl<N: Number> Pipeline<N> {
 }
 
 impl<N: Number> TickSource for Pipeline<N> {
-    fn tick(&mut self, tick: u32) -> Result<TickReference, Refusal> {
+    fn start(&mut self) -> Result<JointReferences, Refusal> {
+        self.tick(0)
+    }
+
+    fn tick(&mut self, tick: u32) -> Result<JointReferences, Refusal> {
         let mut setpoint = self.player.at(tick);
         if tick >= self.player.ticks() {
             // The cubic arrives decelerating; the hold that follows does not.
@@ -72,7 +71,7 @@ impl<N: Number> TickSource for Pipeline<N> {
         let t = f64::from(tick) * self.period_s;
         self.evaluator
             .evaluate(t, &setpoint)
-            .map(|record| TickReference::from(&record))
+            .map(|record| joints(&record))
             .map_err(Refusal::Setpoint)
     }
 }

@@ -1,7 +1,7 @@
 //! The plant as the integrators see it.
 
 use super::control::Measured;
-use super::layout::{ROTORS, three};
+use super::layout::ROTORS;
 use super::model::{Control, Plant};
 use super::motor::{Motor, wrapped};
 use super::refusal::Refusal;
@@ -155,9 +155,6 @@ impl<const N: usize> System<N> for Plant<N> {
                     },
                 });
             }
-        }
-        if let Some(setpoint) = self.commands.tool {
-            self.statistics.tool(t, three(y, 0), setpoint);
         }
         for (leg, state) in legs.iter().enumerate() {
             // A step of the field may carry it past the middle.

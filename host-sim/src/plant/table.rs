@@ -30,13 +30,15 @@ pub struct Row {
     pub powers: [f64; 3],
     /// Angles on the rotors' side of the transmissions, unwrapped.
     pub rotors: [f64; 3],
+    /// Where the platform should be: x, y, alpha.
+    pub setpoint: [f64; 3],
 }
 
 /// Columns of `plant.csv`.
-pub const COLUMNS: [&str; 31] = [
+pub const COLUMNS: [&str; 34] = [
     "t", "x", "y", "alpha", "vx", "vy", "valpha", "i1", "i2", "i3", "u1", "u2", "u3", "th1_1",
     "th1_2", "th1_3", "dth1_1", "dth1_2", "dth1_3", "thref_1", "thref_2", "thref_3", "tau1",
-    "tau2", "tau3", "P1", "P2", "P3", "phi1", "phi2", "phi3",
+    "tau2", "tau3", "P1", "P2", "P3", "phi1", "phi2", "phi3", "xref", "yref", "alpharef",
 ];
 
 impl Row {
@@ -59,6 +61,7 @@ impl Row {
             Motor::Bldc(_) => outputs.told[leg],
             Motor::Ideal | Motor::Stepper(_) => 0.0,
         };
+        let pose = plant.path.at(t).pose;
         let row = Self {
             t,
             pose: three(y, 0),
@@ -71,15 +74,11 @@ impl Row {
             torques: outputs.torques,
             powers: [0, 1, 2].map(|leg| outputs.torques[leg] * outputs.rotor_rates[leg]),
             rotors: outputs.rotor_angles,
+            setpoint: [pose.position.x, pose.position.y, pose.angle],
         };
         plant.note_energy(y)?;
-        let tool = match &plant.control {
-            Control::Continuous(continuous) => Some(continuous.setpoint(t).pose),
-            Control::Held | Control::Sampled { .. } => None,
-        };
-        if let Some(pose) = tool {
-            let setpoint = [pose.position.x, pose.position.y, pose.angle];
-            plant.statistics.tool(t, row.pose, setpoint);
+        plant.statistics.tool(t, row.pose, row.setpoint);
+        if let Control::Continuous(_) = &plant.control {
             for leg in 0..3 {
                 let motor = &mut plant.statistics.motors[leg];
                 motor
@@ -108,6 +107,7 @@ impl Row {
             self.torques,
             self.powers,
             self.rotors,
+            self.setpoint,
         ];
         for (place, value) in values[1..].iter_mut().zip(triples.iter().flatten()) {
             *place = *value;

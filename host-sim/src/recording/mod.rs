@@ -110,6 +110,6 @@ impl Recorder {
 }
 
 /// `path: cannot be written: why`.
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Failed(format!("{}: cannot be written: {error}", path.display()))
 }

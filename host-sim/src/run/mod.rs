@@ -2,11 +2,13 @@
 
 mod histogram;
 mod pace;
+mod plant;
 mod progress;
 mod summary;
 
 pub use histogram::Histogram;
 pub use pace::Deadlines;
+pub use plant::{Simulated, simulate_plant};
 
 use crate::cli::RunArgs;
 use crate::evaluator;
@@ -87,9 +89,29 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
     match summary::print(&mut io::stdout().lock(), &args.scene, &scene, &report) {
         // Who closes standard output early does not want the summary.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Failed(format!("standard output: {error}")))
+            return Err(Failure::Failed(format!("standard output: {error}")));
         }
-        _ => Ok(report.end),
+        _ => {}
+    }
+    if scene.plant.is_none() || report.end != End::Complete {
+        return Ok(report.end);
+    }
+    let simulated = simulate_plant(&scene, scalar, &folder, stop)?;
+    match plant::print(&mut io::stdout().lock(), &simulated) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            return Err(Failure::Failed(format!("standard output: {error}")));
+        }
+        _ => {}
+    }
+    match simulated.outcome.end {
+        crate::plant::simulate::End::Complete => Ok(report.end),
+        crate::plant::simulate::End::Interrupted { .. } => Ok(End::Stopped),
+        crate::plant::simulate::End::Ended(ending) => {
+            Err(Failure::Failed(format!("the plant {ending}")))
+        }
+        crate::plant::simulate::End::Failed(reason) => {
+            Err(Failure::Failed(format!("the plant: {reason}")))
+        }
     }
 }
 

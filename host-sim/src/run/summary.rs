@@ -22,7 +22,7 @@ pub(super) fn print(
 }
 
 /// One line: what it is about, and what there is to say.
-fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
+pub(super) fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
     writeln!(out, "{}", format!("{label:<12}{text}").trim_end())
 }
 
@@ -171,7 +171,7 @@ fn files(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     Ok(())
 }
 
-fn seconds(duration: Duration) -> String {
+pub(super) fn seconds(duration: Duration) -> String {
     let s = duration.as_secs_f64();
     match s {
         _ if s < 1e-3 => format!("{:.1} microseconds", s * 1e6),
@@ -185,7 +185,7 @@ fn quantity(value: f64, unit: &str) -> String {
     format!("{} {unit}", digits(value))
 }
 
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".into()

@@ -1,0 +1,77 @@
+//! The job as a path in time: setpoints at every instant, not only at ticks.
+
+use nalgebra::Vector3;
+use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use trirrr_scene::{Move, Scene};
+
+/// The moves of a job on the time axis.
+#[derive(Clone, Debug)]
+pub struct JobPath {
+    moves: Vec<TimedMove>,
+    /// What is held after the last.
+    rest: Setpoint<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct TimedMove {
+    start: f64,
+    end: f64,
+    segment: Segment<f64>,
+}
+
+impl JobPath {
+    /// The job of `scene`, which starts at t = 0.
+    pub fn new(scene: &Scene) -> Self {
+        let mut tick = 0_u32;
+        let mut timed = |each: &Move| {
+            let start = f64::from(tick) / scene.tick_rate_hz;
+            tick += each.duration_ticks;
+            TimedMove {
+                start,
+                end: f64::from(tick) / scene.tick_rate_hz,
+                segment: segment(each, scene.period_s()),
+            }
+        };
+        let last = scene.job.moves.last();
+        Self {
+            moves: scene.job.moves.iter().map(&mut timed).collect(),
+            rest: Setpoint {
+                pose: last.map_or(scene.job.start, |last| last.to),
+                velocity: Vector3::zeros(),
+                acceleration: Vector3::zeros(),
+            },
+        }
+    }
+
+    /// When move `index` ends, s; `None` past the last.
+    pub fn end_of(&self, index: usize) -> Option<f64> {
+        self.moves.get(index).map(|each| each.end)
+    }
+
+    /// The setpoint at `t` by the formula of move `index`, beyond its ends too; past the last move
+    /// the end of the job.
+    pub fn in_move(&self, index: usize, t: f64) -> Setpoint<f64> {
+        let Some(each) = self.moves.get(index) else {
+            return self.rest;
+        };
+        let s = (t - each.start) / (each.end - each.start);
+        match &each.segment {
+            Segment::RestToRest(segment) => segment.at_fraction(s),
+            Segment::Hermite(segment) => segment.at_fraction(s),
+        }
+    }
+
+    /// The setpoint at `t`.
+    pub fn at(&self, t: f64) -> Setpoint<f64> {
+        self.in_move(self.moves.partition_point(|each| each.end <= t), t)
+    }
+}
+
+fn segment(each: &Move, period: f64) -> Segment<f64> {
+    let ticks = each.duration_ticks;
+    if each.is_rest_to_rest() {
+        return Segment::RestToRest(RestToRest::new(each.from, each.to, ticks, period));
+    }
+    let (v0, v1) = (each.start_velocity, each.end_velocity);
+    Segment::Hermite(Hermite::new(each.from, v0, each.to, v1, ticks, period))
+}
