@@ -469,12 +469,12 @@ impl<const N: usize> Plant<N> {
         Ok(slopes)
     }
 
-    /// Derivatives by the state of the angle and the rate that each motor's controller sees, for a
-    /// machine at rest.
-    pub(super) fn sensed_slopes(&self, y: &[f64; N]) -> Result<[([f64; N], [f64; N]); 3], Refusal> {
+    /// Derivatives by the state of the angle that each motor's controller sees, then of the rate,
+    /// for a machine at rest.
+    pub(super) fn sensed_slopes(&self, y: &[f64; N]) -> Result<[[[f64; N]; 2]; 3], Refusal> {
         let legs = self.legs(y)?;
-        let mut slopes = [([0.0; N], [0.0; N]); 3];
-        for (leg, (angle, rate)) in slopes.iter_mut().enumerate() {
+        let mut slopes = [[[0.0; N]; 2]; 3];
+        for (leg, [angle, rate]) in slopes.iter_mut().enumerate() {
             if Self::ELASTIC {
                 angle[ROTORS + leg] = 1.0;
                 rate[ROTOR_RATES + leg] = 1.0;

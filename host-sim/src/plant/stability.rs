@@ -93,8 +93,8 @@ fn sampled_radius<const N: usize>(
     let held = step.view((0, size), (size, 3));
     for motor in 0..3 {
         for column in 0..size {
-            let told = gains.angle[motor] * sensed[motor].0[column]
-                + gains.rate[motor] * sensed[motor].1[column];
+            let [angle, rate] = &sensed[motor];
+            let told = gains.angle[motor] * angle[column] + gains.rate[motor] * rate[column];
             for row in 0..size {
                 map[(row, column)] += held[(row, motor)] * told;
             }
