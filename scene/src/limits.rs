@@ -1,45 +1,7 @@
 //! The limits that a job must keep.
 
 use crate::read::{Bound, Section};
-
-/// Limits at the three motors and of the distances to singularity. `None`: no limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Largest joint rate of either sign, rad/s.
-    pub rate_rad_s: Option<[f64; 3]>,
-    /// Largest joint acceleration of either sign, rad/s^2.
-    pub acceleration_rad_s2: Option<[f64; 3]>,
-    /// Largest torque at the joint of either sign, N m.
-    pub torque_nm: Option<[f64; 3]>,
-    /// Largest mechanical power of either sign, W.
-    pub power_w: Option<[f64; 3]>,
-    /// Least [distance](trirrr_core::singularity) of each leg from its serial singularity,
-    /// |r1 x r2| / (l1 l2): the sine of the angle between its links.
-    pub serial_distance_min: f64,
-    /// Least [distance](trirrr_core::singularity) of the machine from its parallel singularity,
-    /// |det A| over the greatest value it can have.
-    pub parallel_distance_min: f64,
-}
-
-impl Limits {
-    /// A joint rate is inversely proportional to this distance.
-    pub const SERIAL_DISTANCE_MIN: f64 = 0.01;
-    /// A torque is inversely proportional to this distance.
-    pub const PARALLEL_DISTANCE_MIN: f64 = 0.01;
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            rate_rad_s: None,
-            acceleration_rad_s2: None,
-            torque_nm: None,
-            power_w: None,
-            serial_distance_min: Self::SERIAL_DISTANCE_MIN,
-            parallel_distance_min: Self::PARALLEL_DISTANCE_MIN,
-        }
-    }
-}
+use trirrr_core::limits::LimitParameters as Limits;
 
 /// Reads `[limits]`; left out, it is [`Limits::default`].
 pub(crate) fn read_limits(root: &Section) -> Option<Limits> {

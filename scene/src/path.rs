@@ -2,11 +2,11 @@
 //! start to the end of every move.
 
 use crate::job::{Move, PlacedJob};
-use crate::limits::Limits;
 use crate::player::segment;
 use crate::read::Document;
 use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
+use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Leg, Parameters};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;

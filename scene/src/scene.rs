@@ -3,7 +3,7 @@
 use crate::drive::{Drive, read_drives};
 use crate::error::SceneError;
 use crate::job::{Job, PlacedJob, read_job};
-use crate::limits::{Limits, read_limits};
+use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
 use crate::plant::{Plant, read_plant};
@@ -11,6 +11,7 @@ use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
 use std::fmt;
 use std::path::Path;
+use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::singularity::greatest_det_a;
 
@@ -114,6 +115,15 @@ impl Scene {
         1.0 / self.tick_rate_hz
     }
 
+    /// Ticks of a hold's way to rest, and of a resume's back: its time to the nearest tick, at least
+    /// one.
+    pub fn ramp_ticks(&self) -> u16 {
+        // Cannot overflow: a longer ramp is refused when it is read.
+        (self.service.hold_ramp_s * self.tick_rate_hz)
+            .round()
+            .max(1.0) as u16
+    }
+
     /// Duration of the job in ticks; it has one setpoint more.
     pub fn ticks(&self) -> u32 {
         self.job.ticks()
@@ -132,7 +142,7 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
     let drives = read_drives(root);
     let parameters = read_parameters(root, drives.flatten());
     let limits = read_limits(root);
-    let service = read_service(root);
+    let service = read_service(root, rate);
     let plant = read_plant(root, drives, rate);
     let placed = read_job(document, root, rate)?;
     let plant = match plant? {

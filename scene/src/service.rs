@@ -27,7 +27,8 @@ impl Default for Service {
 }
 
 /// Reads `[service]`; what is left out is as in [`Service::default`].
-pub(crate) fn read_service(root: &Section) -> Option<Service> {
+/// Without a tick rate, the ramp's length in ticks is not checked.
+pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service> {
     let default = Service::default();
     if !root.has("service") {
         return Some(default);
@@ -42,7 +43,14 @@ pub(crate) fn read_service(root: &Section) -> Option<Service> {
         Some(seconds)
     };
     let silence_timeout_s = time("silence_timeout_s", default.silence_timeout_s);
-    let hold_ramp_s = time("hold_ramp_s", default.hold_ramp_s);
+    let hold_ramp_s = time("hold_ramp_s", default.hold_ramp_s).filter(|seconds| {
+        let ticks = rate.map_or(0.0, |rate| (seconds * rate).round());
+        let most = f64::from(u16::MAX);
+        if ticks > most {
+            section.refuse("hold_ramp_s", format!("is {ticks} ticks, at most {most}"));
+        }
+        ticks <= most
+    });
     let telemetry_ticks = match section.has("telemetry_ticks") {
         true => section.integer("telemetry_ticks", 1, 1_000_000),
         false => Some(default.telemetry_ticks),

@@ -46,7 +46,12 @@ fn link(here: &Path) -> Result<(), Box<dyn Error>> {
     );
     fs::write(out.join("count.x"), script)?;
     println!("cargo:rerun-if-changed={}", sections.display());
-    println!("cargo:rustc-link-arg-bin=count=-T{}/count.x", out.display());
+    for binary in ["count", "admit"] {
+        println!(
+            "cargo:rustc-link-arg-bin={binary}=-T{}/count.x",
+            out.display()
+        );
+    }
     println!("cargo:rerun-if-changed={}/bare.x", here.display());
     println!("cargo:rustc-link-arg-bin=bare=-T{}/bare.x", here.display());
     Ok(())

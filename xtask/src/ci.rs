@@ -150,6 +150,10 @@ fn steps() -> Vec<Step> {
         "instructions per tick",
         &["xtask", "insns", "--check"],
     ));
+    steps.push(step(
+        "instructions per admission",
+        &["xtask", "admission", "--check"],
+    ));
     // Builds the firmware too, and checks that it can boot.
     steps.push(step("sizes", &["xtask", "size", "--check"]));
     let simulator = |name, arguments: &[&str], out: &str| {

@@ -1,5 +1,6 @@
 //! Chores of this repository: `cargo xtask --help`.
 
+mod admission;
 mod budget;
 mod ci;
 mod cores;
@@ -25,6 +26,8 @@ struct Arguments {
 enum Chore {
     /// Count the instructions of every tick of a scene's job, under QEMU
     Insns(insns::Arguments),
+    /// Count the instructions of the admission of every move of a scene's job, under QEMU
+    Admission(admission::Arguments),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(size::Arguments),
     /// Everything that CI checks
@@ -34,6 +37,7 @@ enum Chore {
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
         Chore::Insns(arguments) => insns::run(&arguments),
+        Chore::Admission(arguments) => admission::run(&arguments),
         Chore::Size(arguments) => size::run(&arguments),
         Chore::Ci => ci::run(),
     }

@@ -41,6 +41,17 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
         "pub const PARAMETERS: trirrr_core::machine::Parameters = {};",
         machine(parameters)
     ));
+    // Those who play a scene without judging its moves need none of this.
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const LIMITS: trirrr_core::limits::LimitParameters = trirrr_core::limits::{:?};",
+        scene.limits
+    ));
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const RAMP_TICKS: u16 = {};",
+        scene.ramp_ticks()
+    ));
     line(format_args!(
         "pub static MOVES: [trirrr_image::Move; {}] = [",
         moves.len()

@@ -1,0 +1,96 @@
+//! The program: every move of the job offered, judged and counted.
+
+use super::counter;
+use core::hint::black_box;
+use semihosting::{println, process};
+use trirrr_core::admission::{Admission, Verdict};
+use trirrr_core::limits::{LimitParameters, Limits};
+use trirrr_core::message;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_image::Move;
+use trirrr_insns::scene::{
+    LIMITS, Links, MOVES, PARAMETERS, PERIOD_S, Payload, RAMP_TICKS, Scalar,
+};
+
+type SceneAdmission = Admission<Scalar, Payload, Links>;
+
+/// The move as a host would offer it.
+fn offer(one: &Move) -> message::Move<Scalar> {
+    let (from, start, to, end, ticks) = match *one {
+        Move::RestToRest { from, to, ticks } => (from, [0.0; 3], to, [0.0; 3], ticks),
+        Move::Hermite {
+            from,
+            from_velocity,
+            to,
+            to_velocity,
+            ticks,
+        } => (from, from_velocity, to, to_velocity, ticks),
+    };
+    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
+    message::Move {
+        number: 0,
+        from: pose(from),
+        to: pose(to),
+        start_velocity: start.map(Scalar::from_f64),
+        end_velocity: end.map(Scalar::from_f64),
+        ticks,
+        tool_power: Scalar::ZERO,
+        tool_speed: Scalar::ZERO,
+    }
+}
+
+#[inline(never)]
+fn step(admission: &mut SceneAdmission) -> bool {
+    admission.step() == Verdict::Undecided
+}
+
+fn judge_all(limits: &LimitParameters) {
+    let built = Limits::build(limits).and_then(|limits| {
+        SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP_TICKS, PERIOD_S)
+    });
+    let mut admission = match built {
+        Ok(admission) => admission,
+        Err(error) => {
+            println!("error: {error}");
+            process::exit(1)
+        }
+    };
+    for one in &MOVES {
+        admission.offer(&offer(one));
+        let (mut total, mut longest, mut intervals) = (0, 0, 0);
+        loop {
+            let before = counter::now();
+            let undecided = step(&mut admission);
+            let count = counter::elapsed(before, counter::now());
+            total += u64::from(count);
+            longest = longest.max(count);
+            intervals += 1;
+            if !undecided {
+                break;
+            }
+        }
+        let verdict = match admission.verdict() {
+            Verdict::Admitted => "admitted",
+            Verdict::Refused(_) => "refused",
+            Verdict::Nothing | Verdict::Undecided => "undecided",
+        };
+        println!("move {intervals} {total} {longest} {verdict}");
+    }
+}
+
+/// The whole program.
+pub(crate) fn run() -> ! {
+    counter::start();
+    judge_all(&LIMITS);
+    // Whatever is not limited is given a limit that it keeps from afar, but has to be computed for.
+    let far = Some([1e9; 3]);
+    judge_all(&LimitParameters {
+        rate_rad_s: LIMITS.rate_rad_s.or(far),
+        acceleration_rad_s2: LIMITS.acceleration_rad_s2.or(far),
+        torque_nm: LIMITS.torque_nm.or(far),
+        power_w: LIMITS.power_w.or(far),
+        ..LIMITS
+    });
+    process::exit(0)
+}

@@ -1,0 +1,223 @@
+//! `cargo xtask admission`: what it costs a board to judge a move, from QEMU.
+
+use crate::budget::{self, Measured};
+use crate::cores::{self, Core};
+use crate::image::Image;
+use crate::qemu;
+use crate::repository::{self, SceneFile};
+use crate::table::table;
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+use trirrr_scene::Scene;
+
+/// The core that admission is counted on, and the number type.
+const CORE: &str = "m4f";
+const SCALAR: &str = "f32";
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Print one JSON array of flat objects in place of the table
+    #[arg(long)]
+    json: bool,
+    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
+    #[arg(long)]
+    scene: Vec<String>,
+    /// Fail where a figure moved by more than 2 % from xtask/budgets/admission.json
+    #[arg(long, conflicts_with = "bless")]
+    check: bool,
+    /// Write the figures to xtask/budgets/admission.json
+    #[arg(long)]
+    bless: bool,
+}
+
+/// Figures of one scene's moves, in instructions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Row {
+    core: String,
+    scalar: String,
+    scene: String,
+    /// `own`: the scene's own; `all`: whatever it leaves out limited, too.
+    limits: String,
+    moves: usize,
+    refused: usize,
+    /// Of one admission.
+    min: f64,
+    mean: f64,
+    max: f64,
+    /// Of the longest slice of work.
+    slice_max: f64,
+    /// Intervals that a move was divided into.
+    intervals_mean: f64,
+    intervals_max: u32,
+}
+
+impl Measured for Row {
+    fn key(&self) -> String {
+        format!(
+            "{} {} {} {}",
+            self.core, self.scalar, self.scene, self.limits
+        )
+    }
+
+    fn figures(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("mean", self.mean),
+            ("max", self.max),
+            ("slice_max", self.slice_max),
+        ]
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let core = cores::named(CORE).context("a core of the table")?;
+    let mut rows = Vec::new();
+    for file in repository::scenes_named(&arguments.scene)? {
+        rows.extend(measure(&file, core)?);
+    }
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&rows)?);
+    } else {
+        print!("{}", text(&rows));
+    }
+    if arguments.check {
+        budget::check("admission", &rows)?;
+    }
+    if arguments.bless {
+        budget::bless("admission", rows, arguments.scene.is_empty())?;
+    }
+    Ok(())
+}
+
+fn measure(file: &SceneFile, core: &Core) -> Result<[Row; 2]> {
+    let image = Image {
+        package: "trirrr-insns",
+        binary: "admit",
+        scene: file,
+        scalar: SCALAR,
+        target: core.target,
+    };
+    let printed = qemu::run(core, &image.build()?)?;
+    let moves = parse(&printed, core.units_per_instruction).with_context(|| file.name.clone())?;
+    let count = Scene::read(&file.path)?.job.moves.len();
+    ensure!(
+        moves.len() == 2 * count,
+        "{}: {} moves were judged, the job has {count}, twice",
+        file.name,
+        moves.len()
+    );
+    let row = |limits: &str, moves: &[Judged]| {
+        let mean = |of: fn(&Judged) -> f64| {
+            let sum: f64 = moves.iter().map(of).sum();
+            (sum / moves.len() as f64 * 10.0).round() / 10.0
+        };
+        let most = |of: fn(&Judged) -> f64| moves.iter().map(of).fold(0.0, f64::max);
+        Row {
+            core: core.name.into(),
+            scalar: SCALAR.into(),
+            scene: file.name.clone(),
+            limits: limits.into(),
+            moves: moves.len(),
+            refused: moves.iter().filter(|one| !one.admitted).count(),
+            min: moves.iter().map(|one| one.total).fold(f64::MAX, f64::min),
+            mean: mean(|one| one.total),
+            max: most(|one| one.total),
+            slice_max: most(|one| one.longest),
+            intervals_mean: mean(|one| f64::from(one.intervals)),
+            intervals_max: moves.iter().map(|one| one.intervals).max().unwrap_or(0),
+        }
+    };
+    let (own, all) = moves.split_at(count);
+    Ok([row("own", own), row("all", all)])
+}
+
+/// The judgement of one move, in instructions.
+#[derive(Debug, PartialEq)]
+struct Judged {
+    intervals: u32,
+    total: f64,
+    longest: f64,
+    admitted: bool,
+}
+
+/// Reads `move INTERVALS TOTAL LONGEST VERDICT`, counts being in units of which an instruction takes
+/// `units`.
+fn parse(printed: &str, units: f64) -> Result<Vec<Judged>> {
+    let line = |line: &str| -> Result<Judged> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [
+            "move",
+            intervals,
+            total,
+            longest,
+            verdict @ ("admitted" | "refused"),
+        ] = words[..]
+        else {
+            anyhow::bail!("the image says: {line}");
+        };
+        let count = |word: &str| -> Result<f64> {
+            let count: f64 = word.parse()?;
+            Ok((count / units).round())
+        };
+        Ok(Judged {
+            intervals: intervals.parse()?,
+            total: count(total)?,
+            longest: count(longest)?,
+            admitted: verdict == "admitted",
+        })
+    };
+    printed.lines().map(line).collect()
+}
+
+fn text(rows: &[Row]) -> String {
+    let cells = rows.iter().map(|row| {
+        let mut cells = vec![
+            row.core.clone(),
+            row.scalar.clone(),
+            row.scene.clone(),
+            row.limits.clone(),
+        ];
+        let counts = [row.moves, row.refused];
+        cells.extend(counts.map(|count| count.to_string()));
+        let figures = [
+            row.min,
+            row.mean,
+            row.max,
+            row.slice_max,
+            row.intervals_mean,
+        ];
+        cells.extend(figures.map(|figure| figure.to_string()));
+        cells.push(row.intervals_max.to_string());
+        cells
+    });
+    let headings = [
+        "core",
+        "scalar",
+        "scene",
+        "limits",
+        "moves",
+        "refused",
+        "min",
+        "mean",
+        "max",
+        "slice max",
+        "intervals mean",
+        "max",
+    ];
+    table(&headings, &cells.collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_become_instructions() {
+        let printed = "move 16 6400 640 admitted\nmove 20 12800 1280 refused\n";
+        let moves = parse(printed, 6.4).expect("good lines");
+        assert_eq!(moves.len(), 2);
+        assert_eq!((moves[0].total, moves[0].longest), (1000.0, 100.0));
+        assert!(moves[0].admitted && !moves[1].admitted);
+        let error = parse("panicked at somewhere", 6.4).expect_err("no line of ours");
+        assert_eq!(error.to_string(), "the image says: panicked at somewhere");
+    }
+}
