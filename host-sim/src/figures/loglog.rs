@@ -3,6 +3,7 @@
 use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use super::panel::range;
 use super::style::{CURVES, FRAME, GRID, INK};
+use plotters::prelude::RGBColor;
 
 /// One curve or cloud of points in one colour.
 pub(crate) struct Series {
@@ -18,8 +19,18 @@ pub(crate) struct Series {
 pub(crate) struct Point {
     pub(crate) x: f64,
     pub(crate) y: f64,
-    /// What is written beside it; nothing if empty.
+    /// Its shape: one of the figure's marks, by index.
+    pub(crate) mark: usize,
+}
+
+/// A staircase between points that none beats in both coordinates.
+pub(crate) struct Front {
+    /// What the legend says; nothing if empty.
     pub(crate) label: String,
+    /// Whether it is drawn in ink, or in grey.
+    pub(crate) strong: bool,
+    /// Its corners, from left to right.
+    pub(crate) points: Vec<(f64, f64)>,
 }
 
 /// A figure.
@@ -29,8 +40,10 @@ pub(crate) struct LogLog<'a> {
     pub(crate) x: &'a str,
     pub(crate) y: &'a str,
     pub(crate) series: &'a [Series],
-    /// Curves drawn dashed behind the points, such as Pareto fronts: each with its name.
-    pub(crate) fronts: &'a [(String, Vec<(f64, f64)>)],
+    /// What the shapes of the points stand for, in order; empty where there is but one.
+    pub(crate) marks: &'a [&'a str],
+    /// Pareto fronts, drawn dashed behind the points.
+    pub(crate) fronts: &'a [Front],
 }
 
 const WIDTH: f64 = 900.0;
@@ -58,9 +71,10 @@ fn is_drawn(x: f64, y: f64) -> bool {
 
 /// Draws the figure.
 pub(crate) fn draw(figure: &LogLog<'_>) -> Drawn {
-    let labels = figure.series.iter().map(|series| &series.label);
+    let labels = figure.series.iter().map(|series| series.label.as_str());
     let widest = labels
-        .chain(figure.fronts.iter().map(|(label, _)| label))
+        .chain(figure.marks.iter().copied())
+        .chain(figure.fronts.iter().map(|front| front.label.as_str()))
         .map(|label| Size::Label.width(label))
         .fold(0.0, f64::max);
     let frame = Frame::around(figure, WIDTH - widest - 56.0);
@@ -68,23 +82,22 @@ pub(crate) fn draw(figure: &LogLog<'_>) -> Drawn {
         let middle = (WIDTH / 2.0, 26.0);
         canvas.text(figure.title, middle, Size::Title, CENTRED, INK)?;
         frame.draw(canvas, figure)?;
-        for (label, points) in figure.fronts {
-            frame.front(canvas, label, points)?;
+        for front in figure.fronts {
+            frame.front(canvas, front)?;
         }
         for (series, colour) in figure.series.iter().zip(CURVES.iter().cycle()) {
             let drawn: Vec<_> = series
                 .points
                 .iter()
                 .filter(|point| is_drawn(point.x, point.y))
-                .map(|point| (frame.at((point.x, point.y)), &point.label))
+                .map(|point| (frame.at((point.x, point.y)), point.mark))
                 .collect();
             if series.joined {
                 let line: Vec<_> = drawn.iter().map(|(at, _)| *at).collect();
                 canvas.line(&line, *colour, 1.8)?;
             }
-            for (at, label) in drawn {
-                canvas.dot(at, 4.2, *colour)?;
-                canvas.text(label, (at.0 + 8.0, at.1), Size::Tick, RIGHT_OF, INK)?;
+            for (at, shape) in drawn {
+                mark(canvas, at, shape, *colour)?;
             }
         }
         frame.legend(canvas, figure)
@@ -103,7 +116,7 @@ impl Frame {
     fn around(figure: &LogLog<'_>, right: f64) -> Self {
         let points = || {
             let of_series = figure.series.iter().flat_map(|series| &series.points);
-            let of_fronts = figure.fronts.iter().flat_map(|(_, points)| points.iter());
+            let of_fronts = figure.fronts.iter().flat_map(|front| front.points.iter());
             of_series
                 .map(|point| (point.x, point.y))
                 .chain(of_fronts.copied())
@@ -164,31 +177,78 @@ impl Frame {
         canvas.upright(figure.y, (18.0, TOP + HEIGHT / 2.0), Size::Label, INK)
     }
 
-    /// A staircase through the points of a front: what lies above and to the right of it is beaten.
-    fn front(&self, canvas: &Canvas<'_>, label: &str, points: &[(f64, f64)]) -> Draw {
-        let places: Vec<_> = points.iter().map(|&point| self.at(point)).collect();
+    /// What lies above and to the right of the staircase is beaten.
+    fn front(&self, canvas: &Canvas<'_>, front: &Front) -> Draw {
+        let places: Vec<_> = front.points.iter().map(|&point| self.at(point)).collect();
+        let colour = front.colour();
         for pair in places.windows(2) {
             let corner = (pair[1].0, pair[0].1);
-            canvas.dashed(pair[0], corner, FRAME)?;
-            canvas.dashed(corner, pair[1], FRAME)?;
-        }
-        match places.first() {
-            Some(first) => {
-                canvas.text(label, (first.0, first.1 - 16.0), Size::Tick, CENTRED, FRAME)
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Beside the frame, where it covers nothing.
-    fn legend(&self, canvas: &Canvas<'_>, figure: &LogLog<'_>) -> Draw {
-        let x = self.right + 16.0;
-        for (row, (series, colour)) in figure.series.iter().zip(CURVES.iter().cycle()).enumerate() {
-            let y = TOP + 14.0 + 22.0 * row as f64;
-            canvas.dot((x + 6.0, y), 4.2, *colour)?;
-            canvas.text(&series.label, (x + 18.0, y), Size::Label, RIGHT_OF, INK)?;
+            canvas.dashed(pair[0], corner, colour)?;
+            canvas.dashed(corner, pair[1], colour)?;
         }
         Ok(())
+    }
+
+    /// Beside the frame, where it covers nothing: colours, then shapes, then fronts.
+    fn legend(&self, canvas: &Canvas<'_>, figure: &LogLog<'_>) -> Draw {
+        let x = self.right + 16.0;
+        let mut y = TOP + 14.0;
+        let text =
+            |y: f64, label: &str| canvas.text(label, (x + 22.0, y), Size::Label, RIGHT_OF, INK);
+        for (series, colour) in figure.series.iter().zip(CURVES.iter().cycle()) {
+            canvas.line(&[(x, y), (x + 14.0, y)], *colour, 5.0)?;
+            text(y, &series.label)?;
+            y += 22.0;
+        }
+        y += 12.0;
+        for (shape, name) in figure.marks.iter().enumerate() {
+            mark(canvas, (x + 7.0, y), shape, FRAME)?;
+            text(y, name)?;
+            y += 22.0;
+        }
+        y += 12.0;
+        for front in figure.fronts.iter().filter(|front| !front.label.is_empty()) {
+            canvas.dashed((x - 4.0, y), (x + 18.0, y), front.colour())?;
+            text(y, &front.label)?;
+            y += 22.0;
+        }
+        Ok(())
+    }
+}
+
+impl Front {
+    fn colour(&self) -> RGBColor {
+        if self.strong { INK } else { FRAME }
+    }
+}
+
+/// A disc, square, triangle or diamond, then these again.
+fn mark(canvas: &Canvas<'_>, (x, y): (f64, f64), shape: usize, colour: RGBColor) -> Draw {
+    const R: f64 = 5.0;
+    match shape % 4 {
+        0 => canvas.dot((x, y), R, colour),
+        1 => {
+            let r = 0.88 * R;
+            let corners = [
+                (x - r, y - r),
+                (x + r, y - r),
+                (x + r, y + r),
+                (x - r, y + r),
+            ];
+            canvas.polygon(&corners, colour)
+        }
+        2 => {
+            let corners = [
+                (x, y - 1.2 * R),
+                (x + 1.1 * R, y + 0.8 * R),
+                (x - 1.1 * R, y + 0.8 * R),
+            ];
+            canvas.polygon(&corners, colour)
+        }
+        _ => {
+            let r = 1.25 * R;
+            canvas.polygon(&[(x, y - r), (x + r, y), (x, y + r), (x - r, y)], colour)
+        }
     }
 }
 
@@ -214,11 +274,7 @@ mod tests {
 
     #[test]
     fn decades_frame_the_points_and_what_has_no_logarithm_is_left_out() {
-        let point = |x: f64, y: f64| Point {
-            x,
-            y,
-            label: format!("at {x}"),
-        };
+        let point = |x: f64, y: f64| Point { x, y, mark: 1 };
         let series = [Series {
             label: "a series".into(),
             joined: true,
@@ -229,15 +285,21 @@ mod tests {
             x: "time",
             y: "error",
             series: &series,
-            fronts: &[("front".into(), vec![(30.0, 2e-7), (4000.0, 3e-16)])],
+            marks: &["a shape", "another"],
+            fronts: &[Front {
+                label: "front".into(),
+                strong: true,
+                points: vec![(30.0, 2e-7), (4000.0, 3e-16)],
+            }],
         };
         let frame = Frame::around(&figure, 700.0);
         assert_eq!((frame.x, frame.y), ((1, 4), (-16, -6)));
         assert_eq!(frame.at((10.0, 1e-16)), (LEFT, TOP + HEIGHT));
         assert_eq!(frame.at((1e4, 1e-6)), (700.0, TOP));
         let svg = draw(&figure).unwrap();
-        assert!(svg.contains("at 30") && !svg.contains("at 0"));
-        for text in ["1e-16", "1e4", "a series", "front"] {
+        // Two points are squares; the shapes of the legend are a disc and a square.
+        assert_eq!(svg.matches("<polygon").count(), 2 + 1);
+        for text in ["1e-16", "1e4", "a series", "another", "front"] {
             assert!(svg.contains(text), "{text}");
         }
         let empty = LogLog {

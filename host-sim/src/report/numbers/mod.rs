@@ -10,7 +10,7 @@ use super::page::Page;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
 use crate::failure::Failure;
-use crate::figures::loglog::{LogLog, Point, Series, draw, pareto_front};
+use crate::figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
 use crate::scalar::Scalar;
 use counts::{CORES, Count};
 use error::{Errors, SceneErrors, Stage};
@@ -295,12 +295,12 @@ fn cloud(
 ) -> Vec<Series> {
     let series = measured.iter().map(|each| {
         let name = each.scalar.to_string();
-        let points = CORES.iter().filter_map(|core| {
+        let points = CORES.iter().enumerate().filter_map(|(mark, core)| {
             let count = counts::find(counts, core, &name, scene)?;
             Some(Point {
                 x: count.mean,
                 y: error(each)?,
-                label: (*core).to_owned(),
+                mark,
             })
         });
         Series {
@@ -312,19 +312,28 @@ fn cloud(
     series.filter(|series| !series.points.is_empty()).collect()
 }
 
-/// The front of each core, for a core is rarely a choice, and the one over all.
-fn fronts(series: &[Series]) -> Vec<(String, Vec<(f64, f64)>)> {
-    let of = |core: Option<&str>| {
+/// The front over all, and that of each core, for a core is rarely a choice.
+fn fronts(series: &[Series], each: &str) -> Vec<Front> {
+    let of = |mark: Option<usize>| {
         let points = series.iter().flat_map(|series| &series.points);
-        let points = points.filter(|point| core.is_none_or(|core| core == point.label));
+        let points = points.filter(|point| mark.is_none_or(|mark| mark == point.mark));
         pareto_front(points.map(|point| (point.x, point.y)))
     };
-    let each = CORES
-        .iter()
-        .map(|core| ((*core).to_owned(), of(Some(core))));
-    each.filter(|(_, front)| front.len() > 1)
-        .map(|(core, front)| (format!("front on {core}"), front))
-        .chain([("front over all".to_owned(), of(None))])
+    let marks = (0..CORES.len()).map(|mark| Front {
+        label: if mark == 0 {
+            each.into()
+        } else {
+            String::new()
+        },
+        strong: false,
+        points: of(Some(mark)),
+    });
+    marks
+        .chain([Front {
+            label: "Pareto front".into(),
+            strong: true,
+            points: of(None),
+        }])
         .collect()
 }
 
@@ -344,7 +353,8 @@ fn on_cores(
         x: "instructions per tick, mean",
         y: "worst torque error / largest torque",
         series: &series,
-        fronts: &fronts(&series),
+        marks: &CORES,
+        fronts: &fronts(&series, "of each core"),
     })
 }
 
@@ -362,7 +372,8 @@ fn tool_on_cores(
         x: "instructions per tick, mean",
         y: "worst error of the tool's place (\u{b5}m)",
         series: &series,
-        fronts: &fronts(&series),
+        marks: &CORES,
+        fronts: &fronts(&series, "of each core"),
     })
 }
 
@@ -370,12 +381,13 @@ fn on_host(scenes: &[Scene], measured: &[Measured]) -> crate::figures::canvas::D
     let series: Vec<Series> = measured
         .iter()
         .map(|each| {
-            let points = TIMED.iter().zip(each.nanoseconds).filter_map(|(scene, x)| {
+            let timed = TIMED.iter().zip(each.nanoseconds).enumerate();
+            let points = timed.filter_map(|(mark, (scene, x))| {
                 let errors = each.of_scene(scenes, scene)?;
                 Some(Point {
                     x,
                     y: errors.stages.last()?.worst_relative,
-                    label: (*scene).to_owned(),
+                    mark,
                 })
             });
             Series {
@@ -385,13 +397,12 @@ fn on_host(scenes: &[Scene], measured: &[Measured]) -> crate::figures::canvas::D
             }
         })
         .collect();
-    let all = series.iter().flat_map(|series| &series.points);
-    let front = pareto_front(all.map(|point| (point.x, point.y)));
     draw(&LogLog {
         title: "Torque error against run time on this machine",
         x: "nanoseconds per tick",
         y: "worst torque error / largest torque",
         series: &series,
-        fronts: &[("front".to_owned(), front)],
+        marks: &TIMED,
+        fronts: &fronts(&series, "of each scene"),
     })
 }
