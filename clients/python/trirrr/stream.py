@@ -60,7 +60,6 @@ class Stream:
         self._moves: list[Any] = []
         self._base: int | None = None
         self._offered = 0
-        self._started = False
         self.exchange: Exchange | None = None
         self.status: Any = None
         self.repeated = 0
@@ -124,11 +123,10 @@ class Stream:
         return self._start()
 
     def _start(self) -> bool:
-        admitted = (self.status.admitted - self._base) % _MODULUS
-        if self._started or admitted != self._offered:
-            return False
-        self._started = self._command(Command.Start())
-        return self._started
+        # Not only once: where moves come too slowly, the machine rests at the end of what it has.
+        status = self.status
+        stands = status.state.name == "Idle" and status.admitted == status.next != status.done
+        return stands and self._command(Command.Start())
 
     def _command(self, command: Value) -> bool:
         """Asks; whether it was done. What passes by itself is no failure."""

@@ -74,7 +74,6 @@ pub struct Stream<N: Transmit> {
     offered: u32,
     /// Moves that it would still take, as far as known.
     room: u8,
-    started: bool,
     asked: VecDeque<Ask>,
     stop_asked: bool,
     /// When to look at the status again.
@@ -105,7 +104,6 @@ impl<N: Transmit> Stream<N> {
             base: None,
             offered: 0,
             room: 0,
-            started: false,
             asked: VecDeque::new(),
             stop_asked: false,
             look: Duration::ZERO,
@@ -235,16 +233,17 @@ impl<N: Transmit> Stream<N> {
                 ..*next
             }));
         }
-        (!self.started && self.is_decided()).then_some(Command::Start)
+        self.is_ready().then_some(Command::Start)
     }
 
-    /// Whether the last status knows a verdict over everything that was offered.
-    fn is_decided(&self) -> bool {
-        let decided = |status: &Status<N>| {
-            let admitted = self.base.map(|base| status.admitted.wrapping_sub(base));
-            admitted == Some(self.offered) && self.offered > 0
-        };
-        self.status.as_ref().is_some_and(decided)
+    /// Whether the machine stands, with everything judged that it has taken, and has moves to play.
+    /// Not only once: where moves come too slowly, it comes to rest at the end of what it has.
+    fn is_ready(&self) -> bool {
+        self.status.as_ref().is_some_and(|status| {
+            status.state == State::Idle
+                && status.admitted == status.next
+                && status.admitted != status.done
+        })
     }
 
     /// Takes what the machine said.
@@ -348,12 +347,19 @@ impl<N: Transmit> Stream<N> {
             Command::Move(_) => {
                 self.offered += 1;
                 self.room = self.room.saturating_sub(1);
+                if let Some(status) = &mut self.status {
+                    status.next = status.next.wrapping_add(1);
+                }
                 // Its verdict takes a moment.
                 if self.room == 0 || self.offered == self.moves() {
                     self.look = now;
                 }
             }
-            Command::Start => self.started = true,
+            Command::Start => {
+                if let Some(status) = &mut self.status {
+                    status.state = State::Running;
+                }
+            }
             Command::Stop => match &self.phase {
                 Phase::Ending(failure) => {
                     let failure = *failure;

@@ -1,0 +1,234 @@
+//! One job between a client and a machine, with a bad line in between.
+
+use crate::job::random_job;
+use crate::witness::{Sent, Witness};
+use std::time::Duration;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::message::Message;
+use trirrr_core::wire::Counters;
+use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
+use trirrr_tests::device::{
+    Device, DeviceChannels, MessageDecoder, TICK_RATE_HZ, hello, message_frame, request_frame,
+};
+use trirrr_tests::faulty_link::{FaultyLink, Random};
+
+/// Of 100 frames, how many are damaged.
+const PERCENT: u64 = 20;
+
+/// A job takes a few seconds; one that takes longer than this does not end.
+const LONGEST_TICKS: u64 = 2_000_000;
+
+/// Slices of background work between two ticks.
+const STEPS_PER_TICK: usize = 200;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) jobs: u64,
+    pub(crate) moves: u64,
+    pub(crate) ticks: u64,
+    /// Frames on the line, both ways.
+    pub(crate) frames: u64,
+    pub(crate) damaged: u64,
+    /// Requests that the client sent again.
+    pub(crate) repeated: u64,
+    /// Requests that came a second time directly behind the first.
+    pub(crate) heard_again: u64,
+    /// Frames that an end dropped because they were damaged.
+    pub(crate) dropped_frames: u64,
+    pub(crate) reconnects: u64,
+    pub(crate) holds: u64,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.jobs += other.jobs;
+        self.moves += other.moves;
+        self.ticks += other.ticks;
+        self.frames += other.frames;
+        self.damaged += other.damaged;
+        self.repeated += other.repeated;
+        self.heard_again += other.heard_again;
+        self.dropped_frames += other.dropped_frames;
+        self.reconnects += other.reconnects;
+        self.holds += other.holds;
+    }
+
+    fn add_counters(&mut self, counters: Counters) {
+        self.dropped_frames += u64::from(counters.errors());
+    }
+}
+
+/// Both ends of one job and the line between them.
+pub(crate) struct Conversation<'q> {
+    device: Device<'q>,
+    client: Stream<f64>,
+    decoder: MessageDecoder,
+    to_device: FaultyLink,
+    to_client: FaultyLink,
+    sent_to_device: Sent,
+    sent_to_client: Sent,
+    witness: Witness,
+    random: Random,
+    /// Sequence number of the last request that the machine heard.
+    heard: Option<u32>,
+    held: bool,
+    tally: Tally,
+}
+
+impl Conversation<'_> {
+    /// Runs the job of `seed` to its end.
+    pub(crate) fn run(seed: u64) -> Tally {
+        let mut random = Random::new(seed);
+        let moves = random_job(&mut random);
+        let mut channels = DeviceChannels::new();
+        let patience = Patience {
+            answer: Duration::from_millis(10),
+            attempts: 7,
+        };
+        let conversation = Conversation {
+            device: Device::new(&mut channels, LimitParameters::default(), 0),
+            client: Stream::new(moves.clone(), hello(), 1, patience, seed as u32),
+            decoder: MessageDecoder::new(),
+            to_device: FaultyLink::new(random.bits(), PERCENT),
+            to_client: FaultyLink::new(random.bits(), PERCENT),
+            sent_to_device: Sent::default(),
+            sent_to_client: Sent::default(),
+            witness: Witness::new(&moves, 0),
+            random,
+            heard: None,
+            held: false,
+            tally: Tally {
+                jobs: 1,
+                moves: moves.len() as u64,
+                ..Tally::default()
+            },
+        };
+        conversation.play(seed)
+    }
+
+    fn play(mut self, seed: u64) -> Tally {
+        for tick in 0..LONGEST_TICKS {
+            let now = Duration::from_secs_f64(tick as f64 / TICK_RATE_HZ);
+            self.tally.ticks += 1;
+            self.work_at_device();
+            self.listen_at_client(now);
+            self.ask_for_holds();
+            if self.talk_at_client(now, seed) {
+                return self.over(seed);
+            }
+        }
+        panic!("job {seed} does not end: {:?}", self.client.status());
+    }
+
+    fn work_at_device(&mut self) {
+        self.device.tick();
+        for _ in 0..STEPS_PER_TICK {
+            if !self.device.background.step() {
+                break;
+            }
+        }
+        let Self {
+            device,
+            to_client,
+            sent_to_client,
+            sent_to_device,
+            witness,
+            tally,
+            heard,
+            ..
+        } = self;
+        while let Some(bytes) = self.to_device.receive() {
+            device.receive(
+                &bytes,
+                |request| {
+                    sent_to_device.assert_was_sent(&request_frame(request));
+                    tally.heard_again += u64::from(*heard == Some(request.sequence));
+                    *heard = Some(request.sequence);
+                },
+                |message| {
+                    let frame = message_frame(message);
+                    sent_to_client.record(&frame);
+                    to_client.send(&frame);
+                },
+            );
+        }
+        while let Some(message) = device.background.outgoing() {
+            if let Message::Telemetry(sample) = &message {
+                witness.see(sample);
+            }
+            let frame = message_frame(&message);
+            sent_to_client.record(&frame);
+            to_client.send(&frame);
+        }
+    }
+
+    fn listen_at_client(&mut self, now: Duration) {
+        while let Some(bytes) = self.to_client.receive() {
+            let mut line = bytes.as_slice();
+            while let Some(frame) = self.decoder.take::<Message<f64>>(&mut line) {
+                let Ok(message) = frame else {
+                    continue;
+                };
+                self.sent_to_client
+                    .assert_was_sent(&message_frame(&message));
+                self.client.receive(&message, now);
+            }
+        }
+    }
+
+    /// Now and then the user holds the job, and resumes it.
+    fn ask_for_holds(&mut self) {
+        if self.random.below(400) == 0 {
+            self.tally.holds += u64::from(!self.held);
+            self.client
+                .ask(if self.held { Ask::Resume } else { Ask::Hold });
+            self.held = !self.held;
+        }
+    }
+
+    /// Whether the job is over.
+    fn talk_at_client(&mut self, now: Duration, seed: u64) -> bool {
+        loop {
+            match self.client.poll(now) {
+                Action::Send(request) => {
+                    let frame = request_frame(&request);
+                    self.sent_to_device.record(&frame);
+                    self.to_device.send(&frame);
+                }
+                Action::Wait(until) => {
+                    assert!(until > now, "job {seed}: nothing to wait for at {now:?}");
+                    return false;
+                }
+                Action::Lost => {
+                    self.tally.reconnects += 1;
+                    self.to_device.clear();
+                    self.to_client.clear();
+                    self.decoder.reset();
+                    self.client.reconnected();
+                }
+                Action::Finished(result) => {
+                    if let Err(failure) = result {
+                        panic!("job {seed}: {}", self.client.describe(&failure));
+                    }
+                    return true;
+                }
+            }
+        }
+    }
+
+    fn over(mut self, seed: u64) -> Tally {
+        self.witness.assert_complete();
+        assert_eq!(self.client.done(), self.client.moves(), "job {seed}");
+        let status = self.device.background.status();
+        assert_eq!(status.done, self.client.moves(), "job {seed}");
+        self.tally.repeated = self.client.repeated();
+        for link in [&self.to_device, &self.to_client] {
+            self.tally.frames += link.frames();
+            self.tally.damaged += link.damaged();
+        }
+        self.tally.add_counters(self.device.counters());
+        self.tally.add_counters(self.decoder.counters());
+        self.tally
+    }
+}
