@@ -1,5 +1,7 @@
 //! The plant: its forward dynamics against independent ones, its energy, its closed loop.
 
 mod dynamics;
+mod ends;
+mod energy;
 mod reference;
 mod scenes;

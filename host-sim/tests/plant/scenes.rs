@@ -31,3 +31,11 @@ pub(crate) fn without_drives(name: &str) -> Scene {
         ..shipped(name)
     }
 }
+
+/// `text` with each first occurrence replaced.
+pub(crate) fn edited(text: &str, edits: &[(&str, &str)]) -> String {
+    edits.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no {from:?}");
+        text.replacen(from, to, 1)
+    })
+}
