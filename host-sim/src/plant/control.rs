@@ -1,6 +1,7 @@
 //! What drives the motors: commands held from sample to sample, or a controller that acts at
 //! every instant.
 
+use super::mechanics::Mechanics;
 use super::motor::{Motor, Winding, wrapped};
 use super::path::JobPath;
 use super::refusal::Refusal;
@@ -54,7 +55,9 @@ pub struct Continuous {
     path: JobPath,
     /// The move under way: a mode, switched by events. Past the last, the end of the job is held.
     under_way: usize,
-    evaluator: Box<dyn Evaluator<f64>>,
+    mechanics: Mechanics,
+    /// Only where torques are fed forward.
+    evaluator: Option<Box<dyn Evaluator<f64>>>,
     controller: Controller,
     /// Which limit acts in each motor: a mode, switched by events.
     pub limited: [Limited; 3],
@@ -84,11 +87,17 @@ impl Continuous {
     /// # Errors
     /// A machine that the core refuses.
     pub fn build(scene: &Scene, controller: Controller) -> Result<Self, Refusal> {
-        let evaluator = evaluator::build::<f64>(&scene.parameters)
-            .map_err(|error| Refusal::Machine(error.to_string()))?;
+        let evaluator = match controller.feed_forward {
+            true => Some(
+                evaluator::build::<f64>(&scene.parameters)
+                    .map_err(|error| Refusal::Machine(error.to_string()))?,
+            ),
+            false => None,
+        };
         Ok(Self {
             path: JobPath::new(scene),
             under_way: 0,
+            mechanics: Mechanics::build(&scene.parameters, true)?,
             evaluator,
             controller,
             limited: Default::default(),
@@ -105,14 +114,28 @@ impl Continuous {
         self.under_way += 1;
     }
 
-    /// What the joints should do at `t`.
+    /// What the joints should do at `t`; the torque is 0 where it is not fed forward, for it takes
+    /// longer than everything else.
     ///
     /// # Errors
     /// [`Refusal::Setpoint`].
     pub fn references(&self, t: f64) -> Result<[JointReference; 3], Refusal> {
-        let record = self
-            .evaluator
-            .evaluate(t, &self.path.in_move(self.under_way, t))
+        let setpoint = self.path.in_move(self.under_way, t);
+        let Some(evaluator) = &self.evaluator else {
+            let pose = &setpoint.pose;
+            let q = [pose.position.x, pose.position.y, pose.angle];
+            let legs = self
+                .mechanics
+                .legs(q, setpoint.velocity.into())
+                .map_err(Refusal::Setpoint)?;
+            return Ok([0, 1, 2].map(|leg| JointReference {
+                angle: self.mechanics.motor_angle(leg, &legs[leg]),
+                rate: legs[leg].rates[0],
+                torque: 0.0,
+            }));
+        };
+        let record = evaluator
+            .evaluate(t, &setpoint)
             .map_err(Refusal::Setpoint)?;
         Ok(record.legs.map(|leg| JointReference {
             angle: leg.th1,
@@ -125,14 +148,9 @@ impl Continuous {
     #[inline]
     fn torque(&self, index: usize, reference: &JointReference, measured: &Measured) -> f64 {
         let controller = &self.controller;
-        let fed = if controller.feed_forward {
-            reference.torque
-        } else {
-            0.0
-        };
         controller.kp_nm_rad[index] * wrapped(reference.angle - measured.angle)
             + controller.kd_nm_s_rad[index] * (reference.rate - measured.rate)
-            + fed
+            + reference.torque
     }
 
     /// What motor `index` is told, by the formula of the limits that act.
