@@ -93,6 +93,19 @@ impl<N: Number> Limits<N> {
             )?,
         })
     }
+
+    /// The same in another number type.
+    pub fn map<M>(&self, change: impl Fn(N) -> M) -> Limits<M> {
+        let motors = |values: Option<[N; 3]>| values.map(|values| values.map(&change));
+        Limits {
+            rate: motors(self.rate),
+            acceleration: motors(self.acceleration),
+            torque: motors(self.torque),
+            power: motors(self.power),
+            serial_distance: change(self.serial_distance),
+            parallel_distance: change(self.parallel_distance),
+        }
+    }
 }
 
 const POSITIVE: &str = "a positive number within the range of the number type";

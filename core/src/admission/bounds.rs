@@ -15,14 +15,14 @@
 //! |u'| <= r are those at the corners; the power is a cubic of u between two ramps.
 
 use super::Breach;
-use super::taylor::TaylorModel;
+use super::taylor::{Float, TaylorModel};
 use crate::limits::Limits;
 use crate::message::Bounded;
 use crate::number::Number;
 
 /// One motor over an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MotorBounds<N> {
+pub(super) struct MotorBounds<N: Number> {
     /// w.
     pub(super) rate: TaylorModel<N>,
     /// e.
@@ -35,7 +35,7 @@ pub(super) struct MotorBounds<N> {
 
 /// Torque of one motor over an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TorqueBounds<N> {
+pub(super) struct TorqueBounds<N: Number> {
     /// g.
     pub(super) at_rest: TaylorModel<N>,
     /// d.
@@ -51,9 +51,9 @@ impl<N: Number> MotorBounds<N> {
     pub(super) fn check(
         &self,
         index: usize,
-        limits: &Limits<N>,
-        speed: N,
-    ) -> Result<(), Breach<N>> {
+        limits: &Limits<Float<N>>,
+        speed: Float<N>,
+    ) -> Result<(), Breach<Float<N>>> {
         let breach = |what, value, limit, ramp| Breach {
             what,
             index: Some(index as u8),
@@ -121,7 +121,7 @@ impl<N: Number> MotorBounds<N> {
 }
 
 /// `model` times `factor`, which is not negative.
-fn scaled<N: Number>(model: TaylorModel<N>, factor: N) -> TaylorModel<N> {
+fn scaled<N: Number>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
     TaylorModel {
         constant: model.constant * factor,
         linear: model.linear * factor,
@@ -130,7 +130,7 @@ fn scaled<N: Number>(model: TaylorModel<N>, factor: N) -> TaylorModel<N> {
 }
 
 /// Largest size on a ramp up or down.
-fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> N {
+fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float<N> {
     greater((steady + ramp).magnitude(), (steady - ramp).magnitude())
 }
 
@@ -139,13 +139,13 @@ fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> N {
 ///
 /// It is linear in the two products w a and w c, so its greatest size is at corners of the
 /// rectangle that they lie in.
-fn greatest_power<N: Number>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorModel<N>) -> N {
+fn greatest_power<N: Number>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorModel<N>) -> Float<N> {
     let ends = |model: TaylorModel<N>| {
         let radius = model.radius();
         [model.constant - radius, model.constant + radius]
     };
     let (slow, fast) = (ends(w * a), ends(w * c));
-    let mut greatest = N::ZERO;
+    let mut greatest = <Float<N>>::ZERO;
     for slow in slow {
         for fast in fast {
             greatest = greater(greatest, peak(slow, fast));

@@ -50,13 +50,14 @@ impl<N: Number> Breach<N> {
         }
     }
 
-    pub(super) fn violation(&self, at: N) -> Violation<N> {
+    /// In the type of the tick.
+    pub(super) fn violation<M: Number<Bound = N>>(&self, at: N) -> Violation<M> {
         Violation {
             what: self.what,
             index: self.index,
-            at,
-            value: self.value,
-            limit: self.limit,
+            at: M::from_bound(at),
+            value: M::from_bound(self.value),
+            limit: M::from_bound(self.limit),
             ramp: self.ramp,
             shortest: None,
         }
@@ -64,7 +65,7 @@ impl<N: Number> Breach<N> {
 }
 
 /// What makes `offered` no move at all.
-pub(super) fn of_input<N: Number>(offered: &Move<N>) -> Option<Breach<N>> {
+pub(super) fn of_input<N: Number>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
     let breach = |index, value, limit| Breach {
         what: Bounded::Range,
         index,
@@ -72,33 +73,34 @@ pub(super) fn of_input<N: Number>(offered: &Move<N>) -> Option<Breach<N>> {
         limit,
         ramp: false,
     };
+    let (zero, one) = (<N::Bound>::ZERO, <N::Bound>::ONE);
     if offered.ticks == 0 {
-        return Some(breach(None, N::ZERO, N::ONE));
+        return Some(breach(None, zero, one));
     }
+    let angle = |pose: &Pose<N>| <N::Bound>::radians(N::angle_bound(pose.angle));
     let coordinates = |pose: &Pose<N>| {
-        let angle = N::radians(pose.angle);
-        [pose.position.x, pose.position.y, angle]
+        let [x, y] = [pose.position.x, pose.position.y].map(N::bound);
+        [x, y, angle(pose)]
     };
     let groups = [
         coordinates(&offered.from),
         coordinates(&offered.to),
-        offered.start_velocity,
-        offered.end_velocity,
+        offered.start_velocity.map(N::bound),
+        offered.end_velocity.map(N::bound),
     ];
     for group in groups {
         for (index, value) in group.into_iter().enumerate() {
             if !value.is_finite() {
-                return Some(breach(Some(index as u8), value, N::ZERO));
+                return Some(breach(Some(index as u8), value, zero));
             }
         }
     }
     // An angle is known to its roundoff: beyond this one, to less than a ten-thousandth of a
     // radian.
-    let finest = N::from_f64(1e-4);
-    for group in [coordinates(&offered.from), coordinates(&offered.to)] {
-        let [_, _, angle] = group;
+    let finest = <N::Bound>::from_f64(1e-4);
+    for angle in [angle(&offered.from), angle(&offered.to)] {
         if N::roundoff(angle.abs()) > finest {
-            let limit = finest.div(N::UNIT_ROUNDOFF);
+            let limit = finest.div(<N::Bound>::UNIT_ROUNDOFF);
             return Some(breach(Some(2), angle, limit));
         }
     }

@@ -58,7 +58,7 @@ where
 {
     path: EnclosedPath<N, P, L>,
     /// Seconds, or the machine's unit of time, per tick.
-    period: N,
+    period: N::Bound,
     work: Work<N>,
 }
 
@@ -108,23 +108,23 @@ struct Ends<N: Number> {
     end_velocity: [N; 3],
     rest_to_rest: bool,
     ticks: u32,
-    period: N,
+    period: N::Bound,
 }
 
 impl<N: Number> Ends<N> {
     /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
     fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>> {
         let pose = |pose: &Pose<N>| Pose {
-            position: pose.position.map(TaylorModel::point),
-            angle: AngleModel::point(pose.angle),
+            position: pose.position.map(TaylorModel::of),
+            angle: AngleModel::of(pose.angle),
         };
         let (from, to) = (pose(&self.from), pose(&self.to));
-        let period = TaylorModel::point(self.period);
+        let period = TaylorModel::near(self.period);
         if self.rest_to_rest {
             return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
         }
         let [start, end] = [self.start_velocity, self.end_velocity]
-            .map(|velocity| Vector3::from(velocity.map(TaylorModel::point)));
+            .map(|velocity| Vector3::from(velocity.map(TaylorModel::of)));
         Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
     }
 }
@@ -146,18 +146,13 @@ where
         ramp_ticks: u16,
         period_s: f64,
     ) -> Result<Self, BuildError> {
-        let period = N::from_f64(period_s);
-        let ramp = N::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
+        let period = <N::Bound>::from_f64(period_s);
+        let ramp = <N::Bound>::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
         Ok(Self {
-            path: Path::build(parameters, limits, ramp)?,
+            path: Path::build(parameters, limits.map(N::bound), ramp)?,
             period,
             work: Work::None,
         })
-    }
-
-    /// What moves are compared with.
-    pub fn limits(&self) -> &Limits<N> {
-        self.path.limits()
     }
 
     /// Takes a move to judge; one that is under way is dropped.
@@ -176,7 +171,7 @@ where
             period: self.period,
         };
         self.work = match breach::of_input(offered) {
-            Some(breach) => Work::Judged(Verdict::Refused(breach.violation(N::ZERO))),
+            Some(breach) => Work::Judged(Verdict::Refused(breach.violation(<N::Bound>::ZERO))),
             None => Work::Check {
                 offered: ends,
                 segment: ends.segment(ends.ticks),

@@ -2,7 +2,7 @@
 
 use super::Breach;
 use super::bounds::{MotorBounds, TorqueBounds};
-use super::taylor::TaylorModel;
+use super::taylor::{Float, TaylorModel};
 use crate::inverse::{LegMotion, LegPosition, Position, Rotation};
 use crate::limits::Limits;
 use crate::linkage::rrr::{Accelerations, Rates};
@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 pub(super) struct Path<N: Number, P, L> {
     tick: Tick<TaylorModel<N>, P, L>,
     distances: Distances<TaylorModel<N>>,
-    limits: Limits<N>,
+    limits: Limits<Float<N>>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
     ramp: TaylorModel<N>,
     /// Whether the motors may have to hold something at rest: gravity or a wrench.
@@ -39,8 +39,8 @@ where
 {
     pub(super) fn build(
         parameters: &Parameters,
-        limits: Limits<N>,
-        ramp: N,
+        limits: Limits<Float<N>>,
+        ramp: Float<N>,
     ) -> Result<Self, BuildError> {
         let loads = [
             parameters.gravity_m_s2.x,
@@ -53,21 +53,25 @@ where
             tick: Tick::build(parameters)?,
             distances: Distances::build(parameters),
             limits,
-            ramp: Model::point(ramp),
+            ramp: Model::near(ramp),
             loaded: loads.iter().any(|&load| load != 0.0),
         })
     }
 
     /// What is compared with.
-    pub(super) fn limits(&self) -> &Limits<N> {
+    pub(super) fn limits(&self) -> &Limits<Float<N>> {
         &self.limits
     }
 
     /// Whether every limit is kept for certain during the interval `s`: what is broken otherwise.
-    pub(super) fn check(&self, segment: &Segment<Model<N>>, s: Model<N>) -> Result<(), Breach<N>> {
+    pub(super) fn check(
+        &self,
+        segment: &Segment<Model<N>>,
+        s: Model<N>,
+    ) -> Result<(), Breach<Float<N>>> {
         let motors = self.measure(segment, s)?;
         for (index, motor) in motors.iter().enumerate() {
-            motor.check(index, &self.limits, N::ONE)?;
+            motor.check(index, &self.limits, <Float<N>>::ONE)?;
         }
         Ok(())
     }
@@ -78,7 +82,7 @@ where
         &self,
         segment: &Segment<Model<N>>,
         s: Model<N>,
-    ) -> Result<[MotorBounds<N>; 3], Breach<N>> {
+    ) -> Result<[MotorBounds<N>; 3], Breach<Float<N>>> {
         let setpoint = segment.at_fraction(s);
         let rotation = Rotation::new(setpoint.pose.angle);
         let position = self.position(&setpoint, &rotation)?;
@@ -118,7 +122,7 @@ where
         &self,
         setpoint: &Setpoint<Model<N>>,
         rotation: &Rotation<Model<N>>,
-    ) -> Result<Position<Model<N>>, Breach<N>> {
+    ) -> Result<Position<Model<N>>, Breach<Float<N>>> {
         let solve = |leg: usize| {
             self.tick.geometry().legs[leg]
                 .position(leg, setpoint.pose.position, rotation)
@@ -142,7 +146,7 @@ where
         let least = self.limits.parallel_distance;
         let value = self.distances.parallel(&position).least_magnitude();
         // Certainly not zero: a change of sign of det A is a crossing.
-        if !(value >= least && value > N::ZERO) {
+        if !(value >= least && value > <Float<N>>::ZERO) {
             return Err(Breach::distance(
                 Bounded::ParallelDistance,
                 None,
@@ -174,7 +178,7 @@ where
         rates: &[Rates<Model<N>>; 3],
         steady: &[Accelerations<Model<N>>; 3],
         setpoint: &Setpoint<Model<N>>,
-    ) -> Result<[TorqueBounds<N>; 3], Breach<N>> {
+    ) -> Result<[TorqueBounds<N>; 3], Breach<Float<N>>> {
         let still = Rates {
             proximal: Model::ZERO,
             distal: Model::ZERO,
@@ -231,7 +235,7 @@ where
         status: Status,
         setpoint: &Setpoint<Model<N>>,
         rotation: &Rotation<Model<N>>,
-    ) -> Breach<N> {
+    ) -> Breach<Float<N>> {
         match status {
             Status::Unreachable { leg } | Status::SerialSingular { leg } => {
                 let dyad = &self.tick.geometry().legs[leg];
@@ -243,14 +247,14 @@ where
                 // The span that is on the wrong side, or may be, of the nearer of the two bounds.
                 let far = squared.constant + squared.radius();
                 let near = squared.constant - squared.radius();
-                let stretched =
-                    !(squared.constant <= N::HALF * (shortest * shortest + longest * longest));
+                let stretched = !(squared.constant
+                    <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
                 let (value, limit) = if stretched {
                     (far.sqrt(), longest)
-                } else if near > N::ZERO {
+                } else if near > <Float<N>>::ZERO {
                     (near.sqrt(), shortest)
                 } else {
-                    (N::ZERO, shortest)
+                    (<Float<N>>::ZERO, shortest)
                 };
                 Breach {
                     what: Bounded::Reach,
@@ -263,7 +267,7 @@ where
             Status::ParallelSingular => Breach::distance(
                 Bounded::ParallelDistance,
                 None,
-                N::ZERO,
+                <Float<N>>::ZERO,
                 self.limits.parallel_distance,
             ),
             Status::OutOfRange => Breach::out_of_range(),

@@ -2,7 +2,7 @@
 
 use super::Breach;
 use super::path::Path;
-use super::taylor::TaylorModel;
+use super::taylor::{Float, TaylorModel};
 use crate::number::Number;
 use crate::setpoint::Segment;
 use crate::torque::links::Links;
@@ -63,7 +63,10 @@ impl Scan {
     /// The interval.
     pub(super) fn interval<N: Number>(&self) -> TaylorModel<N> {
         let halves = 2 << self.level;
-        TaylorModel::span(N::ratio(2 * self.index + 1, halves), N::ratio(1, halves))
+        TaylorModel::span(
+            <Float<N>>::ratio(2 * self.index + 1, halves),
+            <Float<N>>::ratio(1, halves),
+        )
     }
 
     /// Steps to the next interval; whether there is none.
@@ -81,7 +84,7 @@ impl Scan {
         &mut self,
         path: &Path<N, P, L>,
         segment: &Segment<TaylorModel<N>>,
-    ) -> Scanned<N>
+    ) -> Scanned<Float<N>>
     where
         N: Number,
         P: Payload<TaylorModel<N>>,

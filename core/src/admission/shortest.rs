@@ -3,7 +3,7 @@
 use super::Ends;
 use super::path::Path;
 use super::scan::{Scan, Scanned};
-use super::taylor::TaylorModel;
+use super::taylor::{Float, TaylorModel};
 use crate::number::Number;
 use crate::setpoint::Segment;
 use crate::torque::links::Links;
@@ -25,7 +25,7 @@ pub(super) struct Search<N: Number> {
     offered: Ends<N>,
     segment: Segment<TaylorModel<N>>,
     scan: Scan,
-    stage: Stage<N>,
+    stage: Stage<Float<N>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,9 @@ impl<N: Number> Search<N> {
             segment: offered.segment(offered.ticks),
             offered,
             scan: Scan::at_level(SURVEY),
-            stage: Stage::Survey { speed: N::ONE },
+            stage: Stage::Survey {
+                speed: <Float<N>>::ONE,
+            },
         }
     }
 
@@ -80,7 +82,7 @@ impl<N: Number> Search<N> {
             Stage::Survey { speed } => {
                 // What is not certain about reach or singularities is left to the trials.
                 if let Ok(motors) = path.measure(&self.segment, self.scan.interval()) {
-                    let keeps = |speed: N| {
+                    let keeps = |speed: Float<N>| {
                         motors
                             .iter()
                             .enumerate()
@@ -137,10 +139,10 @@ impl<N: Number> Search<N> {
 
 impl<N: Number> Ends<N> {
     /// Ticks of the move at `speed`, 0 to 1, at least one more than offered.
-    fn slower(&self, speed: N) -> u32 {
+    fn slower(&self, speed: Float<N>) -> u32 {
         // Doubled until it is slow enough, then halved down: without a conversion of N to integers.
         let ticks = self.ticks;
-        let slow = |longer: u32| N::ratio(ticks, longer) <= speed;
+        let slow = |longer: u32| <Float<N>>::ratio(ticks, longer) <= speed;
         let mut longest = ticks.saturating_add(1);
         while !slow(longest) && longest < u32::MAX {
             longest = longest.saturating_mul(2);

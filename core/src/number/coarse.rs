@@ -53,6 +53,8 @@ impl Neg for Coarse {
 
 impl Number for Coarse {
     type Angle = Self;
+    /// With accurate functions: bounds are those of the true motion.
+    type Bound = f32;
     rounds_every_step!();
 
     const ZERO: Self = Self(0.0);
@@ -60,6 +62,22 @@ impl Number for Coarse {
     const HALF: Self = Self(0.5);
     const UNIT_ROUNDOFF: Self = Self(f32::EPSILON / 2.0);
 
+    #[inline(always)]
+    fn bound(self) -> f32 {
+        self.0
+    }
+    #[inline(always)]
+    fn angle_bound(angle: Self) -> f32 {
+        angle.0
+    }
+    #[inline(always)]
+    fn from_bound(bound: f32) -> Self {
+        Self(bound)
+    }
+    #[inline(always)]
+    fn roundoff(size: f32) -> f32 {
+        f32::roundoff(size)
+    }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self(x as f32)

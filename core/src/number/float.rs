@@ -7,6 +7,7 @@ macro_rules! float {
     ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $direction:path) => {
         impl Number for $float {
             type Angle = $float;
+            type Bound = $float;
             rounds_every_step!();
 
             const ZERO: Self = 0.0;
@@ -14,6 +15,22 @@ macro_rules! float {
             const HALF: Self = 0.5;
             const UNIT_ROUNDOFF: Self = $float::EPSILON / 2.0;
 
+            #[inline(always)]
+            fn bound(self) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn angle_bound(angle: Self) -> Self {
+                angle
+            }
+            #[inline(always)]
+            fn from_bound(bound: Self) -> Self {
+                bound
+            }
+            #[inline(always)]
+            fn roundoff(size: Self) -> Self {
+                size * Self::UNIT_ROUNDOFF
+            }
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 x as $float

@@ -98,6 +98,10 @@ pub trait Number:
     /// a fraction costs no wide division.
     type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
 
+    /// The float in which bounds of quantities of this type are computed before a move is played: the
+    /// type itself where its functions are as accurate as its numbers.
+    type Bound: Number<Bound = Self::Bound>;
+
     /// A length that vectors are known to have, prepared for [`direction`](Number::direction).
     type Length: Copy + Debug + PartialEq + Send + Sync + 'static;
 
@@ -114,12 +118,15 @@ pub trait Number:
     /// Relative rounding error of one operation (half a unit in the last place of 1).
     const UNIT_ROUNDOFF: Self;
 
-    /// A bound of what one operation rounds whose result is of this size, which is not negative.
-    /// Underflow is left out.
-    #[inline(always)]
-    fn roundoff(size: Self) -> Self {
-        size * Self::UNIT_ROUNDOFF
-    }
+    /// The value as a bound, to one [roundoff](Number::roundoff).
+    fn bound(self) -> Self::Bound;
+    /// The angle as a bound, to two roundoffs.
+    fn angle_bound(angle: Self::Angle) -> <Self::Bound as Number>::Angle;
+    /// The nearest value to `bound`.
+    fn from_bound(bound: Self::Bound) -> Self;
+    /// A bound of what one operation rounds whose result is of this size, which is not negative, in
+    /// this type as well as in [`Number::Bound`]. Underflow is left out.
+    fn roundoff(size: Self::Bound) -> Self::Bound;
 
     /// The nearest value to `x`. For building coefficients, not for the tick.
     fn from_f64(x: f64) -> Self;

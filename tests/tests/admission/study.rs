@@ -164,11 +164,11 @@ fn nothing_infeasible_is_admitted_of_ten_thousand() {
     assert_eq!(tally.refused_beyond(1e-3), 0);
 }
 
-/// The same in binary32, with limits no nearer than a thousandth.
+/// The same in binary32, with fewer samples and limits no nearer than a hundredth.
 #[test]
 #[ignore = "minutes; cargo xtask ci runs it"]
 fn nothing_infeasible_is_admitted_of_ten_thousand_f32() {
-    let tally = on_two_threads::<f32>(10_000, 2_000, 1e-3);
+    let tally = on_two_threads::<f32>(10_000, 1_000, 1e-2);
     hold(&tally);
-    assert!(tally.refused_beyond(0.05) as f64 <= 0.001 * f64::from(tally.feasible));
+    assert!(tally.refused.len() as f64 <= 0.02 * f64::from(tally.feasible));
 }

@@ -31,9 +31,8 @@ fn verdicts_agree_away_from_limits() {
             (Ok(()), Ok(())) => admitted += 1,
             (Err(double), Err(single)) => {
                 refused += 1;
-                // Two limits may be broken so soon after each other that the order is changed.
-                let apart = (double.at - f64::from(single.at)).abs();
-                assert!(apart < 0.05, "{label}");
+                // With its wider bounds binary32 cannot be sure for as long.
+                assert!(f64::from(single.at) <= double.at + 1e-3, "{label}");
                 if let (Some(double), Some(single)) = (double.shortest, single.shortest) {
                     // Nearer to a limit that the duration hardly moves, binary32 needs longer: what
                     // it names is never too short.

@@ -1,26 +1,27 @@
 //! Angles over an interval.
 
-use super::Roundoffs;
+use super::{Float, Roundoffs};
 use crate::number::Number;
 use core::ops::{Add, Neg, Sub};
 
 /// An angle over an interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleModel<N: Number> {
-    pub(super) constant: N::Angle,
+    pub(super) constant: <Float<N> as Number>::Angle,
     /// In radians.
-    pub(super) linear: N,
+    pub(super) linear: Float<N>,
     /// In radians.
-    pub(super) error: N,
+    pub(super) error: Float<N>,
 }
 
 impl<N: Number> AngleModel<N> {
-    /// The same at all times.
-    pub fn point(angle: N::Angle) -> Self {
+    /// An angle of the tick, the same at all times.
+    pub fn of(angle: N::Angle) -> Self {
+        let constant = N::angle_bound(angle);
         Self {
-            constant: angle,
-            linear: N::ZERO,
-            error: N::ZERO,
+            constant,
+            linear: <Float<N>>::ZERO,
+            error: Roundoffs::Two.of::<N>(<Float<N>>::radians(constant).abs()),
         }
     }
 }
@@ -33,11 +34,11 @@ impl<N: Number> Add for AngleModel<N> {
         let constant = self.constant + other.constant;
         let linear = self.linear + other.linear;
         let error = self.error + other.error;
-        let size = N::radians(constant).abs() + linear.abs() + (error + error);
+        let size = <Float<N>>::radians(constant).abs() + linear.abs() + (error + error);
         Self {
             constant,
             linear,
-            error: error + Roundoffs::Two.of(size),
+            error: error + Roundoffs::Two.of::<N>(size),
         }
     }
 }

@@ -27,51 +27,67 @@ use crate::number::Number;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A quantity over an interval of time; see the [module](self).
+/// The float that the numbers of a model of `N` are.
+pub(super) type Float<N> = <N as Number>::Bound;
+
+/// A quantity of the type `N` over an interval of time; see the [module](self).
 #[derive(Clone, Copy, Debug)]
-pub struct TaylorModel<N> {
+pub struct TaylorModel<N: Number> {
     /// Value in the middle of the interval, without the error.
-    pub constant: N,
+    pub constant: Float<N>,
     /// Change from the middle of the interval to its end, as far as it is linear.
-    pub linear: N,
+    pub linear: Float<N>,
     /// Bound of everything else; not negative.
-    pub error: N,
+    pub error: Float<N>,
 }
 
 impl<N: Number> TaylorModel<N> {
+    /// A value of the tick, the same at all times.
+    pub fn of(value: N) -> Self {
+        Self::near(value.bound())
+    }
+
+    /// Known to one rounding, the same at all times.
+    pub(super) fn near(value: Float<N>) -> Self {
+        Self {
+            error: N::roundoff(value.abs()),
+            ..Self::point(value)
+        }
+    }
+
     /// The same at all times.
-    pub fn point(value: N) -> Self {
+    pub fn point(value: Float<N>) -> Self {
         Self {
             constant: value,
-            linear: N::ZERO,
-            error: N::ZERO,
+            linear: <Float<N>>::ZERO,
+            error: <Float<N>>::ZERO,
         }
     }
 
     /// Everything from `middle - half_width` to `middle + half_width`, linear in time.
-    pub fn span(middle: N, half_width: N) -> Self {
+    pub fn span(middle: Float<N>, half_width: Float<N>) -> Self {
         Self {
             constant: middle,
             linear: half_width,
-            error: N::ZERO,
+            error: <Float<N>>::ZERO,
         }
     }
 
     /// Largest deviation from [`TaylorModel::constant`].
     #[inline(always)]
-    pub fn radius(self) -> N {
+    pub fn radius(self) -> Float<N> {
         self.linear.abs() + self.error
     }
 
     /// Largest size.
     #[inline(always)]
-    pub fn magnitude(self) -> N {
+    pub fn magnitude(self) -> Float<N> {
         self.constant.abs() + self.radius()
     }
 
     /// Least size; negative where the quantity may change its sign.
     #[inline(always)]
-    pub fn least_magnitude(self) -> N {
+    pub fn least_magnitude(self) -> Float<N> {
         self.constant.abs() - self.radius()
     }
 
@@ -79,19 +95,25 @@ impl<N: Number> TaylorModel<N> {
     #[inline(always)]
     fn unknown() -> Self {
         Self {
-            error: N::ONE.div(N::ZERO),
-            ..Self::point(N::ZERO)
+            error: <Float<N>>::ONE.div(<Float<N>>::ZERO),
+            ..Self::point(<Float<N>>::ZERO)
         }
     }
 
     /// With what rounding adds: `count` roundoffs of `size`, which bounds the sum of the sizes of
     /// all terms, and twice as many of the error, which was itself computed in a few operations.
     #[inline(always)]
-    fn rounded(constant: N, linear: N, error: N, size: N, count: Roundoffs) -> Self {
+    fn rounded(
+        constant: Float<N>,
+        linear: Float<N>,
+        error: Float<N>,
+        size: Float<N>,
+        count: Roundoffs,
+    ) -> Self {
         Self {
             constant,
             linear,
-            error: error + count.of(size + (error + error)),
+            error: error + count.of::<N>(size + (error + error)),
         }
     }
 
@@ -101,14 +123,14 @@ impl<N: Number> TaylorModel<N> {
     fn inverse(self) -> Self {
         let radius = self.radius();
         let least =
-            self.constant.abs() - (radius + Roundoffs::Eight.of(self.constant.abs() + radius));
-        if !(least > N::ZERO) {
+            self.constant.abs() - (radius + Roundoffs::Eight.of::<N>(self.constant.abs() + radius));
+        if !(least > <Float<N>>::ZERO) {
             return Self::unknown();
         }
-        let inverse = N::ONE.div(self.constant);
+        let inverse = <Float<N>>::ONE.div(self.constant);
         let squared = inverse * inverse;
-        let half_rest = N::HALF * (squared * (radius * radius).div(least));
-        let rest_towards = if self.constant > N::ZERO {
+        let half_rest = <Float<N>>::HALF * (squared * (radius * radius).div(least));
+        let rest_towards = if self.constant > <Float<N>>::ZERO {
             half_rest
         } else {
             -half_rest
@@ -141,7 +163,7 @@ enum Roundoffs {
 
 impl Roundoffs {
     #[inline(always)]
-    fn of<N: Number>(self, size: N) -> N {
+    fn of<N: Number>(self, size: Float<N>) -> Float<N> {
         let one = N::roundoff(size);
         let two = one + one;
         match self {
@@ -194,17 +216,18 @@ impl<N: Number> Sub for TaylorModel<N> {
 
 /// A product whose rounding is not counted yet, with a bound of the size of its terms.
 #[inline(always)]
-fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, N) {
+fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Float<N>) {
     // The term in t^2 lies between 0 and its value at the ends: half of it is known.
-    let half_square = N::HALF * (a.linear * b.linear);
+    let half_square = <Float<N>>::HALF * (a.linear * b.linear);
     let (size_a, size_b) = (
         a.constant.abs() + a.linear.abs(),
         b.constant.abs() + b.linear.abs(),
     );
     let model = TaylorModel {
         constant: a.constant * b.constant + half_square,
-        linear: N::ab_plus_cd(a.constant, b.linear, a.linear, b.constant),
-        error: half_square.abs() + N::ab_plus_cd(size_a + a.error, b.error, size_b, a.error),
+        linear: <Float<N>>::ab_plus_cd(a.constant, b.linear, a.linear, b.constant),
+        error: half_square.abs()
+            + <Float<N>>::ab_plus_cd(size_a + a.error, b.error, size_b, a.error),
     };
     (model, size_a * size_b)
 }
@@ -256,7 +279,7 @@ impl<N: Number> PartialOrd for TaylorModel<N> {
             Some(Ordering::Greater)
         } else if -difference.constant > radius {
             Some(Ordering::Less)
-        } else if difference.constant == N::ZERO && radius == N::ZERO {
+        } else if difference.constant == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
             Some(Ordering::Equal)
         } else {
             None

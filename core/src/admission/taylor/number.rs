@@ -1,37 +1,38 @@
 //! Taylor models as numbers of the pipeline.
 
-use super::{AngleModel, Roundoffs, TaylorModel, product};
+use super::{AngleModel, Float, Roundoffs, TaylorModel, product};
 use crate::number::Number;
 use crate::number::simple::rounds_every_step;
 
 impl<N: Number> Number for TaylorModel<N> {
     type Angle = AngleModel<N>;
+    type Bound = Self;
     rounds_every_step!();
 
     const ZERO: Self = Self {
-        constant: N::ZERO,
-        linear: N::ZERO,
-        error: N::ZERO,
+        constant: <Float<N>>::ZERO,
+        linear: <Float<N>>::ZERO,
+        error: <Float<N>>::ZERO,
     };
     const ONE: Self = Self {
-        constant: N::ONE,
-        linear: N::ZERO,
-        error: N::ZERO,
+        constant: <Float<N>>::ONE,
+        linear: <Float<N>>::ZERO,
+        error: <Float<N>>::ZERO,
     };
     const HALF: Self = Self {
-        constant: N::HALF,
-        linear: N::ZERO,
-        error: N::ZERO,
+        constant: <Float<N>>::HALF,
+        linear: <Float<N>>::ZERO,
+        error: <Float<N>>::ZERO,
     };
     const UNIT_ROUNDOFF: Self = Self {
-        constant: N::UNIT_ROUNDOFF,
-        linear: N::ZERO,
-        error: N::ZERO,
+        constant: <Float<N>>::UNIT_ROUNDOFF,
+        linear: <Float<N>>::ZERO,
+        error: <Float<N>>::ZERO,
     };
 
-    /// The value that a tick in `N` works with, without an error.
+    /// To one rounding, which is also that of the tick's own coefficient.
     fn from_f64(x: f64) -> Self {
-        Self::point(N::from_f64(x))
+        Self::near(<Float<N>>::from_f64(x))
     }
 
     /// The constant part.
@@ -41,37 +42,58 @@ impl<N: Number> Number for TaylorModel<N> {
 
     fn angle_from_f64(radians: f64) -> Self::Angle {
         AngleModel {
-            constant: N::angle_from_f64(radians),
-            linear: N::ZERO,
-            error: N::ZERO,
+            constant: <Float<N>>::angle_from_f64(radians),
+            linear: <Float<N>>::ZERO,
+            error: <Float<N>>::ZERO,
         }
     }
 
     /// The constant part.
     fn angle_to_f64(angle: Self::Angle) -> f64 {
-        N::angle_to_f64(angle.constant)
+        <Float<N>>::angle_to_f64(angle.constant)
     }
 
     #[inline(always)]
     fn angle(radians: Self) -> Self::Angle {
         AngleModel {
-            constant: N::angle(radians.constant),
+            constant: <Float<N>>::angle(radians.constant),
             linear: radians.linear,
-            error: radians.error + Roundoffs::Two.of(radians.magnitude()),
+            error: radians.error + Roundoffs::Two.of::<N>(radians.magnitude()),
         }
     }
 
     #[inline(always)]
     fn radians(angle: Self::Angle) -> Self {
-        let constant = N::radians(angle.constant);
+        let constant = <Float<N>>::radians(angle.constant);
         let size = constant.abs() + angle.linear.abs();
         Self::rounded(constant, angle.linear, angle.error, size, Roundoffs::Two)
     }
 
     #[inline(always)]
     fn ratio(numerator: u32, denominator: u32) -> Self {
-        let ratio = N::ratio(numerator, denominator);
-        Self::rounded(ratio, N::ZERO, N::ZERO, ratio, Roundoffs::Two)
+        let ratio = <Float<N>>::ratio(numerator, denominator);
+        Self::rounded(
+            ratio,
+            <Float<N>>::ZERO,
+            <Float<N>>::ZERO,
+            ratio,
+            Roundoffs::Two,
+        )
+    }
+
+    #[inline(always)]
+    fn bound(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn angle_bound(angle: Self::Angle) -> Self::Angle {
+        angle
+    }
+
+    #[inline(always)]
+    fn from_bound(bound: Self) -> Self {
+        bound
     }
 
     #[inline(always)]
@@ -108,18 +130,18 @@ impl<N: Number> Number for TaylorModel<N> {
     fn sqrt(self) -> Self {
         let radius = self.radius();
         let root = self.constant.sqrt();
-        if !(self.constant > N::ZERO) || !(self.constant >= radius) {
-            return if self.constant == N::ZERO && radius == N::ZERO {
+        if !(self.constant > <Float<N>>::ZERO) || !(self.constant >= radius) {
+            return if self.constant == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
                 self
             } else {
                 Self::unknown()
             };
         }
-        let half_inverse = N::HALF.div(root);
+        let half_inverse = <Float<N>>::HALF.div(root);
         let part = radius * half_inverse;
-        let proportion = N::ONE + radius.div(self.constant);
+        let proportion = <Float<N>>::ONE + radius.div(self.constant);
         let size = part * proportion;
-        let half_rest = N::HALF * (half_inverse * (size * size));
+        let half_rest = <Float<N>>::HALF * (half_inverse * (size * size));
         let linear = self.linear * half_inverse;
         Self::rounded(
             root - half_rest,
@@ -133,26 +155,31 @@ impl<N: Number> Number for TaylorModel<N> {
     /// A straddling sign gives the range from 0 to the largest size.
     #[inline(always)]
     fn abs(self) -> Self {
-        if self.least_magnitude() >= N::ZERO {
-            if self.constant < N::ZERO { -self } else { self }
+        if self.least_magnitude() >= <Float<N>>::ZERO {
+            if self.constant < <Float<N>>::ZERO {
+                -self
+            } else {
+                self
+            }
         } else {
-            let half = N::HALF * self.magnitude();
-            Self::rounded(half, N::ZERO, half, half, Roundoffs::Two)
+            let half = <Float<N>>::HALF * self.magnitude();
+            Self::rounded(half, <Float<N>>::ZERO, half, half, Roundoffs::Two)
         }
     }
 
     /// By Taylor's formula to the second order, with the third derivative at most 1.
     #[inline(always)]
     fn sin_cos(angle: Self::Angle) -> (Self, Self) {
-        let (sin, cos) = N::sin_cos(angle.constant);
+        let (sin, cos) = <Float<N>>::sin_cos(angle.constant);
         let radius = angle.linear.abs() + angle.error;
-        let second = N::HALF * (radius * radius);
-        let third = second * radius * N::ratio(1, 3);
-        let model = |value: N, slope: N| {
+        let second = <Float<N>>::HALF * (radius * radius);
+        let third = second * radius * <Float<N>>::ratio(1, 3);
+        let model = |value: Float<N>, slope: Float<N>| {
             let linear = slope * angle.linear;
             // Of the second-order term, value t^2 linear^2 / 2 is known up to the error of the
             // angle; it is left whole in the error, for half of it would save little.
-            let error = N::ab_plus_cd(value.abs(), second, slope.abs(), angle.error) + third;
+            let error =
+                <Float<N>>::ab_plus_cd(value.abs(), second, slope.abs(), angle.error) + third;
             let size = value.abs() + linear.abs();
             Self::rounded(value, linear, error, size, Roundoffs::Eight)
         };
@@ -163,27 +190,27 @@ impl<N: Number> Number for TaylorModel<N> {
     /// angle's first derivatives at the distance rho are of size 1 / rho, its second ones
     /// 1 / rho^2: what is not linear is below d^2 / (2 rho^2) for a step of length d.
     fn atan2(y: Self, x: Self) -> Self::Angle {
-        let length_sq = N::ab_plus_cd(x.constant, x.constant, y.constant, y.constant);
+        let length_sq = <Float<N>>::ab_plus_cd(x.constant, x.constant, y.constant, y.constant);
         let length = length_sq.sqrt();
         let step = x.radius() + y.radius();
         let least = length - step;
-        if !(least > Roundoffs::Eight.of(length + step)) {
+        if !(least > Roundoffs::Eight.of::<N>(length + step)) {
             return AngleModel {
-                constant: N::atan2(y.constant, x.constant),
-                linear: N::ZERO,
-                error: N::ONE.div(N::ZERO),
+                constant: <Float<N>>::atan2(y.constant, x.constant),
+                linear: <Float<N>>::ZERO,
+                error: <Float<N>>::ONE.div(<Float<N>>::ZERO),
             };
         }
-        let across = N::ab_minus_cd(x.constant, y.linear, y.constant, x.linear);
+        let across = <Float<N>>::ab_minus_cd(x.constant, y.linear, y.constant, x.linear);
         let relative = step.div(least);
-        let constant = N::atan2(y.constant, x.constant);
+        let constant = <Float<N>>::atan2(y.constant, x.constant);
         let linear = across.div(length_sq);
-        let error = N::HALF * (relative * relative) + (x.error + y.error).div(length);
-        let size = N::radians(constant).abs() + relative + error;
+        let error = <Float<N>>::HALF * (relative * relative) + (x.error + y.error).div(length);
+        let size = <Float<N>>::radians(constant).abs() + relative + error;
         AngleModel {
             constant,
             linear,
-            error: error + Roundoffs::Eight.of(size),
+            error: error + Roundoffs::Eight.of::<N>(size),
         }
     }
 

@@ -181,6 +181,8 @@ impl Neg for Sum {
 
 impl Number for Fixed {
     type Angle = Turns;
+    /// A format this narrow has no room for bounds.
+    type Bound = f32;
     type Sum = Sum;
     type Factor = Factor;
     type Count = Count;
@@ -194,10 +196,27 @@ impl Number for Fixed {
     // Half of it is what the format has no room for.
     const UNIT_ROUNDOFF: Self = Self(1);
 
-    /// The unit, whatever the size.
+    fn bound(self) -> f32 {
+        if self.is_finite() {
+            self.0 as f32 * Self::UNIT as f32
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    fn angle_bound(angle: Turns) -> f32 {
+        const TURN: f32 = (core::f64::consts::TAU / 4_294_967_296.0) as f32;
+        angle.0 as f32 * TURN
+    }
+
+    fn from_bound(bound: f32) -> Self {
+        Self::from_f64(bound.into())
+    }
+
+    /// The unit and the float's own.
     #[inline(always)]
-    fn roundoff(_: Self) -> Self {
-        Self(1)
+    fn roundoff(size: f32) -> f32 {
+        size * f32::UNIT_ROUNDOFF + Self::UNIT as f32
     }
 
     /// Beyond the range one of the rails, as for what is not a number.
