@@ -29,9 +29,11 @@ pub enum Method {
 }
 
 impl Method {
-    /// Tolerance where none is chosen. The reference case asks for 1e-9 of a motion over less
-    /// than 1 m, and errors of single steps add up.
-    pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+    /// Tolerance of the explicit pair where none is chosen. Errors of single steps add up, but the
+    /// pair's own error is one order better than what it estimates.
+    pub const DORMAND_PRINCE_TOLERANCE: f64 = 1e-9;
+    /// Tolerance of Radau IIA where none is chosen: 1e-9 of a motion is kept with some to spare.
+    pub const RADAU_IIA_TOLERANCE: f64 = 1e-10;
     /// The least tolerance: below it, rounding errors of a step decide.
     pub const LEAST_TOLERANCE: f64 = 1e-14;
     /// The greatest tolerance: above it, estimates of the error mean nothing.

@@ -209,20 +209,22 @@ impl Display for Choice {
     }
 }
 
-/// So many stable explicit steps from one result to the next cost as much as an implicit one: an
-/// implicit step solves for three stages several times and factors two matrices now and then.
-const EXPLICIT_STEPS: f64 = 10.0;
-
-/// The method for a system whose results are asked for every `resolution_s`: the explicit pair,
-/// or the implicit method where stability would hold the pair to far shorter steps than that.
-pub fn choose(spectrum: &Spectrum, resolution_s: f64, tolerance: f64) -> Choice {
+/// The method for a system whose results are asked for every `resolution_s`: the explicit pair
+/// where one stable step of it reaches from one result to the next, or the implicit method, which
+/// is cheaper as soon as it can take longer steps than stability allows the pair. Without a
+/// `tolerance`, the method's own.
+pub fn choose(spectrum: &Spectrum, resolution_s: f64, tolerance: Option<f64>) -> Choice {
     let explicit_step_s = spectrum.longest_dormand_prince();
-    let stiff = resolution_s > EXPLICIT_STEPS * explicit_step_s;
+    let stiff = resolution_s > explicit_step_s;
     Choice {
         method: if stiff {
-            Method::RadauIia { tolerance }
+            Method::RadauIia {
+                tolerance: tolerance.unwrap_or(Method::RADAU_IIA_TOLERANCE),
+            }
         } else {
-            Method::DormandPrince { tolerance }
+            Method::DormandPrince {
+                tolerance: tolerance.unwrap_or(Method::DORMAND_PRINCE_TOLERANCE),
+            }
         },
         radius: spectrum.radius(),
         explicit_step_s,

@@ -302,7 +302,6 @@ impl Clock {
 
 /// The method that the scene chooses, or that its stiffness does.
 fn choose(scene: &Scene, spectrum: &Spectrum, resolution_s: f64) -> (Method, Option<String>) {
-    let or_default = |tolerance: Option<f64>| tolerance.unwrap_or(Method::DEFAULT_TOLERANCE);
     let chosen = scene
         .plant
         .as_ref()
@@ -313,14 +312,13 @@ fn choose(scene: &Scene, spectrum: &Spectrum, resolution_s: f64) -> (Method, Opt
         scene::Method::SemiImplicitEuler { step_s } => Method::SemiImplicitEuler { step_s },
         scene::Method::Rk4 { step_s } => Method::Rk4 { step_s },
         scene::Method::DormandPrince { tolerance } => Method::DormandPrince {
-            tolerance: or_default(tolerance),
+            tolerance: tolerance.unwrap_or(Method::DORMAND_PRINCE_TOLERANCE),
         },
         scene::Method::RadauIia { tolerance } => Method::RadauIia {
-            tolerance: or_default(tolerance),
+            tolerance: tolerance.unwrap_or(Method::RADAU_IIA_TOLERANCE),
         },
         scene::Method::Auto { tolerance } => {
-            let choice =
-                integrate::stability::choose(spectrum, resolution_s, or_default(tolerance));
+            let choice = integrate::stability::choose(spectrum, resolution_s, tolerance);
             return (choice.method, Some(choice.to_string()));
         }
     };

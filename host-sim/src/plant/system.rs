@@ -26,8 +26,9 @@ impl<const N: usize> System<N> for Plant<N> {
         if Self::LAYOUT.currents {
             for (leg, motor) in self.motors.iter().enumerate() {
                 if let Motor::Bldc(winding) = motor {
-                    // A tenth of the largest: what a motor that is not overloaded takes.
-                    scales[Self::LAYOUT.current() + leg] = 0.1 * winding.current_limit;
+                    // What the supply could drive through the winding: currents jump towards it with
+                    // every sample, and a motion integrates them twice.
+                    scales[Self::LAYOUT.current() + leg] = winding.supply / winding.resistance;
                 }
             }
         }

@@ -9,6 +9,7 @@ mod numbers;
 mod page;
 mod scenes;
 mod table;
+pub mod work_precision;
 
 pub use page::Block;
 
@@ -25,6 +26,8 @@ pub enum Section {
     Numbers,
     /// Extreme machines, moves and poses in every number type
     Extremes,
+    /// Error and run time of every method of integration
+    WorkPrecision,
 }
 
 impl Section {
@@ -35,6 +38,7 @@ impl Section {
         match self {
             Section::Numbers => numbers::write(page),
             Section::Extremes => extremes::write(page),
+            Section::WorkPrecision => work_precision::write(page),
         }
     }
 }

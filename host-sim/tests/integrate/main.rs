@@ -3,6 +3,7 @@
 mod events;
 mod order;
 mod problems;
+mod reference;
 mod refusals;
 mod stability;
 mod stiff;

@@ -1,0 +1,75 @@
+//! One run of a case by one method, and what it cost.
+
+use crate::failure::Failure;
+use crate::plant::simulate::{End, simulate};
+use crate::plant::source::Pipeline;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use trirrr_scene::{Method, Scene};
+
+/// Solutions are compared every so often, s. No method takes longer steps.
+const COMPARED_S: f64 = 0.02;
+/// A run whose error stays below this, in m and rad, has followed the motion.
+pub(super) const FOLLOWED: f64 = 1e-4;
+
+/// A run.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Time and pose (x and y in m, alpha in rad), up to the end.
+    pub poses: Vec<(f64, [f64; 3])>,
+    /// How it ended, where not at its end.
+    pub ended: Option<String>,
+    /// Derivatives evaluated, those of Jacobians among them.
+    pub cost: u64,
+    /// Run time.
+    pub elapsed: Duration,
+}
+
+impl Trial {
+    /// Runs `scene` by `method`.
+    ///
+    /// # Errors
+    /// Why the scene is refused.
+    pub fn run(scene: &Scene, method: Method) -> Result<Self, Failure> {
+        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+        let mut scene = scene.clone();
+        if let Some(plant) = &mut scene.plant {
+            plant.method = method;
+            plant.record_s = COMPARED_S;
+        }
+        let source = Pipeline::<f64>::build(&scene).map_err(|error| refused(&error))?;
+        let mut poses = Vec::new();
+        let never = AtomicBool::new(false);
+        let outcome = simulate(&scene, Box::new(source), &never, |row| {
+            poses.push((row.t, row.pose));
+        })
+        .map_err(|error| refused(&error))?;
+        let ended = match outcome.end {
+            End::Complete => None,
+            End::Ended(ending) => Some(ending.to_string()),
+            End::Failed(cause) => Some(cause),
+            End::Interrupted { t } => Some(format!("interrupted at t = {t} s")),
+        };
+        Ok(Self {
+            poses,
+            ended,
+            cost: outcome.tally.cost(outcome.dimension),
+            elapsed: outcome.elapsed,
+        })
+    }
+
+    /// Largest difference of poses from those of `truth`, in m and rad, over all of its instants;
+    /// infinite where this run ended before it.
+    pub fn error(&self, truth: &Self) -> f64 {
+        if self.poses.len() < truth.poses.len() {
+            return f64::INFINITY;
+        }
+        let pairs = self.poses.iter().zip(&truth.poses);
+        let differences = pairs.flat_map(|((_, pose), (_, truth))| {
+            pose.iter()
+                .zip(truth)
+                .map(|(pose, truth)| (pose - truth).abs())
+        });
+        differences.fold(0.0, f64::max)
+    }
+}
