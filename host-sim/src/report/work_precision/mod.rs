@@ -95,7 +95,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), Failure> {
                     .map(|(_, trial, error)| Point {
                         x: trial.cost as f64,
                         y: *error,
-                        label: String::new(),
+                        mark: 0,
                     })
                     .collect(),
             })
@@ -105,6 +105,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), Failure> {
             x,
             y,
             series: &series,
+            marks: &[],
             fronts: &[],
         };
         page.figure(
