@@ -118,4 +118,5 @@ pub mod singularity;
 pub mod status;
 pub mod tick;
 pub mod torque;
+pub mod units;
 pub mod wire;

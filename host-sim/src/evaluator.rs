@@ -11,10 +11,12 @@ use trirrr_core::status::Status;
 use trirrr_core::tick::{Motor, Tick};
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::units::Units;
+use trirrr_scene::{JobPlayer, Scene};
 
 /// The pipeline of one machine in the number type `N`.
 pub trait Evaluator<N: Number>: Send + Sync {
-    /// Evaluates one setpoint. The record's time is `t`, which nothing is computed from; its tool is
+    /// Evaluates one setpoint, given in the machine's units. The record's time is `t`, which nothing is computed from; its tool is
     /// off.
     ///
     /// # Errors
@@ -30,33 +32,78 @@ pub trait Evaluator<N: Number>: Send + Sync {
     fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status>;
 }
 
-/// Builds the pipeline that has room for what `parameters` hold, and for nothing else.
+/// Builds the pipeline that has room for what `parameters` hold, and for nothing else. Setpoints
+/// are in SI units.
 ///
 /// # Errors
 /// The first quantity of the parameters that is refused.
 pub fn build<N: Number>(parameters: &Parameters) -> Result<Box<dyn Evaluator<N>>, BuildError> {
+    build_in(parameters, Units::SI)
+}
+
+/// As [`build`], for setpoints in `units`; `parameters` and what comes out are in SI units.
+///
+/// # Errors
+/// The first quantity of the parameters, in `units`, that is refused.
+pub fn build_in<N: Number>(
+    parameters: &Parameters,
+    units: Units,
+) -> Result<Box<dyn Evaluator<N>>, BuildError> {
+    let parameters = &units.parameters(parameters);
     match PayloadKind::of(parameters) {
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters),
+        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters, units),
+        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters, units),
     }
 }
 
-fn with_payload<N, P>(parameters: &Parameters) -> Result<Box<dyn Evaluator<N>>, BuildError>
+/// A scene ready to be played in the number type `N`: its machine, and its job in the units that
+/// the number type needs.
+pub struct Played<N: Number> {
+    /// The machine.
+    pub machine: Box<dyn Evaluator<N>>,
+    /// The setpoints, in `units`.
+    pub player: JobPlayer<N>,
+    /// What 1 stands for.
+    pub units: Units,
+}
+
+/// Builds the machine and the job of `scene` in the number type `N`.
+///
+/// # Errors
+/// The first quantity that does not fit the number type.
+pub fn scene<N: Number>(scene: &Scene) -> Result<Played<N>, String> {
+    let units = trirrr_scene::units::<N>(scene).map_err(|error| error.to_string())?;
+    Ok(Played {
+        machine: build_in(&scene.parameters, units).map_err(|error| error.to_string())?,
+        player: JobPlayer::new(&scene.job.in_units(&units), units.time(scene.period_s())),
+        units,
+    })
+}
+
+fn with_payload<N, P>(
+    parameters: &Parameters,
+    units: Units,
+) -> Result<Box<dyn Evaluator<N>>, BuildError>
 where
     N: Number,
     P: Payload<N> + Send + Sync + 'static,
 {
     match LinksKind::of(parameters) {
-        LinksKind::Massless => Machine::<N, P, Massless>::boxed(parameters),
-        LinksKind::Rotors => Machine::<N, P, Rotors<N>>::boxed(parameters),
-        LinksKind::MassiveHorizontal => Machine::<N, P, Massive<N, Horizontal>>::boxed(parameters),
-        LinksKind::MassiveInPlane => Machine::<N, P, Massive<N, InPlane<N>>>::boxed(parameters),
+        LinksKind::Massless => Machine::<N, P, Massless>::boxed(parameters, units),
+        LinksKind::Rotors => Machine::<N, P, Rotors<N>>::boxed(parameters, units),
+        LinksKind::MassiveHorizontal => {
+            Machine::<N, P, Massive<N, Horizontal>>::boxed(parameters, units)
+        }
+        LinksKind::MassiveInPlane => {
+            Machine::<N, P, Massive<N, InPlane<N>>>::boxed(parameters, units)
+        }
     }
 }
 
 struct Machine<N: Number, P, L> {
     tick: Tick<N, P, L>,
     distances: Distances<N>,
+    units: Units,
 }
 
 impl<N, P, L> Machine<N, P, L>
@@ -65,10 +112,11 @@ where
     P: Payload<N> + Send + Sync + 'static,
     L: Links<N> + Send + Sync + 'static,
 {
-    fn boxed(parameters: &Parameters) -> Result<Box<dyn Evaluator<N>>, BuildError> {
+    fn boxed(parameters: &Parameters, units: Units) -> Result<Box<dyn Evaluator<N>>, BuildError> {
         Ok(Box::new(Self {
             tick: Tick::build(parameters)?,
             distances: Distances::build(parameters),
+            units,
         }))
     }
 }
@@ -84,33 +132,37 @@ where
         let powers = motion.powers()?;
         let position = motion.position();
         let serial = self.distances.serial(&position);
+        // Powers of two: what is multiplied by them keeps its digits.
+        let units = &self.units;
+        let (length, rate) = (units.length_m(), units.rate_rad_s());
+        let acceleration = units.acceleration_rad_s2();
         let leg = |i: usize| {
             let (motor, leg) = (&motion.motors[i], &motion.legs[i]);
             let links = &leg.position.links;
             LegRecord {
                 th1: N::angle_to_f64(motor.angle),
                 th2: N::angle_to_f64(leg.position.distal_angle()),
-                dth1: motor.rate.to_f64(),
-                dth2: leg.rates.distal.to_f64(),
-                ddth1: motor.acceleration.to_f64(),
-                ddth2: leg.accelerations.distal.to_f64(),
-                torque: motor.torque.to_f64(),
-                power: powers[i].to_f64(),
-                cross: links.r1_cross_r2.to_f64(),
+                dth1: motor.rate.to_f64() * rate,
+                dth2: leg.rates.distal.to_f64() * rate,
+                ddth1: motor.acceleration.to_f64() * acceleration,
+                ddth2: leg.accelerations.distal.to_f64() * acceleration,
+                torque: motor.torque.to_f64() * units.torque_nm(),
+                power: powers[i].to_f64() * units.power_w(),
+                cross: links.r1_cross_r2.to_f64() * (length * length),
                 serial: serial[i].to_f64(),
-                base: pair(self.tick.geometry().legs[i].base),
-                r1: pair(links.r1),
-                r2: pair(links.r2),
+                base: pair(self.tick.geometry().legs[i].base, length),
+                r1: pair(links.r1, length),
+                r2: pair(links.r2, length),
             }
         };
-        let [x, y] = pair(setpoint.pose.position);
+        let [x, y] = pair(setpoint.pose.position, length);
         let record = Record {
             t,
             pose: [x, y, N::angle_to_f64(setpoint.pose.angle)],
-            velocity: triple(setpoint.velocity),
-            acceleration: triple(setpoint.acceleration),
+            velocity: triple(setpoint.velocity, units.of(1, -1, 0), rate),
+            acceleration: triple(setpoint.acceleration, units.of(1, -2, 0), acceleration),
             legs: [leg(0), leg(1), leg(2)],
-            det_a: motion.forces.det_a.to_f64(),
+            det_a: motion.forces.det_a.to_f64() * units.of(4, 0, 0),
             parallel: self.distances.parallel(&position).to_f64(),
             tool: 0.0,
         };
@@ -126,10 +178,11 @@ where
     }
 }
 
-fn pair<N: Number>(vector: Vector2<N>) -> [f64; 2] {
-    vector.map(N::to_f64).into()
+fn pair<N: Number>(vector: Vector2<N>, unit: f64) -> [f64; 2] {
+    vector.map(|part| part.to_f64() * unit).into()
 }
 
-fn triple<N: Number>(vector: Vector3<N>) -> [f64; 3] {
-    vector.map(N::to_f64).into()
+fn triple<N: Number>(vector: Vector3<N>, linear: f64, angular: f64) -> [f64; 3] {
+    let [x, y, alpha] = vector.map(N::to_f64).into();
+    [x * linear, y * linear, alpha * angular]
 }

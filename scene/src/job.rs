@@ -4,6 +4,7 @@ use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::read::{Bound, Document, Place, Section};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::Pose;
+use trirrr_core::units::Units;
 
 /// A start pose and the moves from it, one after the other without a pause.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,25 @@ pub struct Tool {
 }
 
 impl Job {
+    /// The job in `units`.
+    pub fn in_units(&self, units: &Units) -> Self {
+        let moved = |each: &Move| Move {
+            from: units.pose(&each.from),
+            to: units.pose(&each.to),
+            start_velocity: units.velocity(&each.start_velocity),
+            end_velocity: units.velocity(&each.end_velocity),
+            tool: each.tool.map(|tool| Tool {
+                speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
+                ..tool
+            }),
+            ..*each
+        };
+        Self {
+            start: units.pose(&self.start),
+            moves: self.moves.iter().map(moved).collect(),
+        }
+    }
+
     /// Duration of the whole job in ticks. It has one setpoint more than that, for both ends
     /// count.
     pub fn ticks(&self) -> u32 {

@@ -7,6 +7,7 @@ use crate::singularity;
 const FINITE: &str = "a finite number within the range of the number type";
 const POSITIVE: &str = "a positive number within the range of the number type";
 const FOURTH_POWER: &str = "a length whose fourth power is within the range of the number type";
+const IN_RANGE: &str = "a length in units in which it is in range of the number type";
 const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
 
 impl Parameters {
@@ -45,11 +46,21 @@ fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
     positive::<N>(Quantity::DistalLength, leg.distal_m)?;
     // The dyad multiplies differences of squared lengths.
     let reach = leg.proximal_m + leg.distal_m;
-    let fourth_power = N::from_f64(reach * reach * reach * reach);
-    let held = fourth_power > N::ZERO && fourth_power.is_finite();
-    require::<N>(held, Quantity::Reach, reach, FOURTH_POWER)?;
+    if N::SPREADS {
+        let fourth_power = N::from_f64(reach * reach * reach * reach);
+        let held = fourth_power > N::ZERO && fourth_power.is_finite();
+        require::<N>(held, Quantity::Reach, reach, FOURTH_POWER)?;
+    } else {
+        let held = N::fit([N::from_f64(reach)]);
+        require::<N>(held, Quantity::Reach, reach, IN_RANGE)?;
+    }
     not_negative::<N>(Quantity::JointRadius, leg.joint_radius_m)?;
-    finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;
+    // An angle is no quantity of the tick: its sine and cosine are taken here.
+    if N::SPREADS {
+        finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;
+    } else {
+        finite::<f64>(Quantity::JointAngle, leg.joint_angle_rad)?;
+    }
     let proximal = [
         Quantity::ProximalMass,
         Quantity::ProximalCentreOfMass,

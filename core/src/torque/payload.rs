@@ -29,9 +29,9 @@ pub trait Payload<N: Number>: Sized {
 
 /// A platform whose centre of mass is its reference point D.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Centred<N> {
-    mass: N,
-    inertia: N,
+pub struct Centred<N: Number> {
+    mass: N::Factor,
+    inertia: N::Factor,
     /// -m g - W: what is constant in F.
     static_force: Vector2<N>,
     /// -Walpha: what is constant in M.
@@ -45,8 +45,8 @@ impl<N: Number> Payload<N> for Centred<N> {
         let mass = parameters.platform.mass_kg;
         let force = -(parameters.gravity_m_s2 * mass + parameters.wrench_force_n);
         Self {
-            mass: N::from_f64(mass),
-            inertia: N::from_f64(parameters.platform.inertia_kgm2),
+            mass: N::factor_from_f64(mass),
+            inertia: N::factor_from_f64(parameters.platform.inertia_kgm2),
             static_force: force.map(N::from_f64),
             static_moment: N::from_f64(-parameters.wrench_torque_nm),
         }
@@ -56,19 +56,19 @@ impl<N: Number> Payload<N> for Centred<N> {
     fn demand(&self, setpoint: &Setpoint<N>, _: &Rotation<N>) -> Demand<N> {
         let a = setpoint.acceleration;
         Demand {
-            force: a.xy().zip_map(&self.static_force, |a, force| {
-                N::round(N::product(a, self.mass) + force.widen())
-            }),
-            moment: N::round(N::product(a.z, self.inertia) + self.static_moment.widen()),
+            force: a
+                .xy()
+                .zip_map(&self.static_force, |a, force| a.scaled(self.mass) + force),
+            moment: a.z.scaled(self.inertia) + self.static_moment,
         }
     }
 }
 
 /// A platform whose centre of mass lies at an offset from D, as with a payload held out of centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Offset<N> {
-    mass: N,
-    inertia: N,
+pub struct Offset<N: Number> {
+    mass: N::Factor,
+    inertia: N::Factor,
     /// s in the platform's frame.
     com: Vector2<N>,
     gravity: Vector2<N>,
@@ -81,8 +81,8 @@ impl<N: Number> Payload<N> for Offset<N> {
 
     fn build(parameters: &Parameters) -> Self {
         Self {
-            mass: N::from_f64(parameters.platform.mass_kg),
-            inertia: N::from_f64(parameters.platform.inertia_kgm2),
+            mass: N::factor_from_f64(parameters.platform.mass_kg),
+            inertia: N::factor_from_f64(parameters.platform.inertia_kgm2),
             com: parameters.platform.com_m.map(N::from_f64),
             gravity: parameters.gravity_m_s2.map(N::from_f64),
             wrench_force: parameters.wrench_force_n.map(N::from_f64),
@@ -95,10 +95,10 @@ impl<N: Number> Payload<N> for Offset<N> {
         let (velocity, a) = (setpoint.velocity, setpoint.acceleration);
         let s = rotation.apply(self.com);
         let a_com = a.xy() + (perpendicular(s) * a.z - s * (velocity.z * velocity.z));
-        let inertial = (a_com - self.gravity) * self.mass;
+        let inertial = (a_com - self.gravity).map(|a| a.scaled(self.mass));
         Demand {
             force: inertial - self.wrench_force,
-            moment: a.z * self.inertia + cross(s, inertial) - self.wrench_moment,
+            moment: a.z.scaled(self.inertia) + cross(s, inertial) - self.wrench_moment,
         }
     }
 }

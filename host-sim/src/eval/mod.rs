@@ -7,15 +7,16 @@ use crate::cli::EvalArgs;
 use crate::evaluator;
 use crate::failure::Failure;
 use crate::record::{RESULT_COLUMNS, Record, number};
-use crate::scalar::Available;
+use crate::scalar::Scalar;
 use columns::Columns;
 use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 use trirrr_core::machine::Parameters;
-use trirrr_core::number::{Coarse, Number};
-use trirrr_core::setpoint::Setpoint;
+use trirrr_core::number::{Coarse, Fixed, Number};
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::units::Units;
 
 /// What became of the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -32,7 +33,7 @@ pub struct Count {
 /// Refused: the table cannot be read or lacks a column, or the number type is not there. Failed:
 /// the results cannot be written.
 pub fn command(args: &EvalArgs) -> Result<(), Failure> {
-    let scalar = args.scalar.available()?;
+    let scalar = args.scalar;
     let cases = args.cases.display();
     let input = File::open(&args.cases)
         .map_err(|error| Failure::Refused(format!("{cases}: cannot be read: {error}")))?;
@@ -75,15 +76,16 @@ fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), Failure> {
 /// # Errors
 /// As [`command`].
 pub fn evaluate(
-    scalar: Available,
+    scalar: Scalar,
     name: &str,
     input: impl Read,
     output: &mut dyn Write,
 ) -> Result<Count, Failure> {
     match scalar {
-        Available::F64 => evaluate_in::<f64>(name, input, output),
-        Available::F32 => evaluate_in::<f32>(name, input, output),
-        Available::Micromath => evaluate_in::<Coarse>(name, input, output),
+        Scalar::F64 => evaluate_in::<f64>(name, input, output),
+        Scalar::F32 => evaluate_in::<f32>(name, input, output),
+        Scalar::Fixed => evaluate_in::<Fixed>(name, input, output),
+        Scalar::Micromath => evaluate_in::<Coarse>(name, input, output),
     }
 }
 
@@ -163,10 +165,37 @@ pub(crate) fn cases(
 /// The motion of a row, or its status.
 fn evaluate_row<N: Number>(columns: &Columns, record: &ByteRecord) -> Result<Record, String> {
     let invalid = |reason: String| format!("invalid: {reason}");
-    let case = row::read::<N>(columns, record).map_err(invalid)?;
-    let machine = evaluator::build(&case.parameters).map_err(|error| invalid(error.to_string()))?;
+    if N::SPREADS {
+        let case = row::read::<N>(columns, record).map_err(invalid)?;
+        return motion(&case.parameters, Units::SI, &case.setpoint);
+    }
+    // Read as it stands, then in the units that the row needs.
+    let case = row::read::<f64>(columns, record).map_err(invalid)?;
+    case.parameters
+        .check::<f64>()
+        .map_err(|error| invalid(error.to_string()))?;
+    let units = trirrr_scene::units_of_setpoint(&case.parameters, &case.setpoint)
+        .map_err(|error| format!("does not fit: {error}"))?;
+    let setpoint = units.setpoint(&case.setpoint);
+    let (pose, velocity) = (setpoint.pose, setpoint.velocity);
+    let setpoint = Setpoint {
+        pose: Pose::from_f64(pose.position.x, pose.position.y, pose.angle),
+        velocity: velocity.map(N::from_f64),
+        acceleration: setpoint.acceleration.map(N::from_f64),
+    };
+    motion(&case.parameters, units, &setpoint)
+}
+
+/// The motion of the machine for `setpoint`, given in `units`.
+fn motion<N: Number>(
+    parameters: &Parameters,
+    units: Units,
+    setpoint: &Setpoint<N>,
+) -> Result<Record, String> {
+    let machine =
+        evaluator::build_in(parameters, units).map_err(|error| format!("invalid: {error}"))?;
     machine
-        .evaluate(0.0, &case.setpoint)
+        .evaluate(0.0, setpoint)
         .map_err(|status| status.to_string())
 }
 

@@ -48,10 +48,10 @@ impl<N: Number> Pipeline<N> {
     /// # Errors
     /// A machine that the core refuses.
     pub fn build(scene: &Scene) -> Result<Self, Refusal> {
+        let played = evaluator::scene::<N>(scene).map_err(Refusal::Machine)?;
         Ok(Self {
-            player: JobPlayer::new(&scene.job, scene.period_s()),
-            evaluator: evaluator::build::<N>(&scene.parameters)
-                .map_err(|error| Refusal::Machine(error.to_string()))?,
+            player: played.player,
+            evaluator: played.machine,
             period_s: scene.period_s(),
         })
     }

@@ -15,7 +15,7 @@ use crate::evaluator;
 use crate::failure::Failure;
 use crate::record::Record;
 use crate::recording::{Peaks, Recorded, Recorder};
-use crate::scalar::{Available, Scalar};
+use crate::scalar::Scalar;
 use pace::Pacer;
 use progress::Progress;
 use std::io;
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
-use trirrr_core::number::{Coarse, Number};
+use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::status::Status;
 use trirrr_scene::{JobPlayer, Scene};
 
@@ -129,10 +129,11 @@ pub fn simulate(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
-    match scalar.available()? {
-        Available::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
-        Available::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
-        Available::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
+    match scalar {
+        Scalar::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
+        Scalar::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
+        Scalar::Fixed => simulate_in::<Fixed>(scene, scalar, paced, folder, stop),
+        Scalar::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
     }
 }
 
@@ -143,12 +144,14 @@ fn simulate_in<N: Number>(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
-    let evaluator = evaluator::build::<N>(&scene.parameters)
+    let evaluator::Played {
+        machine, player, ..
+    } = evaluator::scene::<N>(scene)
         .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
     let setpoints = u64::from(scene.ticks()) + 1;
     let job = Job {
-        player: JobPlayer::<N>::new(&scene.job, scene.period_s()),
-        evaluator: &*evaluator,
+        player,
+        evaluator: &*machine,
         rate_hz: scene.tick_rate_hz,
     };
 

@@ -9,12 +9,12 @@ use crate::plant::source::{Pipeline, TickSource};
 use crate::plant::statistics::{Active, MotorStatistics, Signal};
 use crate::plant::table::{COLUMNS, Row};
 use crate::recording::unwritable;
-use crate::scalar::{Available, Scalar};
+use crate::scalar::Scalar;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use trirrr_core::number::Coarse;
+use trirrr_core::number::{Coarse, Fixed};
 use trirrr_scene::Scene;
 
 /// What was simulated, and what was written.
@@ -38,7 +38,7 @@ pub fn simulate_plant(
     stop: &AtomicBool,
 ) -> Result<Simulated, Failure> {
     let refused = |refusal: Refusal| Failure::Refused(format!("scene {}: {refusal}", scene.name));
-    let source = source(scene, scalar)?.map_err(refused)?;
+    let source = source(scene, scalar).map_err(refused)?;
     std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     let path = folder.join("plant.csv");
     let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
@@ -80,17 +80,18 @@ pub fn simulate_plant(
 }
 
 /// The scene's ticks through the pipeline in `scalar`.
-fn source(scene: &Scene, scalar: Scalar) -> Result<Result<Box<dyn TickSource>, Refusal>, Failure> {
+fn source(scene: &Scene, scalar: Scalar) -> Result<Box<dyn TickSource>, Refusal> {
     fn boxed<S: TickSource + 'static>(
         source: Result<S, Refusal>,
     ) -> Result<Box<dyn TickSource>, Refusal> {
         source.map(|source| Box::new(source) as _)
     }
-    Ok(match scalar.available()? {
-        Available::F64 => boxed(Pipeline::<f64>::build(scene)),
-        Available::F32 => boxed(Pipeline::<f32>::build(scene)),
-        Available::Micromath => boxed(Pipeline::<Coarse>::build(scene)),
-    })
+    match scalar {
+        Scalar::F64 => boxed(Pipeline::<f64>::build(scene)),
+        Scalar::F32 => boxed(Pipeline::<f32>::build(scene)),
+        Scalar::Fixed => boxed(Pipeline::<Fixed>::build(scene)),
+        Scalar::Micromath => boxed(Pipeline::<Coarse>::build(scene)),
+    }
 }
 
 /// Shortest digits that read back as the same number, as in `ticks.csv`.

@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 use trirrr_host_sim::eval::evaluate;
 use trirrr_host_sim::failure::Failure;
-use trirrr_host_sim::scalar::Available;
+use trirrr_host_sim::scalar::Scalar;
 
 #[test]
 fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
@@ -22,7 +22,7 @@ fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
         }
     }
     let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{STATE}\n");
-    let into = |kind| evaluate(Available::F64, "c", cases.as_bytes(), &mut Refusing(kind));
+    let into = |kind| evaluate(Scalar::F64, "c", cases.as_bytes(), &mut Refusing(kind));
     assert!(into(std::io::ErrorKind::BrokenPipe).is_ok());
     assert!(matches!(
         into(std::io::ErrorKind::StorageFull),
