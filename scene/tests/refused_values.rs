@@ -204,3 +204,77 @@ fn drives_and_limits() {
     assert_eq!((found[0].key.as_str(), found.len()), ("drive[3].node_id", 1), "{found:#?}");
     assert_eq!(found[0].reason, "is already the address of drive[1]");
 }
+
+const PLANT: &str = include_str!("../../scenes/plant-reference.toml");
+
+#[test]
+#[rustfmt::skip] // two lines a case
+fn plants() {
+    check(PLANT, &[
+        case(("inductance_h = 1e-4", 1, "inductance_h = -1e-4"),
+            "drive[1].inductance_h", Some("-1e-4"), "must be greater than 0 (H)"),
+        case(("settle_s = 0.2", 1, "settle_s = -1"),
+            "plant.settle_s", Some("-1"), "must not be negative (s)"),
+        case(("record_s = 0.001", 1, "record_s = 0"),
+            "plant.record_s", Some("0"), "must be greater than 0 (s)"),
+        case(("settle_s = 0.2", 1, "method = \"rk4\"\nstep_s = 1.3"),
+            "plant.step_s", Some("1.3"), "a step longer than the run, which lasts 1 s"),
+        case(("settle_s = 0.2", 1, "method = \"rk4\""),
+            "plant.step_s", None, "missing, expected a number in s"),
+        case(("settle_s = 0.2", 1, "method = \"rk4\"\nstep_s = 0"),
+            "plant.step_s", Some("0"), "must be greater than 0 (s)"),
+        case(("settle_s = 0.2", 1, "method = \"radau-iia\"\nstep_s = 1e-4"),
+            "plant.step_s", Some("1e-4"), "unknown key"),
+        case(("settle_s = 0.2", 1, "method = \"leapfrog\""),
+            "plant.method", Some("\"leapfrog\""), "must be one of \"auto\", \"semi-implicit-euler\""),
+        case(("settle_s = 0.2", 1, "tolerance = 1"),
+            "plant.tolerance", Some("1"), "must be from 0.00000000000001 to 0.1"),
+        case(("settle_s = 0.2", 1, "encoder_counts_per_rev = 1.5"),
+            "plant.encoder_counts_per_rev", Some("1.5"), "must be a whole number"),
+        case(("settle_s = 0.2", 1, "following_error_rad = 0"),
+            "plant.following_error_rad", Some("0"), "must be greater than 0 (rad)"),
+        case(("kp_nm_rad = 2000.0", 1, "kp_nm_rad = -1"),
+            "plant.controller.kp_nm_rad", Some("-1"), "must not be negative (N m/rad)"),
+        case(("kd_nm_s_rad = 5.0\n", 1, ""),
+            "plant.controller.kd_nm_s_rad", None, "missing, expected a number, or three"),
+        case(("feed_forward = false", 1, "feed_forward = 0"),
+            "plant.controller.feed_forward", Some("0"), "expected true or false, found a number"),
+        case(("timing = \"continuous\"", 1, "timing = \"sometimes\""),
+            "plant.controller.timing", Some("\"sometimes\""), "must be one of \"continuous\", \"sampled\""),
+        case(("timing = \"continuous\"", 1, "rate_hz = 1500"),
+            "plant.controller.rate_hz", Some("1500"), "a whole multiple of tick_rate_hz = 1000"),
+        case(("timing = \"continuous\"", 1, "timing = \"continuous\"\nrate_hz = 1000"),
+            "plant.controller.rate_hz", Some("1000"), "unknown key"),
+        case(("[job]", 1, "[plant.friction]\nelbow = { coulomb_nm = 1, stick_rad_s = 0 }\n[job]"),
+            "plant.friction.elbow.stick_rad_s", Some("0"), "must be greater than 0 (rad/s)"),
+        case(("[job]", 1, "[plant.transmission]\nstiffness_nm_rad = 0\n[job]"),
+            "plant.transmission.stiffness_nm_rad", Some("0"), "must be greater than 0 (N m/rad)"),
+        case(("[job]", 1, "[plant.transmission]\ndamping_nm_s_rad = 1\n[job]"),
+            "plant.transmission.stiffness_nm_rad", None, "missing, expected a number in N m/rad"),
+    ]);
+    let transmission = edit(PLANT, "[job]", 1, "[plant.transmission]\nstiffness_nm_rad = 1e4\n[job]");
+    for (base, from, to, key, reason) in [
+        (&transmission, "rotor_inertia_kgm2 = 1e-5", "", "plant.transmission", "needs a rotor to turn against"),
+        (&edit(PLANT, "[plant.controller]", 1, "[other]"), "", "", "plant.controller", "motors driven by torque need one"),
+    ] {
+        let text = if from.is_empty() { base.clone() } else { edit(base, from, 1, to) };
+        let found = problems(&text);
+        let named = found.iter().find(|problem| problem.key == key);
+        assert!(named.is_some_and(|problem| problem.reason.contains(reason)), "{found:#?}");
+    }
+    let start = PLANT.find("[[drive]]").unwrap();
+    let end = PLANT.find("[plant]").unwrap();
+    for (drive, key, reason) in [
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = ", "drive", "no model of a drive on the CAN bus"),
+        ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = ", "drive", "needs the holding_torque_nm"),
+        ("kind = \"stepper\"\nholding_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ", "plant.controller", "has to be sampled"),
+        ("kind = \"stepper\"\nholding_torque_nm = 1\npull_out_rate_rad_s = 9\npull_out_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ",
+            "drive[1].pull_out_torque_nm", "must be less than holding_torque_nm"),
+    ] {
+        let drives: String = (1..=3).map(|id| format!("[[drive]]\n{drive}{id}\n")).collect();
+        let text = format!("{}{drives}{}", &PLANT[..start], &PLANT[end..]);
+        let found = problems(&text);
+        assert_eq!(found[0].key, key, "{found:#?}");
+        assert!(found[0].reason.contains(reason), "{found:#?}");
+    }
+}
