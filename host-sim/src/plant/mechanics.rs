@@ -177,36 +177,49 @@ impl Mechanics {
     /// [`Status::Unreachable`], or [`Status::SerialSingular`] where a leg is exactly stretched.
     #[inline(always)]
     pub fn legs(&self, q: [f64; 3], v: [f64; 3]) -> Result<[LegState; 3], Status> {
-        let (sin, cos) = <f64 as Number>::sin_cos(q[2]);
-        let leg = |index: usize| -> Result<LegState, Status> {
-            let leg = &self.legs[index];
-            let c = Vector2::new(
-                leg.joint.x * cos - leg.joint.y * sin,
-                leg.joint.y * cos + leg.joint.x * sin,
-            );
-            let d = (Vector2::new(q[0], q[1]) - leg.base) + c;
-            let links = leg.dyad.position(d).map_err(|reason| match reason {
-                OutOfReach::Unreachable => Status::Unreachable { leg: index },
-                OutOfReach::Singular => Status::SerialSingular { leg: index },
-            })?;
-            let (r1, r2) = (links.r1, links.r2);
-            let inverse = 1.0 / links.r1_cross_r2;
-            let (b, a) = (r2 * inverse, r1 * -inverse);
-            let k1 = [b.x, b.y, cross(c, b)];
-            let k2 = [a.x, a.y, cross(c, a)];
-            Ok(LegState {
-                c,
-                r1,
-                r2,
-                cross: links.r1_cross_r2,
-                inverse,
-                dot: leg.dyad.r1_dot_r2(&links),
-                k1,
-                k2,
-                rates: [product(&k1, &v), product(&k2, &v)],
-            })
-        };
-        Ok([leg(0)?, leg(1)?, leg(2)?])
+        let rotation = <f64 as Number>::sin_cos(q[2]);
+        Ok([
+            self.leg(0, q, v, rotation)?,
+            self.leg(1, q, v, rotation)?,
+            self.leg(2, q, v, rotation)?,
+        ])
+    }
+
+    /// One leg; `rotation` is the sine and cosine of alpha.
+    #[inline(always)]
+    fn leg(
+        &self,
+        index: usize,
+        q: [f64; 3],
+        v: [f64; 3],
+        (sin, cos): (f64, f64),
+    ) -> Result<LegState, Status> {
+        let leg = &self.legs[index];
+        let c = Vector2::new(
+            leg.joint.x * cos - leg.joint.y * sin,
+            leg.joint.y * cos + leg.joint.x * sin,
+        );
+        let d = (Vector2::new(q[0], q[1]) - leg.base) + c;
+        let links = leg.dyad.position(d).map_err(|reason| match reason {
+            OutOfReach::Unreachable => Status::Unreachable { leg: index },
+            OutOfReach::Singular => Status::SerialSingular { leg: index },
+        })?;
+        let (r1, r2) = (links.r1, links.r2);
+        let inverse = 1.0 / links.r1_cross_r2;
+        let (b, a) = (r2 * inverse, r1 * -inverse);
+        let k1 = [b.x, b.y, cross(c, b)];
+        let k2 = [a.x, a.y, cross(c, a)];
+        Ok(LegState {
+            c,
+            r1,
+            r2,
+            cross: links.r1_cross_r2,
+            inverse,
+            dot: leg.dyad.r1_dot_r2(&links),
+            k1,
+            k2,
+            rates: [product(&k1, &v), product(&k2, &v)],
+        })
     }
 
     /// theta_i1 of leg `index`, in (-pi, pi].
