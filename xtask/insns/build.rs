@@ -46,13 +46,18 @@ fn link(here: &Path) -> Result<(), Box<dyn Error>> {
     );
     fs::write(out.join("count.x"), script)?;
     println!("cargo:rerun-if-changed={}", sections.display());
-    for binary in ["count", "admit"] {
+    for binary in ["count", "admit", "serve"] {
         println!(
             "cargo:rustc-link-arg-bin={binary}=-T{}/count.x",
             out.display()
         );
     }
     println!("cargo:rerun-if-changed={}/bare.x", here.display());
-    println!("cargo:rustc-link-arg-bin=bare=-T{}/bare.x", here.display());
+    for binary in ["bare", "bare-service"] {
+        println!(
+            "cargo:rustc-link-arg-bin={binary}=-T{}/bare.x",
+            here.display()
+        );
+    }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! a count of wrong results would be worth nothing.
 
 mod counts;
+mod service;
 
 use crate::budget::{self, Measured};
 use crate::cores::{self, CORES, Core};
@@ -25,6 +26,10 @@ const CEILINGS: &[(&str, &str, &str, f64)] = &[
     ("m4f", "f32", "thesis", 600.0),
     ("m4f", "f32", "thesis-links", 750.0),
 ];
+
+/// Where the service is counted.
+const SERVICE_CORE: &str = "m4f";
+const SERVICE_SCALAR: &str = "f32";
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -61,6 +66,14 @@ struct Row {
     setpoint_max: f64,
     /// Position of one RRR dyad as two vectors, without angles: the longest.
     dyad_max: f64,
+    /// The tick of the whole service while it plays the job; on m4f only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    service_mean: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    service_max: Option<f64>,
+    /// Its longest tick with holds and resumes all along the job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    service_held_max: Option<f64>,
     /// Checksum of all results, the same on the host.
     bits: String,
 }
@@ -71,13 +84,24 @@ impl Measured for Row {
     }
 
     fn figures(&self) -> Vec<(&'static str, f64)> {
-        vec![
+        let mut figures = vec![
             ("mean", self.mean),
             ("max", self.max),
             ("setpoint_mean", self.setpoint_mean),
             ("setpoint_max", self.setpoint_max),
             ("dyad_max", self.dyad_max),
-        ]
+        ];
+        let service = [
+            ("service_mean", self.service_mean),
+            ("service_max", self.service_max),
+            ("service_held_max", self.service_held_max),
+        ];
+        figures.extend(
+            service
+                .into_iter()
+                .filter_map(|(name, figure)| Some((name, figure?))),
+        );
+        figures
     }
 }
 
@@ -165,6 +189,11 @@ fn measure_one(
         file.name,
         counts.bits
     );
+    let service = if core.name == SERVICE_CORE && scalar == SERVICE_SCALAR {
+        Some(service::measure(file, scalar, core, expected)?)
+    } else {
+        None
+    };
     let tick = Spread::of(&counts.ticks)?;
     let setpoint = Spread::of(&counts.setpoints)?;
     Ok(Row {
@@ -178,6 +207,9 @@ fn measure_one(
         setpoint_mean: setpoint.mean,
         setpoint_max: setpoint.max,
         dyad_max: Spread::of(&counts.dyads)?.max,
+        service_mean: service.as_ref().map(|service| service.job.mean),
+        service_max: service.as_ref().map(|service| service.job.max),
+        service_held_max: service.as_ref().map(|service| service.held.max),
         bits: format!("{:016x}", counts.bits),
     })
 }
@@ -195,6 +227,12 @@ fn text(rows: &[Row]) -> String {
                 .chain(&dyad)
                 .map(|figure| format!("{figure}")),
         );
+        let service = [row.service_mean, row.service_max, row.service_held_max];
+        cells.extend(
+            service
+                .iter()
+                .map(|figure| figure.map_or("-".into(), |figure| format!("{figure}"))),
+        );
         cells.push(row.bits.clone());
         cells
     });
@@ -209,6 +247,9 @@ fn text(rows: &[Row]) -> String {
         "mean",
         "max",
         "dyad max",
+        "service mean",
+        "max",
+        "held max",
         "bits",
     ];
     table(&headings, &cells.collect::<Vec<_>>())
@@ -237,6 +278,22 @@ fn hold_ceilings(rows: &[Row]) -> Result<()> {
             row.dyad_max
         );
     }
+    let of_service = |row: &&Row| {
+        let longest = [row.service_max, row.service_held_max];
+        longest
+            .into_iter()
+            .flatten()
+            .any(|longest| longest > service::CEILING)
+    };
+    if let Some(row) = rows.iter().find(of_service) {
+        bail!(
+            "{}: {:?} instructions for a tick of the service, with holds {:?}; the ceiling is {}",
+            row.key(),
+            row.service_max,
+            row.service_held_max,
+            service::CEILING
+        );
+    }
     Ok(())
 }
 
@@ -256,6 +313,9 @@ mod tests {
             setpoint_mean: 41.5,
             setpoint_max: 43.0,
             dyad_max: 50.0,
+            service_mean: None,
+            service_max: None,
+            service_held_max: None,
             bits: "00000000000000ff".into(),
         }
     }

@@ -2,14 +2,14 @@
 
 use super::background::{self, Background, Stand};
 use super::foreground::{self, Foreground};
-use super::link::{Order, Planned, Report, Shared};
+use super::link::{Order, Planned, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::Admission;
 use crate::limits::Limits;
 use crate::machine::BuildError;
-use crate::message::{Event, Move, Telemetry};
+use crate::message::{Event, Fault, Move, Telemetry};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::status::Status;
@@ -31,7 +31,7 @@ const EVENTS: usize = 16;
 
 /// The queues between the two halves: all the memory of a service besides the halves themselves.
 ///
-/// `MOVES` - 1 moves can wait, those not yet judged included; `SAMPLES` - 1 telemetry samples.
+/// `MOVES` - 1 moves have room, those not yet judged and the one under way included; `SAMPLES` - 1 telemetry samples.
 /// `S` is the [kind of scene](Scene).
 pub struct Channels<N, P, L, S, const MOVES: usize, const SAMPLES: usize>
 where
@@ -42,8 +42,10 @@ where
 {
     moves: Queue<Planned<N>, MOVES>,
     offered: Queue<Move<N>, MOVES>,
-    orders: Queue<Order<N>, ORDERS>,
+    recoveries: Queue<Recover<N>, 2>,
+    orders: Queue<Order, ORDERS>,
     reports: Queue<Report<N>, REPORTS>,
+    faults: Queue<Fault<N>, 2>,
     samples: Queue<Telemetry<N>, SAMPLES>,
     events: Queue<Event<N>, EVENTS>,
     setups: S::Slot,
@@ -99,8 +101,10 @@ where
         Self {
             moves: Queue::new(),
             offered: Queue::new(),
+            recoveries: Queue::new(),
             orders: Queue::new(),
             reports: Queue::new(),
+            faults: Queue::new(),
             samples: Queue::new(),
             events: Queue::new(),
             setups: S::Slot::EMPTY,
@@ -136,6 +140,8 @@ where
 
         let (moves_in, moves_out) = self.moves.split();
         let (offered_in, offered_out) = self.offered.split();
+        let (recoveries_in, recoveries_out) = self.recoveries.split();
+        let (faults_in, faults_out) = self.faults.split();
         let (orders_in, orders_out) = self.orders.split();
         let (reports_in, reports_out) = self.reports.split();
         let (samples_in, samples_out) = self.samples.split();
@@ -148,9 +154,11 @@ where
             &settings,
             foreground::Ends {
                 moves: Receiver::new(moves_out),
+                recoveries: Receiver::new(recoveries_out),
                 orders: Receiver::new(orders_out),
                 setups: setups_out,
                 reports: Sender::new(reports_in),
+                faults: Sender::new(faults_in),
                 samples: Sender::new(samples_in),
                 shared,
             },
@@ -163,9 +171,11 @@ where
             settings,
             background::Ends {
                 moves: Sender::new(moves_in),
+                recoveries: Sender::new(recoveries_in),
                 orders: Sender::new(orders_in),
                 setups: setups_in,
                 reports: Receiver::new(reports_out),
+                faults: Receiver::new(faults_out),
                 samples: Receiver::new(samples_out),
                 shared,
                 offered: (Sender::new(offered_in), Receiver::new(offered_out)),

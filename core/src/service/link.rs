@@ -2,14 +2,16 @@
 //!
 //! | from | to | by | what |
 //! |---|---|---|---|
-//! | background | tick | queue | admitted moves ([`Planned`]) |
+//! | background | tick | queue | admitted moves ([`Planned`]); the first is under way |
+//! | background | tick | queue | a recovery ([`Recover`]) |
 //! | background | tick | queue | orders ([`Order`]) |
 //! | tick | background | queue | where it stands, after each change ([`Report`]) |
+//! | tick | background | queue | a fault |
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`Shared`] | counters, each with one writer |
 
 use super::tool::Tool;
-use crate::message::{Acting, Fault, State};
+use crate::message::{Acting, State};
 use crate::number::Number;
 use crate::setpoint::{JointMove, Pose, Segment};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -27,21 +29,27 @@ pub(super) struct Planned<N: Number> {
 
 /// What the tick is told to do. It takes one per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Order<N: Number> {
+pub(super) enum Order {
     Start,
     Hold,
     Resume,
     Stop,
     ClearFault,
-    Recover {
-        path: JointMove<N>,
-        to: Pose<N>,
-    },
+    /// The recovery at the head of its queue.
+    Recover,
     Telemetry {
         every: u16,
     },
     /// A new scene is in its slot.
     Adopt,
+}
+
+/// A recovery.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Recover<N: Number> {
+    pub(super) path: JointMove<N>,
+    /// The pose at its end.
+    pub(super) to: Pose<N>,
 }
 
 /// Where the tick stands, after something changed.
@@ -52,7 +60,6 @@ pub(super) struct Report<N: Number> {
     pub(super) generation: u8,
     pub(super) state: State,
     pub(super) acting: Acting,
-    pub(super) fault: Option<Fault<N>>,
     /// Number of the first move that was not begun,
     pub(super) begun: u32,
     /// and of the first that is not over.

@@ -108,10 +108,15 @@ impl Pace {
     /// Prepares the way from rest to normal speed such that it ends at a whole tick.
     pub(super) fn aim(&mut self, part: u32) {
         // R^2 + 2 d + part = 0 (mod 2 R). The part's parity is that of the levels that were
-        // climbed: that of R, or of R^2, so the sum is even.
-        let ramp = u64::from(self.ramp);
-        let half = (ramp * ramp + u64::from(part)) / 2;
-        let over = (half % ramp) as u32;
+        // climbed, that of R: d = -(R^2 + part) / 2 (mod R), and R^2 / 2 is R times a whole number,
+        // or half an R more where R is odd.
+        let odd = self.ramp % 2;
+        let half = (part + odd * self.ramp) / 2;
+        let over = if half < self.ramp {
+            half
+        } else {
+            half - self.ramp
+        };
         self.dwell = if over == 0 { NOWHERE } else { self.ramp - over };
     }
 

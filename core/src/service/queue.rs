@@ -19,8 +19,15 @@ impl<'q, T> Sender<'q, T> {
 
     /// Puts `item` in; whether there was room.
     #[inline]
+    #[allow(unsafe_code)]
     pub(super) fn send(&mut self, item: T) -> bool {
-        self.0.capacity() != usize::MAX && self.0.enqueue(item).is_ok()
+        if !self.has_room() {
+            return false;
+        }
+        // SAFETY: there is room, and nobody else puts in. `enqueue` would hand the item back where
+        // there is none, and copy it back and forth for that.
+        unsafe { self.0.enqueue_unchecked(item) };
+        true
     }
 
     /// Whether there is room.
@@ -61,6 +68,18 @@ impl<'q, T> Receiver<'q, T> {
     #[inline]
     pub(super) fn peek(&self) -> Option<&T> {
         self.0.peek()
+    }
+
+    /// Takes the oldest item out and drops it.
+    #[inline]
+    pub(super) fn discard(&mut self) {
+        self.receive();
+    }
+
+    /// Whether there are two items at least.
+    #[inline]
+    pub(super) fn has_second(&self) -> bool {
+        self.0.capacity() != usize::MAX && self.0.len() >= 2
     }
 
     /// Whether there is no room for another.

@@ -1,7 +1,8 @@
-//! What the two images of this package share: the scene they were built for, as constants and
-//! types, and the tick as a caller sees it.
+//! What the images of this package share: the scene they were built for, as constants and types, and
+//! the tick, alone and in its service, as a caller sees it.
 #![no_std]
 
+pub mod service;
 pub mod tick;
 
 /// The scene: `PARAMETERS`, `MOVES`, `PERIOD_S`, and the types `Scalar`, `Payload`, `Links` that

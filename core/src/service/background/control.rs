@@ -2,7 +2,7 @@
 
 use super::super::foreground::slope;
 use super::super::guard;
-use super::super::link::Order;
+use super::super::link::{Order, Recover};
 use super::super::pace::Pace;
 use super::super::scene::{Put, Scene, Setup};
 use super::Background;
@@ -128,7 +128,10 @@ where
                 })
             })?;
         let to = *pose;
-        self.order(Order::Recover { path, to }, State::Recovering)?;
+        if !self.orders.has_room() || !self.recoveries.send(Recover { path, to }) {
+            return Err(Refusal::Busy);
+        }
+        self.order(Order::Recover, State::Recovering)?;
         self.end = None;
         Ok(())
     }

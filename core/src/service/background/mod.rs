@@ -5,7 +5,7 @@ mod moves;
 mod parts;
 mod receive;
 
-use super::link::{Ahead, Order, Planned, Report, Shared};
+use super::link::{Ahead, Order, Planned, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Put, Scene, Setup};
 use super::settings::Settings;
@@ -38,9 +38,11 @@ where
     admission: Admission<N, P, L>,
 
     moves: Sender<'q, Planned<N>>,
-    orders: Sender<'q, Order<N>>,
+    recoveries: Sender<'q, Recover<N>>,
+    orders: Sender<'q, Order>,
     setups: U,
     reports: Receiver<'q, Report<N>>,
+    faults: Receiver<'q, Fault<N>>,
     samples: Receiver<'q, Telemetry<N>>,
     shared: &'q Shared,
 
@@ -107,9 +109,11 @@ pub(super) struct Stand<N: Number> {
 /// The ends that belong to the background.
 pub(super) struct Ends<'q, N: Number, U> {
     pub(super) moves: Sender<'q, Planned<N>>,
-    pub(super) orders: Sender<'q, Order<N>>,
+    pub(super) recoveries: Sender<'q, Recover<N>>,
+    pub(super) orders: Sender<'q, Order>,
     pub(super) setups: U,
     pub(super) reports: Receiver<'q, Report<N>>,
+    pub(super) faults: Receiver<'q, Fault<N>>,
     pub(super) samples: Receiver<'q, Telemetry<N>>,
     pub(super) shared: &'q Shared,
     pub(super) offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
@@ -140,9 +144,11 @@ where
             limits: stand.limits,
             admission,
             moves: ends.moves,
+            recoveries: ends.recoveries,
             orders: ends.orders,
             setups: ends.setups,
             reports: ends.reports,
+            faults: ends.faults,
             samples: ends.samples,
             shared: ends.shared,
             offered: ends.offered,
@@ -232,11 +238,13 @@ where
             if over {
                 self.start_over(&report);
             }
-            if report.fault != self.fault {
-                self.fault = report.fault;
-                if let Some(fault) = report.fault {
+            if report.state == State::Fault {
+                if let Some(fault) = self.faults.receive() {
+                    self.fault = Some(fault);
                     self.tell(Event::Fault(fault));
                 }
+            } else {
+                self.fault = None;
             }
             self.done = report.done;
             let told = (report.state, report.acting, report.done);
@@ -276,7 +284,7 @@ where
     }
 
     /// Sends an order and, until the tick reports, counts on what it will make of the state.
-    fn order(&mut self, order: Order<N>, state: State) -> Result<(), Refusal<N>> {
+    fn order(&mut self, order: Order, state: State) -> Result<(), Refusal<N>> {
         if !self.orders.send(order) {
             return Err(Refusal::Busy);
         }

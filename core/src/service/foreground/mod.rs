@@ -5,7 +5,7 @@ mod play;
 mod report;
 
 use super::guard::{self, Broken};
-use super::link::{Order, Planned, Report, Shared};
+use super::link::{Order, Planned, Recover, Report, Shared};
 use super::pace::{Pace, Place};
 use super::queue::{Receiver, Sender};
 use super::scene::Setup;
@@ -13,7 +13,7 @@ use super::settings::Settings;
 use crate::limits::Limits;
 use crate::message::{Acting, Fault, FaultCode, State, Telemetry};
 use crate::number::Number;
-use crate::setpoint::{JointMove, JointSetpoint, Pose, Setpoint};
+use crate::setpoint::{JointSetpoint, Pose, Setpoint};
 use crate::tick::{Motor, Tick};
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
@@ -42,16 +42,17 @@ pub struct Foreground<'q, N: Number, P, L, T> {
     silence_ticks: u32,
 
     moves: Receiver<'q, Planned<N>>,
-    orders: Receiver<'q, Order<N>>,
+    recoveries: Receiver<'q, Recover<N>>,
+    orders: Receiver<'q, Order>,
     setups: T,
     reports: Sender<'q, Report<N>>,
+    faults: Sender<'q, Fault<N>>,
     samples: Sender<'q, Telemetry<N>>,
     shared: &'q Shared,
 
     state: State,
     acting: Acting,
-    fault: Option<Fault<N>>,
-    path: Path<N>,
+    path: Path,
     place: Place,
     pace: Pace,
     /// A hold that the host asked for: it waits to be resumed.
@@ -76,18 +77,18 @@ pub struct Foreground<'q, N: Number, P, L, T> {
     duration: u32,
 }
 
-/// What is under way.
-#[derive(Clone, Copy, Debug)]
-enum Path<N: Number> {
+/// What is under way: the head of a queue, where it stays until it is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Path {
     None,
     /// A move of the job.
-    Move(Planned<N>),
+    Move,
     /// The last move of the job, at its end: a tick later it is over.
-    Ended(Planned<N>),
-    /// A recovery and where it leads.
-    Joints(JointMove<N>, Pose<N>),
+    Ended,
+    /// A recovery.
+    Joints,
     /// A recovery at its end.
-    JointsEnded(JointMove<N>, Pose<N>),
+    JointsEnded,
 }
 
 /// What a tick asks of the machine.
@@ -101,9 +102,11 @@ enum Target<N: Number> {
 /// The ends that belong to the tick.
 pub(super) struct Ends<'q, N: Number, T> {
     pub(super) moves: Receiver<'q, Planned<N>>,
-    pub(super) orders: Receiver<'q, Order<N>>,
+    pub(super) recoveries: Receiver<'q, Recover<N>>,
+    pub(super) orders: Receiver<'q, Order>,
     pub(super) setups: T,
     pub(super) reports: Sender<'q, Report<N>>,
+    pub(super) faults: Sender<'q, Fault<N>>,
     pub(super) samples: Sender<'q, Telemetry<N>>,
     pub(super) shared: &'q Shared,
 }
@@ -135,14 +138,15 @@ where
             ramp: [N::count(pace.ramp()), N::count(2 * pace.ramp())],
             silence_ticks: settings.silence_ticks,
             moves: ends.moves,
+            recoveries: ends.recoveries,
             orders: ends.orders,
             setups: ends.setups,
             reports: ends.reports,
+            faults: ends.faults,
             samples: ends.samples,
             shared: ends.shared,
             state: State::Idle,
             acting: Acting::Nothing,
-            fault: None,
             path: Path::None,
             place: Place::START,
             pace,
@@ -277,11 +281,13 @@ where
     /// runs.
     #[inline]
     fn tool(&self, setpoint: &Setpoint<N>) -> N {
-        let (Path::Move(planned) | Path::Ended(planned)) = &self.path else {
+        if !self.state.is_running() {
             return N::ZERO;
-        };
-        match planned.tool {
-            Some(tool) if self.state.is_running() => tool.power(setpoint),
+        }
+        match self.moves.peek() {
+            Some(Planned {
+                tool: Some(tool), ..
+            }) => tool.power(setpoint),
             _ => N::ZERO,
         }
     }
@@ -315,14 +321,18 @@ where
     fn latch(&mut self, broken: Broken<N>) -> Option<Setpoint<N>> {
         self.stand();
         self.output.enabled = false;
-        if self.fault.is_none() {
-            self.fault = Some(Fault {
+        if self.state != State::Fault {
+            // There is room: the one before was taken before it was cleared.
+            self.faults.send(Fault {
                 code: broken.code,
                 index: broken.index,
                 value: broken.value,
                 limit: broken.limit,
                 tick: self.clock,
             });
+            if matches!(self.path, Path::Joints | Path::JointsEnded) {
+                self.recoveries.discard();
+            }
             self.drop_queue();
             let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
             self.become_(State::Fault, acting);

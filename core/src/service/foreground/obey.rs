@@ -21,9 +21,9 @@ where
     /// changed while it was on its way, changes nothing.
     #[inline]
     pub(super) fn obey(&mut self) -> bool {
-        if self.moves.peek().is_some_and(|next| self.is_stale(next)) {
+        if self.path == Path::None && self.moves.peek().is_some_and(|next| self.is_stale(next)) {
             // One per tick; orders given after the queue was dropped wait until it is empty.
-            self.moves.receive();
+            self.moves.discard();
             return false;
         }
         let Some(order) = self.orders.receive() else {
@@ -37,15 +37,7 @@ where
             Order::Resume => self.held = false,
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
-            Order::Recover { path, to } => {
-                if matches!(self.state, State::Idle | State::Cleared) {
-                    self.drop_queue();
-                    self.path = Path::Joints(path, to);
-                    self.begin();
-                    self.become_(State::Recovering, Acting::Nothing);
-                    return true;
-                }
-            }
+            Order::Recover => return self.recover(),
             Order::Telemetry { every } => {
                 self.every = every;
                 self.countdown = 0;
@@ -71,13 +63,25 @@ where
         if self.state != State::Idle || !enough {
             return false;
         }
-        let Some(first) = self.moves.receive() else {
+        let Some(first) = self.moves.peek() else {
             return false;
         };
         self.begun = first.number.wrapping_add(1);
-        self.path = Path::Move(first);
+        self.path = Path::Move;
         self.begin();
         self.become_(State::Running, Acting::Nothing);
+        true
+    }
+
+    fn recover(&mut self) -> bool {
+        if !matches!(self.state, State::Idle | State::Cleared) {
+            self.recoveries.discard();
+            return false;
+        }
+        self.drop_queue();
+        self.path = Path::Joints;
+        self.begin();
+        self.become_(State::Recovering, Acting::Nothing);
         true
     }
 
@@ -120,7 +124,6 @@ where
 
     fn clear_fault(&mut self) {
         if self.state == State::Fault {
-            self.fault = None;
             self.output.enabled = true;
             self.become_(State::Cleared, self.acting);
         }

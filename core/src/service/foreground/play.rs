@@ -44,15 +44,14 @@ where
     #[inline]
     fn settle(&mut self) {
         match self.path {
-            Path::Ended(last) => {
+            Path::Ended => {
                 let stopping = matches!(self.state, State::Stopping);
-                let more = self.moves.peek().is_some_and(|next| !self.is_stale(next));
-                if more && !stopping {
+                if !stopping && self.moves.has_second() {
                     // The end of the last is the start of the next: this tick goes on from there.
                     self.take_next();
                     return;
                 }
-                self.played = self.played.wrapping_add(last.ticks);
+                self.leave();
                 self.path = Path::None;
                 self.place = Place::START;
                 self.pace.end();
@@ -67,8 +66,10 @@ where
                 };
                 self.become_(State::Idle, acting);
             }
-            Path::JointsEnded(_, to) => {
-                self.pose = to;
+            Path::JointsEnded => {
+                if let Some(recovery) = self.recoveries.receive() {
+                    self.pose = recovery.to;
+                }
                 self.path = Path::None;
                 self.pace.end();
                 self.become_(State::Idle, Acting::Nothing);
@@ -138,69 +139,89 @@ where
     #[inline]
     fn change_over(&mut self) {
         match self.path {
-            Path::Move(planned) if self.place.tick >= planned.ticks => {
+            Path::Move => {
+                let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
+                if self.place.tick < ticks {
+                    return;
+                }
                 if self.done != self.begun {
                     self.done = self.begun;
                     self.unreported = true;
                 }
-                if self.moves.peek().is_some_and(|next| !self.is_stale(next)) {
-                    self.path = Path::Ended(planned);
+                if self.moves.has_second() {
                     self.take_next();
                 } else if self.shared.ahead().ends_at_rest {
                     self.place = Place {
-                        tick: planned.ticks,
+                        tick: ticks,
                         part: 0,
                     };
-                    self.path = Path::Ended(planned);
+                    self.path = Path::Ended;
                 }
                 // Else it stands at the very end of what is admitted and waits for more.
             }
-            Path::Joints(path, to) if self.place.tick >= path.ticks() => {
-                self.place = Place {
-                    tick: path.ticks(),
-                    part: 0,
-                };
-                self.path = Path::JointsEnded(path, to);
+            Path::Joints => {
+                let ticks = self
+                    .recoveries
+                    .peek()
+                    .map_or(0, |recovery| recovery.path.ticks());
+                if self.place.tick >= ticks {
+                    self.place = Place {
+                        tick: ticks,
+                        part: 0,
+                    };
+                    self.path = Path::JointsEnded;
+                }
             }
             _ => {}
         }
     }
 
+    /// The move under way is over.
+    #[inline]
+    fn leave(&mut self) {
+        let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
+        self.played = self.played.wrapping_add(ticks);
+        self.place.tick = self.place.tick.saturating_sub(ticks);
+        self.moves.discard();
+    }
+
     /// The next move takes the place of the one that ended.
     #[inline]
     fn take_next(&mut self) {
-        let Path::Ended(last) = self.path else {
-            return;
-        };
-        let Some(next) = self.moves.receive() else {
-            return;
-        };
-        self.played = self.played.wrapping_add(last.ticks);
-        self.place.tick = self.place.tick.saturating_sub(last.ticks);
-        self.begun = next.number.wrapping_add(1);
-        self.path = Path::Move(next);
+        self.leave();
+        if let Some(next) = self.moves.peek() {
+            self.begun = next.number.wrapping_add(1);
+            self.path = Path::Move;
+        }
     }
 
     /// What this place on the path asks of the machine, at the speed after `stride`.
     #[inline]
     fn target(&self, stride: Stride) -> Target<N> {
         let place = self.place;
-        match &self.path {
-            Path::Move(planned) | Path::Ended(planned) => {
-                // At normal speed the place is a whole tick, and the setpoint the segment's own.
-                if stride.is_normal(&self.pace) && place.part == 0 {
-                    return Target::Setpoint(planned.segment.at(place.tick));
-                }
-                let on_path = if place.part == 0 {
-                    planned.segment.at(place.tick)
-                } else {
-                    let part = N::fraction(place.part, &self.ramp[1]);
-                    planned.segment.between(place.tick, part)
+        match self.path {
+            Path::Move | Path::Ended => {
+                let Some(planned) = self.moves.peek() else {
+                    return Target::Setpoint(Self::standing(self.pose));
                 };
+                // At normal speed the place is a whole tick, and the setpoint the segment's own.
+                if place.part == 0 {
+                    let on_path = planned.segment.at(place.tick);
+                    if stride.is_normal(&self.pace) {
+                        return Target::Setpoint(on_path);
+                    }
+                    return Target::Setpoint(self.scaled(&on_path, stride));
+                }
+                let part = N::fraction(place.part, &self.ramp[1]);
+                let on_path = planned.segment.between(place.tick, part);
                 Target::Setpoint(self.scaled(&on_path, stride))
             }
-            Path::Joints(path, _) | Path::JointsEnded(path, _) => {
-                let mut joints = path.between(place.tick, N::fraction(place.part, &self.ramp[1]));
+            Path::Joints | Path::JointsEnded => {
+                let Some(recovery) = self.recoveries.peek() else {
+                    return Target::Still;
+                };
+                let part = N::fraction(place.part, &self.ramp[1]);
+                let mut joints = recovery.path.between(place.tick, part);
                 let (speed, change) = self.speed(stride);
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
                     *acceleration = *acceleration * speed * speed;
@@ -244,7 +265,10 @@ where
         match self.state {
             State::Slowing => self.become_(State::Holding, self.acting),
             State::Stopping => {
-                let on_path = matches!(self.path, Path::Move(_) | Path::Ended(_));
+                let on_path = matches!(self.path, Path::Move | Path::Ended);
+                if !on_path {
+                    self.recoveries.discard();
+                }
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.
                 let state = if on_path { State::Idle } else { State::Cleared };

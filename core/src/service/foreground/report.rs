@@ -27,7 +27,6 @@ where
             generation: self.generation,
             state: self.state,
             acting: self.acting,
-            fault: self.fault,
             begun: self.begun,
             done: self.done,
             played: self.played,

@@ -67,7 +67,7 @@ fn a_fault_is_latched_until_it_is_cleared() {
 fn a_recovery_leads_from_anywhere_to_idle() {
     let mut rig = running();
     rig.foreground.raise(FaultCode::Drive, Some(0), 0.0, 0.0);
-    rig.ticks(1);
+    rig.ticks(5);
     rig.done(Command::ClearFault);
     rig.ticks(1);
     let target = pose(0.25, 0.25, 0.1);

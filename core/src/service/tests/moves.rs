@@ -212,11 +212,14 @@ fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
     assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
     assert_eq!(rig.status().next, 7);
     rig.done(Command::Start);
-    rig.ticks(2);
+    // The one under way keeps its place until it is over.
+    rig.ticks(20);
+    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    rig.ticks(1);
     rig.done(Command::Move(nth(7)));
     rig.judge();
     // Eight moves of 20 ticks, one after another, and one tick to be idle again.
-    let ticks = 2 + rig.until(State::Idle);
+    let ticks = 21 + rig.until(State::Idle);
     assert_eq!(ticks, 8 * 20 + 2);
     assert_eq!(rig.status().done, 8);
 }
@@ -306,7 +309,7 @@ fn a_stop_drops_what_is_queued() {
     );
     rig.until(State::Idle);
     // What is not to be played any more leaves the queue one by one.
-    rig.ticks(1);
+    rig.ticks(2);
     let status = rig.status();
     assert_eq!(status.acting, Acting::Stop);
     // The second was under way: its number is not used again, those behind it are.

@@ -52,6 +52,12 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
         "pub const RAMP_TICKS: u16 = {};",
         scene.ramp_ticks()
     ));
+    let silence = scene.service.silence_timeout_s * scene.tick_rate_hz;
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const SILENCE_TICKS: u32 = {};",
+        silence.round().clamp(1.0, f64::from(u32::MAX)) as u32
+    ));
     line(format_args!(
         "pub static MOVES: [trirrr_image::Move; {}] = [",
         moves.len()

@@ -1,0 +1,31 @@
+//! The image's only function.
+#![allow(unsafe_code)]
+
+use core::hint::black_box;
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use trirrr_insns::service::{SceneForeground, tick};
+
+static mut FOREGROUND: MaybeUninit<SceneForeground> = MaybeUninit::uninit();
+
+/// Entry point: what would be called once per tick.
+// SAFETY: the name is this image's entry point and nothing else defines it.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".start")]
+extern "C" fn start() {
+    let foreground = black_box((&raw mut FOREGROUND).cast::<SceneForeground>());
+    // SAFETY: the image is never run. Were it run, whoever starts it would have to fill it in
+    // before; it is aligned, lives for ever, and nothing else refers to it.
+    unsafe { tick(&mut *foreground) }
+}
+
+unsafe extern "C" {
+    /// Does not exist.
+    fn a_panic_is_left_in_the_tick() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // SAFETY: never linked, hence never called.
+    unsafe { a_panic_is_left_in_the_tick() }
+}

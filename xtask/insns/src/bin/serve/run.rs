@@ -1,0 +1,154 @@
+//! The program: the job twice, every tick of the service counted.
+
+use super::counter;
+use core::hint::black_box;
+use semihosting::{println, process};
+use trirrr_core::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
+use trirrr_core::service::Channels;
+use trirrr_image::Checksum;
+use trirrr_insns::scene::{MOVES, Scalar};
+use trirrr_insns::service::{
+    SceneBackground, SceneChannels, SceneForeground, offered, scene, settings, start, tick,
+};
+
+/// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
+/// come everywhere on the moves.
+const TURN: u32 = 37;
+
+/// Stands in for [`tick`]: what a call and the counter's own reading cost.
+#[inline(never)]
+fn empty(_: &mut SceneForeground) {}
+
+/// Counts one call through a pointer that the compiler cannot see through.
+#[inline(never)]
+fn count(function: fn(&mut SceneForeground), foreground: &mut SceneForeground) -> u32 {
+    let before = counter::now();
+    function(foreground);
+    counter::elapsed(before, counter::now())
+}
+
+/// A host that sits in the same image.
+struct Host {
+    background: SceneBackground,
+    sequence: u32,
+    /// Moves of the job that were offered,
+    offered: usize,
+    /// and their number at the machine.
+    number: u32,
+}
+
+impl Host {
+    fn ask(&mut self, command: Command<Scalar>) -> Reply<Scalar> {
+        let sequence = self.sequence;
+        let reply = self.background.receive(&Request { sequence, command });
+        if !matches!(command, Command::Hello(_)) {
+            self.sequence = sequence.wrapping_add(1);
+        }
+        reply
+    }
+
+    fn done(&mut self, command: Command<Scalar>) {
+        let reply = self.ask(command);
+        if !matches!(reply, Reply::Done | Reply::Hello(_)) {
+            println!("error: {command:?}: {reply:?}");
+            process::exit(1)
+        }
+    }
+
+    /// Gives a sign of life, offers what there is room for, and lets it be judged.
+    fn feed(&mut self) {
+        self.ask(Command::Status);
+        while self.offered < MOVES.len() && self.background.status().room > 0 {
+            self.done(Command::Move(offered(self.offered, self.number)));
+            self.offered += 1;
+            self.number = self.number.wrapping_add(1);
+        }
+        while self.background.step() {}
+        if let Some(refused) = self.background.status().refused {
+            println!("error: {refused:?}");
+            process::exit(1)
+        }
+        while self.background.outgoing().is_some() {}
+    }
+}
+
+/// The whole program.
+pub(crate) fn run() -> ! {
+    counter::start();
+    // They live as long as the program does.
+    let mut channels: SceneChannels = Channels::new();
+    let channels: *mut SceneChannels = &raw mut channels;
+    // SAFETY: this function never returns, and nobody else has the pointer.
+    #[allow(unsafe_code)]
+    let channels: &'static mut SceneChannels = unsafe { &mut *channels };
+    let (mut foreground, background) = match channels.split(scene(), start(), settings()) {
+        Ok(halves) => halves,
+        Err(error) => {
+            println!("error: {error}");
+            process::exit(1)
+        }
+    };
+    let mut host = Host {
+        background,
+        sequence: 0,
+        offered: 0,
+        number: 0,
+    };
+    host.done(Command::Hello(Hello {
+        protocol: PROTOCOL,
+        schema: 1,
+        scene: 0,
+    }));
+    println!("empty {}", count(black_box(empty), &mut foreground));
+
+    let mut checksum = Checksum::default();
+    host.feed();
+    host.done(Command::Start);
+    loop {
+        let counted = count(black_box(tick), &mut foreground);
+        if foreground.state() == State::Idle {
+            break;
+        }
+        println!("tick {counted}");
+        checksum.add(&foreground.output().motors);
+        host.feed();
+    }
+
+    // Back to the start, and the job again.
+    let end = host.background.status().end;
+    let pose = end.map_or(start(), |end| end.pose);
+    let back = Move {
+        to: start(),
+        from: pose,
+        start_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Number>::from_f64),
+        end_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Number>::from_f64),
+        ticks: 10 * offered(0, 0).ticks.max(100),
+        ..offered(0, host.number)
+    };
+    host.done(Command::Move(back));
+    host.number = host.number.wrapping_add(1);
+    host.offered = 0;
+    host.feed();
+    host.done(Command::Start);
+    let mut since = 0;
+    loop {
+        let counted = count(black_box(tick), &mut foreground);
+        if foreground.state() == State::Idle {
+            break;
+        }
+        println!("held {counted}");
+        host.feed();
+        since += 1;
+        if since == TURN {
+            since = 0;
+            // Refused near the end, where the job is over; that is no matter here.
+            let command = match host.background.status().state {
+                State::Holding => Command::Resume,
+                _ => Command::Hold,
+            };
+            host.ask(command);
+        }
+    }
+    println!("bits {:016x}", checksum.value());
+    process::exit(0)
+}

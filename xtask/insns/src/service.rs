@@ -1,0 +1,102 @@
+//! The service of the scene, and its tick as a caller sees it.
+
+use crate::scene::{
+    LIMITS, Links, MOVES, NAME, PARAMETERS, PERIOD_S, Payload, RAMP_TICKS, SILENCE_TICKS, Scalar,
+    TICK_RATE_HZ,
+};
+use nalgebra::Vector3;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::Parameters;
+use trirrr_core::message::Move;
+use trirrr_core::number::Number;
+use trirrr_core::service::{
+    BackgroundOf, Channels, Compiled, ForegroundOf, SceneIdentity, Settings, key, name,
+};
+use trirrr_core::setpoint::Pose;
+
+static MACHINE: Parameters = PARAMETERS;
+static MACHINE_LIMITS: LimitParameters = LIMITS;
+
+/// The scene of an image that does not change it.
+pub type Scene = Compiled<'static>;
+
+/// Sixteen moves and samples less one each.
+pub type SceneChannels = Channels<Scalar, Payload, Links, Scene, 16, 16>;
+
+/// The half that ticks.
+pub type SceneForeground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// The half that talks.
+pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// The scene.
+pub fn scene() -> Scene {
+    Compiled {
+        parameters: &MACHINE,
+        limits: &MACHINE_LIMITS,
+    }
+}
+
+/// Where the job starts.
+pub fn start() -> Pose<Scalar> {
+    offered(0, 0).from
+}
+
+/// The settings, with a telemetry sample in each tick: the most there is to do.
+pub fn settings() -> Settings<Scalar> {
+    Settings {
+        period: Scalar::factor_from_f64(PERIOD_S),
+        ramp_ticks: RAMP_TICKS,
+        silence_ticks: SILENCE_TICKS,
+        telemetry_every: 1,
+        scene: SceneIdentity {
+            schema: 1,
+            key: key(NAME.as_bytes()),
+            name: name(NAME),
+            tick_rate_hz: TICK_RATE_HZ,
+            length_m: 1.0,
+            time_s: 1.0,
+            mass_kg: 1.0,
+        },
+    }
+}
+
+/// Move `index` of the job, called `number`; past its end, the last. The tool is on.
+pub fn offered(index: usize, number: u32) -> Move<Scalar> {
+    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
+    let velocity = |v: [f64; 3]| Vector3::from(v.map(Scalar::from_f64)).into();
+    let rest = [Scalar::ZERO; 3];
+    let each = MOVES.get(index).or(MOVES.last());
+    let (from, to, start, end, ticks) = match each {
+        Some(trirrr_image::Move::RestToRest { from, to, ticks }) => {
+            (pose(*from), pose(*to), rest, rest, *ticks)
+        }
+        Some(trirrr_image::Move::Hermite {
+            from,
+            from_velocity,
+            to,
+            to_velocity,
+            ticks,
+        }) => {
+            let ends = (velocity(*from_velocity), velocity(*to_velocity));
+            (pose(*from), pose(*to), ends.0, ends.1, *ticks)
+        }
+        None => (pose([0.0; 3]), pose([0.0; 3]), rest, rest, 0),
+    };
+    Move {
+        number,
+        from,
+        to,
+        start_velocity: start,
+        end_velocity: end,
+        ticks,
+        tool_power: Scalar::HALF,
+        tool_speed: Scalar::ONE,
+    }
+}
+
+/// One tick of the service: whatever there is to do in it.
+#[inline(never)]
+pub fn tick(foreground: &mut SceneForeground) {
+    foreground.tick();
+}
