@@ -1,7 +1,7 @@
 //! What the image does.
 
 use crate::clock::Clock;
-use crate::scene::{Links, MOVES, NAME, PARAMETERS, PERIOD_S, Payload, Scalar, TICK_RATE_HZ};
+use crate::scene::{Links, MOVES, NAME, PARAMETERS, PERIOD, Payload, Scalar, TICK_RATE_HZ};
 use cortex_m::singleton;
 use defmt_rtt as _;
 use panic_probe as _;
@@ -44,7 +44,7 @@ fn play(tick: &SceneTick, clock: &mut Clock) {
     let mut done: u32 = 0;
     let mut late: u32 = 0;
     let mut latest = None;
-    for segment in segments::<Scalar>(&MOVES, PERIOD_S) {
+    for segment in segments::<Scalar>(&MOVES, PERIOD) {
         for index in 0..segment.ticks() {
             late += clock.wait();
             match tick.evaluate(&segment.at(index)) {

@@ -167,7 +167,8 @@ impl<'p> Measured<'p> {
     fn note(&mut self, of: Of, value: f64) {
         let greatest = &mut self.greatest[of as usize];
         // What is not a number must not pass for small.
-        if !(value.abs() <= *greatest) {
+        let held = value.abs() <= *greatest;
+        if !held {
             *greatest = value.abs();
         }
     }
@@ -284,7 +285,8 @@ impl<'p> Measured<'p> {
         for (quantity, &greatest) in QUANTITIES.iter().zip(&self.greatest) {
             let [l, t, m] = quantity.dimension;
             let unit = units.of(l, t, m);
-            if !(HEADROOM * greatest <= quantity.limit * unit) {
+            let held = HEADROOM * greatest <= quantity.limit * unit;
+            if !held {
                 return Err(RangeError {
                     quantity: quantity.name,
                     value: greatest,
@@ -326,7 +328,7 @@ impl<'p> Measured<'p> {
             .filter_map(|(quantity, &greatest)| {
                 let dimension = quantity.dimension;
                 let power = dimension[base];
-                if power == 0 || !which(&dimension) || !(greatest > 0.0) || !greatest.is_finite() {
+                if power == 0 || !which(&dimension) || greatest == 0.0 || !greatest.is_finite() {
                     return None;
                 }
                 let [mut l, mut t, mut m] = dimension;

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::number::{Coarse, Number};
+use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
@@ -14,6 +14,7 @@ use trirrr_scene::{JobPlayer, Scene};
 pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
     match scalar {
         "f32" => with_number::<f32>(scene),
+        "fixed" => with_number::<Fixed>(scene),
         "micromath" => with_number::<Coarse>(scene),
         _ => bail!("{scalar}: the host has no such number type"),
     }
@@ -36,8 +37,10 @@ fn with_payload<N: Number, P: Payload<N>>(scene: &Scene) -> Result<u64> {
 }
 
 fn with_links<N: Number, P: Payload<N>, L: Links<N>>(scene: &Scene) -> Result<u64> {
-    let player = JobPlayer::<N>::new(&scene.job, scene.period_s());
-    sum::<N, P, L>(&scene.parameters, player.setpoints())
+    let units = trirrr_scene::units::<N>(scene)?;
+    let period = units.time(scene.period_s());
+    let player = JobPlayer::<N>::new(&scene.job.in_units(&units), period);
+    sum::<N, P, L>(&units.parameters(&scene.parameters), player.setpoints())
         .with_context(|| format!("scene {}", scene.name))
 }
 

@@ -13,15 +13,22 @@ use std::{env, fs};
 use trirrr_scene::Scene;
 
 /// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
-pub const SCALARS: &[(&str, &str)] =
-    &[("f32", "f32"), ("micromath", "trirrr_core::number::Coarse")];
+pub const SCALARS: &[(&str, &str)] = &[
+    ("f32", "f32"),
+    ("fixed", FIXED),
+    ("micromath", "trirrr_core::number::Coarse"),
+];
+
+/// The number type whose scenes are in units of their own.
+const FIXED: &str = "trirrr_core::number::Fixed";
 
 /// Writes `OUT_DIR/scene.rs` from the scene that `TRIRRR_SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
 /// (without it, `f32`), and tells Cargo when to do it again.
 ///
 /// # Errors
-/// A scene that is refused, with the file, key, value and reason; an unknown number type; a file
+/// A scene that is refused, with the file, key, value and reason, or that does not fit the number
+/// type, with the quantity and its range; an unknown number type; a file
 /// that cannot be written.
 pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=TRIRRR_SCENE");
@@ -45,6 +52,6 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     let scene = Scene::read(&file)?;
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
-    fs::write(out.join("scene.rs"), source(&scene, scalar))?;
+    fs::write(out.join("scene.rs"), source(&scene, scalar)?)?;
     Ok(())
 }

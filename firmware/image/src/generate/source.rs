@@ -1,18 +1,27 @@
 //! The text that an image includes.
 
+use super::FIXED;
 use super::kinds::{links_path, payload_path};
 use crate::Move;
 use std::fmt::Write;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters};
 use trirrr_core::machine::{LinksKind, PayloadKind};
 use trirrr_core::setpoint::Pose;
-use trirrr_scene::Scene;
+use trirrr_core::units::Units;
+use trirrr_scene::{RangeError, Scene, units_of_scene};
 
-/// The whole file, for the Rust type `scalar`. Every number is written so that it is read back as
-/// the same bits.
-pub fn source(scene: &Scene, scalar: &str) -> String {
-    let parameters = &scene.parameters;
-    let moves = &scene.job.moves;
+/// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
+/// so that it is read back as the same bits.
+///
+/// # Errors
+/// A quantity that does not fit the number type.
+pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
+    let units = match scalar == FIXED {
+        true => units_of_scene(scene)?,
+        false => Units::SI,
+    };
+    let parameters = &units.parameters(&scene.parameters);
+    let moves = &scene.job.in_units(&units).moves;
     let mut text = String::new();
     let mut line = |arguments: std::fmt::Arguments<'_>| {
         text.write_fmt(arguments)
@@ -34,8 +43,17 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
         scene.tick_rate_hz
     ));
     line(format_args!(
-        "pub const PERIOD_S: f64 = {:?};",
+        "#[allow(dead_code)]\npub const PERIOD_S: f64 = {:?};",
         scene.period_s()
+    ));
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const UNITS: trirrr_core::units::Units = trirrr_core::units::{units:?};"
+    ));
+    // What follows is in these units.
+    line(format_args!(
+        "pub const PERIOD: f64 = {:?};",
+        units.time(scene.period_s())
     ));
     line(format_args!(
         "pub const PARAMETERS: trirrr_core::machine::Parameters = {};",
@@ -45,7 +63,7 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
     line(format_args!("#[allow(dead_code)]"));
     line(format_args!(
         "pub const LIMITS: trirrr_core::limits::LimitParameters = trirrr_core::limits::{:?};",
-        scene.limits
+        units.limits(&scene.limits)
     ));
     line(format_args!("#[allow(dead_code)]"));
     line(format_args!(
@@ -70,7 +88,7 @@ pub fn source(scene: &Scene, scalar: &str) -> String {
         ));
     }
     line(format_args!("];"));
-    text
+    Ok(text)
 }
 
 fn constant(each: &trirrr_scene::Move) -> Move {
@@ -141,7 +159,7 @@ mod tests {
     fn shipped(name: &str) -> String {
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
         let scene = Scene::read(scenes.join(name)).expect("a shipped scene is good");
-        source(&scene, "f32")
+        source(&scene, "f32").expect("SI units")
     }
 
     #[test]

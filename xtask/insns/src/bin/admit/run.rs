@@ -9,9 +9,7 @@ use trirrr_core::message;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_image::Move;
-use trirrr_insns::scene::{
-    LIMITS, Links, MOVES, PARAMETERS, PERIOD_S, Payload, RAMP_TICKS, Scalar,
-};
+use trirrr_insns::scene::{LIMITS, Links, MOVES, PARAMETERS, PERIOD, Payload, RAMP_TICKS, Scalar};
 
 type SceneAdmission = Admission<Scalar, Payload, Links>;
 
@@ -47,7 +45,7 @@ fn step(admission: &mut SceneAdmission) -> bool {
 
 fn judge_all(limits: &LimitParameters) {
     let built = Limits::build(limits).and_then(|limits| {
-        SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP_TICKS, PERIOD_S)
+        SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP_TICKS, PERIOD)
     });
     let mut admission = match built {
         Ok(admission) => admission,

@@ -8,7 +8,7 @@ use trirrr_core::linkage::rrr::{OutOfReach, Rrr};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};
-use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD_S, Scalar};
+use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD, Scalar};
 use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set, solve};
 
 /// What [`solve`] leaves.
@@ -83,7 +83,7 @@ pub(crate) fn run() -> ! {
     let dyad = tick.geometry().legs[0].dyad;
     let mut end = Vector2::new(0.0, 0.0).map(Scalar::from_f64);
     let mut links: Links = Err(OutOfReach::Unreachable);
-    for segment in segments::<Scalar>(&MOVES, PERIOD_S) {
+    for segment in segments::<Scalar>(&MOVES, PERIOD) {
         for index in 0..segment.ticks() {
             let mut setpoint = segment.at(index);
             if first {
