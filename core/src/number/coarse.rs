@@ -67,6 +67,10 @@ impl Number for Coarse {
         self.0
     }
     #[inline(always)]
+    fn conversion(_: f32) -> f32 {
+        0.0
+    }
+    #[inline(always)]
     fn angle_bound(angle: Self) -> f32 {
         angle.0
     }

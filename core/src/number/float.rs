@@ -20,6 +20,10 @@ macro_rules! float {
                 self
             }
             #[inline(always)]
+            fn conversion(_: Self) -> Self {
+                0.0
+            }
+            #[inline(always)]
             fn angle_bound(angle: Self) -> Self {
                 angle
             }

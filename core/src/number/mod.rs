@@ -118,9 +118,12 @@ pub trait Number:
     /// Relative rounding error of one operation (half a unit in the last place of 1).
     const UNIT_ROUNDOFF: Self;
 
-    /// The value as a bound, to one [roundoff](Number::roundoff).
+    /// The value as a bound, to one [conversion](Number::conversion).
     fn bound(self) -> Self::Bound;
-    /// The angle as a bound, to two roundoffs.
+    /// A bound of how far a value of this size in [`Number::Bound`] may be from what this type makes
+    /// of it, a coefficient as well; 0 where the two types are one.
+    fn conversion(size: Self::Bound) -> Self::Bound;
+    /// The angle as a bound, to two conversions.
     fn angle_bound(angle: Self::Angle) -> <Self::Bound as Number>::Angle;
     /// The nearest value to `bound`.
     fn from_bound(bound: Self::Bound) -> Self;

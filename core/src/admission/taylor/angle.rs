@@ -18,10 +18,11 @@ impl<N: Number> AngleModel<N> {
     /// An angle of the tick, the same at all times.
     pub fn of(angle: N::Angle) -> Self {
         let constant = N::angle_bound(angle);
+        let conversion = N::conversion(<Float<N>>::radians(constant).abs());
         Self {
             constant,
             linear: <Float<N>>::ZERO,
-            error: Roundoffs::Two.of::<N>(<Float<N>>::radians(constant).abs()),
+            error: conversion + conversion,
         }
     }
 }

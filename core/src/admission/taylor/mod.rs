@@ -47,10 +47,10 @@ impl<N: Number> TaylorModel<N> {
         Self::near(value.bound())
     }
 
-    /// Known to one rounding, the same at all times.
+    /// What the number type makes of `value`, the same at all times.
     pub(super) fn near(value: Float<N>) -> Self {
         Self {
-            error: N::roundoff(value.abs()),
+            error: N::conversion(value.abs()),
             ..Self::point(value)
         }
     }

@@ -30,7 +30,7 @@ impl<N: Number> Number for TaylorModel<N> {
         error: <Float<N>>::ZERO,
     };
 
-    /// To one rounding, which is also that of the tick's own coefficient.
+    /// The tick's own coefficient, as far as the bound's type knows it.
     fn from_f64(x: f64) -> Self {
         Self::near(<Float<N>>::from_f64(x))
     }
@@ -84,6 +84,10 @@ impl<N: Number> Number for TaylorModel<N> {
     #[inline(always)]
     fn bound(self) -> Self {
         self
+    }
+
+    fn conversion(_: Self) -> Self {
+        Self::ZERO
     }
 
     #[inline(always)]

@@ -204,6 +204,10 @@ impl Number for Fixed {
         }
     }
 
+    fn conversion(size: f32) -> f32 {
+        Self::roundoff(size)
+    }
+
     fn angle_bound(angle: Turns) -> f32 {
         const TURN: f32 = (core::f64::consts::TAU / 4_294_967_296.0) as f32;
         angle.0 as f32 * TURN
