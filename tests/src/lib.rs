@@ -9,7 +9,6 @@
 //! | [`random`] | random machines and states |
 //! | [`motors`] | what the motors need, as numbers |
 //! | [`vector_formulas`] | the tick in plain f64 with its functions handed in |
-//! | [`device`], [`faulty_link`] | the service with its end of the line, and a bad line |
 //! | [`thesis_formula`] | the thesis's formulas, errors included |
 //! | [`bound`] | comparison of results with \|error\| <= 2 u cond |
 #![forbid(unsafe_code)]
@@ -17,9 +16,7 @@
 pub use trirrr_truth::{double_double, dual, inputs, model, results, scalar};
 
 pub mod bound;
-pub mod device;
 pub mod evaluate;
-pub mod faulty_link;
 pub mod machines;
 pub mod motors;
 pub mod random;

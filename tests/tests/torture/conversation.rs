@@ -7,10 +7,10 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::message::Message;
 use trirrr_core::wire::Counters;
 use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
-use trirrr_tests::device::{
+use trirrr_rig::device::{
     Device, DeviceChannels, MessageDecoder, TICK_RATE_HZ, hello, message_frame, request_frame,
 };
-use trirrr_tests::faulty_link::{FaultyLink, Random};
+use trirrr_rig::faulty_link::{FaultyLink, Random};
 
 /// Of 100 frames, how many are damaged.
 const PERCENT: u64 = 20;

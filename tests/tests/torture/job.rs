@@ -2,8 +2,8 @@
 
 use trirrr_core::message::Move;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
-use trirrr_tests::device::{TICK_RATE_HZ, home};
-use trirrr_tests::faulty_link::Random;
+use trirrr_rig::device::{TICK_RATE_HZ, home};
+use trirrr_rig::faulty_link::Random;
 
 /// Moves of a job: 1 to this many.
 const MOST_MOVES: u64 = 40;

@@ -1,0 +1,12 @@
+//! The thesis machine with the service and its end of the line, for whoever maltreats them.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`device`] | both halves of the service and the decoder in front of them, in one thread |
+//! | [`faulty_link`] | a line that drops, doubles, reorders, cuts and corrupts frames |
+//! | [`targets`] | what a fuzzer calls with its bytes, and what has to hold then |
+#![forbid(unsafe_code)]
+
+pub mod device;
+pub mod faulty_link;
+pub mod targets;

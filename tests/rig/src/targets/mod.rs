@@ -1,0 +1,15 @@
+//! Fuzz targets: each takes any bytes and panics if what has to hold does not.
+
+mod bytes;
+mod commands;
+mod decoder;
+mod watch;
+
+pub use commands::commands;
+pub use decoder::decoder;
+
+/// A target.
+pub type Target = fn(&[u8]);
+
+/// All of them, by the names of their corpora in `fuzz/corpus`.
+pub const ALL: [(&str, Target); 2] = [("commands", commands), ("decoder", decoder)];
