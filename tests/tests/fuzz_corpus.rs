@@ -3,8 +3,9 @@
 
 use std::fs;
 use std::path::PathBuf;
+use trirrr_core::message::State;
 use trirrr_rig::faulty_link::Random;
-use trirrr_rig::targets::{ALL, Target};
+use trirrr_rig::targets::{ALL, Target, play};
 
 /// Mutations of each target's corpus, in all.
 const MUTATIONS: u64 = 2_000;
@@ -55,4 +56,26 @@ fn the_targets_hold_on_their_corpora_and_on_mutations() {
             target(&mutation(&corpus, &mut random));
         }
     }
+}
+
+/// The corpus gets the machine into every state, has moves played and the tool on: fuzzing that starts
+/// from it does not stay at the door.
+#[test]
+fn the_corpus_gets_everywhere() {
+    let reached: Vec<_> = corpus("commands").iter().map(|bytes| play(bytes)).collect();
+    for state in [
+        State::Idle,
+        State::Running,
+        State::Slowing,
+        State::Stopping,
+        State::Holding,
+        State::Fault,
+        State::Cleared,
+        State::Recovering,
+    ] {
+        let met = reached.iter().any(|each| each.states.contains(&state));
+        assert!(met, "{state:?}");
+    }
+    assert!(reached.iter().any(|each| each.tool));
+    assert!(reached.iter().any(|each| each.moves >= 2));
 }

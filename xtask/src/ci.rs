@@ -166,6 +166,8 @@ fn steps() -> Vec<Step> {
     steps.push(simulator("a scene run", &run, "thesis"));
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
     steps.push(simulator("a batch evaluation", &eval, "extreme.csv"));
+    steps.push(step("the Python client", &["xtask", "client"]));
+    steps.push(step("fuzzing", &["xtask", "fuzz"]));
     steps
 }
 

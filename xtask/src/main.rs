@@ -3,8 +3,10 @@
 mod admission;
 mod budget;
 mod ci;
+mod client;
 mod cores;
 mod elf;
+mod fuzz;
 mod image;
 mod insns;
 mod qemu;
@@ -30,6 +32,10 @@ enum Chore {
     Admission(admission::Arguments),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(size::Arguments),
+    /// Play jobs on host-sim device with the Python client, compare its tables
+    Client,
+    /// Fuzz the decoder and the service's commands
+    Fuzz(fuzz::Arguments),
     /// Everything that CI checks
     Ci,
 }
@@ -39,6 +45,8 @@ fn main() -> anyhow::Result<()> {
         Chore::Insns(arguments) => insns::run(&arguments),
         Chore::Admission(arguments) => admission::run(&arguments),
         Chore::Size(arguments) => size::run(&arguments),
+        Chore::Client => client::run(),
+        Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::Ci => ci::run(),
     }
 }

@@ -1,9 +1,8 @@
 //! The service: any commands at any ticks.
 
 use super::bytes::Bytes;
-use super::watch::{self, leave};
+use super::watch::{self, Reached, Watched, leave};
 use crate::device::{Device, DeviceChannels, hello, home};
-use trirrr_core::limits::LimitParameters;
 use trirrr_core::message::scene::{Limits, Platform, Section};
 use trirrr_core::message::{Command, FaultCode, Move, Recovery, Refusal, Reply, Request};
 use trirrr_core::setpoint::Pose;
@@ -11,25 +10,34 @@ use trirrr_core::setpoint::Pose;
 /// Silence after which the machine stops, ticks.
 const SILENCE: u32 = 500;
 
+/// Begins an input whose commands come before a hello.
+const NO_HELLO: u8 = 0xFF;
+
 /// Commands one after the other, as the bytes say, with ticks and background work in between.
 pub fn commands(data: &[u8]) {
+    play(data);
+}
+
+/// The same; what was reached.
+pub fn play(data: &[u8]) -> Reached {
     let mut channels = DeviceChannels::new();
     let mut session = Session {
-        device: Device::new(&mut channels, watch::limits(), SILENCE),
-        limits: watch::limits(),
+        watched: Watched::new(Device::new(&mut channels, watch::limits(), SILENCE)),
         changed: false,
         sequence: 0,
         last: None,
     };
+    if data.first() != Some(&NO_HELLO) {
+        session.greet();
+    }
     let mut bytes = Bytes::new(data);
     while session.act(&mut bytes).is_some() {}
-    session.leave();
+    session.leave()
 }
 
 /// A machine, and what it has to keep.
 struct Session<'q> {
-    device: Device<'q>,
-    limits: LimitParameters,
+    watched: Watched<'q>,
     /// The scene is not the first any more.
     changed: bool,
     sequence: u32,
@@ -43,12 +51,12 @@ impl Session<'_> {
         match bytes.byte()? % 16 {
             0 | 1 => {
                 for _ in 0..=bytes.byte()? {
-                    watch::tick(&mut self.device, &self.limits);
+                    self.watched.tick();
                 }
             }
             2 | 3 => {
                 for _ in 0..u32::from(bytes.byte()?) * 16 {
-                    self.device.background.step();
+                    self.watched.device.background.step();
                 }
             }
             4 => {
@@ -68,7 +76,7 @@ impl Session<'_> {
             11 => {
                 let code = [FaultCode::Drive, FaultCode::Overrun, FaultCode::Board];
                 let code = code[usize::from(bytes.byte()?) % 3];
-                self.device.foreground.raise(code, None, 0.0, 0.0);
+                self.watched.device.foreground.raise(code, None, 0.0, 0.0);
             }
             12 => self.repeat(),
             13 => {
@@ -78,7 +86,7 @@ impl Session<'_> {
             14 => {
                 let every = bytes.u16()?;
                 self.ask(Command::Telemetry { every });
-                while let Some(sample) = self.device.sample() {
+                while let Some(sample) = self.watched.device.sample() {
                     assert!(
                         sample.tool == 0.0 || sample.state.is_running(),
                         "{sample:?}"
@@ -100,7 +108,7 @@ impl Session<'_> {
     }
 
     fn request(&mut self, request: &Request<f64>) {
-        let reply = self.device.background.receive(request);
+        let reply = self.watched.device.background.receive(request);
         let counts = !matches!(
             reply,
             Reply::Hello(_)
@@ -125,7 +133,7 @@ impl Session<'_> {
         if let (Command::Override(section), Reply::Done) = (&request.command, &reply) {
             self.changed = true;
             if let Section::Limits(limits) = section {
-                self.limits = limits.into();
+                self.watched.limits = limits.into();
             }
         }
         self.last = Some((*request, reply));
@@ -134,7 +142,7 @@ impl Session<'_> {
     /// The last request again: the same answer, unless it was a question.
     fn repeat(&mut self) {
         if let Some((request, reply)) = &self.last {
-            let again = self.device.background.receive(request);
+            let again = self.watched.device.background.receive(request);
             if matches!(reply, Reply::Done | Reply::Refused(_)) {
                 // As text: what is not a number is not equal to itself.
                 assert_eq!(format!("{again:?}"), format!("{reply:?}"));
@@ -144,7 +152,7 @@ impl Session<'_> {
 
     /// A move from where the last one ends.
     fn chained_move(&mut self, bytes: &mut Bytes) -> Option<Move<f64>> {
-        let status = self.device.background.status();
+        let status = self.watched.device.background.status();
         let (from, start_velocity) = match status.end {
             Some(end) => (end.pose, end.velocity.into()),
             None => (home(), [0.0; 3]),
@@ -178,24 +186,23 @@ impl Session<'_> {
 
     /// Whatever happened: the machine can be brought to rest, idle. (On the first machine: another
     /// one may not reach the pose to recover at.)
-    fn leave(mut self) {
+    fn leave(mut self) -> Reached {
+        self.greet();
+        if !self.changed {
+            leave(&mut self.watched, self.sequence);
+        }
+        self.watched.reached()
+    }
+
+    fn greet(&mut self) {
         let hello = Request {
             sequence: 0,
             command: Command::Hello(hello()),
         };
-        match self.device.background.receive(&hello) {
+        match self.watched.device.background.receive(&hello) {
             Reply::Hello(identity) => self.sequence = identity.next_sequence,
             other => panic!("a right hello: {other:?}"),
         }
-        if self.changed {
-            return;
-        }
-        let mut sequence = self.sequence;
-        leave(&mut self.device, &self.limits, &mut |device, command| {
-            let reply = device.background.receive(&Request { sequence, command });
-            sequence = sequence.wrapping_add(1);
-            assert_eq!(reply, Reply::Done, "{command:?}");
-        });
     }
 }
 

@@ -5,8 +5,9 @@ mod commands;
 mod decoder;
 mod watch;
 
-pub use commands::commands;
+pub use commands::{commands, play};
 pub use decoder::decoder;
+pub use watch::Reached;
 
 /// A target.
 pub type Target = fn(&[u8]);

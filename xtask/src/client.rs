@@ -1,0 +1,180 @@
+//! `cargo xtask client`: the Python client against `host-sim device`, over TCP.
+//!
+//! The client plays a scene's job on the device and records its telemetry; the table it writes has to be
+//! the one that `host-sim run` writes: what the machine sent, in the bits; what the client computes
+//! itself, to its rounding.
+
+use crate::repository::{cargo, root, target_directory};
+use anyhow::{Context, Result, bail, ensure};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// Scenes that are played, how much faster than in real time, and how far the columns that
+/// the client computes may be from those of the core: relative to the largest value of the column. In
+/// f64 some tens of roundings through the closure of the triangle; in f32 those of the core.
+const SCENES: [(&str, &str, f64); 2] = [("thesis", "2", 1e-12), ("engraving", "4", 3e-5)];
+
+/// The last column that the machine sends in the order of the table; `tool` is sent too.
+const LAST_SENT: &str = "P3";
+
+pub(crate) fn run() -> Result<()> {
+    let python = root().join("clients/python");
+    let mut tests = Command::new("python3");
+    tests
+        .args(["-m", "unittest", "discover", "-s", "tests"])
+        .current_dir(&python);
+    succeed(&mut tests, "the client's own tests")?;
+    let mut build = cargo();
+    build.args(["build", "--quiet", "--release", "-p", "trirrr-host-sim"]);
+    succeed(&mut build, "host-sim")?;
+    for (name, speed, tolerance) in SCENES {
+        let scene = root().join("scenes").join(format!("{name}.toml"));
+        let out = target_directory().join("ci/client").join(name);
+        let host_sim = target_directory().join("release/host-sim");
+        let mut simulated = Command::new(&host_sim);
+        simulated
+            .arg("run")
+            .arg(&scene)
+            .args(["--fast", "--out"])
+            .arg(out.join("run"));
+        succeed(simulated.stdout(Stdio::null()), "host-sim run")?;
+        let device = Device::start(&host_sim, &scene, speed)?;
+        let mut client = Command::new("python3");
+        client
+            .args(["-m", "trirrr"])
+            .arg(&scene)
+            .args(["--port", &device.address, "--out"])
+            .arg(out.join("streamed"))
+            .current_dir(&python);
+        succeed(&mut client, "the client")?;
+        drop(device);
+        let [expected, found] = ["run", "streamed"].map(|run| out.join(run).join("ticks.csv"));
+        compare(&expected, &found, tolerance).with_context(|| format!("scene {name}"))?;
+        ensure!(
+            out.join("streamed/ticks.svg").is_file(),
+            "the client drew nothing"
+        );
+    }
+    Ok(())
+}
+
+fn succeed(command: &mut Command, what: &str) -> Result<()> {
+    let status = command
+        .status()
+        .with_context(|| format!("{what} cannot be started"))?;
+    ensure!(status.success(), "{what} failed: {status}");
+    Ok(())
+}
+
+/// `host-sim device` in the background; it ends with this value.
+struct Device {
+    child: Child,
+    address: String,
+}
+
+impl Device {
+    fn start(host_sim: &Path, scene: &Path, speed: &str) -> Result<Self> {
+        let mut child = Command::new(host_sim)
+            .arg("device")
+            .arg(scene)
+            .args(["--listen", "tcp:127.0.0.1:0", "--speed", speed])
+            .stdout(Stdio::piped())
+            .spawn()
+            .context("host-sim device cannot be started")?;
+        let mut lines = BufReader::new(child.stdout.take().context("it has an output")?).lines();
+        let mut device = Self {
+            child,
+            address: String::new(),
+        };
+        let first = lines.next().context("host-sim device ended")??;
+        device.address = first
+            .split(' ')
+            .next()
+            .filter(|word| word.starts_with("tcp:"))
+            .with_context(|| format!("host-sim device does not say where it listens: {first}"))?
+            .to_owned();
+        // Who does not read would stop it once the pipe is full.
+        std::thread::spawn(move || lines.for_each(drop));
+        Ok(device)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // It may have ended by itself; then there is nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A table of numbers by columns.
+struct Table {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let mut lines = text.lines();
+        let names = lines
+            .next()
+            .context("an empty table")?
+            .split(',')
+            .map(Into::into)
+            .collect();
+        let number = |text: &str| text.parse().with_context(|| format!("{text} is no number"));
+        let row = |line: &str| line.split(',').map(number).collect::<Result<Vec<f64>>>();
+        Ok(Self {
+            names,
+            rows: lines.map(row).collect::<Result<_>>()?,
+        })
+    }
+}
+
+fn compare(expected: &Path, found: &Path, tolerance: f64) -> Result<()> {
+    let [expected, found] = [Table::read(expected)?, Table::read(found)?];
+    ensure!(
+        expected.names == found.names,
+        "columns: {:?}, found {:?}",
+        expected.names,
+        found.names
+    );
+    ensure!(
+        expected.rows.len() == found.rows.len(),
+        "{} rows, found {}",
+        expected.rows.len(),
+        found.rows.len()
+    );
+    let sent = expected
+        .names
+        .iter()
+        .position(|name| name == LAST_SENT)
+        .context(LAST_SENT)?;
+    for (column, name) in expected.names.iter().enumerate() {
+        let exact = column <= sent || name == "tool";
+        let largest = expected
+            .rows
+            .iter()
+            .map(|row| row[column].abs())
+            .fold(0.0, f64::max);
+        for (tick, (a, b)) in expected.rows.iter().zip(&found.rows).enumerate() {
+            let (a, b) = (a[column], b[column]);
+            let agrees = match exact {
+                true => a == b,
+                false => (a - b).abs() <= tolerance * largest,
+            };
+            if !agrees {
+                bail!("{name} at tick {tick}: {a:?}, found {b:?}, largest {largest:?}");
+            }
+        }
+    }
+    println!(
+        "{} rows of {} columns agree",
+        found.rows.len(),
+        found.names.len()
+    );
+    Ok(())
+}

@@ -1,0 +1,168 @@
+//! `cargo xtask fuzz`: coverage-guided fuzzing of the targets in `fuzz/` with stable Rust.
+//!
+//! What `cargo fuzz` adds to the compiler's arguments is stable too, but for the address sanitizer,
+//! which finds nothing in code without `unsafe`. So CI needs neither a nightly toolchain nor cargo-fuzz; with
+//! both, `cargo +nightly fuzz run TARGET` works on the same folder.
+
+use crate::repository::{cargo, root, target_directory};
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use std::fs;
+use std::process::Command;
+
+/// Passes and options of LLVM that libFuzzer's feedback needs.
+const COVERAGE: &str = "-Cpasses=sancov-module \
+    -Cllvm-args=-sanitizer-coverage-level=4 \
+    -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
+    -Cllvm-args=-sanitizer-coverage-pc-table \
+    -Cllvm-args=-sanitizer-coverage-trace-compares \
+    -Ccodegen-units=1";
+
+/// The longest input, bytes.
+const LONGEST: u32 = 512;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Targets; all without
+    targets: Vec<String>,
+    /// Inputs to try for each target
+    #[arg(long, default_value_t = 50_000)]
+    runs: u64,
+    /// Fuzz for so many seconds in place of a number of inputs
+    #[arg(long)]
+    seconds: Option<u64>,
+    /// Add what is found to the corpus in fuzz/corpus, in the fewest inputs that cover the same
+    #[arg(long)]
+    keep: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let fuzz = root().join("fuzz");
+    let known = targets()?;
+    for target in &arguments.targets {
+        ensure!(
+            known.contains(target),
+            "{target}: no fuzz target; there are {}",
+            known.join(", ")
+        );
+    }
+    let chosen = match arguments.targets.as_slice() {
+        [] => &known,
+        some => some,
+    };
+    // Named, so that build scripts are not compiled for the fuzzer.
+    let host = host()?;
+    let build = target_directory().join("fuzz");
+    let status = cargo()
+        .args([
+            "build",
+            "--quiet",
+            "--release",
+            "--manifest-path",
+            "fuzz/Cargo.toml",
+        ])
+        .args(["--target", &host])
+        .arg("--target-dir")
+        .arg(&build)
+        .env("RUSTFLAGS", COVERAGE)
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "the fuzz targets cannot be built");
+    for target in chosen {
+        let program = build.join(&host).join("release").join(target);
+        let corpus = fuzz.join("corpus").join(target);
+        // Findings go here, so that a run leaves the corpus as it is.
+        let found = target_directory().join("fuzz-found").join(target);
+        fs::create_dir_all(&found)?;
+        let artifacts = fuzz.join("artifacts").join(target);
+        fs::create_dir_all(&artifacts)?;
+        let mut fuzzer = Command::new(&program);
+        fuzzer
+            .arg(format!("-max_len={LONGEST}"))
+            .arg("-seed=1")
+            .arg("-print_final_stats=1")
+            .arg("-verbosity=0")
+            .arg(format!("-artifact_prefix={}/", artifacts.display()));
+        match arguments.seconds {
+            Some(seconds) => fuzzer.arg(format!("-max_total_time={seconds}")),
+            None => fuzzer.arg(format!("-runs={}", arguments.runs)),
+        };
+        fuzzer.arg(&found).arg(&corpus);
+        println!("{target}:");
+        let status = fuzzer
+            .status()
+            .with_context(|| program.display().to_string())?;
+        if !status.success() {
+            bail!("{target}: an input breaks it, see {}", artifacts.display());
+        }
+        if arguments.keep {
+            merge(&program, &corpus, &found)?;
+        }
+    }
+    Ok(())
+}
+
+/// Takes the fewest inputs of both folders that cover the same into the corpus.
+fn merge(
+    program: &std::path::Path,
+    corpus: &std::path::Path,
+    found: &std::path::Path,
+) -> Result<()> {
+    let least = found.with_extension("least");
+    if least.exists() {
+        fs::remove_dir_all(&least)?;
+    }
+    fs::create_dir_all(&least)?;
+    let status = Command::new(program)
+        .args(["-merge=1", "-verbosity=0"])
+        .args([&least, &corpus.to_path_buf(), &found.to_path_buf()])
+        .status()?;
+    ensure!(status.success(), "{}: cannot be merged", corpus.display());
+    fs::remove_dir_all(corpus)?;
+    fs::create_dir_all(corpus)?;
+    for entry in fs::read_dir(&least)? {
+        let entry = entry?;
+        fs::copy(entry.path(), corpus.join(entry.file_name()))?;
+    }
+    Ok(())
+}
+
+/// The targets, by their files.
+fn targets() -> Result<Vec<String>> {
+    let folder = root().join("fuzz/fuzz_targets");
+    let mut names = Vec::new();
+    for entry in fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if let Some(name) = path.file_stem().and_then(|stem| stem.to_str()) {
+            names.push(name.to_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The triple of this machine.
+fn host() -> Result<String> {
+    let output = Command::new("rustc")
+        .arg("-vV")
+        .output()
+        .context("rustc cannot be run")?;
+    let text = String::from_utf8(output.stdout).context("rustc -vV printed no text")?;
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned).context("rustc -vV names no host")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_target_has_a_corpus() {
+        let targets = targets().unwrap();
+        assert!(targets.len() >= 2);
+        for target in targets {
+            let corpus = root().join("fuzz/corpus").join(&target);
+            assert!(fs::read_dir(&corpus).unwrap().count() >= 10, "{target}");
+        }
+    }
+}
