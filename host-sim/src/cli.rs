@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::link::{Address, listening};
 use crate::report::Section;
 use crate::scalar::Scalar;
 use clap::{Args, Parser, Subcommand};
@@ -27,6 +28,10 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene's job tick by tick at its rate, write a table and figures
     Run(RunArgs),
+    /// Play a board: a scene's service behind a TCP port, in real time
+    Device(DeviceArgs),
+    /// Stream a scene's job to a board, write its telemetry and figures
+    Stream(StreamArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row
     Eval(EvalArgs),
     /// Solve a planar linkage over its motion: Assur groups, table, figures
@@ -37,12 +42,14 @@ pub enum Command {
 
 /// `host-sim run`.
 ///
-/// Evaluates the job in real time against absolute deadlines and reports how well they were kept.
+/// Plays the job through the machine's service, in real time against absolute deadlines, and reports
+/// how well they were kept.
 /// Writes ticks.csv (one row per tick, SI units) and the figures as SVG.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Ctrl-C ends the run cleanly: what was computed so far is written. So does a setpoint that the \
-machine cannot follow (unreachable, singular); it is named with its tick and time.")]
+Ctrl-C ends the run cleanly: what was computed so far is written. So does a move that the machine \
+refuses (unreachable, singular, beyond a limit); the move, the leg or motor and the time in it are \
+named.")]
 pub struct RunArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
@@ -69,6 +76,70 @@ impl Default for RunArgs {
             scalar: None,
         }
     }
+}
+
+/// `host-sim device`.
+///
+/// Listens for one client at a time and answers it as a board with the scene's image would: same
+/// service, same wire, same bits. Says on standard output where it listens, who comes and goes, what
+/// the machine does and what it refuses.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Ctrl-C ends the device. A client that is lost leaves the machine to the scene's silence timeout: it \
+comes to rest on its path. The client may come back and go on.")]
+pub struct DeviceArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// Where to listen: tcp:HOST:PORT; port 0 takes one that is free and prints it
+    #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7333", value_parser = listening)]
+    pub listen: String,
+    /// Number type to compute in [default: the scene's]
+    #[arg(long)]
+    pub scalar: Option<Scalar>,
+    /// The machine's seconds per second of real time: 10 for ten times as fast
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
+    pub speed: f64,
+}
+
+/// `host-sim stream`.
+///
+/// Offers the scene's moves to a board as it has room for them, starts the job, and stays with it
+/// to its end. Repeats what is not answered, opens the port anew when it is lost, and goes on where
+/// the board is. Writes ticks.csv from the telemetry (one row per sample, SI units) and the figures
+/// as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+The scene must be the one that the board's image was built from. Ctrl-C stops the machine on its \
+path and ends the stream; a second one ends the stream at once, and the board's silence timeout \
+stops the machine. With --keys, a line `hold`, `resume` or `stop` on standard input does that.")]
+pub struct StreamArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `host-sim device`
+    #[arg(long, value_name = "PORT")]
+    pub port: Address,
+    /// Rate of a serial port
+    #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
+    pub baud: u32,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number type of the board's image [default: the scene's]
+    #[arg(long)]
+    pub scalar: Option<Scalar>,
+    /// Ticks from one telemetry sample to the next [default: the scene's, more where the port is too
+    /// slow for them]
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..))]
+    pub telemetry: Option<u16>,
+    /// Seconds without an answer, or without the port, after which the stream gives up
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
+    pub patience: f64,
+    /// Take `hold`, `resume` and `stop` from standard input, a line each
+    #[arg(long)]
+    pub keys: bool,
 }
 
 /// `host-sim eval`.
@@ -124,6 +195,15 @@ pub struct ReportArgs {
     /// `images` beside it
     #[arg(long, value_name = "FILE.md")]
     pub docs: Option<PathBuf>,
+}
+
+/// Reads a positive number.
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        // Beyond these, no time is left to count or none to see.
+        Ok(value) if (1e-3..=1e6).contains(&value) => Ok(value),
+        _ => Err("expected a number from 0.001 to 1000000".into()),
+    }
 }
 
 const EVAL_COLUMNS: &str = "\

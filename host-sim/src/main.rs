@@ -7,10 +7,10 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use trirrr_host_sim::cli::{Cli, Command, RunArgs};
+use trirrr_host_sim::cli::{Cli, Command, RunArgs, StreamArgs};
 use trirrr_host_sim::failure::Failure;
 use trirrr_host_sim::run::End;
-use trirrr_host_sim::{eval, linkage, report, run};
+use trirrr_host_sim::{device, eval, linkage, report, run, stream};
 
 /// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -22,6 +22,10 @@ fn main() -> ExitCode {
         .unwrap_or_else(|| Command::Run(RunArgs::default()));
     let done = match &command {
         Command::Run(args) => run(args),
+        Command::Device(args) => on_interrupt()
+            .and_then(|stop| device::command(args, &stop))
+            .map(|()| ExitCode::SUCCESS),
+        Command::Stream(args) => stream(args),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
         Command::Report(args) => report::command(args).map(|()| ExitCode::SUCCESS),
@@ -33,7 +37,8 @@ fn main() -> ExitCode {
     })
 }
 
-fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+/// What Ctrl-C raises.
+fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -43,11 +48,23 @@ fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
     })
     .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
+    Ok(stop)
+}
+
+fn stream(args: &StreamArgs) -> Result<ExitCode, Failure> {
+    let stop = on_interrupt()?;
+    match stream::command(args, &stop)? {
+        stream::End::Stopped if stop.load(Ordering::Relaxed) => Ok(ExitCode::from(INTERRUPTED)),
+        stream::End::Stopped | stream::End::Complete => Ok(ExitCode::SUCCESS),
+    }
+}
+
+fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let stop = on_interrupt()?;
     match run::command(args, &stop)? {
         End::Complete => Ok(ExitCode::SUCCESS),
         End::Stopped => Ok(ExitCode::from(INTERRUPTED)),
-        End::Status { tick, status } => {
-            Err(Failure::Failed(format!("stopped at tick {tick}: {status}")))
-        }
+        End::Refused(why) => Err(Failure::Refused(why)),
+        End::Fault(what) => Err(Failure::Failed(format!("fault: {what}"))),
     }
 }

@@ -35,6 +35,11 @@ impl<'a, N: Transmit> Samples<'a, N> {
         }
     }
 
+    /// Whether there was a sample.
+    pub fn have_begun(&self) -> bool {
+        self.start.is_some()
+    }
+
     /// Ticks of the job, `every` apart, that no sample came of: the line lost them, or the machine
     /// dropped them.
     pub fn missing(&self) -> u64 {

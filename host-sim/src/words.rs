@@ -3,6 +3,7 @@
 use trirrr_core::message::{
     Acting, Bounded, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
 };
+use trirrr_scene::Scene;
 
 /// The units that a machine's messages are in, and the rate of its ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,16 @@ impl Units {
             time_s: 1.0,
             mass_kg: 1.0,
             tick_rate_hz,
+        }
+    }
+
+    /// Those that the machine of `scene` has, `units`.
+    pub fn of_scene(scene: &Scene, units: &trirrr_core::units::Units) -> Self {
+        Self {
+            length_m: units.length_m(),
+            time_s: units.time_s(),
+            mass_kg: units.of(0, 0, 1),
+            tick_rate_hz: scene.tick_rate_hz,
         }
     }
 
@@ -52,9 +63,9 @@ impl Units {
         }
     }
 
-    fn quantity(&self, what: Bounded, value: f64) -> String {
+    fn quantity(&self, what: Bounded, value: f64, digits: usize) -> String {
         let (unit, name) = self.of_bounded(what);
-        format!("{}{name}", short(value * unit))
+        format!("{}{name}", rounded(value * unit, digits))
     }
 
     /// `640 ticks (1.28 s)`.
@@ -66,7 +77,12 @@ impl Units {
 
 /// A number to four significant digits, without trailing zeros.
 pub fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    rounded(value, 4)
+}
+
+fn rounded(value: f64, digits: usize) -> String {
+    let decimals = digits.saturating_sub(1);
+    let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);
     let text = format!("{rounded:?}");
     text.strip_suffix(".0").map(Into::into).unwrap_or(text)
 }
@@ -110,7 +126,13 @@ fn beyond<N: Transmit>(
         true => "least",
         false => "most",
     };
-    let [value, limit] = [value, limit].map(|value| units.quantity(what, value.to_f64()));
+    let [value, limit] = [value, limit].map(|value| value.to_f64());
+    // The first instant at which a limit is broken is one at which it is broken by little.
+    let value = (4..=17)
+        .map(|digits| units.quantity(what, value, digits))
+        .find(|text| *text != units.quantity(what, limit, 4))
+        .unwrap_or_else(|| units.quantity(what, value, 17));
+    let limit = units.quantity(what, limit, 4);
     format!("{subject} {verb} {value}, the {bound} allowed is {limit}")
 }
 
@@ -121,6 +143,9 @@ pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Unit
     let fraction = violation.at.to_f64();
     let time = fraction * f64::from(ticks) / units.tick_rate_hz;
     text += &format!(", {} s into the move", short(time));
+    if violation.ramp {
+        text += ", in a hold or a resume there";
+    }
     if let Some(shortest) = violation.shortest {
         text += &format!("; {} would be long enough", units.ticks(shortest));
     }
@@ -223,14 +248,14 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed not positive".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),
+        Refusal::NotInImage => {
+            "the board's image holds no code for such links, loads or such a centre of mass".into()
+        }
         Refusal::NoSuchLeg => "there is no such leg".into(),
         Refusal::Parameter { quantity, leg } => match leg {
             Some(leg) => format!("{quantity:?} of leg {} cannot be built", leg + 1),
             None => format!("{quantity:?} cannot be built"),
         },
-        Refusal::NotInImage => {
-            "the board's image holds no code for what the scene would then have".into()
-        }
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
@@ -246,30 +271,47 @@ mod tests {
         let found = Violation {
             what: Bounded::Torque,
             index: Some(1),
-            ramp: false,
             at: 0.25,
             value: -9.31234,
             limit: 9.0,
+            ramp: true,
             shortest: Some(640),
         };
         assert_eq!(
             violation(&found, 400, &Units::si(500.0)),
             "torque of motor 2 would be -9.312 N m, the most allowed is 9 N m, 0.2 s into the \
-             move; 640 ticks (1.28 s) would be long enough"
+             move, in a hold or a resume there; 640 ticks (1.28 s) would be long enough"
         );
         let found = Violation {
             what: Bounded::ParallelDistance,
             index: None,
-            ramp: false,
             at: 1.0,
             value: 0.0031f32,
             limit: 0.01,
+            ramp: false,
             shortest: None,
         };
         assert_eq!(
             violation(&found, 100, &Units::si(500.0)),
             "distance from the parallel singularity would be 0.0031, the least allowed is 0.01, \
              0.2 s into the move"
+        );
+    }
+
+    #[test]
+    fn a_value_little_beyond_its_limit_has_the_digits_that_show_it() {
+        let found = Violation {
+            what: Bounded::Rate,
+            index: Some(0),
+            at: 0.5,
+            value: 1.000_02,
+            limit: 1.0,
+            ramp: false,
+            shortest: None,
+        };
+        assert_eq!(
+            violation(&found, 100, &Units::si(100.0)),
+            "rate of motor 1 would be 1.00002 rad/s, the most allowed is 1 rad/s, 0.5 s into the move"
         );
     }
 
@@ -290,7 +332,7 @@ mod tests {
             (Bounded::Torque, "100 N m"),
             (Bounded::Power, "1000 W"),
         ] {
-            assert_eq!(units.quantity(what, 2.0), text);
+            assert_eq!(units.quantity(what, 2.0, 4), text);
         }
     }
 

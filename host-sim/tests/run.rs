@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
-use trirrr_core::status::Status;
 use trirrr_host_sim::run::{End, simulate};
 use trirrr_host_sim::scalar::Scalar;
 use trirrr_scene::Scene;
@@ -233,32 +232,55 @@ fn what_cannot_be_read_is_refused_and_what_cannot_be_written_fails() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// The scene's reader refuses such jobs; the machine holds its own all the same.
 #[test]
-fn a_status_ends_the_run_with_what_came_before() {
-    // The scene's reader refuses such a job; the run must hold its own all the same.
+fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     let mut scene = Scene::read(scene_file("thesis.toml")).unwrap();
     scene.job.moves[0].to.position.x = 0.6;
     let folder = TempDir::new().unwrap();
     for (scalar, paced) in [(Scalar::F64, false), (Scalar::F32, true)] {
         let never = AtomicBool::new(false);
         let report = simulate(&scene, scalar, paced, folder.path(), &never).unwrap();
-        let End::Status { tick, status } = report.end else {
+        let End::Refused(why) = report.end else {
             panic!("{:?}", report.end);
         };
-        assert_eq!(status, Status::Unreachable { leg: 0 });
-        assert!((30..60).contains(&tick), "{tick}");
-        assert_eq!(report.records, tick);
-        assert_eq!(report.setpoints, 101);
-        assert_eq!(rows(folder.path()).len() as u64, tick);
+        assert!(
+            why.starts_with(
+                "move 1 is not admitted: distance from the serial singularity of leg 1"
+            ),
+            "{why}"
+        );
+        assert_eq!((report.records, report.setpoints), (0, 101));
+        // A header, empty figures, no peaks.
+        assert!(report.peaks.is_none());
+        assert!(rows(folder.path()).is_empty());
         assert_all_files(folder.path());
     }
-    // Already the first setpoint: a header, empty figures, no peaks.
+    // Where the machine cannot even stand.
     scene.job.moves[0].from.position.x = 5.0;
+    scene.job.start.position.x = 5.0;
     let never = AtomicBool::new(false);
-    let report = simulate(&scene, Scalar::F64, false, folder.path(), &never).unwrap();
-    assert!(matches!(report.end, End::Status { tick: 0, .. }));
-    assert!(report.peaks.is_none());
-    assert!(rows(folder.path()).is_empty());
+    let error = simulate(&scene, Scalar::F64, false, folder.path(), &never).unwrap_err();
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("unreachable: leg"), "{error}");
+}
+
+/// What was played until then is written. The move that does not fit is behind more than the queue
+/// holds, so the job has begun.
+#[test]
+fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
+    let mut scene = Scene::read(scene_file("engraving.toml")).unwrap();
+    let last = scene.job.moves.last_mut().unwrap();
+    last.to.position.x = 0.6;
+    let folder = TempDir::new().unwrap();
+    let never = AtomicBool::new(false);
+    let report = simulate(&scene, Scalar::F32, false, folder.path(), &never).unwrap();
+    let End::Refused(why) = report.end else {
+        panic!("{:?}", report.end);
+    };
+    assert!(why.starts_with("move 22 is not admitted: "), "{why}");
+    assert!((1..7817).contains(&report.records), "{}", report.records);
+    assert_eq!(rows(folder.path()).len() as u64, report.records);
     assert_all_files(folder.path());
 }
 

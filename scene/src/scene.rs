@@ -13,6 +13,7 @@ use std::fmt;
 use std::path::Path;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::service::key;
 use trirrr_core::singularity::greatest_det_a;
 
 /// Slowest and fastest tick rate, Hz.
@@ -30,6 +31,9 @@ const TOP_KEYS: &[&str] = &[
 /// A checked scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
+    /// [Key](trirrr_core::service::key) of the file's text: by it a board and a host know that they
+    /// have the same scene.
+    pub key: u32,
     /// Name of the scene: letters, digits, `-` and `_`, fit to name a folder.
     pub name: String,
     /// What the scene shows, in the author's words; may be empty.
@@ -99,7 +103,9 @@ impl Scene {
     /// once nothing else is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
         let document = Document::new(text, TOP_KEYS);
-        let read = with_root(&document, text, |root| read_scene(&document, root));
+        let read = with_root(&document, text, |root| {
+            read_scene(&document, root, key(text.as_bytes()))
+        });
         let Some((scene, placed, legs)) = read.filter(|_| document.is_clean()) else {
             return Err(document.into_error(file));
         };
@@ -130,7 +136,7 @@ impl Scene {
     }
 }
 
-fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, Place)> {
+fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, PlacedJob, Place)> {
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
     let (slowest, fastest) = TICK_RATE_HZ;
@@ -150,6 +156,7 @@ fn read_scene(document: &Document, root: &Section) -> Option<(Scene, PlacedJob, 
         None => None,
     };
     let scene = Scene {
+        key,
         name: name?,
         description: description.into_owned(),
         tick_rate_hz: rate?,

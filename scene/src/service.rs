@@ -52,7 +52,7 @@ pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service>
         ticks <= most
     });
     let telemetry_ticks = match section.has("telemetry_ticks") {
-        true => section.integer("telemetry_ticks", 1, 1_000_000),
+        true => section.integer("telemetry_ticks", 1, 65_535),
         false => Some(default.telemetry_ticks),
     };
     Some(Service {

@@ -141,7 +141,7 @@ fn the_service_and_the_tool() {
         case(("[platform]", 1, "[service]\nhold_ramp_ms = 100\n[platform]"),
             "service.hold_ramp_ms", Some("100"), "did you mean `hold_ramp_s`?"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 0\n[platform]"),
-            "service.telemetry_ticks", Some("0"), "must be from 1 to 1000000"),
+            "service.telemetry_ticks", Some("0"), "must be from 1 to 65535"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 2.5\n[platform]"),
             "service.telemetry_ticks", Some("2.5"), "must be a whole number"),
         case(("duration_s", 1, "tool = { power = 1.5, speed_m_s = 0.1 }\nduration_s"),

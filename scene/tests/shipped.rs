@@ -92,6 +92,8 @@ fn the_links_scene_differs_from_the_thesis_in_its_links_alone() {
         assert_eq!((leg.proximal, leg.distal), (rod, rod));
         (leg.proximal, leg.distal) = Default::default();
     }
+    assert_ne!(links.key, thesis.key);
+    links.key = thesis.key;
     links.name = thesis.name.clone();
     links.description = thesis.description.clone();
     assert_eq!(links, thesis);

@@ -15,9 +15,11 @@ use super::Number;
 use super::simple::rounds_every_step;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use micromath::F32;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 
 /// A binary32 number whose functions are coarse. As an angle, radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, Schema)]
 #[repr(transparent)]
 pub struct Coarse(pub f32);
 

@@ -6,7 +6,7 @@ use crate::words::Units;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_core::message::{
-    Command, Event, Hello, Identity, Message, Move, Refusal, Reply, Request, State, Status,
+    Acting, Command, Event, Hello, Identity, Message, Move, Refusal, Reply, Request, State, Status,
     Transmit,
 };
 
@@ -311,7 +311,9 @@ impl<N: Transmit> Stream<N> {
             // Less than before, seen as a huge number, or more than there are.
             return self.finish(Err(Failure::Restarted));
         }
-        if taken < self.offered {
+        // A machine that was stopped in the last move has dropped nothing that it had not begun.
+        let stopped = standing && matches!(status.acting, Acting::Stop | Acting::Silence);
+        if taken < self.offered || (stopped && self.done() > 0) {
             let done = self.done();
             return self.finish(Err(match self.stop_asked {
                 true => Failure::Stopped { done },

@@ -1,13 +1,15 @@
 //! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
 //!
-//! A link knows nothing of frames. It is gone once a call has failed; whoever holds it opens a new
-//! one.
+//! A link knows nothing of what it carries; [`Frames`] does. It is gone once a call has failed;
+//! whoever holds it opens a new one.
 
 mod address;
+mod frames;
 mod serial;
 mod tcp;
 
 pub use address::{Address, listening};
+pub use frames::{FRAME_BYTES, Frames};
 pub use tcp::{Listener, TcpLink};
 
 use std::io;

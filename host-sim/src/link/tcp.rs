@@ -61,6 +61,7 @@ impl TcpLink {
         self.stream.set_nonblocking(false)?;
         match written {
             Err(error) if is_for_want_of_time(&error) => Ok(0),
+            Err(error) if is_closed(&error) => Err(closed()),
             written => written,
         }
     }
@@ -83,6 +84,7 @@ impl Link for TcpLink {
             // Linux calls a write timeout "would block".
             match is_for_want_of_time(&error) {
                 true => io::ErrorKind::TimedOut.into(),
+                false if is_closed(&error) => closed(),
                 false => error,
             }
         })
@@ -94,8 +96,20 @@ fn taken(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Ok(0) => Err(closed()),
         Err(error) if is_for_want_of_time(&error) => Ok(0),
+        Err(error) if is_closed(&error) => Err(closed()),
         read => read,
     }
+}
+
+/// Whether the far end closed the connection, in one of the ways to say so: a reset, where it did
+/// not read everything before.
+fn is_closed(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::ConnectionReset
+            | io::ErrorKind::ConnectionAborted
+            | io::ErrorKind::BrokenPipe
+    )
 }
 
 fn is_for_want_of_time(error: &io::Error) -> bool {

@@ -1,49 +1,49 @@
-//! Runs a scene: its job tick by tick, in real time or as fast as it goes.
+//! Runs a scene: its job through the machine's service, tick by tick, in real time or as fast as it
+//! goes.
 
-mod histogram;
-mod pace;
 mod plant;
+mod player;
 mod progress;
 mod summary;
 
-pub use histogram::Histogram;
-pub use pace::Deadlines;
 pub use plant::{Simulated, simulate_plant};
 
 use crate::cli::RunArgs;
 use crate::evaluator;
 use crate::failure::Failure;
-use crate::record::Record;
+use crate::histogram::Histogram;
+use crate::job;
+use crate::machine;
+use crate::pace::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
 use crate::scalar::Scalar;
-use pace::Pacer;
+use crate::telemetry::Samples;
+use crate::words::Units;
+use player::Player;
 use progress::Progress;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::{Duration, Instant};
-use trirrr_core::number::{Coarse, Fixed, Number};
-use trirrr_core::status::Status;
-use trirrr_scene::{JobPlayer, Scene};
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::Duration;
+use trirrr_core::message::{Telemetry, Transmit};
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_scene::Scene;
 
-/// Records that may wait for the recorder before a tick has to.
+/// Samples that may wait for the recorder before a tick has to.
 const WAITING: usize = 16_384;
 
 /// How a run came to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// The whole job was run.
     Complete,
     /// It was stopped from outside.
     Stopped,
-    /// The setpoint of this tick has no motion.
-    Status {
-        /// The tick, counted from 0.
-        tick: u64,
-        /// Why.
-        status: Status,
-    },
+    /// The machine refuses the job or one of its moves; why, in words.
+    Refused(String),
+    /// The machine has a fault; which, in words.
+    Fault(String),
 }
 
 /// What a run gives, besides what it writes.
@@ -137,40 +137,41 @@ pub fn simulate(
     }
 }
 
-fn simulate_in<N: Number>(
+fn simulate_in<N: Transmit>(
     scene: &Scene,
     scalar: Scalar,
     paced: bool,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
-    let evaluator::Played {
-        machine, player, ..
-    } = evaluator::scene::<N>(scene)
-        .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
+    let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
+    let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    let evaluator = evaluator::build_in::<N>(&scene.parameters, units)
+        .map_err(|error| refused(error.to_string()))?;
+    let moves = job::moves::<N>(scene, &units);
+    let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
-    let job = Job {
-        player,
-        evaluator: &*machine,
-        rate_hz: scene.tick_rate_hz,
-    };
-
     let recorder = Recorder::create(folder, setpoints)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
-    let progress = Progress::new(setpoints, expected);
+    let recording = Recording {
+        samples: Samples::new(&*evaluator, units),
+        recorder,
+        progress: Progress::new(setpoints, expected),
+    };
 
-    let (sender, receiver) = sync_channel(WAITING);
-    let (played, recorded) = std::thread::scope(|scope| {
-        let recording = scope.spawn(move || record_all(recorder, &receiver, progress));
-        let played = job.play(paced, stop, sender);
-        // A panic there is a bug and goes on here.
-        (
-            played,
-            recording
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-        )
-    });
+    let (played, recorded) = machine::with_machine::<N, _>(scene, |machine| {
+        let (sender, receiver) = sync_channel(WAITING);
+        std::thread::scope(|scope| {
+            let recording = scope.spawn(move || recording.record_all(&receiver));
+            let played = Player::new(machine, moves, units).play(scene, paced, stop, sender);
+            // A panic there is a bug and goes on here.
+            let recorded = recording.join();
+            (
+                played,
+                recorded.unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            )
+        })
+    })?;
     let is_complete = played.end == End::Complete;
     let Recorded { rows, peaks, files } = recorded?.finish(&scene.name, is_complete)?;
     Ok(Report {
@@ -186,79 +187,26 @@ fn simulate_in<N: Number>(
     })
 }
 
-/// Takes every record until the sender is gone. It has a thread of its own, so that a slow disk does
-/// not delay a tick. After an error no more are taken, which the sender notices.
-fn record_all(
-    mut recorder: Recorder,
-    records: &Receiver<Record>,
-    mut progress: Progress,
-) -> Result<Recorder, Failure> {
-    for record in records {
-        recorder.record(&record)?;
-        progress.update(recorder.rows(), record.t);
-    }
-    progress.finish();
-    Ok(recorder)
+/// What becomes of the samples. It has a thread of its own, so that a slow disk does not delay a
+/// tick.
+struct Recording<'a, N: Transmit> {
+    samples: Samples<'a, N>,
+    recorder: Recorder,
+    progress: Progress,
 }
 
-/// A job ready to be played.
-struct Job<'a, N: Number> {
-    player: JobPlayer<N>,
-    evaluator: &'a dyn evaluator::Evaluator<N>,
-    rate_hz: f64,
-}
-
-/// What playing a job gives, besides the records.
-struct Played {
-    end: End,
-    elapsed: Duration,
-    computation: Histogram,
-    deadlines: Option<Deadlines>,
-}
-
-impl<N: Number> Job<'_, N> {
-    /// Sends the record of every tick, each when it is due if `paced`.
-    fn play(&self, paced: bool, stop: &AtomicBool, records: SyncSender<Record>) -> Played {
-        let start = Instant::now();
-        let mut computation = Histogram::default();
-        let mut pacer = paced.then(|| Pacer::start(self.rate_hz));
-        let mut end = End::Complete;
-        for tick in 0..=self.player.ticks() {
-            let number = u64::from(tick);
-            let go_on = match &mut pacer {
-                Some(pacer) => pacer.wait(number, stop),
-                None => !stop.load(Ordering::Relaxed),
-            };
-            if !go_on {
-                end = End::Stopped;
-                break;
-            }
-            let t = f64::from(tick) / self.rate_hz;
-            let begin = Instant::now();
-            let result = self.evaluator.evaluate(t, &self.player.at(tick));
-            computation.push(begin.elapsed());
-            if let Some(pacer) = &mut pacer {
-                pacer.done(number);
-            }
-            match result {
-                // The recorder has gone: it says why when it is joined.
-                Ok(record) if records.send(record).is_err() => break,
-                Ok(_) => {}
-                Err(status) => {
-                    end = End::Status {
-                        tick: number,
-                        status,
-                    };
-                    break;
-                }
-            }
+impl<N: Transmit> Recording<'_, N> {
+    /// Takes every sample until the sender is gone. After an error no more are taken, which the
+    /// sender notices.
+    fn record_all(mut self, samples: &Receiver<Telemetry<N>>) -> Result<Recorder, Failure> {
+        for sample in samples {
+            let record = self.samples.record(&sample, 1).map_err(|status| {
+                Failure::Failed(format!("tick {} of the machine: {status}", sample.tick))
+            })?;
+            self.recorder.record(&record)?;
+            self.progress.update(self.recorder.rows(), record.t);
         }
-        let deadlines = pacer.map(Pacer::finish);
-        Played {
-            end,
-            elapsed: start.elapsed(),
-            computation,
-            deadlines,
-        }
+        self.progress.finish();
+        Ok(self.recorder)
     }
 }

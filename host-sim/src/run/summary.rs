@@ -1,6 +1,7 @@
 //! The summary of a run.
 
-use super::{End, Histogram, Report};
+use super::{End, Report};
+use crate::histogram::Histogram;
 use crate::recording::At;
 use std::io::{self, Write};
 use std::path::Path;
@@ -58,18 +59,19 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::
         "ran",
         &format!("{records} of {setpoints} setpoints {how}, {took}"),
     )?;
-    match report.end {
+    match &report.end {
         End::Complete => Ok(()),
         End::Stopped => line(
             out,
             "stopped",
             "by Ctrl-C; what was computed so far is written",
         ),
-        End::Status { tick, status } => {
-            let t = tick as f64 / rate;
-            let text = format!("at tick {tick}, t = {t} s: {status}; what came before is written");
-            line(out, "stopped", &text)
-        }
+        End::Refused(why) => line(out, "refused", why),
+        End::Fault(what) => line(
+            out,
+            "fault",
+            &format!("{what}; what came before is written"),
+        ),
     }
 }
 

@@ -51,11 +51,14 @@ pub use turns::Turns;
 use super::{Apex, Number, OutOfReach, Triangle};
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use nalgebra::Vector2;
+use postcard_schema::Schema;
 use product::{normalised, saturated, signed};
 use serde::{Deserialize, Serialize};
 
 /// A number in 2^-29, from -4 to 4.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, Schema,
+)]
 #[repr(transparent)]
 pub struct Fixed(pub i32);
 

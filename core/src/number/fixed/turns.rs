@@ -1,6 +1,7 @@
 //! Angles as turns.
 
 use core::ops::{Add, Neg, Sub};
+use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// An angle in 2^-32 of a turn, 1.46e-9 rad: 2^31 turns of either sign. What lies beyond a turn
@@ -9,7 +10,9 @@ use serde::{Deserialize, Serialize};
 /// | operator | does |
 /// |---|---|
 /// | `+`, `-`, unary `-` | exact; saturate |
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, Schema,
+)]
 #[repr(transparent)]
 pub struct Turns(pub i64);
 

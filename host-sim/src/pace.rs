@@ -1,6 +1,6 @@
 //! Real time: each tick has an absolute deadline, so that no delay adds up.
 
-use super::histogram::Histogram;
+use crate::histogram::Histogram;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -19,7 +19,7 @@ pub struct Deadlines {
 }
 
 /// Paces ticks in real time.
-pub(super) struct Pacer {
+pub(crate) struct Pacer {
     start: Instant,
     rate_hz: f64,
     deadlines: Deadlines,
@@ -27,7 +27,7 @@ pub(super) struct Pacer {
 
 impl Pacer {
     /// Tick 0 is due now.
-    pub(super) fn start(rate_hz: f64) -> Self {
+    pub(crate) fn start(rate_hz: f64) -> Self {
         Self {
             start: Instant::now(),
             rate_hz,
@@ -41,7 +41,7 @@ impl Pacer {
     }
 
     /// Waits until `tick` is due. False if `stop` was raised before that.
-    pub(super) fn wait(&mut self, tick: u64, stop: &AtomicBool) -> bool {
+    pub(crate) fn wait(&mut self, tick: u64, stop: &AtomicBool) -> bool {
         let due = self.due(tick);
         loop {
             if stop.load(Ordering::Relaxed) {
@@ -59,14 +59,24 @@ impl Pacer {
         }
     }
 
+    /// How long it is until `tick` is due; zero when it is, and then it begins now.
+    pub(crate) fn left(&mut self, tick: u64) -> Duration {
+        let now = Instant::now();
+        let left = self.due(tick).saturating_duration_since(now);
+        if left.is_zero() {
+            self.deadlines.release.push(now - self.due(tick));
+        }
+        left
+    }
+
     /// Notes that the result of `tick` is there.
-    pub(super) fn done(&mut self, tick: u64) {
+    pub(crate) fn done(&mut self, tick: u64) {
         if Instant::now() > self.due(tick + 1) {
             self.deadlines.late += 1;
         }
     }
 
-    pub(super) fn finish(self) -> Deadlines {
+    pub(crate) fn finish(self) -> Deadlines {
         self.deadlines
     }
 }

@@ -1,0 +1,133 @@
+//! What a device tells of itself on standard output: clients that come and go, states, verdicts,
+//! faults. One line each, with the time since it was switched on.
+
+use super::client::Client;
+use crate::words::{self, Units};
+use std::io::{self, Write};
+use std::net::SocketAddr;
+use trirrr_core::message::{Command, Event, Message, Reply, Request, Transmit};
+
+/// The diary of one device.
+pub(super) struct Diary {
+    units: Units,
+    ticks: u64,
+    clients: u64,
+    requests: u64,
+    /// Ticks of the last move that was offered, for the words of its verdict.
+    offered: (u32, u32),
+}
+
+impl Diary {
+    pub(super) fn new(units: Units) -> Self {
+        Self {
+            units,
+            ticks: 0,
+            clients: 0,
+            requests: 0,
+            offered: (0, 0),
+        }
+    }
+
+    /// Ticks, clients and requests so far.
+    pub(super) fn totals(&self) -> [u64; 3] {
+        [self.ticks, self.clients, self.requests]
+    }
+
+    pub(super) fn tick(&mut self) {
+        self.ticks += 1;
+    }
+
+    pub(super) fn connected(&mut self, from: SocketAddr) {
+        self.clients += 1;
+        self.note(&format!("client {from} is connected"));
+    }
+
+    pub(super) fn turned_away(&self, from: SocketAddr, by: SocketAddr) {
+        self.note(&format!("client {from} is turned away: {by} is connected"));
+    }
+
+    pub(super) fn replaced(&self, by: SocketAddr) {
+        self.note(&format!("the client is silent, {by} takes its place"));
+    }
+
+    pub(super) fn gone(&self, client: &Client, error: &io::Error) {
+        let (dropped, damaged) = (client.dropped(), client.damaged());
+        let mut text = format!("client {} is gone: {error}", client.from());
+        if dropped > 0 {
+            text += &format!("; {dropped} samples dropped, for it did not read");
+        }
+        if damaged > 0 {
+            text += &format!("; {damaged} damaged frames");
+        }
+        self.note(&text);
+    }
+
+    /// Notes a request that was refused; that others were done shows in what follows.
+    pub(super) fn answered<N: Transmit>(&mut self, request: &Request<N>, reply: &Reply<N>) {
+        self.requests += 1;
+        let mut ticks = 0;
+        if let Command::Move(offered) = &request.command {
+            ticks = offered.ticks;
+            self.offered = (offered.number, ticks);
+        }
+        if let Reply::Refused(refusal) = reply {
+            let why = words::refusal(refusal, ticks, &self.units);
+            self.note(&format!("{} refused: {why}", name(&request.command)));
+        }
+    }
+
+    /// Notes what the machine says by itself. Telemetry is not for reading.
+    pub(super) fn message<N: Transmit>(&self, message: &Message<N>) {
+        let Message::Event(event) = message else {
+            return;
+        };
+        match event {
+            Event::Verdict(verdict) => {
+                if let Some(violation) = &verdict.violation {
+                    let ticks = match self.offered {
+                        (number, ticks) if number == verdict.number => ticks,
+                        _ => 0,
+                    };
+                    let why = words::violation(violation, ticks, &self.units);
+                    self.note(&format!("move {} is not admitted: {why}", verdict.number));
+                }
+            }
+            Event::State {
+                state,
+                acting,
+                done,
+            } => {
+                let state = words::state(*state, *acting);
+                self.note(&format!("{state}, {done} moves done"));
+            }
+            Event::Fault(fault) => {
+                self.note(&format!("fault: {}", words::fault(fault, &self.units)));
+            }
+        }
+    }
+
+    fn note(&self, text: &str) {
+        let t = self.ticks as f64 / self.units.tick_rate_hz;
+        // Who does not listen does not stop the device.
+        let mut out = io::stdout().lock();
+        let _ = writeln!(out, "{t:>10.3} s  {text}").and_then(|()| out.flush());
+    }
+}
+
+/// What a command is called.
+fn name<N: Transmit>(command: &Command<N>) -> &'static str {
+    match command {
+        Command::Hello(_) => "hello",
+        Command::Status => "status",
+        Command::Read(_) => "read",
+        Command::Override(_) => "override",
+        Command::Move(_) => "move",
+        Command::Start => "start",
+        Command::Hold => "hold",
+        Command::Resume => "resume",
+        Command::Stop => "stop",
+        Command::ClearFault => "clear fault",
+        Command::Recover(_) => "recover",
+        Command::Telemetry { .. } => "telemetry",
+    }
+}

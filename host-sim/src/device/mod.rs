@@ -1,0 +1,120 @@
+//! A board that is none: the service of a scene behind a TCP port, in real time, for whoever
+//! writes or tries a client.
+
+mod client;
+mod diary;
+mod server;
+
+use crate::cli::DeviceArgs;
+use crate::failure::Failure;
+use crate::link::Listener;
+use crate::machine;
+use crate::pace::{Deadlines, Pacer};
+use crate::scalar::Scalar;
+use crate::words::Units;
+use diary::Diary;
+use server::Server;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use trirrr_core::message::Transmit;
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_scene::Scene;
+
+/// From one look at the link to the next, while no tick is due.
+const LOOK: Duration = Duration::from_micros(500);
+
+/// `host-sim device`: plays the board until `stop` is raised, which is its good end.
+///
+/// # Errors
+/// Refused: the scene, or its number type. Failed: the address cannot be listened at.
+pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
+    let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
+    let listener = Listener::bind(&args.listen)
+        .map_err(|error| Failure::Failed(format!("tcp:{}: {error}", args.listen)))?;
+    print(&format!(
+        "tcp:{} plays scene {} in {scalar}, {} ticks per second",
+        listener.address(),
+        scene.name,
+        scene.tick_rate_hz * args.speed
+    ));
+    let device = Device {
+        scene: &scene,
+        listener,
+        rate_hz: scene.tick_rate_hz * args.speed,
+        stop,
+    };
+    match scalar {
+        Scalar::F64 => device.play::<f64>(),
+        Scalar::F32 => device.play::<f32>(),
+        Scalar::Fixed => device.play::<Fixed>(),
+        Scalar::Micromath => device.play::<Coarse>(),
+    }
+}
+
+/// A device before its number type is chosen.
+struct Device<'a> {
+    scene: &'a Scene,
+    listener: Listener,
+    /// Ticks per second of real time.
+    rate_hz: f64,
+    stop: &'a AtomicBool,
+}
+
+impl Device<'_> {
+    fn play<N: Transmit>(self) -> Result<(), Failure> {
+        let Self {
+            scene,
+            listener,
+            rate_hz,
+            stop,
+        } = self;
+        let units = trirrr_scene::units::<N>(scene)
+            .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
+        let played = machine::with_machine::<N, _>(scene, |machine| {
+            let diary = Diary::new(Units::of_scene(scene, &units));
+            let silence = Duration::from_secs_f64(
+                scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
+            );
+            let server = Server::new(machine, listener, silence, diary);
+            run(server, rate_hz, stop)
+        })?;
+        let (diary, deadlines) =
+            played.map_err(|error| Failure::Failed(format!("the listener failed: {error}")))?;
+        let [ticks, clients, requests] = diary.totals();
+        print(&format!(
+            "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \
+             {requests} requests",
+            deadlines.late
+        ));
+        Ok(())
+    }
+}
+
+/// Ticks at `rate_hz` until `stop` is raised.
+fn run<N: Transmit>(
+    mut server: Server<N>,
+    rate_hz: f64,
+    stop: &AtomicBool,
+) -> io::Result<(Diary, Deadlines)> {
+    let mut pacer = Pacer::start(rate_hz);
+    let mut tick = 0;
+    while !stop.load(Ordering::Relaxed) {
+        let left = pacer.left(tick);
+        if left.is_zero() {
+            server.tick()?;
+            pacer.done(tick);
+            tick += 1;
+        } else if !server.serve()? {
+            std::thread::sleep(left.min(LOOK));
+        }
+    }
+    Ok((server.end(), pacer.finish()))
+}
+
+/// Says something on standard output, whether anyone listens or not.
+fn print(text: &str) {
+    let mut out = io::stdout().lock();
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}

@@ -1,0 +1,120 @@
+//! What a device does between two ticks: its client, and what the machine has to say.
+
+use super::client::Client;
+use super::diary::Diary;
+use crate::link::Listener;
+use crate::machine::Machine;
+use std::io;
+use std::time::Duration;
+use trirrr_core::message::{Message, Transmit};
+
+/// Slices of background work between two looks at the link.
+const SLICES: u32 = 64;
+
+/// A machine that listens: one client at a time, the next one when that has gone.
+pub(super) struct Server<'a, N: Transmit> {
+    machine: &'a mut dyn Machine<N>,
+    listener: Listener,
+    /// A client that is silent for this long gives way to another.
+    silence: Duration,
+    client: Option<Client>,
+    diary: Diary,
+}
+
+impl<'a, N: Transmit> Server<'a, N> {
+    pub(super) fn new(
+        machine: &'a mut dyn Machine<N>,
+        listener: Listener,
+        silence: Duration,
+        diary: Diary,
+    ) -> Self {
+        Self {
+            machine,
+            listener,
+            silence,
+            client: None,
+            diary,
+        }
+    }
+
+    /// One tick, and what it gave is sent.
+    ///
+    /// # Errors
+    /// As [`Server::serve`].
+    pub(super) fn tick(&mut self) -> io::Result<()> {
+        self.machine.tick();
+        self.diary.tick();
+        self.serve().map(|_| ())
+    }
+
+    /// Takes what the client says, works a little, sends what there is; never waits. Whether there
+    /// is more to do.
+    ///
+    /// # Errors
+    /// Nobody can be listened to any more.
+    pub(super) fn serve(&mut self) -> io::Result<bool> {
+        let heard = self.listen();
+        self.accept()?;
+        let busy = (0..SLICES).all(|_| self.machine.work());
+        while let Some(message) = self.machine.outgoing() {
+            self.diary.message(&message);
+            if let Some(client) = &mut self.client {
+                client.put(&message);
+            }
+        }
+        self.with_client(Client::flush);
+        Ok(heard || busy)
+    }
+
+    /// The diary, when all is over.
+    pub(super) fn end(self) -> Diary {
+        self.diary
+    }
+
+    fn accept(&mut self) -> io::Result<()> {
+        while let Some((link, from)) = self.listener.accept()? {
+            // Who is on the line has the machine. But of a line that was cut without a word, its
+            // silence is all that is heard.
+            if let Some(client) = &self.client {
+                if client.is_heard_within(self.silence) {
+                    self.diary.turned_away(from, client.from());
+                    continue;
+                }
+                self.diary.replaced(from);
+            }
+            self.diary.connected(from);
+            self.client = Some(Client::new(link, from));
+        }
+        Ok(())
+    }
+
+    /// Answers what the client has asked; whether it has asked anything.
+    fn listen(&mut self) -> bool {
+        let Some(requests) = self.with_client(Client::requests::<N>) else {
+            return false;
+        };
+        let heard = !requests.is_empty();
+        for request in requests {
+            let reply = self.machine.receive(&request);
+            self.diary.answered(&request, &reply);
+            let sequence = request.sequence;
+            if let Some(client) = &mut self.client {
+                client.put(&Message::Reply { sequence, reply });
+            }
+        }
+        heard
+    }
+
+    /// Does `what` with the client, if there is one. If it is gone by that, there is none any more.
+    fn with_client<T>(&mut self, what: impl FnOnce(&mut Client) -> io::Result<T>) -> Option<T> {
+        let client = self.client.as_mut()?;
+        match what(client) {
+            Ok(done) => Some(done),
+            Err(error) => {
+                self.diary.gone(client, &error);
+                self.client = None;
+                None
+            }
+        }
+    }
+}

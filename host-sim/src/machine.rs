@@ -1,0 +1,201 @@
+//! The service of a scene behind one object: the core's types say what its machine holds, a scene
+//! says it at run time, and here the one is chosen by the other.
+
+use crate::failure::Failure;
+use crate::job;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
+use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
+use trirrr_core::service::{
+    self, Adjustable, Background, Channels, Compiled, Foreground, Put, SceneIdentity, ServiceError,
+    Settings, Setup, Take, name,
+};
+use trirrr_core::setpoint::Pose;
+use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
+use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::units::Units;
+use trirrr_core::wire::schema;
+use trirrr_scene::Scene;
+
+/// Moves that can wait, as on a board, and one place that stays empty.
+const MOVES: usize = 16 + 1;
+
+/// Telemetry samples that can wait, and one place that stays empty. They are fetched after every
+/// tick.
+const SAMPLES: usize = 63 + 1;
+
+/// A machine that is talked to: the core's service, with both of its halves in one hand.
+pub trait Machine<N: Transmit> {
+    /// One tick.
+    fn tick(&mut self);
+
+    /// Takes a request; the answer to it.
+    fn receive(&mut self, request: &Request<N>) -> Reply<N>;
+
+    /// A slice of the work below the tick; false where nothing is left to do at once.
+    fn work(&mut self) -> bool;
+
+    /// The oldest event or telemetry sample that nobody has fetched.
+    fn outgoing(&mut self) -> Option<Message<N>>;
+}
+
+/// What a client says first to the machine of `scene`.
+pub fn hello<N: Transmit>(scene: &Scene) -> Hello {
+    Hello {
+        protocol: PROTOCOL,
+        schema: schema_key::<N>(),
+        scene: scene.key,
+    }
+}
+
+fn schema_key<N: Transmit>() -> u64 {
+    schema::key::<Request<N>, Message<N>>()
+}
+
+/// Builds the machine of `scene`, with room for what the scene holds and for nothing else, standing
+/// where its job starts, and hands it to `play`.
+///
+/// # Errors
+/// Refused: a machine, limits or a pose that the scene's reader would have refused, or that the
+/// number type cannot hold.
+pub fn with_machine<N: Transmit, T>(
+    scene: &Scene,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, Failure> {
+    let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
+    let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    let described = Described {
+        parameters: units.parameters(&scene.parameters),
+        limits: units.limits(&scene.limits),
+        start: job::pose(&units.pose(&scene.job.start)),
+        settings: settings(scene, &units),
+    };
+    let played = match PayloadKind::of(&scene.parameters) {
+        PayloadKind::Centred => with_payload::<N, Centred<N>, T>(described, play),
+        PayloadKind::Offset => with_payload::<N, Offset<N>, T>(described, play),
+    };
+    played.map_err(|error| refused(error.to_string()))
+}
+
+/// What a service is built from, in the machine's units.
+struct Described<N: Transmit> {
+    parameters: Parameters,
+    limits: LimitParameters,
+    start: Pose<N>,
+    settings: Settings<N>,
+}
+
+fn with_payload<N, P, T>(
+    described: Described<N>,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, ServiceError>
+where
+    N: Transmit,
+    P: Payload<N> + Send + 'static,
+{
+    match LinksKind::of(&described.parameters) {
+        LinksKind::Massless => with_links::<N, P, Massless, T>(described, play),
+        LinksKind::Rotors => with_links::<N, P, Rotors<N>, T>(described, play),
+        LinksKind::MassiveHorizontal => {
+            with_links::<N, P, Massive<N, Horizontal>, T>(described, play)
+        }
+        LinksKind::MassiveInPlane => with_links::<N, P, Massive<N, InPlane<N>>, T>(described, play),
+    }
+}
+
+/// Overrides are in SI units; a machine in units of its own takes none.
+fn with_links<N, P, L, T>(
+    described: Described<N>,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, ServiceError>
+where
+    N: Transmit,
+    P: Payload<N> + Send + 'static,
+    L: Links<N> + Send + 'static,
+{
+    let Described {
+        parameters, limits, ..
+    } = &described;
+    if N::SPREADS {
+        let scene = Adjustable::new(*parameters, *limits);
+        with_scene::<N, P, L, _, T>(scene, &described, play)
+    } else {
+        let scene = Compiled { parameters, limits };
+        with_scene::<N, P, L, _, T>(scene, &described, play)
+    }
+}
+
+fn with_scene<N, P, L, S, T>(
+    scene: S,
+    described: &Described<N>,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, ServiceError>
+where
+    N: Transmit,
+    P: Payload<N> + Send + 'static,
+    L: Links<N> + Send + 'static,
+    S: service::Scene<N, P, L>,
+    S::Slot: 'static,
+{
+    // The queues are some 100 KB.
+    let mut channels = Box::new(Channels::<N, P, L, S, MOVES, SAMPLES>::new());
+    let (foreground, background) = channels.split(scene, described.start, described.settings)?;
+    Ok(play(&mut Service {
+        foreground,
+        background,
+    }))
+}
+
+fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
+    let service = &scene.service;
+    // Both casts saturate; the reader holds the times to an hour.
+    let ticks = |seconds: f64| (seconds * scene.tick_rate_hz).round().max(1.0);
+    Settings {
+        period: N::factor_from_f64(units.time(scene.period_s())),
+        ramp_ticks: ticks(service.hold_ramp_s) as u16,
+        silence_ticks: ticks(service.silence_timeout_s) as u32,
+        telemetry_every: service.telemetry_ticks as u16,
+        scene: SceneIdentity {
+            schema: schema_key::<N>(),
+            key: scene.key,
+            name: name(&scene.name),
+            tick_rate_hz: scene.tick_rate_hz,
+            length_m: units.length_m(),
+            time_s: units.time_s(),
+            mass_kg: units.of(0, 0, 1),
+        },
+    }
+}
+
+/// Both halves.
+struct Service<F, B> {
+    foreground: F,
+    background: B,
+}
+
+impl<'q, N, P, L, S, T, U> Machine<N>
+    for Service<Foreground<'q, N, P, L, T>, Background<'q, N, P, L, S, U>>
+where
+    N: Transmit,
+    P: Payload<N>,
+    L: Links<N>,
+    S: service::Scene<N, P, L>,
+    T: Take<Setup<N, P, L>>,
+    U: Put<Setup<N, P, L>>,
+{
+    fn tick(&mut self) {
+        self.foreground.tick();
+    }
+
+    fn receive(&mut self, request: &Request<N>) -> Reply<N> {
+        self.background.receive(request)
+    }
+
+    fn work(&mut self) -> bool {
+        self.background.step()
+    }
+
+    fn outgoing(&mut self) -> Option<Message<N>> {
+        self.background.outgoing()
+    }
+}

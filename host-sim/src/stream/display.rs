@@ -1,0 +1,112 @@
+//! What a user sees of a stream on standard error: changes as lines; on a terminal a bar with the
+//! latest values, elsewhere a line now and then.
+
+use crate::record::Record;
+use crate::words;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+use trirrr_core::message::{Acting, State};
+
+/// Without a terminal, values come at most this often.
+const LINES: Duration = Duration::from_secs(5);
+
+/// What is shown.
+pub(super) struct Display {
+    ticks: u64,
+    bar: Option<ProgressBar>,
+    /// When the next line with values is due.
+    next: Instant,
+    state: Option<(State, Acting)>,
+}
+
+impl Display {
+    /// For a job of `ticks`.
+    pub(super) fn new(ticks: u64) -> Self {
+        let bar = io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(Some(ticks), ProgressDrawTarget::stderr());
+            match ProgressStyle::with_template("{wide_bar} {percent:>3} %\n{msg}") {
+                Ok(style) => bar.with_style(style),
+                Err(_) => bar,
+            }
+        });
+        Self {
+            ticks,
+            bar,
+            next: Instant::now() + LINES,
+            state: None,
+        }
+    }
+
+    /// Says something.
+    pub(super) fn note(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(format!("host-sim: {text}")),
+            // Who does not listen does not stop the stream.
+            None => {
+                let _ = writeln!(io::stderr(), "host-sim: {text}");
+            }
+        }
+    }
+
+    /// The machine is in this state.
+    pub(super) fn state(&mut self, state: State, acting: Acting) {
+        if self.state.replace((state, acting)) != Some((state, acting)) {
+            self.note(&words::state(state, acting));
+        }
+    }
+
+    /// The latest values; `at` ticks of the job are over.
+    pub(super) fn values(&mut self, at: u64, record: &Record) {
+        if let Some(bar) = &self.bar {
+            bar.set_position(at);
+            bar.set_message(values(record));
+            return;
+        }
+        let now = Instant::now();
+        if now >= self.next {
+            self.next = now + LINES;
+            let percent = 100 * at / self.ticks.max(1);
+            self.note(&format!("{percent} %, {}", values(record)));
+        }
+    }
+
+    /// Leaves no bar behind.
+    pub(super) fn finish(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// One line of values.
+fn values(record: &Record) -> String {
+    let [x, y, alpha] = record.pose;
+    let [t1, t2, t3] = record.legs.map(|leg| leg.torque);
+    format!(
+        "t {:.3} s, x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad, torques {t1:.4} {t2:.4} {t3:.4} N m, \
+         tool {:.0} %",
+        record.t,
+        100.0 * record.tool
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_stand_with_their_units() {
+        let record = Record {
+            t: 1.25,
+            pose: [0.25, -0.5, 1.0],
+            tool: 0.6,
+            ..Record::default()
+        };
+        assert_eq!(
+            values(&record),
+            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, \
+             torques 0.0000 0.0000 0.0000 N m, tool 60 %"
+        );
+    }
+}

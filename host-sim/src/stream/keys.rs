@@ -1,0 +1,56 @@
+//! What a user says on standard input.
+
+use crate::client::Ask;
+use std::io::{self, BufRead, Write};
+use std::sync::mpsc::{Receiver, channel};
+
+/// Reads lines from standard input as long as there are any, on a thread of its own: a read cannot
+/// be waited for in pieces. The thread ends with the program.
+pub(super) fn listen() -> Receiver<Ask> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in io::stdin().lock().lines() {
+            let Ok(line) = line else { return };
+            match read(&line) {
+                Some(ask) if sender.send(ask).is_err() => return,
+                Some(_) => {}
+                None if line.trim().is_empty() => {}
+                None => {
+                    let text = "host-sim: keys are hold, resume and stop (h, r, s)";
+                    let _ = writeln!(io::stderr(), "{text}");
+                }
+            }
+        }
+    });
+    receiver
+}
+
+fn read(line: &str) -> Option<Ask> {
+    match line.trim() {
+        "hold" | "h" => Some(Ask::Hold),
+        "resume" | "r" => Some(Ask::Resume),
+        "stop" | "s" => Some(Ask::Stop),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_letters_mean_the_same() {
+        for (line, ask) in [
+            ("hold", Some(Ask::Hold)),
+            (" h ", Some(Ask::Hold)),
+            ("resume\r", Some(Ask::Resume)),
+            ("r", Some(Ask::Resume)),
+            ("stop", Some(Ask::Stop)),
+            ("s", Some(Ask::Stop)),
+            ("halt", None),
+            ("", None),
+        ] {
+            assert_eq!(read(line), ask, "{line:?}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Streams a scene's job to a board, and writes what the board tells of it.
+
+mod display;
+mod keys;
+mod port;
+mod session;
+mod summary;
+
+pub use session::End;
+
+use crate::cli::StreamArgs;
+use crate::client::{Patience, Stream};
+use crate::evaluator;
+use crate::failure::Failure;
+use crate::job;
+use crate::link::Address;
+use crate::machine;
+use crate::recording::Recorder;
+use crate::scalar::Scalar;
+use crate::telemetry::Samples;
+use crate::words::Units;
+use display::Display;
+use port::Port;
+use session::Session;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use trirrr_core::message::{Telemetry, Transmit};
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_core::wire::frame_length;
+use trirrr_core::wire::schema::longest;
+use trirrr_scene::Scene;
+
+/// Of the bytes that a serial port carries, this part may be telemetry.
+const TELEMETRY_SHARE: f64 = 0.8;
+
+/// Bits on a serial line for a byte: a start bit, eight, a stop bit.
+const BITS_PER_BYTE: f64 = 10.0;
+
+/// `host-sim stream`: streams the job, prints the summary. `stop` ends it early, on the path.
+///
+/// # Errors
+/// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
+/// cannot be written.
+pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
+    let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
+    let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
+    match scalar {
+        Scalar::F64 => stream::<f64>(args, &scene, scalar, stop),
+        Scalar::F32 => stream::<f32>(args, &scene, scalar, stop),
+        Scalar::Fixed => stream::<Fixed>(args, &scene, scalar, stop),
+        Scalar::Micromath => stream::<Coarse>(args, &scene, scalar, stop),
+    }
+}
+
+fn stream<N: Transmit>(
+    args: &StreamArgs,
+    scene: &Scene,
+    scalar: Scalar,
+    stop: &AtomicBool,
+) -> Result<End, Failure> {
+    let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
+    let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    let evaluator = evaluator::build_in::<N>(&scene.parameters, units)
+        .map_err(|error| refused(error.to_string()))?;
+    let moves = job::moves::<N>(scene, &units);
+    let units = Units::of_scene(scene, &units);
+    let before = scene.job.moves.iter().scan(0, |sum, each| {
+        let before = *sum;
+        *sum += u64::from(each.duration_ticks);
+        Some(before)
+    });
+    let before: Vec<u64> = before.collect();
+    let ticks = u64::from(scene.ticks());
+    let display = Display::new(ticks);
+    let every = telemetry_every::<N>(args, scene, &display);
+    let port = Port::open(
+        &args.port,
+        args.baud,
+        Duration::from_secs_f64(args.patience),
+    )
+    .map_err(|error| Failure::Failed(error.to_string()))?;
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(&scene.name),
+    };
+    let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1)?;
+    let mut session = Session {
+        stream: Stream::new(
+            moves,
+            machine::hello::<N>(scene),
+            every,
+            Patience::default(),
+            conversation(),
+        ),
+        port,
+        samples: Samples::new(&*evaluator, units),
+        recorder,
+        display,
+        before,
+        every,
+        keys: args.keys.then(keys::listen),
+        stop,
+        is_over: false,
+    };
+    let result = session.run();
+    let Session {
+        stream,
+        port,
+        samples,
+        recorder,
+        display,
+        ..
+    } = session;
+    display.finish();
+    let is_complete = matches!(result, Ok(End::Complete));
+    let recorded = recorder.finish(&scene.name, is_complete)?;
+    summary::print(&summary::Summary {
+        file: &args.scene,
+        scene,
+        scalar,
+        address: &args.port,
+        board: stream.identity(),
+        done: stream.done(),
+        moves: stream.moves(),
+        every,
+        recorded: &recorded,
+        missing: samples.missing(),
+        differing: samples.differing(),
+        repeated: stream.repeated(),
+        opened_anew: port.opened_anew(),
+        damaged: port.damaged(),
+        is_complete,
+    })
+    .and(result)
+}
+
+/// Ticks from one telemetry sample to the next: as asked for, or as the scene has it, or more where
+/// a serial port does not carry as many.
+fn telemetry_every<N: Transmit>(args: &StreamArgs, scene: &Scene, display: &Display) -> u16 {
+    // The scene's reader holds it to the same range.
+    let wanted = u16::try_from(scene.service.telemetry_ticks).unwrap_or(u16::MAX);
+    let least = match &args.port {
+        Address::Tcp(_) => 1,
+        Address::Serial(_) => least_every(
+            frame_length(longest::<Telemetry<N>>() + 1),
+            scene.tick_rate_hz,
+            args.baud,
+        ),
+    };
+    let every = args.telemetry.unwrap_or(wanted.max(least));
+    if every < least {
+        display.note(&format!(
+            "{} baud carry a sample every {least} ticks; some of those every {every} will be lost",
+            args.baud
+        ));
+    } else if every > wanted && args.telemetry.is_none() {
+        display.note(&format!(
+            "a sample every {every} ticks, as many as {} baud carry",
+            args.baud
+        ));
+    }
+    every
+}
+
+/// Fewest ticks from one sample to the next that a serial port carries.
+fn least_every(frame_bytes: usize, tick_rate_hz: f64, baud: u32) -> u16 {
+    let bits = frame_bytes as f64 * BITS_PER_BYTE * tick_rate_hz;
+    // From float to integer the cast saturates.
+    (bits / (TELEMETRY_SHARE * f64::from(baud))).ceil().max(1.0) as u16
+}
+
+/// A number that another conversation is not likely to have.
+fn conversation() -> u32 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let nanoseconds = now.map_or(0, |now| now.as_nanos() as u32);
+    nanoseconds ^ std::process::id().rotate_left(16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_port_gets_fewer_samples() {
+        // 115,200 baud are 11,520 bytes a second, of which 9,216 are for telemetry: 92.16 frames
+        // of 100 bytes.
+        assert_eq!(least_every(100, 100.0, 115_200), 2);
+        assert_eq!(least_every(100, 92.0, 115_200), 1);
+        assert_eq!(least_every(100, 1000.0, 115_200), 11);
+        assert_eq!(least_every(100, 1000.0, 2_000_000), 1);
+        assert_eq!(least_every(300, 1e5, 300), u16::MAX);
+    }
+}

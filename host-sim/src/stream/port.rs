@@ -1,0 +1,134 @@
+//! The port to the board: opened, and opened anew when it is lost.
+
+use crate::link::{self, Address, Frames, Link, OpenError};
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use trirrr_core::message::{Message, Request, Transmit};
+
+/// From one attempt to open a port to the next.
+const ATTEMPTS_EVERY: Duration = Duration::from_millis(100);
+
+/// Bytes taken from the link at a time.
+const CHUNK: usize = 4096;
+
+/// A port that is put up with for a while.
+pub(super) struct Port {
+    address: Address,
+    baud: u32,
+    patience: Duration,
+    link: Box<dyn Link>,
+    frames: Frames,
+    bytes: Vec<u8>,
+    /// When the board was heard last.
+    heard: Instant,
+    /// Whether it was, since the port was opened.
+    answered: bool,
+    opened_anew: u64,
+    damaged: u64,
+}
+
+impl Port {
+    /// Opens the port to `address`. Without a sign of the board for `patience` it is given up.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    pub(super) fn open(
+        address: &Address,
+        baud: u32,
+        patience: Duration,
+    ) -> Result<Self, OpenError> {
+        Ok(Self {
+            address: address.clone(),
+            baud,
+            patience,
+            link: link::open(address, baud)?,
+            frames: Frames::default(),
+            bytes: Vec::new(),
+            heard: Instant::now(),
+            answered: false,
+            opened_anew: 0,
+            damaged: 0,
+        })
+    }
+
+    /// How often it was opened again.
+    pub(super) fn opened_anew(&self) -> u64 {
+        self.opened_anew
+    }
+
+    /// Frames that were damaged or cut off.
+    pub(super) fn damaged(&self) -> u64 {
+        self.damaged + u64::from(self.frames.counters().errors())
+    }
+
+    /// Sends a request.
+    ///
+    /// # Errors
+    /// The link is gone.
+    pub(super) fn send<N: Transmit>(&mut self, request: &Request<N>) -> io::Result<()> {
+        self.bytes.clear();
+        Frames::append(request, &mut self.bytes);
+        self.link.send(&self.bytes)
+    }
+
+    /// Waits up to `timeout` for something to come, and hands it to `take`.
+    ///
+    /// # Errors
+    /// The link is gone.
+    pub(super) fn receive<N: Transmit>(
+        &mut self,
+        timeout: Duration,
+        mut take: impl FnMut(Message<N>),
+    ) -> io::Result<()> {
+        let mut bytes = [0; CHUNK];
+        let length = self.link.receive(&mut bytes, timeout)?;
+        let mut heard = false;
+        self.frames.receive(&bytes[..length], |message| {
+            heard = true;
+            take(message);
+        });
+        if heard {
+            self.heard = Instant::now();
+            self.answered = true;
+        }
+        Ok(())
+    }
+
+    /// Opens the port anew, trying until the board was not heard for as long as the patience
+    /// lasts, or `stop` is raised. `why`: what was wrong with it.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub(super) fn reopen(&mut self, why: &str, stop: &AtomicBool) -> Result<(), String> {
+        self.damaged += u64::from(self.frames.counters().errors());
+        self.frames = Frames::default();
+        let mut why = match self.answered {
+            false if why.contains("closed") => format!(
+                "{}: {why} before it answered: it may have another client",
+                self.address
+            ),
+            _ => format!("{}: {why}", self.address),
+        };
+        self.answered = false;
+        loop {
+            let silent = self.heard.elapsed();
+            if silent >= self.patience || stop.load(Ordering::Relaxed) {
+                let seconds = silent.as_secs_f64();
+                return Err(format!("{why}; nothing was heard for {seconds:.1} s"));
+            }
+            // Also before the first attempt: who closed the line does not want to be called at
+            // once.
+            std::thread::sleep(ATTEMPTS_EVERY.min(self.patience - silent));
+            match link::open(&self.address, self.baud) {
+                Ok(link) => {
+                    self.link = link;
+                    self.opened_anew += 1;
+                    return Ok(());
+                }
+                Err(error) if error.may_pass() => why = error.to_string(),
+                Err(error) => return Err(error.to_string()),
+            }
+        }
+    }
+}

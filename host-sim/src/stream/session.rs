@@ -1,0 +1,165 @@
+//! One job on its way to the board: what the client says next, over a port that may fail, and what
+//! the board tells of itself, into the files.
+
+use super::display::Display;
+use super::port::Port;
+use crate::client::{Action, Ask, Stream};
+use crate::failure::Failure;
+use crate::recording::Recorder;
+use crate::telemetry::{Samples, is_of_a_job};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use trirrr_core::message::{Event, Message, Telemetry, Transmit};
+
+/// Longest wait for the board before the user is looked after.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// How long the last samples of a job may take.
+const LAST_SAMPLES: Duration = Duration::from_millis(500);
+
+/// How a stream ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The whole job was played.
+    Complete,
+    /// The user stopped it.
+    Stopped,
+}
+
+/// A stream under way.
+pub(super) struct Session<'a, N: Transmit> {
+    pub(super) stream: Stream<N>,
+    pub(super) port: Port,
+    pub(super) samples: Samples<'a, N>,
+    pub(super) recorder: Recorder,
+    pub(super) display: Display,
+    /// Ticks of the job before each of its moves.
+    pub(super) before: Vec<u64>,
+    /// Ticks from one sample to the next.
+    pub(super) every: u16,
+    pub(super) keys: Option<Receiver<Ask>>,
+    pub(super) stop: &'a AtomicBool,
+    /// Whether the board has told of a tick after the job.
+    pub(super) is_over: bool,
+}
+
+impl<N: Transmit> Session<'_, N> {
+    /// Streams the job to its end.
+    ///
+    /// # Errors
+    /// Refused: the board refuses the scene or a move. Failed: the machine has a fault, the port or
+    /// the board is lost, or something cannot be written.
+    pub(super) fn run(&mut self) -> Result<End, Failure> {
+        let start = Instant::now();
+        let mut stop_asked = false;
+        loop {
+            self.listen_to_user(&mut stop_asked);
+            match self.stream.poll(start.elapsed()) {
+                Action::Send(request) => {
+                    if let Err(error) = self.port.send(&request) {
+                        self.reopen(&error.to_string())?;
+                    }
+                }
+                Action::Wait(until) => {
+                    let wait = until.saturating_sub(start.elapsed()).min(LOOK);
+                    self.receive(wait, start)?;
+                }
+                Action::Lost => self.reopen("the board does not answer")?,
+                Action::Finished(result) => {
+                    self.receive_last(start)?;
+                    return self.ended(result);
+                }
+            }
+        }
+    }
+
+    fn listen_to_user(&mut self, stop_asked: &mut bool) {
+        if self.stop.load(Ordering::Relaxed) && !*stop_asked {
+            *stop_asked = true;
+            self.display.note("Ctrl-C: the machine stops on its path");
+            self.stream.ask(Ask::Stop);
+        }
+        for ask in self.keys.iter().flat_map(Receiver::try_iter) {
+            self.stream.ask(ask);
+        }
+    }
+
+    fn reopen(&mut self, why: &str) -> Result<(), Failure> {
+        self.display.note(&format!("{why}; opening the port anew"));
+        self.port.reopen(why, self.stop).map_err(Failure::Failed)?;
+        self.stream.reconnected();
+        Ok(())
+    }
+
+    /// Listens for up to `wait` and takes what comes.
+    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), Failure> {
+        let mut messages = VecDeque::new();
+        // A wait of nothing would make the loop spin; what comes ends any wait.
+        let wait = wait.max(Duration::from_millis(1));
+        if let Err(error) = self
+            .port
+            .receive(wait, |message| messages.push_back(message))
+        {
+            self.reopen(&error.to_string())?;
+        }
+        for message in &messages {
+            match message {
+                Message::Telemetry(sample) => self.sample(sample)?,
+                Message::Event(Event::State { state, acting, .. }) => {
+                    self.display.state(*state, *acting);
+                }
+                Message::Event(_) | Message::Reply { .. } => {}
+            }
+            self.stream.receive(message, start.elapsed());
+        }
+        Ok(())
+    }
+
+    /// What is still on the line of a job that is over: answers overtake samples.
+    fn receive_last(&mut self, start: Instant) -> Result<(), Failure> {
+        let end = Instant::now() + LAST_SAMPLES;
+        while self.samples.have_begun() && !self.is_over && Instant::now() < end {
+            self.receive(LOOK, start)?;
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), Failure> {
+        let Some(index) = self.stream.index(sample.number) else {
+            return Ok(());
+        };
+        if !is_of_a_job(sample.state) {
+            self.is_over |= self.samples.have_begun();
+            return Ok(());
+        }
+        if self.is_over {
+            return Ok(());
+        }
+        let record = self.samples.record(sample, self.every).map_err(|status| {
+            Failure::Failed(format!(
+                "the board is where the scene's machine cannot be, in tick {}: {status}",
+                sample.tick
+            ))
+        })?;
+        self.recorder.record(&record)?;
+        let before = self.before.get(index as usize).copied().unwrap_or(0);
+        self.display.values(before + u64::from(sample.at), &record);
+        Ok(())
+    }
+
+    fn ended(&self, result: Result<(), crate::client::Failure<N>>) -> Result<End, Failure> {
+        use crate::client::Failure as Lost;
+        let failure = match result {
+            Ok(()) => return Ok(End::Complete),
+            Err(Lost::Stopped { .. }) => return Ok(End::Stopped),
+            Err(failure) => failure,
+        };
+        let text = self.stream.describe(&failure);
+        Err(match failure {
+            Lost::Refused { .. } | Lost::Inadmissible { .. } => Failure::Refused(text),
+            _ => Failure::Failed(text),
+        })
+    }
+}

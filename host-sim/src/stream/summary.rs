@@ -1,0 +1,101 @@
+//! The summary of a stream.
+
+use crate::failure::Failure;
+use crate::link::Address;
+use crate::recording::Recorded;
+use crate::scalar::Scalar;
+use std::io::{self, Write};
+use std::path::Path;
+use trirrr_core::message::Identity;
+use trirrr_scene::Scene;
+
+/// What there is to say.
+pub(super) struct Summary<'a> {
+    pub(super) file: &'a Path,
+    pub(super) scene: &'a Scene,
+    pub(super) scalar: Scalar,
+    pub(super) address: &'a Address,
+    pub(super) board: Option<&'a Identity>,
+    pub(super) done: u32,
+    pub(super) moves: u32,
+    pub(super) every: u16,
+    pub(super) recorded: &'a Recorded,
+    pub(super) missing: u64,
+    pub(super) differing: u64,
+    pub(super) repeated: u64,
+    pub(super) opened_anew: u64,
+    pub(super) damaged: u64,
+    pub(super) is_complete: bool,
+}
+
+/// Prints the summary on standard output.
+///
+/// # Errors
+/// Failed: standard output cannot be written.
+pub(super) fn print(summary: &Summary) -> Result<(), Failure> {
+    match write(&mut io::stdout().lock(), summary) {
+        // Who closes standard output early does not want the summary.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
+    let Summary { scene, scalar, .. } = summary;
+    let mut line = |label: &str, text: &str| writeln!(out, "{label:<12}{text}");
+    line(
+        "scene",
+        &format!("{} ({})", scene.name, summary.file.display()),
+    )?;
+    line("numbers", &scalar.to_string())?;
+    let board = match summary.board {
+        Some(identity) => format!(
+            "{}, {} ticks per second",
+            name(identity),
+            identity.tick_rate_hz
+        ),
+        None => "did not answer".into(),
+    };
+    line("board", &format!("{board} ({})", summary.address))?;
+    let (done, moves) = (summary.done, summary.moves);
+    let end = match summary.is_complete {
+        true => "",
+        false => ", not complete",
+    };
+    line("job", &format!("{done} of {moves} moves done{end}"))?;
+    let (rows, missing) = (summary.recorded.rows, summary.missing);
+    let every = match summary.every {
+        1 => "one every tick".into(),
+        every => format!("one every {every} ticks"),
+    };
+    line("samples", &format!("{rows}, {every}, {missing} missing"))?;
+    line(
+        "link",
+        &format!(
+            "{} requests repeated, {} frames damaged, port opened anew {} times",
+            summary.repeated, summary.damaged, summary.opened_anew
+        ),
+    )?;
+    if summary.differing > 0 {
+        let text = format!(
+            "in {} samples the motors are not where this scene puts them: the board computes with \
+             another version, or its scene was overridden",
+            summary.differing
+        );
+        line("warning", &text)?;
+    }
+    for (i, file) in summary.recorded.files.iter().enumerate() {
+        let label = if i == 0 { "written" } else { "" };
+        line(label, &file.display().to_string())?;
+    }
+    out.flush()
+}
+
+/// The name of a board's scene.
+fn name(identity: &Identity) -> String {
+    let length = identity.name.iter().position(|byte| *byte == 0);
+    let name = &identity.name[..length.unwrap_or(identity.name.len())];
+    String::from_utf8_lossy(name).into_owned()
+}

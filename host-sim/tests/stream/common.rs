@@ -1,0 +1,198 @@
+//! Devices and streams as processes, and scenes for them.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Longer than anything takes on a machine that is busy with other things; a test that waits for
+/// this has failed.
+const LIMIT: Duration = Duration::from_secs(120);
+
+pub(crate) fn host_sim() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+}
+
+/// A folder with the scene `name`, changed by `edits` (what is there once, and what takes its
+/// place). Its host may be silent for long: the test may have to wait for the processor.
+pub(crate) fn scene(name: &str, edits: &[(&str, &str)]) -> TempDir {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../scenes")
+        .join(name)
+        .with_extension("toml");
+    let mut text = fs::read_to_string(file).unwrap();
+    let patient = ("[job]\n", "[service]\nsilence_timeout_s = 600\n[job]\n");
+    for (from, to) in edits.iter().chain([&patient]) {
+        assert_eq!(text.matches(from).count(), 1, "{from:?} in {name}");
+        text = text.replace(from, to);
+    }
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scene.toml"), text).unwrap();
+    folder
+}
+
+/// `ticks.csv` as `host-sim run` writes it for the scene in `folder`.
+pub(crate) fn run(folder: &TempDir) -> String {
+    let out = folder.path().join("run");
+    let output = host_sim()
+        .args(["run", "scene.toml", "--fast", "--out", "run"])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    ticks(&out)
+}
+
+pub(crate) fn ticks(out: &Path) -> String {
+    fs::read_to_string(out.join("ticks.csv")).unwrap()
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The lines that a process writes, as they come.
+pub(crate) struct Lines {
+    lines: Receiver<String>,
+    seen: String,
+}
+
+impl Lines {
+    fn of(pipe: impl Read + Send + 'static) -> Self {
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in BufReader::new(pipe).lines() {
+                let Ok(line) = line else { return };
+                if sender.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        Self {
+            lines,
+            seen: String::new(),
+        }
+    }
+
+    /// Waits for a line that holds `part`.
+    pub(crate) fn wait_for(&mut self, part: &str) -> String {
+        loop {
+            let Ok(line) = self.lines.recv_timeout(LIMIT) else {
+                panic!("{part:?} did not come, but\n{}", self.seen);
+            };
+            self.seen += &format!("{line}\n");
+            if line.contains(part) {
+                return line;
+            }
+        }
+    }
+
+    /// Everything up to the end of the process.
+    pub(crate) fn rest(mut self) -> String {
+        for line in self.lines.iter() {
+            self.seen += &format!("{line}\n");
+        }
+        self.seen
+    }
+}
+
+/// A process that is ended with the test.
+pub(crate) struct Process(pub(crate) Child);
+
+impl Process {
+    /// Ctrl-C.
+    #[cfg(unix)]
+    pub(crate) fn interrupt(&self) {
+        let kill = Command::new("kill")
+            .args(["-INT", &self.0.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+    }
+
+    /// Waits for its end; the exit code.
+    pub(crate) fn code(mut self) -> Option<i32> {
+        self.0.wait().unwrap().code()
+    }
+
+    pub(crate) fn kill(mut self) {
+        self.0.kill().unwrap();
+        self.0.wait().unwrap();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A device that plays `scene.toml` in `folder`.
+pub(crate) struct Device {
+    pub(crate) process: Process,
+    pub(crate) lines: Lines,
+    /// Where it listens.
+    pub(crate) address: String,
+}
+
+impl Device {
+    pub(crate) fn start(folder: &TempDir, more: &[&str]) -> Self {
+        let mut child = host_sim()
+            .args(["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"])
+            .args(more)
+            .current_dir(folder)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = Lines::of(child.stdout.take().unwrap());
+        let first = lines.wait_for("tcp:127.0.0.1:");
+        let (address, _) = first.split_once(' ').unwrap();
+        Self {
+            process: Process(child),
+            lines,
+            address: address.into(),
+        }
+    }
+}
+
+/// `host-sim stream` of `scene.toml` in `folder` into the folder `out` there.
+pub(crate) fn stream_command(folder: &TempDir, port: &str, out: &str, more: &[&str]) -> Command {
+    let mut command = host_sim();
+    command
+        .args(["stream", "scene.toml", "--port", port, "--out", out])
+        .args(more)
+        .current_dir(folder);
+    command
+}
+
+/// Streams to the end.
+pub(crate) fn stream(folder: &TempDir, port: &str, more: &[&str]) -> Output {
+    stream_command(folder, port, "out", more).output().unwrap()
+}
+
+/// A stream under way.
+pub(crate) struct Streaming {
+    pub(crate) process: Process,
+    /// Its standard error.
+    pub(crate) lines: Lines,
+    pub(crate) out: PathBuf,
+}
+
+impl Streaming {
+    pub(crate) fn start(folder: &TempDir, port: &str, more: &[&str]) -> Self {
+        let mut child = stream_command(folder, port, "out", more)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Self {
+            lines: Lines::of(child.stderr.take().unwrap()),
+            process: Process(child),
+            out: folder.path().join("out"),
+        }
+    }
+}

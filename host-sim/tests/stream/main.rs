@@ -1,0 +1,9 @@
+//! `host-sim stream` and `host-sim device`, each as a process of its own, over TCP and over a
+//! serial port.
+
+mod common;
+mod faults;
+mod links;
+mod proxy;
+mod values;
+mod wishes;
