@@ -32,17 +32,22 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// Room for a setup on its way to the tick.
     type Slot: Slot<Setup<N, P, L>>;
 
-    /// The machine.
+    /// The machine, in its own units.
     fn parameters(&self) -> &Parameters;
 
-    /// Its limits.
+    /// Its limits, in the same units.
     fn limits(&self) -> &LimitParameters;
 
-    /// The scene with `section` in place of its own.
+    /// The scene, given in SI units as `parameters` and `limits`, with `section` in place of its own.
     ///
     /// # Errors
     /// Why there is no such scene.
-    fn changed(&self, section: &Section) -> Result<(Parameters, LimitParameters), Refusal<N>>;
+    fn changed(
+        &self,
+        parameters: Parameters,
+        limits: LimitParameters,
+        section: &Section,
+    ) -> Result<(Parameters, LimitParameters), Refusal<N>>;
 
     /// Takes a changed scene as its own.
     fn adopt(&mut self, parameters: Parameters, limits: LimitParameters);
@@ -81,9 +86,9 @@ pub trait Take<T> {
 /// A scene that stays as it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compiled<'a> {
-    /// The machine.
+    /// The machine, in its own units.
     pub parameters: &'a Parameters,
-    /// Its limits.
+    /// Its limits, in the same units.
     pub limits: &'a LimitParameters,
 }
 
@@ -98,7 +103,7 @@ pub struct Adjustable {
 }
 
 impl Adjustable {
-    /// Starts with this machine, for which the image's types were chosen.
+    /// Starts with this machine, in its own units, for which the image's types were chosen.
     pub fn new(parameters: Parameters, limits: LimitParameters) -> Self {
         Self {
             payload: PayloadKind::of(&parameters),
@@ -196,7 +201,12 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_> {
         self.limits
     }
 
-    fn changed(&self, _: &Section) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+    fn changed(
+        &self,
+        _: Parameters,
+        _: LimitParameters,
+        _: &Section,
+    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
         Err(Refusal::NotAdjustable)
     }
 
@@ -219,8 +229,12 @@ where
         &self.limits
     }
 
-    fn changed(&self, section: &Section) -> Result<(Parameters, LimitParameters), Refusal<N>> {
-        let (mut parameters, mut limits) = (self.parameters, self.limits);
+    fn changed(
+        &self,
+        mut parameters: Parameters,
+        mut limits: LimitParameters,
+        section: &Section,
+    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
         match section {
             Section::Leg { index, leg } => {
                 let place = parameters.legs.get_mut(usize::from(*index));
@@ -240,7 +254,7 @@ where
     }
 }
 
-/// The part `name` of a scene.
+/// The part `name` of a scene, given in SI units.
 pub(super) fn section<N: Number>(
     name: SectionName,
     parameters: &Parameters,

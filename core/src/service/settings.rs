@@ -2,6 +2,7 @@
 
 use crate::message::{Identity, NAME_CAPACITY, PROTOCOL};
 use crate::number::Number;
+use crate::units::Units;
 
 /// Settings of the service, from the scene. Times are ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Settings<N: Number> {
     pub scene: SceneIdentity,
 }
 
-/// What a machine tells of its scene. Data, never computed with.
+/// What a machine tells of its scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneIdentity {
     /// Key of the messages' layout, see [`wire::schema`](crate::wire::schema).
@@ -29,7 +30,7 @@ pub struct SceneIdentity {
     pub name: [u8; NAME_CAPACITY],
     /// Ticks per second.
     pub tick_rate_hz: f64,
-    /// One unit of length in m; 1 for the float types,
+    /// One unit of length in m, a power of two as [`Units`] are; 1 for the float types,
     pub length_m: f64,
     /// one unit of time in s,
     pub time_s: f64,
@@ -58,6 +59,29 @@ pub const fn key(text: &[u8]) -> u32 {
     }
     // 0 means any.
     if key == 0 { 1 } else { key }
+}
+
+impl SceneIdentity {
+    /// The units that the machine is built in.
+    pub(super) fn units(&self) -> Units {
+        // Powers of two: their exponents.
+        let exponent = |unit: f64| ((unit.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        Units {
+            length: exponent(self.length_m),
+            time: exponent(self.time_s),
+            mass: exponent(self.mass_kg),
+        }
+    }
+
+    /// The other way round: what is given in the machine's units becomes SI.
+    pub(super) fn to_si(&self) -> Units {
+        let Units { length, time, mass } = self.units();
+        Units {
+            length: -length,
+            time: -time,
+            mass: -mass,
+        }
+    }
 }
 
 impl<N: Number> Settings<N> {

@@ -29,7 +29,11 @@ where
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
     pub(super) fn change(&mut self, section: &Section) -> Result<(), Refusal<N>> {
-        let (parameters, limits) = self.scene.changed(section)?;
+        let (si, units) = (self.settings.scene.to_si(), self.settings.scene.units());
+        let parameters = si.parameters(self.scene.parameters());
+        let limits = si.limits(self.scene.limits());
+        let (parameters, limits) = self.scene.changed(parameters, limits, section)?;
+        let (parameters, limits) = (units.parameters(&parameters), units.limits(&limits));
         self.waits()?;
         let end = self.end.ok_or(Refusal::State(self.state))?;
         let tick = Tick::<N, P, L>::build(&parameters).map_err(refusal)?;

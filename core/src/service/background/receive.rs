@@ -83,7 +83,10 @@ where
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => {
-                match section(*name, self.scene.parameters(), self.scene.limits()) {
+                let si = self.settings.scene.to_si();
+                let parameters = si.parameters(self.scene.parameters());
+                let limits = si.limits(self.scene.limits());
+                match section(*name, &parameters, &limits) {
                     Ok(section) => Reply::Section(section),
                     Err(refusal) => Reply::Refused(refusal),
                 }

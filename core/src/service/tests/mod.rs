@@ -17,6 +17,7 @@ use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::torque::links::Massless;
 use crate::torque::payload::Centred;
+use crate::units::Units;
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -61,8 +62,12 @@ pub(super) fn rest<N: Number>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u3
 }
 
 pub(super) fn settings<N: Number>() -> Settings<N> {
+    settings_in(Units::SI)
+}
+
+fn settings_in<N: Number>(units: Units) -> Settings<N> {
     Settings {
-        period: N::factor_from_f64(PERIOD_S),
+        period: N::factor_from_f64(units.time(PERIOD_S)),
         ramp_ticks: RAMP,
         silence_ticks: SILENCE,
         telemetry_every: 1,
@@ -71,9 +76,9 @@ pub(super) fn settings<N: Number>() -> Settings<N> {
             key: SCENE,
             name: name("thesis"),
             tick_rate_hz: 1.0 / PERIOD_S,
-            length_m: 1.0,
-            time_s: 1.0,
-            mass_kg: 1.0,
+            length_m: units.length_m(),
+            time_s: units.time_s(),
+            mass_kg: units.of(0, 0, 1),
         },
     }
 }
@@ -90,9 +95,13 @@ impl<N: Number> Rig<N> {
 
 impl<N: Number, S: Scene<N, Centred<N>, Massless> + 'static> Rig<N, S> {
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
+        Self::in_units(scene, stands, Units::SI)
+    }
+
+    pub(super) fn in_units(scene: S, stands: Pose<N>, units: Units) -> Self {
         let channels: Channels<N, Centred<N>, Massless, S, 8, 64> = Channels::new();
         let (foreground, background) = Box::leak(Box::new(channels))
-            .split(scene, stands, settings())
+            .split(scene, stands, settings_in(units))
             .unwrap();
         let mut rig = Self {
             foreground,
@@ -207,6 +216,6 @@ impl<N: Number, S: Scene<N, Centred<N>, Massless> + 'static> Rig<N, S> {
                 self.ask(Command::Status);
             }
         }
-        panic!("never {state:?}, but {:?}", self.foreground.state());
+        panic!("never {state:?}, but {:?}", self.status());
     }
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::message::{Acting, Bounded, FaultCode};
 use crate::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use crate::units::Units;
 use nalgebra::Vector3;
 
 fn segment<N: Number>(each: &Move<N>) -> Segment<N> {
@@ -190,6 +191,70 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
         // The end is exact in any case.
         assert_eq!(rig.status().end.unwrap().pose, moves[5].to);
     }
+}
+
+/// In fixed point too: the segment's own bits, a hold, and exactly the end.
+#[test]
+fn fixed_point_plays_and_holds() {
+    use crate::message::scene::{Section, SectionName};
+    use crate::number::Fixed;
+    // A quarter of a metre, a quarter of a second, half a kilogram: with them all values of the
+    // tick fit the format.
+    let units = Units {
+        length: -2,
+        time: -2,
+        mass: -1,
+    };
+    let place = |x: f64, y: f64, alpha: f64| pose::<Fixed>(4.0 * x, 4.0 * y, alpha);
+    let scene = Adjustable::new(
+        units.parameters(&example()),
+        units.limits(&LimitParameters::default()),
+    );
+    let home = place(0.21, 0.22, 0.157);
+    let mut rig = Rig::<Fixed>::in_units(scene, home, units);
+    // On the line the scene is in SI.
+    let Reply::Section(Section::Leg { leg, .. }) = rig.ask(Command::Read(SectionName::Leg(1)))
+    else {
+        panic!("a leg");
+    };
+    assert_eq!(crate::machine::LegParameters::from(&leg), example().legs[1]);
+    rig.done(Command::Override(Section::Leg { index: 1, leg }));
+    rig.ticks(2);
+    let from = rig.status().end.unwrap().pose;
+
+    let offered = Move {
+        tool_power: Fixed::from_f64(0.5),
+        // Both units are a quarter: 0.01 m/s.
+        tool_speed: Fixed::from_f64(0.01),
+        ..rest(0, from, place(0.28, 0.28, 0.2), 100)
+    };
+    let period = Fixed::factor_from_f64(units.time(PERIOD_S));
+    let segment = RestToRest::new(offered.from, offered.to, 100, period);
+    rig.telemetry.clear();
+    rig.offer(offered);
+    assert_eq!(rig.status().refused, None);
+    rig.done(Command::Start);
+    rig.ticks(30);
+    rig.done(Command::Hold);
+    rig.until(State::Holding);
+    rig.done(Command::Resume);
+    rig.until(State::Idle);
+    let status = rig.status();
+    assert_eq!((status.done, status.fault), (1, None));
+    assert_eq!(status.end.unwrap().pose, offered.to);
+    let (mut normal, mut full) = (0, 0);
+    for sample in &rig.telemetry {
+        if sample.state == State::Running && sample.acting == Acting::Nothing {
+            assert_eq!(sample.setpoint, segment.at(sample.at));
+            assert_eq!(sample.part, 0);
+            normal += 1;
+        }
+        full += usize::from(sample.tool == Fixed::ONE);
+    }
+    // All but the ten ticks of path that the two ramps cover between them.
+    assert_eq!(normal, 101 - 10);
+    // 0.5 at 0.01 m/s is all there is at 0.02 m/s and beyond.
+    assert!(full > 50);
 }
 
 /// Limits that the job keeps with little to spare are kept in every tick of every hold.
