@@ -74,7 +74,7 @@ impl SceneIdentity {
     }
 
     /// The other way round: what is given in the machine's units becomes SI.
-    pub(super) fn to_si(&self) -> Units {
+    pub(super) fn into_si(self) -> Units {
         let Units { length, time, mass } = self.units();
         Units {
             length: -length,

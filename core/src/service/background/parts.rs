@@ -29,7 +29,7 @@ where
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
     pub(super) fn change(&mut self, section: &Section) -> Result<(), Refusal<N>> {
-        let (si, units) = (self.settings.scene.to_si(), self.settings.scene.units());
+        let (si, units) = (self.settings.scene.into_si(), self.settings.scene.units());
         let parameters = si.parameters(self.scene.parameters());
         let limits = si.limits(self.scene.limits());
         let (parameters, limits) = self.scene.changed(parameters, limits, section)?;

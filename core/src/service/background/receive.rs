@@ -83,7 +83,7 @@ where
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => {
-                let si = self.settings.scene.to_si();
+                let si = self.settings.scene.into_si();
                 let parameters = si.parameters(self.scene.parameters());
                 let limits = si.limits(self.scene.limits());
                 match section(*name, &parameters, &limits) {
