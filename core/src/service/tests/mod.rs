@@ -5,6 +5,7 @@ mod random;
 mod scene;
 mod sequence;
 mod states;
+mod threads;
 
 use super::*;
 use crate::limits::LimitParameters;

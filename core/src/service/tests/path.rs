@@ -19,7 +19,7 @@ fn segment<N: Number>(each: &Move<N>) -> Segment<N> {
 }
 
 /// A chain without a stop, one move of two ticks, one of a single tick, and a stop in the middle.
-fn chain<N: Number>() -> Vec<Move<N>> {
+pub(super) fn chain<N: Number>() -> Vec<Move<N>> {
     let v = |x: f64, y: f64, a: f64| [x, y, a].map(N::from_f64);
     let poses = [
         (0.21, 0.22, 0.157),
@@ -66,7 +66,7 @@ fn ready<N: Number>() -> Rig<N> {
 }
 
 /// The setpoints of the job as they are without a service.
-fn expected<N: Number>() -> Vec<Setpoint<N>> {
+pub(super) fn expected<N: Number>() -> Vec<Setpoint<N>> {
     let chain = chain::<N>();
     let mut all: Vec<Setpoint<N>> = Vec::new();
     for each in &chain {
