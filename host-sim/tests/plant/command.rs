@@ -1,0 +1,97 @@
+//! `host-sim run` of a scene with a plant: what it writes, what it says.
+
+use crate::scenes::{edited, text};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use trirrr_host_sim::plant::table::COLUMNS;
+
+fn run(scene: &str, folder: &Path) -> Output {
+    let file = folder.join("scene.toml");
+    fs::write(&file, scene).unwrap();
+    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .arg("run")
+        .arg(&file)
+        .args(["--fast", "--out"])
+        .arg(folder)
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn the_reference_scene_writes_its_table_and_reports() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(&text("plant-reference"), folder.path());
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{said}");
+    for part in [
+        "times faster than real time",
+        "method",
+        "tool off",
+        "joint off",
+        "torque N m",
+        "energy",
+    ] {
+        assert!(said.contains(part), "no {part:?} in {said}");
+    }
+    let mut table = csv::Reader::from_path(folder.path().join("plant.csv")).unwrap();
+    let header: Vec<String> = table.headers().unwrap().iter().map(Into::into).collect();
+    assert_eq!(header, COLUMNS);
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 1201);
+    assert_eq!((&rows[0][0], &rows[1200][0]), ("0.0", "1.2"));
+    for row in &rows {
+        assert!(row.iter().all(|field| field.parse::<f64>().unwrap().is_finite()));
+    }
+    for figure in ["tracking.svg", "current.svg", "plant_torque.svg"] {
+        let svg = fs::read_to_string(folder.path().join(figure)).unwrap();
+        assert!(svg.contains("polyline"), "{figure}");
+    }
+    // Beside the table of the ticks.
+    let ticks = fs::read_to_string(folder.path().join("ticks.csv")).unwrap();
+    assert_eq!(ticks.lines().count(), 1 + 1001);
+}
+
+/// The ticks may be computed in any type that a board has; the drives then compute in f32.
+#[test]
+fn ticks_of_exact_number_types_can_be_followed() {
+    for scalar in ["f64", "f32", "fixed"] {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = edited(
+            &text("plant-thesis"),
+            &[("number = \"f64\"", &format!("number = \"{scalar}\""))],
+        );
+        let output = run(&scene, folder.path());
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{scalar}: {said}{told}");
+        assert!(said.contains("times faster than real time"), "{scalar}: {said}");
+    }
+}
+
+#[test]
+fn gains_that_cannot_be_followed_are_refused_with_exit_code_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let edits = [
+        ("tick_rate_hz = 10000", "tick_rate_hz = 100"),
+        ("rate_hz = 10000", "rate_hz = 100"),
+    ];
+    let output = run(&edited(&text("plant-reference-zoh"), &edits), folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("plant.controller.kp_nm_rad"), "{said}");
+    assert!(said.contains("unstable at the start"), "{said}");
+}
+
+#[test]
+fn a_run_that_the_plant_ends_says_why_and_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let edits = [("settle_s", "following_error_rad = 1e-5\nsettle_s")];
+    let output = run(&edited(&text("plant-reference"), &edits), folder.path());
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("the following error of joint"), "{said}");
+    // What came before is written.
+    let table = fs::read_to_string(folder.path().join("plant.csv")).unwrap();
+    assert!((2..10).contains(&table.lines().count()), "{table}");
+}
