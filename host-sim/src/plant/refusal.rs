@@ -26,6 +26,9 @@ pub enum Refusal {
         /// Why.
         reason: String,
     },
+    /// The service gave no more ticks before the job was over.
+    #[error("no more ticks: the service has ended")]
+    Service,
     /// A stepper is to go faster than its driver can.
     #[error("motor {}: {reason}", motor + 1)]
     TooManySteps {

@@ -4,6 +4,7 @@
 mod plant;
 mod player;
 mod progress;
+mod served;
 mod summary;
 
 pub use plant::{Simulated, simulate_plant};

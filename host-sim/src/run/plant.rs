@@ -1,11 +1,11 @@
 //! The part of a run that simulates the scene's plant.
 
+use super::served::with_service;
 use super::summary::{digits, line, seconds};
 use crate::failure::Failure;
 use crate::figures::PlantTraces;
-use crate::plant::Refusal;
 use crate::plant::simulate::{End, Outcome, simulate};
-use crate::plant::source::{Pipeline, TickSource};
+use crate::plant::source::TickSource;
 use crate::plant::statistics::{Active, MotorStatistics, Signal};
 use crate::plant::table::{COLUMNS, Row};
 use crate::recording::unwritable;
@@ -26,19 +26,18 @@ pub struct Simulated {
     pub files: Vec<PathBuf>,
 }
 
-/// Simulates the plant of `scene`, whose ticks are computed in `scalar`; writes `plant.csv` and
+/// Simulates the plant of `scene`, whose ticks come from the core's service in `scalar`; writes `plant.csv` and
 /// figures into `folder`.
 ///
 /// # Errors
-/// Refused: what the scene asks for. Failed: something cannot be written.
+/// Refused: what the scene asks for. Failed: the service ends the job early, or something cannot be
+/// written.
 pub fn simulate_plant(
     scene: &Scene,
     scalar: Scalar,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Simulated, Failure> {
-    let refused = |refusal: Refusal| Failure::Refused(format!("scene {}: {refusal}", scene.name));
-    let source = source(scene, scalar).map_err(refused)?;
     std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     let path = folder.join("plant.csv");
     let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
@@ -58,14 +57,21 @@ pub fn simulate_plant(
             traces.push(&row);
         }
     };
-    let outcome = simulate(scene, source, stop, |row| {
-        rows.push(*row);
-        // Bounded memory; the time to write counts, but not for runs of ordinary length.
-        if rows.len() == 1 << 16 {
-            flush(&mut rows);
-        }
-    })
-    .map_err(refused)?;
+    let run = |source: Box<dyn TickSource>| {
+        simulate(scene, source, stop, |row| {
+            rows.push(*row);
+            // Bounded memory; the time to write counts, but not for runs of ordinary length.
+            if rows.len() == 1 << 16 {
+                flush(&mut rows);
+            }
+        })
+    };
+    let outcome = match scalar {
+        Scalar::F64 => with_service::<f64>(scene, stop, run),
+        Scalar::F32 => with_service::<f32>(scene, stop, run),
+        Scalar::Fixed => with_service::<Fixed>(scene, stop, run),
+        Scalar::Micromath => with_service::<Coarse>(scene, stop, run),
+    }?;
     flush(&mut rows);
     written
         .and_then(|()| table.flush())
@@ -77,21 +83,6 @@ pub fn simulate_plant(
         outcome,
         files: std::iter::once(path).chain(figures).collect(),
     })
-}
-
-/// The scene's ticks through the pipeline in `scalar`.
-fn source(scene: &Scene, scalar: Scalar) -> Result<Box<dyn TickSource>, Refusal> {
-    fn boxed<S: TickSource + 'static>(
-        source: Result<S, Refusal>,
-    ) -> Result<Box<dyn TickSource>, Refusal> {
-        source.map(|source| Box::new(source) as _)
-    }
-    match scalar {
-        Scalar::F64 => boxed(Pipeline::<f64>::build(scene)),
-        Scalar::F32 => boxed(Pipeline::<f32>::build(scene)),
-        Scalar::Fixed => boxed(Pipeline::<Fixed>::build(scene)),
-        Scalar::Micromath => boxed(Pipeline::<Coarse>::build(scene)),
-    }
 }
 
 /// Shortest digits that read back as the same number, as in `ticks.csv`.

@@ -41,7 +41,10 @@ fn the_reference_scene_writes_its_table_and_reports() {
     assert_eq!(rows.len(), 1201);
     assert_eq!((&rows[0][0], &rows[1200][0]), ("0.0", "1.2"));
     for row in &rows {
-        assert!(row.iter().all(|field| field.parse::<f64>().unwrap().is_finite()));
+        assert!(
+            row.iter()
+                .all(|field| field.parse::<f64>().unwrap().is_finite())
+        );
     }
     for figure in ["tracking.svg", "current.svg", "plant_torque.svg"] {
         let svg = fs::read_to_string(folder.path().join(figure)).unwrap();
@@ -65,7 +68,10 @@ fn ticks_of_exact_number_types_can_be_followed() {
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{scalar}: {said}{told}");
-        assert!(said.contains("times faster than real time"), "{scalar}: {said}");
+        assert!(
+            said.contains("times faster than real time"),
+            "{scalar}: {said}"
+        );
     }
 }
 
