@@ -13,7 +13,7 @@
 //! | [`bound`] | comparison of results with \|error\| <= 2 u cond |
 #![forbid(unsafe_code)]
 
-pub use trirrr_truth::{double_double, dual, inputs, model, results, scalar};
+pub use trirrr_truth::{double_double, dual, inputs, model, results, rounding, scalar};
 
 pub mod bound;
 pub mod evaluate;

@@ -7,6 +7,7 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Motor;
+use trirrr_core::units::Units;
 
 /// Angle, rate, acceleration and torque of each motor, SI.
 pub type Motors = [[f64; 4]; 3];
@@ -35,6 +36,17 @@ pub fn motors<N: Number>(
     setpoint: &Setpoint<N>,
 ) -> Result<Motors, Status> {
     evaluate(parameters, setpoint).map(|motion| numbers(&motion.motors))
+}
+
+/// Results that are given in `units` in SI units.
+pub fn in_si(motors: Motors, units: &Units) -> Motors {
+    let per_stage = [
+        1.0,
+        units.rate_rad_s(),
+        units.acceleration_rad_s2(),
+        units.torque_nm(),
+    ];
+    motors.map(|motor| std::array::from_fn(|stage| motor[stage] * per_stage[stage]))
 }
 
 /// The motors' part of a list of results.

@@ -77,6 +77,24 @@ pub enum Quantity {
     AngleAcceleration,
 }
 
+impl Quantity {
+    /// Exponents of length, time and mass; none of an angle, which number types hold apart.
+    pub fn dimension(self) -> Option<[i32; 3]> {
+        Some(match self {
+            Self::JointAngle | Self::Angle => return None,
+            Self::Length | Self::Position => [1, 0, 0],
+            Self::Mass => [0, 0, 1],
+            Self::Inertia => [2, 0, 1],
+            Self::Gravity | Self::Acceleration => [1, -2, 0],
+            Self::Force => [1, -2, 1],
+            Self::Moment => [2, -2, 1],
+            Self::Velocity => [1, -1, 0],
+            Self::AngleRate => [0, -1, 0],
+            Self::AngleAcceleration => [0, -2, 0],
+        })
+    }
+}
+
 /// One input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {

@@ -6,6 +6,7 @@
 //! | [`inputs`], [`model`] | kinematics by angles, dynamics by the balance of seven bodies |
 //! | [`scalar`], [`dual`] | its numbers: 31 digits, or with derivatives |
 //! | [`results`] | results by name: of the core, the true ones, and their conditions |
+//! | [`rounding`] | what a number type rounds by |
 //!
 //! The reference files of the repository, which have 25 digits from elsewhere, say that it is
 //! right: `trirrr_tests`.
@@ -15,6 +16,7 @@ pub mod dual;
 pub mod inputs;
 pub mod model;
 pub mod results;
+pub mod rounding;
 pub mod scalar;
 
 pub use trirrr_double_double as double_double;

@@ -25,8 +25,14 @@ impl Parameters {
         }
         // The torques divide by det A; where it overflowed they would come out as zero.
         finite::<N>(Quantity::GreatestDetA, singularity::greatest_det_a(self))?;
-        not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
-        not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
+        // Factors of the tick, which reach as far as an f64 where they are no quantities of it.
+        if N::SPREADS {
+            not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
+            not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
+        } else {
+            not_negative::<f64>(Quantity::PlatformMass, self.platform.mass_kg)?;
+            not_negative::<f64>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
+        }
         for (quantity, vector) in [
             (Quantity::PlatformCentreOfMass, self.platform.com_m),
             (Quantity::Gravity, self.gravity_m_s2),

@@ -1,7 +1,10 @@
 //! What errors of the inputs and of the functions do to the results.
 
+use core::f64::consts::TAU;
 use trirrr_core::machine::Parameters;
+use trirrr_core::number::Fixed;
 use trirrr_core::setpoint::Setpoint;
+use trirrr_core::units::Units;
 use trirrr_tests::bound::{Worst, angle_difference};
 use trirrr_tests::inputs::Input;
 use trirrr_tests::motors::{Motors, STAGES, of_list};
@@ -36,7 +39,7 @@ pub(crate) fn coarse_functions(
     setpoint: &Setpoint<f64>,
 ) -> Option<Motors> {
     let exact = Functions::exact(setpoint);
-    let (reference, det) = vector_formulas::motors(parameters, setpoint, &exact)?;
+    let (reference, det) = vector_formulas::motors(parameters, setpoint, &exact, |_, value| value)?;
     let angle = SIN_COS + 3.0 * f64::from(f32::EPSILON) * setpoint.pose.angle.abs();
     let mut bounds = [[0.0f64; 4]; 3];
     for combination in 0..243 {
@@ -46,7 +49,8 @@ pub(crate) fn coarse_functions(
             cos: exact.cos + (level(1) - 1.0) * angle,
             roots: [2, 3, 4].map(|place| 1.0 + 0.5 * level(place) * (ROOT - 1.0)),
         };
-        let (moved, det_there) = vector_formulas::motors(parameters, setpoint, &functions)?;
+        let (moved, det_there) =
+            vector_formulas::motors(parameters, setpoint, &functions, |_, value| value)?;
         if det_there * det <= 0.0 {
             return None;
         }
@@ -59,6 +63,49 @@ pub(crate) fn coarse_functions(
     }
     for bounds in &mut bounds {
         bounds[0] += ARCTANGENT;
+    }
+    Some(bounds)
+}
+
+/// Fixed point's sine, cosine and root are within 0.9 unit, its other values within half of one; what
+/// is multiplied by a factor carries 2^-30 of itself besides.
+const FIXED_VALUE: f64 = 0.9 * Fixed::UNIT;
+const FIXED_FACTOR: f64 = 0.5 * Fixed::UNIT;
+/// Its angles are whole numbers of 2^-32 of a turn, off by 1.2 of them.
+const FIXED_ANGLE: f64 = 1.2 * TAU / 4_294_967_296.0;
+
+/// How far the results move when every value on the way through the tick is off by what fixed point
+/// rounds it by in `units`: the sum over all of them, each moved alone. That is the quantisation
+/// times the condition of each value, the latter by a difference of the formulas themselves.
+/// `None` where one of them takes a leg out of reach.
+pub(crate) fn fixed_roundings(
+    parameters: &Parameters,
+    setpoint: &Setpoint<f64>,
+    units: &Units,
+) -> Option<Motors> {
+    let exact = Functions::exact(setpoint);
+    let mut values = 0;
+    let (reference, _) = vector_formulas::motors(parameters, setpoint, &exact, |_, value| {
+        values += 1;
+        value
+    })?;
+    let mut bounds = [[FIXED_ANGLE, 0.0, 0.0, 0.0]; 3];
+    for moved_one in 0..values {
+        let mut number = 0;
+        let (moved, _) =
+            vector_formulas::motors(parameters, setpoint, &exact, |[l, t, m], value| {
+                number += 1;
+                if number - 1 == moved_one {
+                    value + FIXED_VALUE * units.of(l, t, m) + FIXED_FACTOR * value.abs()
+                } else {
+                    value
+                }
+            })?;
+        for (leg, bounds) in bounds.iter_mut().enumerate() {
+            for (stage, bound) in bounds.iter_mut().enumerate() {
+                *bound += difference(stage, moved[leg][stage], reference[leg][stage]);
+            }
+        }
     }
     Some(bounds)
 }
@@ -113,7 +160,8 @@ fn the_formulas_are_the_cores() {
     for_all(2000, case(), |case| {
         let (parameters, setpoint) = (&case.parameters, &case.setpoint);
         let exact = Functions::exact(setpoint);
-        let (found, _) = vector_formulas::motors(parameters, setpoint, &exact).expect("in reach");
+        let (found, _) = vector_formulas::motors(parameters, setpoint, &exact, |_, value| value)
+            .expect("in reach");
         let reference = motors::<f64>(parameters, setpoint).expect("a motion");
         // Two sums of the same formulas in different orders.
         let off = |input: Input| 4.0 * f64::EPSILON * input.length;

@@ -6,7 +6,7 @@ use crate::report::scenes::shipped;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{Elbow, Parameters};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_scene::Move;
+use trirrr_scene::{Move, Scene};
 
 const FILE: &str = include_str!("../../../../tests/reference/extreme.csv");
 
@@ -26,12 +26,10 @@ pub(crate) struct Case {
 pub(crate) enum Motion {
     /// A state.
     State(Setpoint<f64>),
-    /// One tick of a move.
+    /// One tick of the move that is the scene's job.
     Move {
-        /// The move.
-        each: Move,
-        /// Ticks per second.
-        rate_hz: f64,
+        /// The scene.
+        scene: Box<Scene>,
         /// Which tick.
         tick: u32,
     },
@@ -52,22 +50,36 @@ pub(crate) fn all() -> Result<Vec<Case>, Failure> {
     let the_move = thesis.job.moves[0];
     let mut cases = reference()?;
     let mut add = |group, name: String, parameters: &Parameters, motion| {
-        cases.push(Case {
+        let mut case = Case {
             group,
             name,
             parameters: *parameters,
             motion,
-        });
+        };
+        if let Motion::Move { scene, .. } = &mut case.motion {
+            scene.parameters = *parameters;
+        }
+        cases.push(case);
     };
 
-    // A quarter of the way in: velocity and acceleration both count.
-    let on = |each: Move, rate_hz: f64| Motion::Move {
-        each: Move {
+    // A quarter of the way in: velocity and acceleration both count. Without limits, which would
+    // ask for a range of their own.
+    let on = |each: Move, rate_hz: f64| {
+        let mut scene = links.clone();
+        scene.limits.rate_rad_s = None;
+        scene.limits.acceleration_rad_s2 = None;
+        scene.limits.torque_nm = None;
+        scene.limits.power_w = None;
+        scene.tick_rate_hz = rate_hz;
+        scene.job.start = each.from;
+        scene.job.moves = vec![Move {
             duration_ticks: 100,
             ..each
-        },
-        rate_hz,
-        tick: 25,
+        }];
+        Motion::Move {
+            scene: Box::new(scene),
+            tick: 25,
+        }
     };
     for exponent in -3..=4 {
         let rate_hz = 100.0 / 10f64.powi(exponent);

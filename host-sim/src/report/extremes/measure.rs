@@ -6,10 +6,12 @@ use crate::evaluator;
 use crate::record::Record;
 use crate::report::exact::{in_state, motors, on_move};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Pose, RestToRest, Setpoint};
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::units::Units;
 use trirrr_truth::double_double::DoubleDouble;
 use trirrr_truth::inputs::{Input, Inputs, Quantity};
 use trirrr_truth::results::{angle_error, names, uncertainties};
+use trirrr_truth::rounding::Rounding;
 use trirrr_truth::scalar::{difference, scaled, sum, turned};
 
 /// What becomes of a case.
@@ -34,48 +36,53 @@ pub(crate) enum Outcome {
 
 /// Evaluates `case` in `N`.
 pub(crate) fn measure<N: Number>(case: &Case) -> Outcome {
-    let unit = N::UNIT_ROUNDOFF.to_f64();
     match record::<N>(case) {
         Err(status) => Outcome::Status(status),
-        Ok(record) => compare(case, &record, unit),
+        Ok((record, units)) => compare(case, &record, Rounding::of::<N>(units)),
     }
 }
 
-fn record<N: Number>(case: &Case) -> Result<Record, String> {
-    let machine =
-        evaluator::build::<N>(&case.parameters).map_err(|error| format!("refused: {error}"))?;
-    let pose = |pose: &Pose<f64>| Pose::<N>::from_f64(pose.position.x, pose.position.y, pose.angle);
-    let setpoint = match &case.motion {
-        Motion::State(state) => Setpoint {
-            pose: pose(&state.pose),
-            velocity: state.velocity.map(N::from_f64),
-            acceleration: state.acceleration.map(N::from_f64),
-        },
-        Motion::Move {
-            each,
-            rate_hz,
-            tick,
-        } => {
-            let period = N::factor_from_f64(1.0 / rate_hz);
-            let (from, to) = (pose(&each.from), pose(&each.to));
-            RestToRest::new(from, to, each.duration_ticks, period).at(*tick)
+fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
+    let refused = |error: String| format!("does not fit: {error}");
+    let (machine, setpoint, units) = match &case.motion {
+        Motion::State(state) => {
+            let units = match N::SPREADS {
+                true => Units::SI,
+                false => trirrr_scene::units_of_setpoint(&case.parameters, state)
+                    .map_err(|error| refused(error.to_string()))?,
+            };
+            let state = units.setpoint(state);
+            let (position, angle) = (state.pose.position, state.pose.angle);
+            let setpoint = Setpoint {
+                pose: Pose::from_f64(position.x, position.y, angle),
+                velocity: state.velocity.map(N::from_f64),
+                acceleration: state.acceleration.map(N::from_f64),
+            };
+            let machine = evaluator::build_in::<N>(&case.parameters, units)
+                .map_err(|error| refused(error.to_string()))?;
+            (machine, setpoint, units)
+        }
+        Motion::Move { scene, tick } => {
+            let played = evaluator::scene::<N>(scene).map_err(refused)?;
+            (played.machine, played.player.at(*tick), played.units)
         }
     };
     machine
         .evaluate(0.0, &setpoint)
+        .map(|record| (record, units))
         .map_err(|status| status.to_string())
 }
 
-fn compare(case: &Case, record: &Record, unit: f64) -> Outcome {
+fn compare(case: &Case, record: &Record, rounding: Rounding) -> Outcome {
     let inputs = exact_inputs(case);
     if !is_in_reach(&inputs) {
         return Outcome::BeyondReach;
     }
     let truth = motors(&inputs);
-    let conditions = conditions(case);
+    let explained = explained(case, &rounding);
     let (mut forward, mut worst) = (0.0, String::new());
-    let listed = names().into_iter().zip(conditions);
-    for (name, condition) in listed {
+    let listed = names().into_iter().zip(explained);
+    for (name, explained) in listed {
         let (Some(leg), Some(stage)) = (
             name.leg,
             ["th1", "dth1", "ddth1", "tau"]
@@ -90,10 +97,10 @@ fn compare(case: &Case, record: &Record, unit: f64) -> Outcome {
             0 => angle_error(truth[leg][stage], found),
             _ => truth[leg][stage].error_of(found),
         };
-        // A result without any error meets a condition of zero.
+        // A result without any error needs no explanation.
         let ratio = match error.abs() {
             0.0 => 0.0,
-            error => error / (unit * condition),
+            error => error / explained,
         };
         // What is not a number must not pass for small.
         let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
@@ -105,18 +112,17 @@ fn compare(case: &Case, record: &Record, unit: f64) -> Outcome {
     Outcome::Motion {
         forward,
         worst,
-        closure: closure(&inputs, record, unit),
+        closure: closure(&inputs, record, &rounding),
     }
 }
 
 fn exact_inputs(case: &Case) -> Inputs<DoubleDouble> {
     match &case.motion {
         Motion::State(state) => Inputs::exact(&case.parameters, state),
-        Motion::Move {
-            each,
-            rate_hz,
-            tick,
-        } => in_state(&case.parameters, on_move(each, *rate_hz, *tick)),
+        Motion::Move { scene, tick } => {
+            let state = on_move(&scene.job.moves[0], scene.tick_rate_hz, *tick);
+            in_state(&case.parameters, state)
+        }
     }
 }
 
@@ -132,17 +138,17 @@ fn is_in_reach(inputs: &Inputs<DoubleDouble>) -> bool {
     })
 }
 
-/// The condition of every result: against the state, or against the ends of the move. What these
-/// are rounded by goes into the displacement, from there into velocity and acceleration.
-fn conditions(case: &Case) -> Vec<f64> {
+/// What the rounding of the inputs does to every result: of the state's, or of the ends of the
+/// move. What these are rounded by goes into the displacement, from there into velocity and
+/// acceleration.
+fn explained(case: &Case, rounding: &Rounding) -> Vec<f64> {
     match &case.motion {
-        Motion::State(state) => uncertainties(&case.parameters, state, |input| input.length),
-        Motion::Move {
-            each,
-            rate_hz,
-            tick,
-        } => {
-            let state = on_move(each, *rate_hz, *tick);
+        Motion::State(state) => uncertainties(&case.parameters, state, |input| {
+            rounding.half_unit(input.quantity, input.length)
+        }),
+        Motion::Move { scene, tick } => {
+            let each = &scene.job.moves[0];
+            let state = on_move(each, scene.tick_rate_hz, *tick);
             let value = |row: usize| state[row].map(DoubleDouble::value);
             let [x, y, alpha] = value(0);
             let setpoint = Setpoint {
@@ -150,20 +156,24 @@ fn conditions(case: &Case) -> Vec<f64> {
                 velocity: value(1).into(),
                 acceleration: value(2).into(),
             };
-            let duration = f64::from(each.duration_ticks) / rate_hz;
+            let duration = f64::from(each.duration_ticks) / scene.tick_rate_hz;
             let size = |of: fn(&Pose<f64>) -> f64| of(&each.from).abs() + of(&each.to).abs();
             let place = size(|pose| pose.position.x).hypot(size(|pose| pose.position.y));
-            let angle = size(|pose| pose.angle);
+            let place = rounding.half_unit(Quantity::Position, place);
+            let angle = rounding.half_unit(Quantity::Angle, size(|pose| pose.angle));
             // The greatest of the cubic's derivatives: 3 h / 2 T, and 6 h / T^2.
             let (first, second) = (1.5 / duration, 6.0 / (duration * duration));
-            let off = |input: Input| match input.quantity {
-                Quantity::Position => place,
-                Quantity::Velocity => place * first,
-                Quantity::Acceleration => place * second,
-                Quantity::Angle => angle,
-                Quantity::AngleRate => angle * first,
-                Quantity::AngleAcceleration => angle * second,
-                _ => input.length,
+            let off = |input: Input| {
+                let own = rounding.half_unit(input.quantity, input.length);
+                match input.quantity {
+                    Quantity::Position => place,
+                    Quantity::Velocity => own + place * first,
+                    Quantity::Acceleration => own + place * second,
+                    Quantity::Angle => angle,
+                    Quantity::AngleRate => own + angle * first,
+                    Quantity::AngleAcceleration => own + angle * second,
+                    _ => own,
+                }
             };
             uncertainties(&case.parameters, &setpoint, off)
         }
@@ -172,7 +182,7 @@ fn conditions(case: &Case) -> Vec<f64> {
 
 /// The largest gap A + l1 e(theta_1) + l2 e(theta_2) - D - c of the three legs, at the pose as the
 /// type holds it.
-fn closure(inputs: &Inputs<DoubleDouble>, record: &Record, unit: f64) -> f64 {
+fn closure(inputs: &Inputs<DoubleDouble>, record: &Record, rounding: &Rounding) -> f64 {
     let [x, y, alpha] = record.pose.map(DoubleDouble::new);
     let mut largest: f64 = 0.0;
     for (leg, found) in inputs.legs.iter().zip(&record.legs) {
@@ -184,8 +194,7 @@ fn closure(inputs: &Inputs<DoubleDouble>, record: &Record, unit: f64) -> f64 {
         let links = sum(along(leg.l1, found.th1), along(leg.l2, found.th2));
         let gap = difference(sum(leg.base, links), sum([x, y], c));
         let size = leg.base[0].value().hypot(leg.base[1].value()) + leg.l1.value() + leg.l2.value();
-        let last_place = 2.0 * unit * size.log2().floor().exp2();
-        let gap = gap[0].value().hypot(gap[1].value()) / last_place;
+        let gap = gap[0].value().hypot(gap[1].value()) / rounding.last_place(size);
         largest = if gap <= largest { largest } else { gap };
     }
     largest

@@ -5,7 +5,7 @@ use crate::evaluator;
 use crate::failure::Failure;
 use crate::report::exact::Instant;
 use trirrr_core::number::Number;
-use trirrr_scene::{JobPlayer, Scene};
+use trirrr_scene::Scene;
 use trirrr_truth::results::angle_error;
 
 /// What a tick computes, stage after stage.
@@ -116,9 +116,12 @@ pub(crate) fn measure<N: Number>(
     scene: &Scene,
     instants: &[Instant],
 ) -> Result<SceneErrors, Failure> {
-    let machine = evaluator::build::<N>(&scene.parameters)
+    let evaluator::Played {
+        machine,
+        player,
+        units,
+    } = evaluator::scene::<N>(scene)
         .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
-    let player = JobPlayer::<N>::new(&scene.job, scene.period_s());
     let largest: [f64; 4] = std::array::from_fn(|stage| {
         let values = instants
             .iter()
@@ -135,9 +138,9 @@ pub(crate) fn measure<N: Number>(
         for (leg, motor) in motors.iter().enumerate() {
             let results = [
                 angles[leg],
-                motor.rate.to_f64(),
-                motor.acceleration.to_f64(),
-                motor.torque.to_f64(),
+                motor.rate.to_f64() * units.rate_rad_s(),
+                motor.acceleration.to_f64() * units.acceleration_rad_s2(),
+                motor.torque.to_f64() * units.torque_nm(),
             ];
             for (stage, result) in results.into_iter().enumerate() {
                 let truth = exact.motors[leg][stage];

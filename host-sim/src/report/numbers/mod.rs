@@ -14,7 +14,7 @@ use crate::figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
 use crate::scalar::Scalar;
 use counts::{CORES, Count};
 use error::{Errors, SceneErrors, Stage};
-use trirrr_core::number::{Coarse, Number};
+use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_scene::Scene;
 
 /// The scenes whose ticks are counted and timed: massless links, and links with masses.
@@ -36,6 +36,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), Failure> {
     let measured = [
         measure::<f64>(Scalar::F64, &scenes, &instants)?,
         measure::<f32>(Scalar::F32, &scenes, &instants)?,
+        measure::<Fixed>(Scalar::Fixed, &scenes, &instants)?,
         measure::<Coarse>(Scalar::Micromath, &scenes, &instants)?,
     ];
     let counts = counts::checked_in()?;

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
-use trirrr_scene::{JobPlayer, Scene};
+use trirrr_scene::Scene;
 
 /// Samples, of which the fastest counts: other load on the machine disturbs it least.
 const SAMPLES: usize = 20;
@@ -15,9 +15,10 @@ const SAMPLE: Duration = Duration::from_millis(10);
 
 /// Nanoseconds per tick over the job of `scene`, in the fastest sample.
 pub(crate) fn nanoseconds<N: Number>(scene: &Scene) -> Result<f64, Failure> {
-    let machine = evaluator::build::<N>(&scene.parameters)
+    let evaluator::Played {
+        machine, player, ..
+    } = evaluator::scene::<N>(scene)
         .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
-    let player = JobPlayer::<N>::new(&scene.job, scene.period_s());
     let setpoints: Vec<Setpoint<N>> = player.setpoints().collect();
     let mut fastest = f64::INFINITY;
     for _ in 0..SAMPLES {
