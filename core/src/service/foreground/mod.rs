@@ -1,8 +1,11 @@
 //! The half that runs once per tick, above everything else.
 
 mod obey;
+mod output;
 mod play;
 mod report;
+
+pub use output::Output;
 
 use super::guard::{self, Broken};
 use super::link::{Order, Planned, Recover, Report, Shared};
@@ -19,17 +22,6 @@ use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
-
-/// What the motors and the tool have to do until the next tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Output<N: Number> {
-    /// The motors. In fault and cleared they stand where they were commanded last.
-    pub motors: [Motor<N>; 3],
-    /// Power of the tool, 0 to 1 of what it can give.
-    pub tool: N,
-    /// Whether the drives are on. They are off while a fault is latched.
-    pub enabled: bool,
-}
 
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, N: Number, P, L, T> {
@@ -275,69 +267,6 @@ where
         if moves && self.silence_ticks != 0 && self.silent >= self.silence_ticks {
             self.become_(State::Stopping, Acting::Silence);
         }
-    }
-
-    /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
-    /// runs.
-    #[inline]
-    fn tool(&self, setpoint: &Setpoint<N>) -> N {
-        if !self.state.is_running() {
-            return N::ZERO;
-        }
-        match self.moves.peek() {
-            Some(Planned {
-                tool: Some(tool), ..
-            }) => tool.power(setpoint),
-            _ => N::ZERO,
-        }
-    }
-
-    /// A tick of a recovery: no torque, for where the platform is says nothing.
-    fn follow(&mut self, joints: &JointSetpoint<N>) {
-        for (index, motor) in self.output.motors.iter_mut().enumerate() {
-            let part = |values: &[N; 3]| values.get(index).copied().unwrap_or(N::ZERO);
-            if let Some(angle) = joints.angles.get(index) {
-                motor.angle = *angle;
-            }
-            motor.rate = part(&joints.rates);
-            motor.acceleration = part(&joints.accelerations);
-            motor.torque = N::ZERO;
-        }
-        self.output.tool = N::ZERO;
-    }
-
-    /// Neither motion nor tool: the motors stay at their last angles.
-    fn stand(&mut self) {
-        for motor in &mut self.output.motors {
-            motor.rate = N::ZERO;
-            motor.acceleration = N::ZERO;
-            motor.torque = N::ZERO;
-        }
-        self.output.tool = N::ZERO;
-    }
-
-    /// Latches a fault: no motion any more, the queue is dropped, the drives go off.
-    #[cold]
-    fn latch(&mut self, broken: Broken<N>) -> Option<Setpoint<N>> {
-        self.stand();
-        self.output.enabled = false;
-        if self.state != State::Fault {
-            // There is room: the one before was taken before it was cleared.
-            self.faults.send(Fault {
-                code: broken.code,
-                index: broken.index,
-                value: broken.value,
-                limit: broken.limit,
-                tick: self.clock,
-            });
-            if matches!(self.path, Path::Joints | Path::JointsEnded) {
-                self.recoveries.discard();
-            }
-            self.drop_queue();
-            let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
-            self.become_(State::Fault, acting);
-        }
-        None
     }
 
     fn become_(&mut self, state: State, acting: Acting) {

@@ -66,12 +66,12 @@ fn place(index: usize) -> Pose<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(192))]
+    #![proptest_config(ProptestConfig::with_cases(512))]
 
     /// The invariants of [`Rig::tick`]; no output beyond a limit; no velocity jump without a fault;
     /// a way out of wherever it ends.
     #[test]
-    fn nothing_that_is_asked_breaks_it(actions in proptest::collection::vec(action(), 1..80)) {
+    fn nothing_that_is_asked_breaks_it(actions in proptest::collection::vec(action(), 1..150)) {
         let limits = LimitParameters {
             rate_rad_s: Some([RATE; 3]),
             torque_nm: Some([TORQUE; 3]),
