@@ -113,7 +113,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             accelerations,
         };
         let load = self.links.load(index, &leg.dyad, &motion);
-        if N::SPREADS || motion.fits(setpoint) && load.fits() {
+        if N::SPREADS || motion.fits() && load.fits() {
             Ok((motion, load))
         } else {
             Err(Status::OutOfRange)
@@ -147,7 +147,11 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     /// no infinity and nothing that is not a number.
     #[inline(always)]
     pub fn evaluate(&self, setpoint: &Setpoint<N>) -> Result<Motion<N>, Status> {
-        if !(N::fit(setpoint.velocity.into()) && N::fit(setpoint.acceleration.into())) {
+        // A platform joint lies within 1/2 of the reference point, in units where anything has to
+        // fit: its velocity and acceleration are in range if these are.
+        let [vx, vy, turning] = setpoint.velocity.into();
+        let [ax, ay, angular] = setpoint.acceleration.into();
+        if !N::fit([vx, vy, turning * turning, ax, ay, angular]) {
             return Err(Status::OutOfRange);
         }
         let rotation = Rotation::new(setpoint.pose.angle);
@@ -167,7 +171,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         let [t1, t2, t3] = torques;
         let lost = match N::SPREADS {
             true => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
-            false => !N::fit([a1, a2, a3, t1, t2, t3]),
+            false => !N::fit(torques),
         };
         if lost {
             return Err(Status::OutOfRange);

@@ -58,7 +58,7 @@ macro_rules! quantities {
 quantities! {
     COORDINATE, "the largest coordinate", "m", [1, 0, 0], WIDE;
     REACH, "the reach of the longest leg", "m", [1, 0, 0], RANGE;
-    RADIUS, "the platform's radius", "m", [1, 0, 0], RANGE / 2.0;
+    RADIUS, "the platform's radius", "m", [1, 0, 0], RANGE / 4.0;
     MOMENT_ARM, "a moment arm about a platform joint times a distal link", "m^2", [2, 0, 0], RANGE;
     DET_A, "the greatest det A", "m^4", [4, 0, 0], RANGE;
     LINEAR_SHAPE, "a coefficient of a move's curve", "m", [1, 0, 0], WIDE;

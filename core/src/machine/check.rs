@@ -7,6 +7,7 @@ use crate::singularity;
 const FINITE: &str = "a finite number within the range of the number type";
 const POSITIVE: &str = "a positive number within the range of the number type";
 const FOURTH_POWER: &str = "a length whose fourth power is within the range of the number type";
+const WITHIN_HALF: &str = "at most 1/2, in units that fit the number type";
 const IN_RANGE: &str = "a length in units in which it is in range of the number type";
 const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
 
@@ -61,6 +62,10 @@ fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
         require::<N>(held, Quantity::Reach, reach, IN_RANGE)?;
     }
     not_negative::<N>(Quantity::JointRadius, leg.joint_radius_m)?;
+    if !N::SPREADS {
+        let held = leg.joint_radius_m <= 0.5;
+        require::<N>(held, Quantity::JointRadius, leg.joint_radius_m, WITHIN_HALF)?;
+    }
     // An angle is no quantity of the tick: its sine and cosine are taken here.
     if N::SPREADS {
         finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;

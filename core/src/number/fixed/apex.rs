@@ -6,7 +6,7 @@
 
 use super::Fixed;
 use super::factor::Factor;
-use super::product::{joined, normalised, rounded, signed, signed_high, unsigned};
+use super::product::{joined, normalised, opaque, rounded, signed, signed_high, unsigned};
 use super::reciprocal::reciprocal;
 use super::root::inverse_root;
 use crate::number::{Apex, OutOfReach, Triangle};
@@ -66,7 +66,7 @@ pub(super) fn apex(
     };
     let inverse_sq = reciprocal(w);
     let along = signed_high(k, inverse_sq) << odd;
-    let across = signed_high(s, inverse_sq) << odd;
+    let across = signed_high(opaque(s), inverse_sq) << odd;
     Ok(Apex {
         r1: Vector2::new(
             Fixed(rounded::<30>(signed(along, dx) - signed(across, dy))),
@@ -75,7 +75,8 @@ pub(super) fn apex(
         cross: Fixed(cross),
         inverse_cross: Factor {
             significand,
-            shift: 33 - half as i32,
+            // The mask changes nothing, but tells the compiler that the shift is a near one.
+            shift: 33u32.wrapping_sub(half) as i32 & 31,
         },
         base_sq: Fixed(rounded::<29>(x as i64)),
     })

@@ -1,6 +1,6 @@
 //! The direction of a vector, in turns.
 
-use super::product::{rounded, signed, signed_high};
+use super::product::{opaque, rounded, signed, signed_high};
 
 /// For the sines (2 k + 1) / 128 up to that of an eighth of a turn: the cosine in 2^-31, and the
 /// angle in 2^-32 of a turn. Offline by mpmath.
@@ -45,7 +45,7 @@ pub(super) fn direction(x: i32, y: i32, inverse: i32) -> i64 {
         (height, width)
     };
     // The sine in 2^-28; its top 6 bits.
-    let arc = (signed_high(small, inverse) >> 22) as usize;
+    let arc = (signed_high(opaque(small), inverse) >> 22) as usize;
     // The length may be longer than it was said to be by a rounding, but the table does not end
     // before 45 degrees do.
     let arc = if arc < ARCS.len() {
@@ -56,7 +56,7 @@ pub(super) fn direction(x: i32, y: i32, inverse: i32) -> i64 {
     let (cos, turns) = ARCS[arc];
     let sin = (2 * arc as i32 + 1) << 24;
     // The sine of the rest in 2^-33: 2^5 of it times length, divided by length.
-    let cross = signed(small, cos) - signed(large, sin);
+    let cross = signed(opaque(small), cos) - signed(opaque(large), opaque(sin));
     let rest = signed_high(rounded::<26>(cross), inverse);
     let cubed = signed_high(signed_high(rest, rest), rest);
     let rest = rest + signed_high(cubed, TWENTY_FOURTH);
@@ -74,5 +74,5 @@ pub(super) fn direction(x: i32, y: i32, inverse: i32) -> i64 {
 /// wide / 2^32, rounded to nearest.
 #[inline(always)]
 fn rounded32(wide: i64) -> i32 {
-    (wide.wrapping_add(1 << 31) >> 32) as i32
+    ((wide >> 32) as i32).wrapping_add((wide as u32 >> 31) as i32)
 }

@@ -1,6 +1,6 @@
 //! Numbers of any size that others are multiplied by.
 
-use super::product::{normalised, saturated, signed};
+use super::product::{normalised, rounded, signed};
 use super::reciprocal::reciprocal;
 use core::ops::{Mul, Neg};
 
@@ -23,14 +23,9 @@ impl Factor {
     #[inline(always)]
     pub(super) fn reciprocal_of(raw: i32) -> Self {
         let size = raw.unsigned_abs();
-        if size == 0 {
-            return Self {
-                significand: i32::MAX,
-                shift: -63,
-            };
-        }
+        // Of zero that of the least bit there could be: it takes all but the smallest out of range.
         let zeros = size.leading_zeros() & 31;
-        let significand = reciprocal(size << zeros);
+        let significand = reciprocal((size << zeros) | 1 << 31);
         Self {
             significand: if raw < 0 { -significand } else { significand },
             shift: 31 - zeros as i32,
@@ -118,7 +113,8 @@ impl Factor {
         if !fits {
             return i32::MAX ^ ((high as i32 ^ self.significand) >> 31);
         }
-        saturated::<31>(signed(shifted, self.significand))
+        // Below 2 in 2^-30 and below 2: it fits.
+        rounded::<31>(signed(shifted, self.significand))
     }
 
     /// [`times`](Self::times) for factors far from 1.
@@ -130,7 +126,7 @@ impl Factor {
             shift => sum.saturating_mul(1i64 << shift.unsigned_abs().min(62)),
         };
         match i32::try_from(shifted) {
-            Ok(shifted) => saturated::<31>(signed(shifted, self.significand)),
+            Ok(shifted) => rounded::<31>(signed(shifted, self.significand)),
             Err(_) if (shifted < 0) == (self.significand < 0) => i32::MAX,
             Err(_) => i32::MIN,
         }

@@ -1,6 +1,6 @@
 //! The reciprocal of a normalised number.
 
-use super::product::{rounded, signed, signed_high, unsigned};
+use super::product::{opaque, rounded, signed, signed_high, unsigned};
 
 /// 1/z on 32 equal parts of 1/2 <= z < 1, in 2^-15: the line of least relative error, as its value
 /// at the part's lower end and its fall over the part. Offline by mpmath.
@@ -29,5 +29,5 @@ pub(super) fn reciprocal(z: u32) -> i32 {
     let e = e + (signed_high(e, e) >> 11);
     let y = (line << 15) as i32;
     // At z = 1/2 the value is 2^31, which the sign bit has no room for.
-    y.saturating_add(rounded::<28>(signed(line as i32, e)))
+    y.saturating_add(rounded::<28>(signed(opaque(line as i32), e)))
 }

@@ -1,6 +1,6 @@
 //! The reciprocal square root of a normalised number.
 
-use super::product::{rounded, signed, signed_high, unsigned};
+use super::product::{opaque, rounded, signed, signed_high, unsigned};
 
 /// 1/sqrt(z) on 48 equal parts of 1/4 <= z < 1, in 2^-15, as in the reciprocal. Offline by mpmath.
 #[rustfmt::skip]
@@ -32,7 +32,7 @@ pub(super) fn inverse_root(z: u32) -> i32 {
     // r/2 in 2^-43 has the bits of r in 2^-42; r^2 in 2^-52.
     let correction = r + ((3 * (signed_high(r, r) >> 10)) >> 2);
     let y = (line << 15) as i32;
-    y.saturating_add(rounded::<28>(signed(line as i32, correction)))
+    y.saturating_add(rounded::<28>(signed(opaque(line as i32), correction)))
 }
 
 /// The root of `wide`, rounded to nearest; at most 2^62.
