@@ -151,7 +151,9 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         // fit: its velocity and acceleration are in range if these are.
         let [vx, vy, turning] = setpoint.velocity.into();
         let [ax, ay, angular] = setpoint.acceleration.into();
-        if !N::fit([vx, vy, turning * turning, ax, ay, angular]) {
+        let place = setpoint.pose.position;
+        let near = N::is_near(place.x) && N::is_near(place.y);
+        if !(near && N::fit([vx, vy, turning * turning, ax, ay, angular])) {
             return Err(Status::OutOfRange);
         }
         let rotation = Rotation::new(setpoint.pose.angle);

@@ -25,6 +25,9 @@ const HEADROOM: f64 = 1.25;
 /// What a quantity stays below, so that what a stage forms of several of them fits the format.
 const RANGE: f64 = Fixed::RANGE;
 
+/// What a coordinate stays below.
+const NEAR: f64 = 2.75;
+
 /// What a quantity stays below that is only added to others and subtracted.
 const WIDE: f64 = 2.0 * RANGE;
 
@@ -56,7 +59,7 @@ macro_rules! quantities {
 }
 
 quantities! {
-    COORDINATE, "the largest coordinate", "m", [1, 0, 0], WIDE;
+    COORDINATE, "the largest coordinate", "m", [1, 0, 0], NEAR;
     REACH, "the reach of the longest leg", "m", [1, 0, 0], RANGE;
     RADIUS, "the platform's radius", "m", [1, 0, 0], RANGE / 4.0;
     MOMENT_ARM, "a moment arm about a platform joint times a distal link", "m^2", [2, 0, 0], RANGE;

@@ -62,9 +62,11 @@ impl<N: Number> Leg<N> {
         rotation: &Rotation<N>,
     ) -> Result<LegPosition<N>, Status> {
         let platform_joint = rotation.apply(self.joint);
-        // D - A first: both are exact inputs, so a large common offset of the two cancels before
-        // anything is rounded.
-        let links = self.dyad.position((position - self.base) + platform_joint);
+        let span = Vector2::new(
+            N::span(position.x, self.base.x, platform_joint.x),
+            N::span(position.y, self.base.y, platform_joint.y),
+        );
+        let links = self.dyad.position(span);
         links
             .map(|links| LegPosition {
                 platform_joint,
@@ -93,6 +95,9 @@ impl<N: Number> Geometry<N> {
     /// by d^2 leaves the number type.
     #[inline]
     pub fn position(&self, pose: &Pose<N>) -> Result<Position<N>, Status> {
+        if !(N::is_near(pose.position.x) && N::is_near(pose.position.y)) {
+            return Err(Status::OutOfRange);
+        }
         let rotation = Rotation::new(pose.angle);
         let solve = |index: usize| {
             let leg = self.legs[index].position(index, pose.position, &rotation)?;

@@ -98,7 +98,7 @@ impl<N: Number> Rrr<N> {
         let apex = N::apex(&self.triangle, d)?;
         Ok(Position {
             r1: apex.r1,
-            r2: d - apex.r1,
+            r2: apex.r2,
             r1_cross_r2: apex.cross,
             inverse_cross: apex.inverse_cross,
             distance_sq: apex.base_sq,
@@ -114,7 +114,7 @@ impl<N: Number> Rrr<N> {
     /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
     #[inline(always)]
     pub fn r1_dot_r2(&self, at: &Position<N>) -> N {
-        N::HALF * (at.distance_sq - self.sum_of_squares)
+        N::half_difference(at.distance_sq, self.sum_of_squares)
     }
 
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).

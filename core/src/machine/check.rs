@@ -8,6 +8,7 @@ const FINITE: &str = "a finite number within the range of the number type";
 const POSITIVE: &str = "a positive number within the range of the number type";
 const FOURTH_POWER: &str = "a length whose fourth power is within the range of the number type";
 const WITHIN_HALF: &str = "at most 1/2, in units that fit the number type";
+const NEAR: &str = "a place near enough for the number type";
 const IN_RANGE: &str = "a length in units in which it is in range of the number type";
 const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
 
@@ -49,6 +50,9 @@ impl Parameters {
 fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
     finite::<N>(Quantity::Base, leg.base_m.x)?;
     finite::<N>(Quantity::Base, leg.base_m.y)?;
+    for place in [leg.base_m.x, leg.base_m.y] {
+        require::<N>(N::is_near(N::from_f64(place)), Quantity::Base, place, NEAR)?;
+    }
     positive::<N>(Quantity::ProximalLength, leg.proximal_m)?;
     positive::<N>(Quantity::DistalLength, leg.distal_m)?;
     // The dyad multiplies differences of squared lengths.

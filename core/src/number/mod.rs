@@ -195,6 +195,24 @@ pub trait Number:
     fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self;
     /// a b - c d.
     fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self;
+    /// (a - b) / 2 for squares of lengths, neither negative.
+    #[inline(always)]
+    fn half_difference(a: Self, b: Self) -> Self {
+        Self::HALF * (a - b)
+    }
+    /// (place - base) + arm: the difference of two places first, which are exact inputs, so that a
+    /// large common offset cancels before anything is rounded. The arm is at most 1/2 long where
+    /// values have to [fit](Number::fit).
+    #[inline(always)]
+    fn span(place: Self, base: Self, arm: Self) -> Self {
+        (place - base) + arm
+    }
+    /// Whether a place is so near that a [`span`](Number::span) from any other such place is right
+    /// or longer than any leg.
+    #[inline(always)]
+    fn is_near(_place: Self) -> bool {
+        true
+    }
     /// self / divisor. A zero divisor gives a value that is not [finite](Number::is_finite).
     fn div(self, divisor: Self) -> Self;
     /// The square root, correctly rounded; of a negative number, not a number.

@@ -35,6 +35,8 @@ pub struct Triangle<N: Number> {
 pub struct Apex<N: Number> {
     /// From the start of d to the corner.
     pub r1: Vector2<N>,
+    /// From the corner to the end of d.
+    pub r2: Vector2<N>,
     /// r1 x r2 = -sigma S.
     pub cross: N,
     /// 1 / (r1 x r2).
@@ -97,11 +99,13 @@ where
     let half_inverse = N::HALF.div(base_sq);
     let along = two_k * half_inverse;
     let across = two_sigma_s * half_inverse;
+    let r1 = Vector2::new(
+        N::ab_minus_cd(along, d.x, across, d.y),
+        N::ab_plus_cd(along, d.y, across, d.x),
+    );
     Ok(Apex {
-        r1: Vector2::new(
-            N::ab_minus_cd(along, d.x, across, d.y),
-            N::ab_plus_cd(along, d.y, across, d.x),
-        ),
+        r1,
+        r2: d - r1,
         cross: -(N::HALF * two_sigma_s),
         inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
         base_sq,

@@ -18,7 +18,7 @@ pub(super) fn apex(
     triangle: &Triangle<Fixed>,
     d: Vector2<Fixed>,
 ) -> Result<Apex<Fixed>, OutOfReach> {
-    let square = |raw: i32| unsigned(raw.unsigned_abs(), raw.unsigned_abs());
+    let square = |raw: i32| signed(raw, raw) as u64;
     let x = square(d.x.0) + square(d.y.0);
     let (stretched, folded) = (triangle.stretched_sq.0 as u64, triangle.folded_sq.0 as u64);
     if x >= stretched || x <= folded {
@@ -67,10 +67,16 @@ pub(super) fn apex(
     let inverse_sq = reciprocal(w);
     let along = signed_high(k, inverse_sq) << odd;
     let across = signed_high(opaque(s), inverse_sq) << odd;
+    let r1 = Vector2::new(
+        rounded::<30>(signed(along, dx) - signed(across, dy)),
+        rounded::<30>(signed(along, dy) + signed(across, dx)),
+    );
     Ok(Apex {
-        r1: Vector2::new(
-            Fixed(rounded::<30>(signed(along, dx) - signed(across, dy))),
-            Fixed(rounded::<30>(signed(along, dy) + signed(across, dx))),
+        r1: r1.map(Fixed),
+        // Not longer than the second length: it fits.
+        r2: Vector2::new(
+            Fixed(d.x.0.wrapping_sub(r1.x)),
+            Fixed(d.y.0.wrapping_sub(r1.y)),
         ),
         cross: Fixed(cross),
         inverse_cross: Factor {

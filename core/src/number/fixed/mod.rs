@@ -356,6 +356,24 @@ impl Number for Fixed {
     }
 
     #[inline(always)]
+    fn half_difference(a: Self, b: Self) -> Self {
+        // Both from 0 to 4.
+        Self(a.0.wrapping_sub(b.0) >> 1)
+    }
+
+    /// What wraps is at least 2 long: 8 less twice 2.75 less 1/2.
+    #[inline(always)]
+    fn span(place: Self, base: Self, arm: Self) -> Self {
+        Self(place.0.wrapping_sub(base.0).wrapping_add(arm.0))
+    }
+
+    #[inline(always)]
+    fn is_near(place: Self) -> bool {
+        const NEAR: i32 = 11 << (FRACTION - 2);
+        place.0 >= -NEAR && place.0 <= NEAR
+    }
+
+    #[inline(always)]
     fn div(self, divisor: Self) -> Self {
         if divisor.0 == 0 {
             return Self(i32::MAX);

@@ -25,7 +25,8 @@ pub(super) fn reciprocal(z: u32) -> i32 {
     let within = (z >> 10) & 0xffff;
     let line = u32::from(start) - ((u32::from(fall) * within) >> 16);
     // e = 1 - z y; 1/z = y / (1 - e) = y (1 + e + e^2 + ...). z y is exact in 2^-47, e in 2^-43.
-    let e = -((unsigned(z, line).wrapping_sub(1 << 47) as i64 >> 4) as i32);
+    // What 1 is in the product is beyond the 32 bits that are kept.
+    let e = ((unsigned(z, line) >> 4) as i32).wrapping_neg();
     let e = e + (signed_high(e, e) >> 11);
     let y = (line << 15) as i32;
     // At z = 1/2 the value is 2^31, which the sign bit has no room for.

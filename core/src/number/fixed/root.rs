@@ -28,7 +28,8 @@ pub(super) fn inverse_root(z: u32) -> i32 {
     let line = u32::from(start) - ((u32::from(fall) * within) >> 16);
     // r = 1 - z y^2; 1/sqrt(z) = y / sqrt(1 - r) = y (1 + r/2 + 3 r^2/8 + ...). z is in 2^-32 and
     // y^2 in 2^-30, exact; r in 2^-42.
-    let r = -((unsigned(z, line * line).wrapping_sub(1 << 62) as i64 >> 20) as i32);
+    // What 1 is in the product is beyond the 32 bits that are kept.
+    let r = ((unsigned(z, line * line) >> 20) as i32).wrapping_neg();
     // r/2 in 2^-43 has the bits of r in 2^-42; r^2 in 2^-52.
     let correction = r + ((3 * (signed_high(r, r) >> 10)) >> 2);
     let y = (line << 15) as i32;
