@@ -140,6 +140,19 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         Ok(forces.torques(legs, &loads))
     }
 
+    /// What motor `index` has to do.
+    #[inline(always)]
+    fn motor(&self, index: usize, leg: &LegMotion<N>, torque: N) -> Motor<N> {
+        Motor {
+            angle: self.geometry.legs[index]
+                .dyad
+                .proximal_angle(&leg.position.links),
+            rate: leg.rates.proximal,
+            acceleration: leg.accelerations.proximal,
+            torque,
+        }
+    }
+
     /// One tick: inverse kinematics, rates, accelerations, torques.
     ///
     /// # Errors
@@ -179,15 +192,12 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             return Err(Status::OutOfRange);
         }
         // The angles come last: nothing else waits for them, and with them would wait.
-        let motor = |leg: usize| Motor {
-            angle: self.geometry.legs[leg]
-                .dyad
-                .proximal_angle(&legs[leg].position.links),
-            rate: legs[leg].rates.proximal,
-            acceleration: legs[leg].accelerations.proximal,
-            torque: torques[leg],
-        };
-        let motors = [motor(0), motor(1), motor(2)];
+        let [leg1, leg2, leg3] = &legs;
+        let motors = [
+            self.motor(0, leg1, t1),
+            self.motor(1, leg2, t2),
+            self.motor(2, leg3, t3),
+        ];
         Ok(Motion {
             motors,
             legs,

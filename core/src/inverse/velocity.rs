@@ -10,11 +10,11 @@ impl<N: Number> LegPosition<N> {
     /// Velocity of the platform joint when the platform moves with `velocity`.
     #[inline(always)]
     pub fn velocity(&self, velocity: &Vector3<N>) -> Vector2<N> {
-        velocity
-            .xy()
-            .zip_map(&perpendicular(self.platform_joint), |v, c| {
-                N::round(v.widen() + N::product(c, velocity.z))
-            })
+        let across = perpendicular(self.platform_joint);
+        Vector2::new(
+            N::round(velocity.x.widen() + N::product(across.x, velocity.z)),
+            N::round(velocity.y.widen() + N::product(across.y, velocity.z)),
+        )
     }
 }
 

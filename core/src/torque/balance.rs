@@ -68,7 +68,10 @@ impl<N: Number> Balance<N> {
         ] {
             if let Some(q) = load.distal_over_l2_sq {
                 let across = perpendicular(distal);
-                force = force.zip_map(&across, |force, across| force + N::product(across, q));
+                force = Vector2::new(
+                    force.x + N::product(across.x, q),
+                    force.y + N::product(across.y, q),
+                );
                 if let Some(arm) = arm {
                     moment = moment + N::product(dot(arm, distal), q);
                 }
@@ -109,13 +112,19 @@ impl<N: Number> Forces<N> {
     /// tau_i = D_i f_i + (Q1_i - q_i (r1_i . r2_i)).
     #[inline(always)]
     pub fn torques(&self, legs: &[LegMotion<N>; 3], loads: &[LegLoad<N>; 3]) -> [N; 3] {
-        let torque = |index: usize| {
-            let torque = N::product(legs[index].position.links.r1_cross_r2, self.along[index]);
-            N::round(match loads[index].at_motor {
-                Some(at_motor) => torque + at_motor.widen(),
-                None => torque,
-            })
-        };
-        [torque(0), torque(1), torque(2)]
+        [
+            self.torque(0, &legs[0], &loads[0]),
+            self.torque(1, &legs[1], &loads[1]),
+            self.torque(2, &legs[2], &loads[2]),
+        ]
+    }
+
+    #[inline(always)]
+    fn torque(&self, index: usize, leg: &LegMotion<N>, load: &LegLoad<N>) -> N {
+        let torque = N::product(leg.position.links.r1_cross_r2, self.along[index]);
+        N::round(match load.at_motor {
+            Some(at_motor) => torque + at_motor.widen(),
+            None => torque,
+        })
     }
 }

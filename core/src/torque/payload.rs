@@ -56,9 +56,10 @@ impl<N: Number> Payload<N> for Centred<N> {
     fn demand(&self, setpoint: &Setpoint<N>, _: &Rotation<N>) -> Demand<N> {
         let a = setpoint.acceleration;
         Demand {
-            force: a
-                .xy()
-                .zip_map(&self.static_force, |a, force| a.scaled(self.mass) + force),
+            force: Vector2::new(
+                a.x.scaled(self.mass) + self.static_force.x,
+                a.y.scaled(self.mass) + self.static_force.y,
+            ),
             moment: a.z.scaled(self.inertia) + self.static_moment,
         }
     }
