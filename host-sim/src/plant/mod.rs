@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`mechanics`] | the rigid bodies: torques to accelerations, energies |
 //! | [`friction`], [`motor`] | what acts in the joints |
-//! | [`layout`], [`model`], [`system`] | all together, as differential equations |
+//! | [`layout`], [`model`], `system` | all together, as differential equations |
 //! | [`watch`] | where they change or end |
 //! | [`control`] | what commands the motors |
 //! | [`path`], [`source`], [`sampled`] | the job in time, its ticks, and the drives' inner loops that follow them |

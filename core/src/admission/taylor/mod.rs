@@ -30,7 +30,7 @@ use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 /// The float that the numbers of a model of `N` are.
 pub(super) type Float<N> = <N as Number>::Bound;
 
-/// A quantity of the type `N` over an interval of time; see the [module](self).
+/// A quantity of the type `N` over an interval of time.
 #[derive(Clone, Copy, Debug)]
 pub struct TaylorModel<N: Number> {
     /// Value in the middle of the interval, without the error.
