@@ -38,6 +38,52 @@ fn a_repeated_command_is_acknowledged_and_not_executed() {
     assert_eq!(once.1, again.1);
 }
 
+/// The same for the commands around a fault, and for overrides.
+#[test]
+fn what_is_repeated_around_a_fault_is_not_executed_again() {
+    use crate::message::scene::{Leg, Section};
+    use crate::message::{FaultCode, Recovery};
+    let leg = Leg {
+        distal_m: 0.201,
+        ..Leg::from(&example().legs[0])
+    };
+    let recovery = Recovery {
+        to: pose(0.25, 0.25, 0.1),
+        ticks: 20,
+    };
+    let commands = [
+        Command::Telemetry { every: 3 },
+        Command::Override(Section::Leg { index: 0, leg }),
+        Command::ClearFault,
+        Command::Recover(recovery),
+        Command::Stop,
+    ];
+    let play = |repeats: u32| {
+        let mut rig = Rig::<f64>::new();
+        let mut outputs = Vec::new();
+        for (sequence, command) in (0..).zip(commands) {
+            if command == Command::ClearFault {
+                rig.foreground.raise(FaultCode::Board, None, 0.0, 0.0);
+                outputs.push(rig.tick());
+            }
+            for _ in 0..repeats {
+                assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+            }
+            for _ in 0..30 {
+                outputs.push(rig.tick());
+                for _ in 1..repeats {
+                    assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                }
+            }
+        }
+        (outputs, rig.status(), rig.telemetry, rig.events)
+    };
+    let (once, again) = (play(1), play(4));
+    assert!(once == again);
+    // The recovery was executed: it stands where that led.
+    assert_eq!(once.1.end.unwrap().pose, recovery.to);
+}
+
 #[test]
 fn a_repeated_refusal_is_the_same_refusal() {
     let mut rig = Rig::<f64>::new();
