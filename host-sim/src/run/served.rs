@@ -21,6 +21,8 @@ const AHEAD: usize = 1024;
 /// What the service tells the drives, tick by tick.
 struct Served<N: Transmit> {
     samples: Receiver<Telemetry<N>>,
+    /// The sample of the first tick, until it is asked for.
+    first: Option<Telemetry<N>>,
     units: Units,
     /// Ticks of the job.
     ticks: u32,
@@ -30,6 +32,8 @@ struct Served<N: Transmit> {
 
 impl<N: Transmit> TickSource for Served<N> {
     fn start(&mut self) -> Result<JointReferences, Refusal> {
+        // The service has judged the job and is on its way before the plant's time begins.
+        self.first = Some(self.samples.recv().map_err(|_| Refusal::Service)?);
         self.rest.start()
     }
 
@@ -39,7 +43,10 @@ impl<N: Transmit> TickSource for Served<N> {
             // this tick still carries is that of the move before.
             return self.rest.tick(tick);
         }
-        let sample = self.samples.recv().map_err(|_| Refusal::Service)?;
+        let sample = match self.first.take() {
+            Some(first) => first,
+            None => self.samples.recv().map_err(|_| Refusal::Service)?,
+        };
         let rate = 1.0 / self.units.time_s;
         let speed = self.units.length_m * rate;
         let torque = self.units.mass_kg * speed * speed;
@@ -70,6 +77,7 @@ pub(super) fn with_service<N: Transmit>(
     let (sender, samples) = sync_channel(AHEAD);
     let source = Box::new(Served {
         samples,
+        first: None,
         units,
         ticks: scene.ticks(),
         rest,
