@@ -28,7 +28,7 @@ pub use error::{Problem, SceneError};
 pub use job::{Job, Move, Tool};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;
-pub use range::{RangeError, units, units_of_scene, units_of_setpoint};
+pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;
 pub use trirrr_core::limits::LimitParameters as Limits;

@@ -361,24 +361,23 @@ fn size(v: Vector2<f64>) -> f64 {
     f64::hypot(v.x, v.y)
 }
 
-/// Units in which fixed point holds the machine with the one motion of `setpoint`.
+/// Units in which fixed point holds the machine with the motions of `setpoints`. A setpoint that
+/// has no motion, which the tick says, asks for nothing but room for its place.
 ///
 /// # Errors
-/// [`RangeError`]; the units are SI for a setpoint that has no motion, which the tick says.
-pub fn units_of_setpoint(
+/// [`RangeError`].
+pub fn units_of_setpoints<'s>(
     parameters: &Parameters,
-    setpoint: &Setpoint<f64>,
+    setpoints: impl IntoIterator<Item = &'s Setpoint<f64>>,
 ) -> Result<Units, RangeError> {
     let mut measured = Measured::new(parameters);
-    measured.note(Of::COORDINATE, setpoint.pose.position.x);
-    measured.note(Of::COORDINATE, setpoint.pose.position.y);
-    if let Ok(tick) = Everything::build(parameters)
-        && let Ok(motion) = tick.evaluate(setpoint)
-    {
-        measured.motion(setpoint, &motion);
-    } else {
-        // No motion to be measured; the machine still tells what keeps it from one.
-        (measured.serial, measured.parallel) = (1.0, 1.0);
+    let tick = Everything::build(parameters).ok();
+    for setpoint in setpoints {
+        measured.note(Of::COORDINATE, setpoint.pose.position.x);
+        measured.note(Of::COORDINATE, setpoint.pose.position.y);
+        if let Some(Ok(motion)) = tick.as_ref().map(|tick| tick.evaluate(setpoint)) {
+            measured.motion(setpoint, &motion);
+        }
     }
     measured.units()
 }

@@ -25,6 +25,8 @@ const DYAD_CEILING: f64 = 60.0;
 const CEILINGS: &[(&str, &str, &str, f64)] = &[
     ("m4f", "f32", "thesis", 600.0),
     ("m4f", "f32", "thesis-links", 750.0),
+    ("m3", "fixed", "thesis", 1800.0),
+    ("m0", "fixed", "thesis", 10_000.0),
 ];
 
 /// Where the service is counted.

@@ -174,7 +174,7 @@ fn evaluate_row<N: Number>(columns: &Columns, record: &ByteRecord) -> Result<Rec
     case.parameters
         .check::<f64>()
         .map_err(|error| invalid(error.to_string()))?;
-    let units = trirrr_scene::units_of_setpoint(&case.parameters, &case.setpoint)
+    let units = trirrr_scene::units_of_setpoints(&case.parameters, [&case.setpoint])
         .map_err(|error| format!("does not fit: {error}"))?;
     let setpoint = units.setpoint(&case.setpoint);
     let (pose, velocity) = (setpoint.pose, setpoint.velocity);

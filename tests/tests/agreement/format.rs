@@ -39,7 +39,7 @@ pub(crate) fn results<N: Number>(
 ) -> (Results, Setpoint<f64>, Units) {
     let units = match N::SPREADS {
         true => Units::SI,
-        false => match trirrr_scene::units_of_setpoint(parameters, setpoint) {
+        false => match trirrr_scene::units_of_setpoints(parameters, [setpoint]) {
             Ok(units) => units,
             Err(error) => {
                 let reason = format!("does not fit: {error}");

@@ -48,7 +48,7 @@ fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
         Motion::State(state) => {
             let units = match N::SPREADS {
                 true => Units::SI,
-                false => trirrr_scene::units_of_setpoint(&case.parameters, state)
+                false => trirrr_scene::units_of_setpoints(&case.parameters, [state])
                     .map_err(|error| refused(error.to_string()))?,
             };
             let state = units.setpoint(state);
