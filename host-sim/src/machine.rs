@@ -7,8 +7,8 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
 use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
 use trirrr_core::service::{
-    self, Adjustable, Background, Channels, Compiled, Foreground, Put, SceneIdentity, ServiceError,
-    Settings, Setup, Take, name,
+    self, Adjustable, Background, Channels, Foreground, Put, SceneIdentity, ServiceError, Settings,
+    Setup, Take, name,
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
@@ -103,7 +103,6 @@ where
     }
 }
 
-/// Overrides are in SI units; a machine in units of its own takes none.
 fn with_links<N, P, L, T>(
     described: Described<N>,
     play: impl FnOnce(&mut dyn Machine<N>) -> T,
@@ -113,32 +112,9 @@ where
     P: Payload<N> + Send + 'static,
     L: Links<N> + Send + 'static,
 {
-    let Described {
-        parameters, limits, ..
-    } = &described;
-    if N::SPREADS {
-        let scene = Adjustable::new(*parameters, *limits);
-        with_scene::<N, P, L, _, T>(scene, &described, play)
-    } else {
-        let scene = Compiled { parameters, limits };
-        with_scene::<N, P, L, _, T>(scene, &described, play)
-    }
-}
-
-fn with_scene<N, P, L, S, T>(
-    scene: S,
-    described: &Described<N>,
-    play: impl FnOnce(&mut dyn Machine<N>) -> T,
-) -> Result<T, ServiceError>
-where
-    N: Transmit,
-    P: Payload<N> + Send + 'static,
-    L: Links<N> + Send + 'static,
-    S: service::Scene<N, P, L>,
-    S::Slot: 'static,
-{
     // The queues are some 100 KB.
-    let mut channels = Box::new(Channels::<N, P, L, S, MOVES, SAMPLES>::new());
+    let mut channels = Box::new(Channels::<N, P, L, Adjustable, MOVES, SAMPLES>::new());
+    let scene = Adjustable::new(described.parameters, described.limits);
     let (foreground, background) = channels.split(scene, described.start, described.settings)?;
     Ok(play(&mut Service {
         foreground,
