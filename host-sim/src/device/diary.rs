@@ -89,7 +89,8 @@ impl Diary {
                         _ => 0,
                     };
                     let why = words::violation(violation, ticks, &self.units);
-                    self.note(&format!("move {} is not admitted: {why}", verdict.number));
+                    let counted = verdict.number.wrapping_add(1);
+                    self.note(&format!("move {counted} is not admitted: {why}"));
                 }
             }
             Event::State {

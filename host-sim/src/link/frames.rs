@@ -13,7 +13,7 @@ const MESSAGE_BYTES: usize = {
 };
 
 /// Most bytes of a frame of either side.
-pub const FRAME_BYTES: usize = frame_length(MESSAGE_BYTES);
+const FRAME_BYTES: usize = frame_length(MESSAGE_BYTES);
 
 /// Both directions of one link.
 #[derive(Debug, Default)]

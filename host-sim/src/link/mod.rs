@@ -9,7 +9,7 @@ mod serial;
 mod tcp;
 
 pub use address::{Address, listening};
-pub use frames::{FRAME_BYTES, Frames};
+pub use frames::Frames;
 pub use tcp::{Listener, TcpLink};
 
 use std::io;

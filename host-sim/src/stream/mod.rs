@@ -90,7 +90,7 @@ fn stream<N: Transmit>(
             moves,
             machine::hello::<N>(scene),
             every,
-            Patience::default(),
+            patience(Duration::from_secs_f64(args.patience)),
             conversation(),
         ),
         port,
@@ -130,7 +130,7 @@ fn stream<N: Transmit>(
         repeated: stream.repeated(),
         opened_anew: port.opened_anew(),
         damaged: port.damaged(),
-        is_complete,
+        end: result.as_ref().ok().copied(),
     })
     .and(result)
 }
@@ -170,6 +170,20 @@ fn least_every(frame_bytes: usize, tick_rate_hz: f64, baud: u32) -> u16 {
     (bits / (TELEMETRY_SHARE * f64::from(baud))).ceil().max(1.0) as u16
 }
 
+/// How often to ask before the port is opened anew, for a user who waits as long as `total`.
+fn patience(total: Duration) -> Patience {
+    let Patience { answer, attempts } = Patience::default();
+    let (mut waited, mut asked) = (answer, 1);
+    while asked < attempts && waited < total {
+        waited += answer * (1 << asked.min(3));
+        asked += 1;
+    }
+    Patience {
+        answer,
+        attempts: asked,
+    }
+}
+
 /// A number that another conversation is not likely to have.
 fn conversation() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -180,6 +194,15 @@ fn conversation() -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_waits_less_asks_less_often() {
+        // Waits of 200, 400, 800 and 1600 ms.
+        for (seconds, attempts) in [(0.1, 1), (0.3, 2), (0.6, 2), (1.0, 3), (1e3, 7)] {
+            let patience = patience(Duration::from_secs_f64(seconds));
+            assert_eq!(patience.attempts, attempts, "{seconds}");
+        }
+    }
 
     #[test]
     fn a_slow_port_gets_fewer_samples() {

@@ -1,5 +1,6 @@
 //! The summary of a stream.
 
+use super::End;
 use crate::failure::Failure;
 use crate::link::Address;
 use crate::recording::Recorded;
@@ -25,7 +26,8 @@ pub(super) struct Summary<'a> {
     pub(super) repeated: u64,
     pub(super) opened_anew: u64,
     pub(super) damaged: u64,
-    pub(super) is_complete: bool,
+    /// None where it failed.
+    pub(super) end: Option<End>,
 }
 
 /// Prints the summary on standard output.
@@ -60,11 +62,14 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     };
     line("board", &format!("{board} ({})", summary.address))?;
     let (done, moves) = (summary.done, summary.moves);
-    let end = match summary.is_complete {
-        true => "",
-        false => ", not complete",
+    let job = match summary.end {
+        Some(End::Complete) => format!("{done} of {moves} moves done"),
+        // The machine counts the move that it left as over.
+        Some(End::Stopped) if done > 0 => format!("stopped in move {done} of {moves}"),
+        Some(End::Stopped) => format!("stopped before the first of {moves} moves"),
+        None => format!("{done} of {moves} moves done, not complete"),
     };
-    line("job", &format!("{done} of {moves} moves done{end}"))?;
+    line("job", &job)?;
     let (rows, missing) = (summary.recorded.rows, summary.missing);
     let every = match summary.every {
         1 => "one every tick".into(),

@@ -48,16 +48,26 @@ fn a_board_that_is_switched_off_is_given_up() {
     assert!(streaming.out.join("machine.svg").exists());
 }
 
+#[test]
+fn a_board_that_does_not_answer_is_given_up() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        let _open: Vec<_> = listener.incoming().collect();
+    });
+    let folder = scene("thesis", &[]);
+    let output = stream(&folder, &address, &["--patience", "0.5"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("the board does not answer"), "{message}");
+    assert!(message.contains("nothing was heard for"), "{message}");
+    assert!(text(&output.stdout).contains("did not answer"));
+}
+
 /// A client that dies leaves the machine to itself: it stops on its path, and can be talked to.
 #[test]
 fn a_machine_without_a_host_stops() {
-    let folder = scene(
-        "thesis",
-        &[
-            ("duration_s = 1.0", "duration_s = 600.0"),
-            ("name = \"thesis\"\n", "name = \"thesis\"\n"),
-        ],
-    );
+    let folder = scene("thesis", &[("duration_s = 1.0", "duration_s = 600.0")]);
     let file = folder.path().join("scene.toml");
     let text_of = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, text_of.replace("timeout_s = 600", "timeout_s = 0.5")).unwrap();

@@ -6,8 +6,15 @@ use crate::common::{Device, run, scene, stream, text, ticks};
 /// the same core.
 #[test]
 fn telemetry_is_the_ticks_of_the_run() {
-    for (name, moves) in [("thesis", 1), ("vertical", 5), ("engraving", 22)] {
-        let folder = scene(name, &[]);
+    let fixed: &[_] = &[("number = \"f64\"", "number = \"fixed\"")];
+    let cases = [
+        ("thesis", 1, &[] as &[_]),
+        ("thesis", 1, fixed),
+        ("vertical", 5, &[]),
+        ("engraving", 22, &[]),
+    ];
+    for (name, moves, edits) in cases {
+        let folder = scene(name, edits);
         let device = Device::start(&folder, &["--speed", "5"]);
         let output = stream(&folder, &device.address, &[]);
         assert!(output.status.success(), "{}", text(&output.stderr));
