@@ -1,103 +1,165 @@
-//! Checks that a job can be driven: every pose within reach and away from singularity, from the
-//! start to the end of every move.
+//! Checks that a job can be driven: every pose within reach and away from singularity, and every
+//! move admitted as the service would admit it, in `f64`.
 
+use crate::Scene;
 use crate::job::{Move, PlacedJob};
 use crate::player::segment;
 use crate::read::Document;
 use nalgebra::Vector2;
+use trirrr_core::admission::{Admission, Verdict};
 use trirrr_core::inverse::Position;
-use trirrr_core::limits::LimitParameters as Limits;
-use trirrr_core::machine::{Geometry, Leg, Parameters};
+use trirrr_core::limits::{self, LimitParameters};
+use trirrr_core::machine::{BuildError, Geometry, Leg, Parameters};
+use trirrr_core::message::{self, Bounded, Violation};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::singularity::{Distances, det_a};
+use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
+use trirrr_core::torque::links::{InPlane, Massive};
+use trirrr_core::torque::payload::Offset;
 
-/// Fewest intervals that a move is divided into, however short it is.
-const FEWEST_INTERVALS: u32 = 200;
-
-/// Most intervals. The path depends on the fraction of the move that has passed and not on the
-/// number of ticks; beyond this, a slow move would only cost time.
-const MOST_INTERVALS: u32 = 1 << 20;
+/// Admission with room for whatever a scene may hold.
+type AnyAdmission = Admission<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
 
 /// What a pose is measured with.
 struct Workspace<'p> {
     parameters: &'p Parameters,
-    limits: &'p Limits,
+    limits: &'p LimitParameters,
     geometry: Geometry<f64>,
     distances: Distances<f64>,
+    admission: AnyAdmission,
+    period_s: f64,
 }
 
-/// Refuses every pose and every move of `placed` that `parameters` and `limits` do not allow.
-/// A pose is reported once, where the file gives it; a move only for what happens between its
+/// Refuses every pose and every move of `placed` that the machine and the limits of `scene` do not
+/// allow. A pose is reported once, where the file gives it; a move only for what happens between its
 /// poses.
+///
+/// # Errors
+/// Why nothing could be looked at.
 pub(crate) fn check_job(
     document: &Document,
-    parameters: &Parameters,
-    limits: &Limits,
+    scene: &Scene,
     placed: &PlacedJob,
-    period_s: f64,
     geometry: Geometry<f64>,
-) {
-    let workspace = Workspace {
+) -> Result<(), BuildError> {
+    let (parameters, limits) = (&scene.parameters, &scene.limits);
+    let period_s = scene.period_s();
+    let mut workspace = Workspace {
         parameters,
         limits,
         geometry,
         distances: Distances::build(parameters),
+        admission: AnyAdmission::build(
+            parameters,
+            limits::Limits::build(limits)?,
+            scene.ramp_ticks(),
+            period_s,
+        )?,
+        period_s,
     };
-    let mut from = workspace.det_a(&placed.job.start);
+    let mut from = workspace.check(&placed.job.start);
     if let Err(reason) = &from {
         document.refuse(&placed.start, reason);
     }
     for (each, place) in placed.job.moves.iter().zip(&placed.moves) {
-        let to = workspace.det_a(&each.to);
+        let to = workspace.check(&each.to);
         if let Err(reason) = &to {
             document.refuse(&place.to, reason);
         }
-        if let (Ok(_), Ok(_)) = (&from, &to)
-            && let Err(reason) = workspace.check_between(each, period_s)
+        if let (Ok(()), Ok(())) = (&from, &to)
+            && let Err(reason) = workspace.check_between(each)
         {
             document.refuse(&place.whole, reason);
         }
         from = to;
     }
+    Ok(())
+}
+
+/// The move as a host would offer it.
+fn offered(each: &Move) -> message::Move<f64> {
+    message::Move {
+        number: 0,
+        from: each.from,
+        to: each.to,
+        start_velocity: each.start_velocity.into(),
+        end_velocity: each.end_velocity.into(),
+        ticks: each.duration_ticks,
+        tool_power: 0.0,
+        tool_speed: 0.0,
+    }
 }
 
 impl Workspace<'_> {
-    /// Follows a move whose ends are allowed. Intervals are whole fractions of a tick, so every
-    /// tick is among the instants looked at unless there are more than [`MOST_INTERVALS`].
-    fn check_between(&self, each: &Move, period_s: f64) -> Result<(), String> {
-        let ticks = each.duration_ticks;
-        let duration_s = f64::from(ticks) * period_s;
-        let intervals = match ticks {
-            0..FEWEST_INTERVALS => ticks * FEWEST_INTERVALS.div_ceil(ticks),
-            _ => ticks.min(MOST_INTERVALS),
-        };
-        let interval_s = duration_s / f64::from(intervals);
-        let segment = segment::<f64>(each, intervals, interval_s);
-        let mut before: Option<f64> = None;
-        for interval in 0..=intervals {
-            let pose = segment.at(interval).pose;
-            let time_s = f64::from(interval) * interval_s;
-            let now = self
-                .det_a(&pose)
-                .map_err(|reason| format!("{}: {reason}", instant(time_s, &pose)))?;
-            if before.is_some_and(|before| before.is_sign_positive() != now.is_sign_positive()) {
-                return Err(format!(
-                    "{}: crosses a parallel singularity, det A changes its sign",
-                    instant(time_s - interval_s, &pose)
-                ));
+    /// Judges a move whose ends are allowed, as the service would when it is offered.
+    fn check_between(&mut self, each: &Move) -> Result<(), String> {
+        self.admission.offer(&offered(each));
+        let violation = loop {
+            match self.admission.step() {
+                Verdict::Undecided => {}
+                Verdict::Refused(violation) => break violation,
+                Verdict::Admitted | Verdict::Nothing => return Ok(()),
             }
-            before = Some(now);
+        };
+        let (period_s, ticks) = (self.period_s, each.duration_ticks);
+        let time_s = violation.at * f64::from(ticks) * period_s;
+        let pose = segment::<f64>(each, ticks, period_s)
+            .at_fraction(violation.at)
+            .pose;
+        let mut reason = format!(
+            "{}: {}",
+            instant(time_s, &pose),
+            self.broken(&violation, &pose)
+        );
+        if let Some(shortest) = violation.shortest {
+            let shortest_s = short(f64::from(shortest) * period_s);
+            reason += &format!("; {shortest} ticks ({shortest_s} s) would be long enough");
         }
-        Ok(())
+        Err(reason)
     }
 
-    /// det A at an allowed pose.
+    /// What a move breaks at `pose`.
+    fn broken(&self, violation: &Violation<f64>, pose: &Pose<f64>) -> String {
+        let index = usize::from(violation.index.unwrap_or(0));
+        let (value, limit) = (short(violation.value), short(violation.limit));
+        let (name, unit) = match violation.what {
+            Bounded::Reach => {
+                return format!(
+                    "unreachable: leg {} would span {value} m, its bound is {limit} m",
+                    index + 1
+                );
+            }
+            Bounded::SerialDistance => return self.serial(index, violation.value, pose),
+            Bounded::ParallelDistance if violation.limit == 0.0 => {
+                return "crosses a parallel singularity, det A changes its sign".into();
+            }
+            Bounded::ParallelDistance => {
+                return format!(
+                    "parallel singularity: distance {value}, the least allowed is {limit}"
+                );
+            }
+            Bounded::Range => return "a result beyond the range of the number type".into(),
+            Bounded::Rate => ("rate", "rad/s"),
+            Bounded::Acceleration => ("acceleration", "rad/s^2"),
+            Bounded::Torque => ("torque", "N m"),
+            Bounded::Power => ("power", "W"),
+        };
+        let during = match violation.ramp {
+            true => " in a hold or a resume there",
+            false => "",
+        };
+        format!(
+            "{name} of motor {} would be {value} {unit}{during}, the most allowed is {limit} {unit}",
+            index + 1
+        )
+    }
+
+    /// Whether a pose is allowed.
     ///
     /// # Errors
-    /// Why the pose is not allowed.
-    fn det_a(&self, pose: &Pose<f64>) -> Result<f64, String> {
+    /// Why it is not.
+    fn check(&self, pose: &Pose<f64>) -> Result<(), String> {
         let position = self
             .geometry
             .position(pose)
@@ -105,13 +167,13 @@ impl Workspace<'_> {
                 Status::Unreachable { leg } => self.unreachable(leg, pose),
                 other => other.to_string(),
             })?;
-        self.check_serial(&position)?;
+        self.check_serial(&position, pose)?;
         let (distance, least) = (
             self.distances.parallel(&position),
             self.limits.parallel_distance_min,
         );
-        let det_a = det_a(&position);
-        let allowed = distance >= least && det_a.abs() > 0.0;
+        // Written so that a value that is not a number is refused.
+        let allowed = distance >= least && distance > 0.0;
         if !allowed {
             return Err(format!(
                 "parallel singularity: distance {}, the least allowed is {}",
@@ -119,29 +181,34 @@ impl Workspace<'_> {
                 short(least)
             ));
         }
-        Ok(det_a)
+        Ok(())
     }
 
-    fn check_serial(&self, position: &Position<f64>) -> Result<(), String> {
+    fn check_serial(&self, position: &Position<f64>, pose: &Pose<f64>) -> Result<(), String> {
         let least = self.limits.serial_distance_min;
-        let distances = self.distances.serial(position);
-        for (leg, (distance, solved)) in distances.into_iter().zip(&position.legs).enumerate() {
+        for (leg, distance) in self.distances.serial(position).into_iter().enumerate() {
             // Written so that a value that is not a number is refused.
             let allowed = distance >= least;
             if !allowed {
-                let shape = match solved.links.r1.dot(&solved.links.r2) >= 0.0 {
-                    true => "stretched",
-                    false => "folded",
-                };
-                return Err(format!(
-                    "serial singularity: leg {} is {shape}, distance {}, the least allowed is {}",
-                    leg + 1,
-                    short(distance),
-                    short(least)
-                ));
+                return Err(self.serial(leg, distance, pose));
             }
         }
         Ok(())
+    }
+
+    /// That `leg` is too near to its singularity at `pose`.
+    fn serial(&self, leg: usize, distance: f64, pose: &Pose<f64>) -> String {
+        let links = self.geometry.position(pose).map(|at| at.legs[leg].links);
+        let shape = match links {
+            Ok(links) if links.r1.dot(&links.r2) < 0.0 => "folded",
+            _ => "stretched",
+        };
+        format!(
+            "serial singularity: leg {} is {shape}, distance {}, the least allowed is {}",
+            leg + 1,
+            short(distance),
+            short(self.limits.serial_distance_min)
+        )
     }
 
     /// Which leg is out of reach, and by how much.

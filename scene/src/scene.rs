@@ -185,12 +185,7 @@ fn check_machine(document: &Document, scene: &Scene, placed: &PlacedJob, legs: &
         let reason = "the three platform joints fall together: nothing holds the platform's angle";
         return document.refuse(legs, reason);
     }
-    check_job(
-        document,
-        &scene.parameters,
-        &scene.limits,
-        placed,
-        scene.period_s(),
-        geometry,
-    );
+    if let Err(error) = check_job(document, scene, placed, geometry) {
+        document.refuse(legs, error.to_string());
+    }
 }

@@ -44,7 +44,7 @@ proptest! {
         let geometry = Geometry::<f64>::build(&thesis.parameters).unwrap();
         let distances = Distances::<f64>::build(&thesis.parameters);
         let limits = thesis.limits;
-        // Independent of the scene's own sampling: twice as dense as it, on the general cubic.
+        // Independent of the scene's own check: samples, on the general cubic.
         let [start, middle, end] = poses.map(|[x, y, alpha]| Pose::<f64>::from_f64(x, y, alpha));
         let (rest, velocity_between) = ([0.0; 3].into(), velocity.into());
         let (ticks, period) = (400, 0.5 / 400.0);
@@ -71,15 +71,15 @@ proptest! {
 
         match Scene::parse(&with_job(poses, velocity), "random.toml") {
             Ok(scene) => {
-                // Between the scene's own samples a limit can be missed by a little.
-                prop_assert!(worst > -0.01 && !crosses, "accepted, but {worst} {crosses}");
+                prop_assert!(worst >= 0.0 && !crosses, "accepted, but {worst} {crosses}");
                 let tick = Tick::<f64>::build(&scene.parameters).unwrap();
                 for setpoint in JobPlayer::<f64>::new(&scene.job, scene.period_s()).setpoints() {
                     let motion = tick.evaluate(&setpoint);
                     prop_assert!(motion.is_ok(), "{setpoint:?}: {motion:?}");
                 }
             }
-            Err(error) => prop_assert!(worst < 0.0 || crosses, "{worst} {crosses}, but {error}"),
+            // Between the samples here a limit can be missed by a little.
+            Err(error) => prop_assert!(worst < 0.001 || crosses, "{worst} {crosses}, but {error}"),
         }
     }
 }

@@ -160,3 +160,37 @@ fn a_move_of_a_year_is_checked_in_moderate_time() {
     );
     assert!(problems(&text)[0].reason.contains("parallel singularity"));
 }
+
+/// What the service would refuse when the move is offered is refused when the scene is read.
+#[test]
+fn moves_beyond_a_motors_limit() {
+    let limited = |limits: &str| {
+        let text = edit(
+            THESIS,
+            "[platform]",
+            1,
+            &format!("[limits]\n{limits}\n[platform]"),
+        );
+        let found = problems(&text);
+        let [only] = found.as_slice() else {
+            panic!("{found:#?}")
+        };
+        assert_eq!(only.key, "job.move[1]");
+        only.reason.clone()
+    };
+    // 0.0125 N m at the start of the move, by the reference data; the hold's ramp adds nothing there.
+    let reason = limited("torque_nm = [0.01, 1, 1]");
+    let start = "at t = 0 s of the move, x = 0.21 m, y = 0.22 m, alpha = 0.1571 rad: \
+                 torque of motor 1 would be 0.01253 N m, the most allowed is 0.01 N m; ";
+    assert!(reason.starts_with(start), "{reason}");
+    assert!(reason.contains("s) would be long enough"), "{reason}");
+    let reason = limited("rate_rad_s = 0.3");
+    assert!(reason.contains("rate of motor "), "{reason}");
+    assert!(
+        reason.contains(" rad/s, the most allowed is 0.3 rad/s; "),
+        "{reason}"
+    );
+    // In the middle of the move there is hardly any acceleration but that of a hold.
+    let reason = limited("acceleration_rad_s2 = [1000, 3, 1000]");
+    assert!(reason.contains("in a hold or a resume there"), "{reason}");
+}

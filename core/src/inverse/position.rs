@@ -102,8 +102,9 @@ impl<N: Number> Geometry<N> {
         let solve = |index: usize| {
             let leg = self.legs[index].position(index, pose.position, &rotation)?;
             // The tick itself checks its results instead, once, at its end.
-            let sum = leg.links.r1.x + leg.links.r1.y + leg.links.r2.x + leg.links.r2.y;
-            if sum.is_finite() {
+            // Each by itself: in fixed point the sum of what is in range need not be.
+            let (r1, r2) = (leg.links.r1, leg.links.r2);
+            if [r1.x, r1.y, r2.x, r2.y].into_iter().all(N::is_finite) {
                 Ok(leg)
             } else {
                 Err(Status::OutOfRange)

@@ -171,11 +171,13 @@ fn with<N: Number, P: Payload<N>, L: Links<N>>(
         let setpoint = segment.at_fraction(N::ratio(sample, density.samples));
         let mut at = Extremes::NONE;
         let mut evaluate = |u: f64, slope: f64| {
-            let (u, slope) = (N::from_f64(u), N::from_f64(slope));
+            // A factor: in the units of fixed point a ramp is steeper than what they hold.
+            let (u, slope) = (N::from_f64(u), N::factor_from_f64(slope));
             let scaled = Setpoint {
                 pose: setpoint.pose,
                 velocity: setpoint.velocity * u,
-                acceleration: setpoint.acceleration * (u * u) + setpoint.velocity * slope,
+                acceleration: setpoint.acceleration * (u * u)
+                    + setpoint.velocity.map(|v| v.scaled(slope)),
             };
             let Ok(motion) = tick.evaluate(&scaled) else {
                 at.possible = false;

@@ -6,6 +6,7 @@ mod first;
 mod input;
 mod judge;
 mod moves;
+mod scenes;
 mod shortest;
 mod singular;
 mod study;

@@ -14,9 +14,10 @@ pub struct Factor {
 }
 
 impl Factor {
+    /// Shifted so far that whatever it is multiplied with is gone, and does not saturate before.
     const ZERO: Self = Self {
         significand: 0,
-        shift: 0,
+        shift: 63,
     };
 
     /// 1 / (`raw` 2^-29). Of zero, a factor that takes everything but zero out of range.

@@ -136,3 +136,13 @@ fn factors() {
         assert!((Factor::of_count(n).to_f64() / f64::from(n) - 1.0).abs() < 1e-9);
     }
 }
+
+/// Zero is a factor like any other.
+#[test]
+fn nothing_times_anything_is_nothing() {
+    let zero = Fixed::factor_from_f64(0.0);
+    for value in [Fixed::ONE, -Fixed::ONE, Fixed::HALF, Fixed(1), Fixed(-1)] {
+        assert_eq!(value.scaled(zero), Fixed::ZERO);
+    }
+    assert_eq!(Fixed::ratio(0, 2000), Fixed::ZERO);
+}
