@@ -17,10 +17,12 @@ use super::tally::Tally;
 const BOUND: f64 = 1e12;
 /// Steps allowed, accepted or not, where nothing else is chosen: a minute or so.
 const BUDGET: u64 = 50_000_000;
-/// So many events in a row, each within [`CHATTER_GAP_S`] of the last, are chatter. Not more: events
+/// So many events in a row, each within the gap of the last, are chatter. Not more: events
 /// that come ever faster must not pass the resolution of time before they are so many.
 const CHATTER: u32 = 32;
 const CHATTER_GAP_S: f64 = 1e-9;
+/// With a fixed step, events this part of it apart are chatter too: it is the method that makes them.
+const CHATTER_GAP_STEP: f64 = 0.02;
 
 /// How a stretch of time ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +64,7 @@ struct Clock<const N: usize> {
     origin: Option<(f64, [f64; N])>,
     /// Events in a row without progress, the last one's time and the first one's.
     chatter: (u32, f64, f64),
+    chatter_gap_s: f64,
 }
 
 impl<const N: usize> Integrator<N> {
@@ -105,6 +108,8 @@ impl<const N: usize> Integrator<N> {
                 bounds: scales.map(|scale| BOUND * scale),
                 origin: None,
                 chatter: (0, f64::NEG_INFINITY, f64::NEG_INFINITY),
+                chatter_gap_s: CHATTER_GAP_STEP
+                    .mul_add(method.step_s().unwrap_or(0.0), CHATTER_GAP_S),
             },
         })
     }
@@ -364,7 +369,13 @@ impl<const N: usize> Clock<N> {
         let mut result = Action::Continue;
         for crossing in self.watch.occurred(t) {
             self.tally.events += 1;
-            count_chatter(&mut self.chatter, system, crossing.event, t)?;
+            count_chatter(
+                &mut self.chatter,
+                self.chatter_gap_s,
+                system,
+                crossing.event,
+                t,
+            )?;
             let action = system
                 .at_event(crossing.event, t, &mut self.dense.y1)
                 .map_err(|cause| Failure::Refused { t, cause })?;
@@ -382,11 +393,12 @@ impl<const N: usize> Clock<N> {
 /// Counts the events in a row that follow one another without progress, and refuses too many.
 fn count_chatter<const N: usize, S: System<N>>(
     (row, last, first): &mut (u32, f64, f64),
+    gap_s: f64,
     system: &S,
     event: usize,
     t: f64,
 ) -> Result<(), Failure<S::Refusal>> {
-    if t - *last <= CHATTER_GAP_S {
+    if t - *last <= gap_s {
         *row += 1;
     } else {
         *row = 1;

@@ -26,6 +26,9 @@ const FEED_FORWARD: &str = "feed_forward = false";
 const FED: &str = "feed_forward = true";
 const ROTOR: &str = "rotor_inertia_kgm2 = 1e-5";
 const CONTROLLER: &str = "[plant.controller]";
+/// Allows moves close to singularities.
+const NEAR: &str =
+    "[limits]\nparallel_distance_min = 1e-4\nserial_distance_min = 1e-4\n\n[plant.controller]";
 const MASS: &str = "mass_kg = 0.5\ninertia_kgm2 = 0.0025000000000000005";
 
 /// All cases.
@@ -95,7 +98,7 @@ pub const CASES: [Case; 10] = [
     Case {
         name: "parallel",
         what: "to 1e-3 rad from a parallel singularity and back, feed-forward on",
-        changes: &[(FEED_FORWARD, FED)],
+        changes: &[(FEED_FORWARD, FED), (CONTROLLER, NEAR)],
         job: Some(
             "start = { x_m = 0.245, y_m = 0.25, alpha_rad = -0.45 }\n\n\
              [[job.move]]\n\
@@ -109,7 +112,7 @@ pub const CASES: [Case; 10] = [
     Case {
         name: "stretched",
         what: "leg 3 to 0.1 mm from its full length and back",
-        changes: &[],
+        changes: &[(CONTROLLER, NEAR)],
         job: Some(
             "start = { x_m = 0.25, y_m = 0.3, alpha_rad = 0.0 }\n\n\
              [[job.move]]\n\

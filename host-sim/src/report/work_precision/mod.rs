@@ -19,7 +19,7 @@ pub use trial::Trial;
 use trirrr_scene::{Method, Scene};
 
 /// Tolerance of the truth.
-pub const TRUTH: f64 = 1e-13;
+pub const TRUTH: f64 = 1e-12;
 /// Fixed steps, s.
 const STEPS_S: [f64; 11] = [
     1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6,
