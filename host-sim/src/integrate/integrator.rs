@@ -17,12 +17,11 @@ use super::tally::Tally;
 const BOUND: f64 = 1e12;
 /// Steps allowed, accepted or not, where nothing else is chosen: a minute or so.
 const BUDGET: u64 = 50_000_000;
-/// So many events in a row, each within the gap of the last, are chatter. Not more: events
-/// that come ever faster must not pass the resolution of time before they are so many.
+/// So many events within a window are chatter. Not more: events that come ever faster must not pass
+/// the resolution of time before they are so many.
 const CHATTER: u32 = 32;
-const CHATTER_GAP_S: f64 = 1e-9;
-/// With a fixed step, events this part of it apart are chatter too: it is the method that makes them.
-const CHATTER_GAP_STEP: f64 = 0.02;
+/// The window in s; with a longer fixed step, that step: it is then the method that makes them.
+const CHATTER_WINDOW_S: f64 = 32e-9;
 
 /// How a stretch of time ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,9 +61,8 @@ struct Clock<const N: usize> {
     bounds: [f64; N],
     /// Where the first step started: the linearisation there explains a failure.
     origin: Option<(f64, [f64; N])>,
-    /// Events in a row without progress, the last one's time and the first one's.
+    /// Events in the present window, when it began, and its length in s.
     chatter: (u32, f64, f64),
-    chatter_gap_s: f64,
 }
 
 impl<const N: usize> Integrator<N> {
@@ -107,9 +105,11 @@ impl<const N: usize> Integrator<N> {
                 budget: BUDGET,
                 bounds: scales.map(|scale| BOUND * scale),
                 origin: None,
-                chatter: (0, f64::NEG_INFINITY, f64::NEG_INFINITY),
-                chatter_gap_s: CHATTER_GAP_STEP
-                    .mul_add(method.step_s().unwrap_or(0.0), CHATTER_GAP_S),
+                chatter: (
+                    0,
+                    f64::NEG_INFINITY,
+                    CHATTER_WINDOW_S.max(method.step_s().unwrap_or(0.0)),
+                ),
             },
         })
     }
@@ -369,13 +369,7 @@ impl<const N: usize> Clock<N> {
         let mut result = Action::Continue;
         for crossing in self.watch.occurred(t) {
             self.tally.events += 1;
-            count_chatter(
-                &mut self.chatter,
-                self.chatter_gap_s,
-                system,
-                crossing.event,
-                t,
-            )?;
+            count_chatter(&mut self.chatter, system, crossing.event, t)?;
             let action = system
                 .at_event(crossing.event, t, &mut self.dense.y1)
                 .map_err(|cause| Failure::Refused { t, cause })?;
@@ -390,28 +384,24 @@ impl<const N: usize> Clock<N> {
     }
 }
 
-/// Counts the events in a row that follow one another without progress, and refuses too many.
+/// Counts the events that follow one another without progress, and refuses too many.
 fn count_chatter<const N: usize, S: System<N>>(
-    (row, last, first): &mut (u32, f64, f64),
-    gap_s: f64,
+    (count, began, window_s): &mut (u32, f64, f64),
     system: &S,
     event: usize,
     t: f64,
 ) -> Result<(), Failure<S::Refusal>> {
-    if t - *last <= gap_s {
-        *row += 1;
-    } else {
-        *row = 1;
-        *first = t;
+    if t - *began > *window_s {
+        (*count, *began) = (0, t);
     }
-    *last = t;
-    if *row < CHATTER {
+    *count += 1;
+    if *count < CHATTER {
         return Ok(());
     }
     Err(Failure::Chatter {
         t,
         name: system.event_name(event),
-        events: *row,
-        within_s: t - *first,
+        events: *count,
+        within_s: t - *began,
     })
 }

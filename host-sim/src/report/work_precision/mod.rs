@@ -183,7 +183,7 @@ impl Tried {
     /// The first trial from the coarsest one on that follows the motion, all finer ones doing so
     /// too.
     fn follows(&self) -> Option<usize> {
-        let lost = |(_, _, error): &(f64, Trial, f64)| !(*error < FOLLOWED);
+        let lost = |(_, _, error): &(f64, Trial, f64)| *error >= FOLLOWED || error.is_nan();
         let first = self
             .trials
             .iter()
