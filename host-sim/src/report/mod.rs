@@ -32,7 +32,7 @@ pub enum Section {
 
 impl Section {
     /// All of them, in order.
-    pub const ALL: [Self; 2] = [Self::Numbers, Self::Extremes];
+    pub const ALL: [Self; 3] = [Self::Numbers, Self::Extremes, Self::WorkPrecision];
 
     fn write(self, page: &mut Page<'_>) -> Result<(), Failure> {
         match self {
