@@ -31,8 +31,11 @@ where
         if let Some((last, refusal)) = &self.last
             && last.sequence == request.sequence
         {
-            // What is not a number differs from itself.
-            let same = last.command == request.command || *refusal == Some(Refusal::NotFinite);
+            // A command that holds what is not a number differs from itself. It was refused, by
+            // whatever name.
+            #[allow(clippy::eq_op)]
+            let odd = last.command != last.command;
+            let same = last.command == request.command || odd && refusal.is_some();
             return match (same, refusal) {
                 (false, _) => Reply::Refused(Refusal::SequenceReused),
                 (true, Some(refusal)) => Reply::Refused(*refusal),
