@@ -5,12 +5,13 @@ What they mean, and in which units, stands there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from . import frames, postcard
-from .postcard import ANGLE, BOOL, BYTE, F32, F64, N, U16, U32, U64
-from .postcard import Enum, Numbers, Optional, Struct, Tuple, array
+from .postcard import ANGLE, BOOL, BYTE, F32, F64, I32, I64, N, U16, U32, U64
+from .postcard import Enum, Numbers, Optional, Scaled, Struct, Tuple, array
 
 
 class Pose(NamedTuple):
@@ -336,6 +337,12 @@ Message = Enum(
 NUMBERS = {
     "f64": Numbers("f64", F64, F64),
     "f32": Numbers("f32", F32, F32),
+    "micromath": Numbers("micromath", Scaled("Coarse", F32), Scaled("Coarse", F32)),
+    "fixed": Numbers(
+        "fixed",
+        Scaled("Fixed", I32, 2.0**-29),
+        Scaled("Turns", I64, math.tau / 2**32),
+    ),
 }
 
 

@@ -156,6 +156,28 @@ class Float(Type):
         yield self._tag
 
 
+class Scaled(Type):
+    """A number of its own type, in units of ``unit``; 1 for one that is only called differently."""
+
+    def __init__(self, name: str, inner: Type, unit: float = 1.0) -> None:
+        self.name = name
+        self._inner = inner
+        self._unit = unit
+
+    def write(self, out, value, numbers):
+        if isinstance(self._inner, Varint):
+            self._inner.write(out, round(value / self._unit), numbers)
+        else:
+            self._inner.write(out, value, numbers)
+
+    def read(self, reader, numbers):
+        return self._inner.read(reader, numbers) * self._unit
+
+    def shape(self, numbers):
+        yield b"\x9d"
+        yield from self._inner.shape(numbers)
+
+
 class _OfMachine(Type):
     """The machine's number or angle."""
 
@@ -179,6 +201,7 @@ U16 = Varint("u16", 16, False, b"\x83")
 U32 = Varint("u32", 32, False, b"\xd3")
 U64 = Varint("u64", 64, False, b"\x13")
 I32 = Varint("i32", 32, True, b"\x0d")
+I64 = Varint("i64", 64, True, b"\x0b")
 F32 = Float("f32", "<f", b"\xef")
 F64 = Float("f64", "<d", b"\x71")
 N = _OfMachine("N", lambda numbers: numbers.number)

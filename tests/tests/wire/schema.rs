@@ -4,7 +4,8 @@ use super::document;
 use postcard_schema::Schema;
 use postcard_schema::schema::{DataModelType, DataModelVariant, NamedType, NamedValue};
 use std::collections::BTreeMap;
-use trirrr_core::message::{Message, Request};
+use trirrr_core::message::{Message, Request, Transmit};
+use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::wire::schema::key;
 
 /// Types whose parts are given in a table of their own, with the numbers.
@@ -119,18 +120,18 @@ fn the_keys_are_those_of_the_types() {
     let row = |machine: &str, number: &str, angle: &str, key: u64| {
         format!("| {machine} | {number} | {angle} | 0x{key:016X} |\n")
     };
+    fn of<N: Transmit>() -> u64 {
+        key::<Request<N>, Message<N>>()
+    }
     let expected = [
+        row("f64", "f64", "f64, rad", of::<f64>()),
+        row("f32", "f32", "f32, rad", of::<f32>()),
+        row("micromath", "f32", "f32, rad", of::<Coarse>()),
         row(
-            "f64",
-            "f64",
-            "f64, rad",
-            key::<Request<f64>, Message<f64>>(),
-        ),
-        row(
-            "f32",
-            "f32",
-            "f32, rad",
-            key::<Request<f32>, Message<f32>>(),
+            "fixed",
+            "i32, in 2^-29",
+            "i64, in 2^-32 of a turn",
+            of::<Fixed>(),
         ),
     ];
     let head = "| machine | N | Angle | schema key |\n|---|---|---|---|\n";
