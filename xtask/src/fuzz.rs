@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Targets; all without
     targets: Vec<String>,
     /// Inputs to try for each target
-    #[arg(long, default_value_t = 50_000)]
+    #[arg(long, default_value_t = 10_000)]
     runs: u64,
     /// Fuzz for so many seconds in place of a number of inputs
     #[arg(long)]
