@@ -2,8 +2,7 @@
 //! of steps or tolerances.
 //!
 //! The truth of a case is a solve by Radau IIA at the tolerance [`TRUTH`]. What that is worth is
-//! measured here by a second one at a tenfold tolerance, and the tests compare it with the
-//! reference file and with the stiff solvers of another crate.
+//! measured here by a second one at a tenfold tolerance.
 
 pub mod cases;
 mod trial;
