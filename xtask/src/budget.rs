@@ -82,6 +82,13 @@ fn compare<Row: Measured>(budget: &[Row], row: &Row) -> Vec<String> {
     complaints
 }
 
+/// The rows that are checked in as `name`.
+#[cfg(test)]
+pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> {
+    let budget: Budget<Row> = serde_json::from_str(&fs::read_to_string(file(name))?)?;
+    Ok(budget.rows)
+}
+
 /// Checks `measured` in as `name`. Rows of what was not measured stay, unless `everything` was.
 pub(crate) fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
 where

@@ -332,6 +332,21 @@ mod tests {
         );
     }
 
+    /// What the report is about: a core or number type that nobody counts would be missing from it
+    /// without a word.
+    #[test]
+    fn both_thesis_scenes_are_checked_in_for_every_core_and_number_type() {
+        let rows: Vec<Row> = budget::checked_in("insns").expect("the file of figures");
+        for scene in ["thesis", "thesis-links"] {
+            for core in CORES {
+                for (scalar, _) in SCALARS {
+                    let key = format!("{} {scalar} {scene}", core.name);
+                    assert!(rows.iter().any(|row| row.key() == key), "{key}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn an_unknown_core_is_refused_with_the_known_ones() {
         let error = cores_named(&["m7".into()]).expect_err("not emulated here");
