@@ -1,7 +1,7 @@
 //! The kernels against independent oracles: integers of 128 bits where the exact value is a root
 //! or a quotient, the platform's f64 functions (within 2^-53, 2^-24 of a unit here) where it is
-//! transcendental. Dense lattices, every significand that the tables meet included; the sweeps
-//! over all 2^32 arguments are `#[ignore]`d and run by `cargo xtask ci` in release.
+//! transcendental. Dense lattices, every significand that the tables meet included; not a sweep of
+//! all 2^32 arguments.
 
 use super::*;
 use std::primitive::f64;
