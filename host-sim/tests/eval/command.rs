@@ -60,13 +60,20 @@ fn the_command_writes_where_it_is_told_and_never_over_its_cases() {
         to_stdout.stdout
     );
 
+    for scalar in ["f32", "fixed", "micromath"] {
+        let output = eval(&["cases.csv", "--scalar", scalar], path);
+        assert_eq!(output.status.code(), Some(0), "{scalar}");
+        let results = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(results.contains("\nstart,ok,"), "{scalar}: {results}");
+        assert_ne!(output.stdout, to_stdout.stdout, "{scalar} rounds as f64");
+    }
+
     let over = eval(&["cases.csv", "--out", "./cases.csv"], path);
     assert_eq!(over.status.code(), Some(2));
     assert_eq!(fs::read_to_string(path.join("cases.csv")).unwrap(), cases);
 
     for (arguments, code, message) in [
         (&["missing.csv"][..], 2, "missing.csv: cannot be read"),
-        (&["cases.csv", "--scalar", "fixed"], 2, "f64 or f32"),
         (&["cases.csv", "--scalar", "f16"], 2, "f16"),
         (
             &["cases.csv", "--out", "no/such/folder.csv"],
