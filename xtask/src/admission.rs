@@ -1,10 +1,10 @@
 //! `cargo xtask admission`: what it costs a board to judge a move, from QEMU.
 
-use crate::budget::{self, Measured};
+use crate::budget::{Measured, Options};
 use crate::cores::{self, Core};
 use crate::image::Image;
 use crate::qemu;
-use crate::repository::{self, SceneFile};
+use crate::repository::SceneFile;
 use crate::table::table;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -13,22 +13,6 @@ use trirrr_scene::Scene;
 /// The core that admission is counted on, and the number type.
 const CORE: &str = "m4f";
 const SCALAR: &str = "f32";
-
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Print one JSON array of flat objects in place of the table
-    #[arg(long)]
-    json: bool,
-    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
-    #[arg(long)]
-    scene: Vec<String>,
-    /// Fail where a figure moved by more than 2 % from xtask/budgets/admission.json
-    #[arg(long, conflicts_with = "bless")]
-    check: bool,
-    /// Write the figures to xtask/budgets/admission.json
-    #[arg(long)]
-    bless: bool,
-}
 
 /// Figures of one scene's moves, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,24 +52,14 @@ impl Measured for Row {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(options: &Options) -> Result<()> {
     let core = cores::named(CORE).context("a core of the table")?;
     let mut rows = Vec::new();
-    for file in repository::scenes_named(&arguments.scene)? {
+    for file in options.scenes()? {
         rows.extend(measure(&file, core)?);
     }
-    if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
-    } else {
-        print!("{}", text(&rows));
-    }
-    if arguments.check {
-        budget::check("admission", &rows)?;
-    }
-    if arguments.bless {
-        budget::bless("admission", rows, arguments.scene.is_empty())?;
-    }
-    Ok(())
+    options.print(&rows, text)?;
+    options.settle("admission", rows, true)
 }
 
 fn measure(file: &SceneFile, core: &Core) -> Result<[Row; 2]> {

@@ -1,6 +1,6 @@
 //! Measured figures, checked in: a figure that moves is seen in the change that moves it.
 
-use crate::repository::{compiler, root};
+use crate::repository::{self, SceneFile, compiler, root};
 use anyhow::{Context, Result, bail};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -9,6 +9,59 @@ use std::path::PathBuf;
 
 /// How far a figure may move before it has to be looked at.
 const TOLERANCE: f64 = 0.02;
+
+/// What every chore that measures scenes can be asked.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Print one JSON array of flat objects in place of the table
+    #[arg(long)]
+    json: bool,
+    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
+    #[arg(long)]
+    scene: Vec<String>,
+    /// Fail where a figure moved by more than 2 % from what is checked in in xtask/budgets
+    #[arg(long, conflicts_with = "bless")]
+    check: bool,
+    /// Write the figures to xtask/budgets
+    #[arg(long)]
+    bless: bool,
+}
+
+impl Options {
+    /// The scenes to measure.
+    pub(crate) fn scenes(&self) -> Result<Vec<SceneFile>> {
+        repository::scenes_named(&self.scene)
+    }
+
+    /// Prints what was measured: as JSON, or as `text` lays it out.
+    pub(crate) fn print<Row: Serialize>(
+        &self,
+        rows: &[Row],
+        text: impl FnOnce(&[Row]) -> String,
+    ) -> Result<()> {
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(rows)?);
+        } else {
+            print!("{}", text(rows));
+        }
+        Ok(())
+    }
+
+    /// Compares `rows` with what is checked in as `name`, or checks them in, as asked.
+    /// `all_parts`: of each scene, everything was measured.
+    pub(crate) fn settle<Row>(&self, name: &str, rows: Vec<Row>, all_parts: bool) -> Result<()>
+    where
+        Row: Measured + Serialize + DeserializeOwned,
+    {
+        if self.check {
+            check(name, &rows)?;
+        }
+        if self.bless {
+            bless(name, rows, all_parts && self.scene.is_empty())?;
+        }
+        Ok(())
+    }
+}
 
 /// A row of figures that can be told from other rows.
 pub(crate) trait Measured {
@@ -35,7 +88,7 @@ fn file(name: &str) -> PathBuf {
 }
 
 /// Compares `measured` with what is checked in as `name`.
-pub(crate) fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
+fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
     let file = file(name);
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
     let budget: Budget<Row> =
@@ -90,7 +143,7 @@ pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> 
 }
 
 /// Checks `measured` in as `name`. Rows of what was not measured stay, unless `everything` was.
-pub(crate) fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
+fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
 where
     Row: Measured + Serialize + DeserializeOwned,
 {

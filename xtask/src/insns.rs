@@ -6,10 +6,10 @@
 mod counts;
 mod service;
 
-use crate::budget::{self, Measured};
+use crate::budget::{Measured, Options};
 use crate::cores::{self, CORES, Core};
 use crate::image::Image;
-use crate::repository::{self, SceneFile};
+use crate::repository::SceneFile;
 use crate::table::table;
 use crate::{qemu, reference};
 use anyhow::{Context, Result, bail, ensure};
@@ -35,21 +35,11 @@ const SERVICE_SCALAR: &str = "f32";
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Print one JSON array of flat objects in place of the table
-    #[arg(long)]
-    json: bool,
-    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
-    #[arg(long)]
-    scene: Vec<String>,
+    #[command(flatten)]
+    options: Options,
     /// m4f, m3, m0 or rv32imc; repeat for more; without it, all of them
     #[arg(long)]
     core: Vec<String>,
-    /// Fail where a figure moved by more than 2 % from xtask/budgets/insns.json
-    #[arg(long, conflicts_with = "bless")]
-    check: bool,
-    /// Write the figures to xtask/budgets/insns.json
-    #[arg(long)]
-    bless: bool,
 }
 
 /// Figures of one core, number type and scene, in instructions.
@@ -108,22 +98,11 @@ impl Measured for Row {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let everything = arguments.scene.is_empty() && arguments.core.is_empty();
-    let scenes = repository::scenes_named(&arguments.scene)?;
-    let rows = measure(&scenes, &cores_named(&arguments.core)?)?;
-    if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
-    } else {
-        print!("{}", text(&rows));
-    }
+    let options = &arguments.options;
+    let rows = measure(&options.scenes()?, &cores_named(&arguments.core)?)?;
+    options.print(&rows, text)?;
     hold_ceilings(&rows)?;
-    if arguments.check {
-        budget::check("insns", &rows)?;
-    }
-    if arguments.bless {
-        budget::bless("insns", rows, everything)?;
-    }
-    Ok(())
+    options.settle("insns", rows, arguments.core.is_empty())
 }
 
 fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
@@ -336,7 +315,7 @@ mod tests {
     /// without a word.
     #[test]
     fn both_thesis_scenes_are_checked_in_for_every_core_and_number_type() {
-        let rows: Vec<Row> = budget::checked_in("insns").expect("the file of figures");
+        let rows: Vec<Row> = crate::budget::checked_in("insns").expect("the file of figures");
         for scene in ["thesis", "thesis-links"] {
             for core in CORES {
                 for (scalar, _) in SCALARS {

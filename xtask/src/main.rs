@@ -29,9 +29,9 @@ enum Chore {
     /// Count the instructions of every tick of a scene's job, under QEMU
     Insns(insns::Arguments),
     /// Count the instructions of the admission of every move of a scene's job, under QEMU
-    Admission(admission::Arguments),
+    Admission(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
-    Size(size::Arguments),
+    Size(budget::Options),
     /// Play jobs on host-sim device with the Python client, compare its tables
     Client,
     /// Fuzz the decoder and the service's commands
@@ -43,8 +43,8 @@ enum Chore {
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
         Chore::Insns(arguments) => insns::run(&arguments),
-        Chore::Admission(arguments) => admission::run(&arguments),
-        Chore::Size(arguments) => size::run(&arguments),
+        Chore::Admission(options) => admission::run(&options),
+        Chore::Size(options) => size::run(&options),
         Chore::Client => client::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::Ci => ci::run(),

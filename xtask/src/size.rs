@@ -3,11 +3,11 @@
 //! The tick alone (image `core`) is its code and constants in flash and, in RAM, its coefficients,
 //! one setpoint and one outcome. That image does not link if a panic is left in the tick.
 
-use crate::budget::{self, Measured};
+use crate::budget::{Measured, Options};
 use crate::cores::CORES;
 use crate::elf::{Footprint, Memory, check_boot, footprint};
 use crate::image::Image;
-use crate::repository::{self, SceneFile};
+use crate::repository::SceneFile;
 use crate::table::table;
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -22,22 +22,6 @@ pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
     flash: (0x0800_0000, 1024 * 1024),
     ram: (0x2000_0000, 128 * 1024),
 };
-
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Print one JSON array of flat objects in place of the table
-    #[arg(long)]
-    json: bool,
-    /// A scene, by name or file; repeat for more; without it, every scene in scenes/
-    #[arg(long)]
-    scene: Vec<String>,
-    /// Fail where a figure moved by more than 2 % from xtask/budgets/size.json
-    #[arg(long, conflicts_with = "bless")]
-    check: bool,
-    /// Write the figures to xtask/budgets/size.json
-    #[arg(long)]
-    bless: bool,
-}
 
 /// One image's footprint, bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,27 +48,16 @@ impl Measured for Row {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let scenes = repository::scenes_named(&arguments.scene)?;
+pub(crate) fn run(options: &Options) -> Result<()> {
     let mut rows = Vec::new();
-    for scene in &scenes {
+    for scene in &options.scenes()? {
         // A scene that is refused is better refused here than from within a build script.
         Scene::read(&scene.path)?;
         rows.extend(measure(scene)?);
     }
-    if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
-    } else {
-        print!("{}", text(&rows));
-    }
+    options.print(&rows, text)?;
     hold_order(&rows)?;
-    if arguments.check {
-        budget::check("size", &rows)?;
-    }
-    if arguments.bless {
-        budget::bless("size", rows, arguments.scene.is_empty())?;
-    }
-    Ok(())
+    options.settle("size", rows, true)
 }
 
 fn measure(scene: &SceneFile) -> Result<Vec<Row>> {
