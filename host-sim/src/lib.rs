@@ -19,7 +19,6 @@ pub mod evaluator;
 pub mod failure;
 pub mod figures;
 pub mod histogram;
-pub mod integrate;
 pub mod job;
 pub mod link;
 pub mod linkage;

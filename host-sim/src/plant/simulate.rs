@@ -10,10 +10,10 @@ use super::stability;
 use super::statistics::Statistics;
 use super::table::Row;
 use super::watch::Ending;
-use crate::integrate::stability::Warning;
-use crate::integrate::{self, Integrator, Method, Spectrum, System, Tally};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use trirrr_integrate::stability::Warning;
+use trirrr_integrate::{self as integrate, Integrator, Method, Spectrum, System, Tally};
 use trirrr_scene::{self as scene, NumberType, Scene, Timing};
 
 /// How a run ended.

@@ -2,8 +2,8 @@
 
 use super::model::{Control, Plant};
 use super::refusal::Refusal;
-use crate::integrate::{Spectrum, System};
 use nalgebra::DMatrix;
+use trirrr_integrate::{Spectrum, System};
 
 /// Deviations that grow by more than this over a run are not a machine that is hard to control but
 /// one that is not controlled: e^60 takes a rounding error to the size of the machine and beyond.

@@ -6,8 +6,8 @@ use super::model::{Control, Plant};
 use super::motor::{Motor, wrapped};
 use super::refusal::Refusal;
 use super::watch::{Cause, Ending, Watch};
-use crate::integrate::{Action, Direction, System};
 use trirrr_core::drive::bldc::DriveLimit;
+use trirrr_integrate::{Action, Direction, System};
 
 impl<const N: usize> System<N> for Plant<N> {
     type Refusal = Refusal;

@@ -4,5 +4,6 @@ mod command;
 mod dynamics;
 mod ends;
 mod energy;
+mod methods;
 mod reference;
 mod scenes;

@@ -11,10 +11,10 @@ use super::page::Page;
 use super::table::{Table, two_digits};
 use crate::failure::Failure;
 use crate::figures::loglog::{LogLog, Point, Series, draw};
-use crate::integrate;
 use cases::{CASES, Case};
 use trial::FOLLOWED;
 pub use trial::Trial;
+use trirrr_integrate as integrate;
 use trirrr_scene::{Method, Scene};
 
 /// Tolerance of the truth.

@@ -1,7 +1,7 @@
 //! Every way that a run ends early has a name.
 
 use crate::problems::{Decay, Oscillator};
-use trirrr_host_sim::integrate::{Failure, Integrator, Method, Reason, System, Unfit};
+use trirrr_integrate::{Failure, Integrator, Method, Reason, System, Unfit};
 
 fn unfit(method: Method) -> Unfit {
     Integrator::new(&Oscillator, method)
@@ -221,8 +221,8 @@ impl System<1> for Relay {
     fn event_name(&self, _: usize) -> String {
         "relay".into()
     }
-    fn direction(&self, _: usize) -> Option<trirrr_host_sim::integrate::Direction> {
-        Some(trirrr_host_sim::integrate::Direction::Either)
+    fn direction(&self, _: usize) -> Option<trirrr_integrate::Direction> {
+        Some(trirrr_integrate::Direction::Either)
     }
     fn event_values(&self, _: f64, y: &[f64; 1], values: &mut [f64]) {
         values[0] = y[0];
@@ -232,9 +232,9 @@ impl System<1> for Relay {
         _: usize,
         _: f64,
         _: &mut [f64; 1],
-    ) -> Result<trirrr_host_sim::integrate::Action, String> {
+    ) -> Result<trirrr_integrate::Action, String> {
         self.sign = -self.sign;
-        Ok(trirrr_host_sim::integrate::Action::Switch)
+        Ok(trirrr_integrate::Action::Switch)
     }
 }
 

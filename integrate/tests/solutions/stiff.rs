@@ -1,7 +1,7 @@
 //! Stiff test problems with published reference values.
 
 use crate::problems::{Decay, Robertson, VanDerPol};
-use trirrr_host_sim::integrate::{Failure, Integrator, Method, System};
+use trirrr_integrate::{Failure, Integrator, Method, System};
 
 fn solve<const N: usize, S: System<N>>(
     mut system: S,

@@ -2,7 +2,7 @@
 
 /// Which polynomial continues a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interpolant {
+pub(crate) enum Interpolant {
     /// A straight line between the ends. No terms. Error of order h^2.
     Linear,
     /// Of the four stages of the classical method (terms 0 to 3), order 3.
@@ -14,21 +14,21 @@ pub(super) enum Interpolant {
 }
 
 /// Most terms that an interpolant has.
-pub(super) const TERMS: usize = 7;
+pub(crate) const TERMS: usize = 7;
 
 /// One step and the solution anywhere within it.
 #[derive(Clone, Debug)]
 pub struct Dense<const N: usize> {
-    pub(super) t0: f64,
-    pub(super) t1: f64,
-    pub(super) y0: [f64; N],
-    pub(super) y1: [f64; N],
-    pub(super) interpolant: Interpolant,
-    pub(super) terms: [[f64; N]; TERMS],
+    pub(crate) t0: f64,
+    pub(crate) t1: f64,
+    pub(crate) y0: [f64; N],
+    pub(crate) y1: [f64; N],
+    pub(crate) interpolant: Interpolant,
+    pub(crate) terms: [[f64; N]; TERMS],
 }
 
 impl<const N: usize> Dense<N> {
-    pub(super) fn new(interpolant: Interpolant) -> Self {
+    pub(crate) fn new(interpolant: Interpolant) -> Self {
         Self {
             t0: 0.0,
             t1: 0.0,
@@ -88,7 +88,7 @@ impl<const N: usize> Dense<N> {
                 self.sum(theta + bow * (2.0 * theta - 1.0), weights)
             }
             Interpolant::RadauIia => {
-                let [c1, c2, c3] = super::radau::NODES;
+                let [c1, c2, c3] = crate::radau::NODES;
                 // Lagrange polynomials over the nodes 0, c1, c2, c3.
                 let basis = |node: f64, other: f64, third: f64| {
                     theta * (theta - other) * (theta - third)

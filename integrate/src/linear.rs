@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use std::ops::{Div, Mul, Sub};
 
 /// What a matrix is made of.
-pub(super) trait Entry:
+pub(crate) trait Entry:
     Copy + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     const ONE: Self;
@@ -28,14 +28,14 @@ impl Entry for Complex<f64> {
 
 /// A matrix factored by Gaussian elimination with row pivoting; the diagonal is inverted.
 #[derive(Clone, Debug)]
-pub(super) struct Factors<T, const N: usize> {
+pub(crate) struct Factors<T, const N: usize> {
     entries: [[T; N]; N],
     rows: [usize; N],
 }
 
 impl<T: Entry, const N: usize> Factors<T, N> {
     /// Of the matrix with these entries; `None` where it is singular or not finite.
-    pub(super) fn of(mut entries: [[T; N]; N]) -> Option<Self> {
+    pub(crate) fn of(mut entries: [[T; N]; N]) -> Option<Self> {
         let mut rows: [usize; N] = std::array::from_fn(|i| i);
         for column in 0..N {
             let mut pivot = column;
@@ -65,7 +65,7 @@ impl<T: Entry, const N: usize> Factors<T, N> {
     }
 
     /// The solution for the right-hand side `b`.
-    pub(super) fn solve(&self, b: &[T; N]) -> [T; N] {
+    pub(crate) fn solve(&self, b: &[T; N]) -> [T; N] {
         let mut x: [T; N] = std::array::from_fn(|i| b[self.rows[i]]);
         for row in 1..N {
             for i in 0..row {

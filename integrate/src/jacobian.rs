@@ -1,6 +1,6 @@
 //! Jacobians by finite differences.
 
-use super::system::{Matrix, System};
+use crate::system::{Matrix, System};
 
 /// Cube root of the unit roundoff: a central difference with this relative step has errors of
 /// truncation and of rounding that are alike, about its square.

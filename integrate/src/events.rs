@@ -1,8 +1,8 @@
 //! Location of events: zero crossings of event functions along the dense output of a step.
 
-use super::dense::Dense;
-use super::stepper::shortest_step;
-use super::system::{Direction, System};
+use crate::dense::Dense;
+use crate::stepper::shortest_step;
+use crate::system::{Direction, System};
 
 /// Looks at the event functions at these parts of a step; between them, where a parabola through
 /// three of the points turns towards zero.
@@ -22,16 +22,16 @@ struct Look {
 
 /// An event that is located.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crossing {
-    pub(super) event: usize,
-    pub(super) t: f64,
+pub(crate) struct Crossing {
+    pub(crate) event: usize,
+    pub(crate) t: f64,
     /// Whether the function came from below zero.
-    pub(super) rising: bool,
+    pub(crate) rising: bool,
 }
 
 /// Watches the event functions of a system from step to step.
 #[derive(Clone, Debug)]
-pub(super) struct Watch {
+pub(crate) struct Watch {
     /// Values at the start of the step.
     before: Vec<f64>,
     known: bool,
@@ -43,7 +43,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    pub(super) fn new(events: usize) -> Self {
+    pub(crate) fn new(events: usize) -> Self {
         let values = || vec![0.0; events];
         Self {
             before: values(),
@@ -55,18 +55,18 @@ impl Watch {
     }
 
     /// Forgets the values at the start of the next step: the mode or the state has changed.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.known = false;
     }
 
     /// Whether any event function is watched in the present mode.
-    pub(super) fn any<const N: usize, S: System<N>>(&self, system: &S) -> bool {
+    pub(crate) fn any<const N: usize, S: System<N>>(&self, system: &S) -> bool {
         (0..self.before.len()).any(|event| system.direction(event).is_some())
     }
 
     /// The time of the first crossing in a step; [`Watch::occurred`] says which. Without any, the
     /// values at the end are kept for the next step.
-    pub(super) fn first<const N: usize, S: System<N>>(
+    pub(crate) fn first<const N: usize, S: System<N>>(
         &mut self,
         system: &S,
         dense: &Dense<N>,
@@ -132,7 +132,7 @@ impl Watch {
     }
 
     /// The crossings that have occurred by the time that [`Watch::first`] has found.
-    pub(super) fn occurred(&self, by: f64) -> impl Iterator<Item = &Crossing> {
+    pub(crate) fn occurred(&self, by: f64) -> impl Iterator<Item = &Crossing> {
         self.found
             .iter()
             .flatten()
@@ -141,7 +141,7 @@ impl Watch {
 
     /// Values at the start of the next step, after the events that occurred by `t`; those that have just occurred
     /// stand on their new side of zero, however the last bit of their values came out.
-    pub(super) fn resume<const N: usize, S: System<N>>(
+    pub(crate) fn resume<const N: usize, S: System<N>>(
         &mut self,
         system: &S,
         (t, y): (f64, &[f64; N]),

@@ -18,6 +18,8 @@
 //! [`stability::choose`] chooses a method by that, [`stability::warning`] says what speaks against
 //! one that somebody chose.
 
+#![forbid(unsafe_code)]
+
 mod control;
 pub mod dense;
 mod dormand_prince;

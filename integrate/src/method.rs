@@ -1,6 +1,6 @@
 //! The methods that a scene can choose, and their parameters.
 
-use super::failure::Unfit;
+use crate::failure::Unfit;
 
 /// How to integrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ impl Method {
     }
 
     /// Checks the parameters by themselves.
-    pub(super) fn check(&self) -> Result<(), Unfit> {
+    pub(crate) fn check(&self) -> Result<(), Unfit> {
         if let Some(step_s) = self.step_s()
             && !(step_s.is_finite() && step_s > 0.0)
         {

@@ -1,10 +1,10 @@
 //! The reference case of the plant: the motion that is known to 21 digits, and the steps at which
 //! fixed-step methods lose it.
 
-use trirrr_host_sim::integrate::stability::choose;
-use trirrr_host_sim::integrate::{Failure, Integrator, Method, Spectrum, System};
 use trirrr_host_sim::plant::control::Continuous;
 use trirrr_host_sim::plant::{Control, Plant};
+use trirrr_integrate::stability::choose;
+use trirrr_integrate::{Failure, Integrator, Method, Spectrum, System};
 use trirrr_scene::Scene;
 
 /// Platform, its rates, three currents, two records.

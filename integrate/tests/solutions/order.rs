@@ -1,7 +1,7 @@
 //! Order of convergence, and of the dense output, on a problem with a solution in closed form.
 
 use crate::problems::Oscillator;
-use trirrr_host_sim::integrate::{Dense, Integrator, Method};
+use trirrr_integrate::{Dense, Integrator, Method};
 
 /// Span of the runs in s: not a multiple of the period, so that no error cancels.
 const SPAN: f64 = 5.0;

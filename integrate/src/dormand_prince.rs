@@ -1,17 +1,17 @@
 //! The explicit Runge-Kutta pair of orders 5 and 4 by Dormand and Prince (1980), with the step
 //! control of Hairer's DOPRI5.
 
-use super::control::{first_step, fit, norm};
-use super::dense::{Dense, Interpolant};
-use super::failure::{Failure, Reason};
-use super::stepper::{Change, Stepper, shortest_step};
-use super::system::System;
-use super::tally::Tally;
+use crate::control::{first_step, fit, norm};
+use crate::dense::{Dense, Interpolant};
+use crate::failure::{Failure, Reason};
+use crate::stepper::{Change, Stepper, shorten_by, shortest_step};
+use crate::system::System;
+use crate::tally::Tally;
 
 /// The last stage of a step is the first of the next. Stable for h lambda down to about -3.3 on
 /// the real axis.
 #[derive(Clone, Debug)]
-pub(super) struct DormandPrince<const N: usize> {
+pub(crate) struct DormandPrince<const N: usize> {
     tolerance: f64,
     scales: [f64; N],
     /// What the error allows for the next step, in s; zero before the first.
@@ -32,9 +32,9 @@ const SHRINK: f64 = 0.2;
 const GROW: f64 = 10.0;
 
 impl<const N: usize> DormandPrince<N> {
-    pub(super) const INTERPOLANT: Interpolant = Interpolant::DormandPrince;
+    pub(crate) const INTERPOLANT: Interpolant = Interpolant::DormandPrince;
 
-    pub(super) fn new(tolerance: f64, scales: [f64; N]) -> Self {
+    pub(crate) fn new(tolerance: f64, scales: [f64; N]) -> Self {
         Self {
             tolerance,
             scales,
@@ -191,15 +191,10 @@ impl<const N: usize> Stepper<N> for DormandPrince<N> {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> bool {
-        let whole = dense.clone();
         tally.derivatives += 6;
-        if advance(system, end - dense.t0, dense).is_err() {
-            *dense = whole;
-            // The last stage belongs to the end of the whole step.
-            self.slope_known = false;
-            return false;
-        }
-        dense.t1 = end;
-        true
+        let done = shorten_by(end, dense, |h, dense| advance(system, h, dense));
+        // Where it is not done, the last stage still belongs to the end of the whole step.
+        self.slope_known &= done;
+        done
     }
 }

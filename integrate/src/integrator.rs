@@ -1,17 +1,17 @@
 //! The loop that drives a method through time: ends, samples, events, budgets, checks.
 
-use super::dense::Dense;
-use super::dormand_prince::DormandPrince;
-use super::events::Watch;
-use super::failure::{Failure, Unfit};
-use super::method::Method;
-use super::radau::RadauIia;
-use super::rk4::Rk4;
-use super::semi_implicit_euler::SemiImplicitEuler;
-use super::stability;
-use super::stepper::{Change, Stepper};
-use super::system::{Action, System};
-use super::tally::Tally;
+use crate::dense::Dense;
+use crate::dormand_prince::DormandPrince;
+use crate::events::Watch;
+use crate::failure::{Failure, Unfit};
+use crate::method::Method;
+use crate::radau::RadauIia;
+use crate::rk4::Rk4;
+use crate::semi_implicit_euler::SemiImplicitEuler;
+use crate::stability;
+use crate::stepper::{Change, Stepper};
+use crate::system::{Action, System};
+use crate::tally::Tally;
 
 /// A state variable that exceeds its scale by this factor has diverged.
 const BOUND: f64 = 1e12;

@@ -1,6 +1,6 @@
 //! Problems with solutions in closed form or published to many digits.
 
-use trirrr_host_sim::integrate::{Action, Direction, Matrix, System};
+use trirrr_integrate::{Action, Direction, Matrix, System};
 
 /// What the equations here refuse: nothing, unless a test says so.
 pub(crate) type Never = String;

@@ -1,7 +1,7 @@
 //! What is integrated: ordinary differential equations y' = f(t, y) with events and, where a
 //! controller is sampled, with instants at which their inputs change.
 
-use super::jacobian;
+use crate::jacobian;
 use std::fmt::{Debug, Display};
 
 /// A square matrix by rows: `matrix[row][column]`.
@@ -107,7 +107,7 @@ pub enum Direction {
 
 impl Direction {
     /// Whether going from the value `before` to the value `after` counts.
-    pub(super) fn crossed(self, before: f64, after: f64) -> bool {
+    pub(crate) fn crossed(self, before: f64, after: f64) -> bool {
         let rises = before < 0.0 && after >= 0.0;
         let falls = before > 0.0 && after <= 0.0;
         match self {

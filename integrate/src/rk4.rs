@@ -1,22 +1,22 @@
 //! The classical Runge-Kutta method of order 4, with a fixed step.
 
-use super::dense::{Dense, Interpolant};
-use super::failure::Failure;
-use super::stepper::{Change, Stepper, fixed_step};
-use super::system::System;
-use super::tally::Tally;
+use crate::dense::{Dense, Interpolant};
+use crate::failure::Failure;
+use crate::stepper::{Change, Stepper, shorten_by, step_by};
+use crate::system::System;
+use crate::tally::Tally;
 
 /// State variables are advanced by four derivatives each step. Stable for h lambda down to -2.785
 /// on the real axis and up to 2.828 on the imaginary one.
 #[derive(Clone, Debug)]
-pub(super) struct Rk4 {
+pub(crate) struct Rk4 {
     step_s: f64,
 }
 
 impl Rk4 {
-    pub(super) const INTERPOLANT: Interpolant = Interpolant::Rk4;
+    pub(crate) const INTERPOLANT: Interpolant = Interpolant::Rk4;
 
-    pub(super) fn new(step_s: f64) -> Self {
+    pub(crate) fn new(step_s: f64) -> Self {
         Self { step_s }
     }
 }
@@ -51,13 +51,10 @@ impl<const N: usize> Stepper<N> for Rk4 {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> Result<(), Failure<S::Refusal>> {
-        dense.t0 = dense.t1;
-        dense.y0 = dense.y1;
-        let (h, last) = fixed_step(self.step_s, dense.t0, end);
         tally.derivatives += 4;
-        advance(system, h, dense).map_err(|cause| Failure::Refused { t: dense.t0, cause })?;
-        dense.t1 = if last { end } else { dense.t0 + h };
-        Ok(())
+        step_by(self.step_s, end, dense, |h, dense| {
+            advance(system, h, dense)
+        })
     }
 
     fn shorten<S: System<N>>(
@@ -67,13 +64,7 @@ impl<const N: usize> Stepper<N> for Rk4 {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> bool {
-        let whole = dense.clone();
         tally.derivatives += 4;
-        if advance(system, end - dense.t0, dense).is_err() {
-            *dense = whole;
-            return false;
-        }
-        dense.t1 = end;
-        true
+        shorten_by(end, dense, |h, dense| advance(system, h, dense))
     }
 }

@@ -1,13 +1,14 @@
 //! What every method is to the loop that drives it.
 
-use super::dense::Dense;
-use super::failure::Failure;
-use super::system::System;
-use super::tally::Tally;
+use crate::dense::Dense;
+use crate::failure::Failure;
+use crate::system::System;
+use crate::tally::Tally;
+use std::fmt::{Debug, Display};
 
 /// What has changed where the integration goes on afresh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
+pub(crate) enum Change {
     /// The inputs: the derivative jumps, the Jacobian hardly.
     Input,
     /// The mode or the state: whatever is known of the solution is void.
@@ -15,7 +16,7 @@ pub(super) enum Change {
 }
 
 /// One method. All work arrays are its own: a step allocates nothing.
-pub(super) trait Stepper<const N: usize> {
+pub(crate) trait Stepper<const N: usize> {
     /// Forgets what no longer holds.
     fn restart(&mut self, change: Change);
 
@@ -40,15 +41,48 @@ pub(super) trait Stepper<const N: usize> {
     ) -> bool;
 }
 
+/// One step of fixed length, as [`Stepper::step`] takes it: `advance` goes a given time ahead from the
+/// start of `dense`, to its end.
+#[inline]
+pub(crate) fn step_by<const N: usize, R: Debug + Display>(
+    step_s: f64,
+    end: f64,
+    dense: &mut Dense<N>,
+    advance: impl FnOnce(f64, &mut Dense<N>) -> Result<(), R>,
+) -> Result<(), Failure<R>> {
+    dense.t0 = dense.t1;
+    dense.y0 = dense.y1;
+    let (h, last) = fixed_step(step_s, dense.t0, end);
+    advance(h, dense).map_err(|cause| Failure::Refused { t: dense.t0, cause })?;
+    dense.t1 = if last { end } else { dense.t0 + h };
+    Ok(())
+}
+
+/// [`Stepper::shorten`] where a step is one formula, `advance`, of its length.
+#[inline]
+pub(crate) fn shorten_by<const N: usize, R>(
+    end: f64,
+    dense: &mut Dense<N>,
+    advance: impl FnOnce(f64, &mut Dense<N>) -> Result<(), R>,
+) -> bool {
+    let whole = dense.clone();
+    if advance(end - dense.t0, dense).is_err() {
+        *dense = whole;
+        return false;
+    }
+    dense.t1 = end;
+    true
+}
+
 /// The shortest step in s that the clock resolves at `t`; at the start of time, a part of the time
 /// to `end` that no method has use for.
-pub(super) fn shortest_step(t: f64, end: f64) -> f64 {
+pub(crate) fn shortest_step(t: f64, end: f64) -> f64 {
     8.0 * f64::EPSILON * t.abs().max(1e-6 * end.abs())
 }
 
 /// The length of the next step: `step_s`, but so that equal steps fill the time to `end`.
 /// `true` where the step reaches the end.
-pub(super) fn fixed_step(step_s: f64, t: f64, end: f64) -> (f64, bool) {
+fn fixed_step(step_s: f64, t: f64, end: f64) -> (f64, bool) {
     // A quotient that is whole but for rounding is whole.
     let steps = ((end - t) / step_s * (1.0 - 1e-9)).ceil().max(1.0);
     ((end - t) / steps, steps == 1.0)

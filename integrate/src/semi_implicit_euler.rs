@@ -1,23 +1,23 @@
 //! Semi-implicit (symplectic) Euler, with a fixed step.
 
-use super::dense::{Dense, Interpolant};
-use super::failure::{Failure, Unfit};
-use super::stepper::{Change, Stepper, fixed_step};
-use super::system::System;
-use super::tally::Tally;
+use crate::dense::{Dense, Interpolant};
+use crate::failure::{Failure, Unfit};
+use crate::stepper::{Change, Stepper, shorten_by, step_by};
+use crate::system::System;
+use crate::tally::Tally;
 
 /// Everything but the positions goes one step along the derivative at its start; the positions
 /// then go along the velocities at its end.
 #[derive(Clone, Debug)]
-pub(super) struct SemiImplicitEuler {
+pub(crate) struct SemiImplicitEuler {
     step_s: f64,
     positions: Vec<(usize, usize)>,
 }
 
 impl SemiImplicitEuler {
-    pub(super) const INTERPOLANT: Interpolant = Interpolant::Linear;
+    pub(crate) const INTERPOLANT: Interpolant = Interpolant::Linear;
 
-    pub(super) fn new(
+    pub(crate) fn new(
         step_s: f64,
         positions: &[(usize, usize)],
         method: &'static str,
@@ -61,14 +61,10 @@ impl<const N: usize> Stepper<N> for SemiImplicitEuler {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> Result<(), Failure<S::Refusal>> {
-        dense.t0 = dense.t1;
-        dense.y0 = dense.y1;
-        let (h, last) = fixed_step(self.step_s, dense.t0, end);
         tally.derivatives += 1;
-        self.advance(system, h, dense)
-            .map_err(|cause| Failure::Refused { t: dense.t0, cause })?;
-        dense.t1 = if last { end } else { dense.t0 + h };
-        Ok(())
+        step_by(self.step_s, end, dense, |h, dense| {
+            self.advance(system, h, dense)
+        })
     }
 
     fn shorten<S: System<N>>(
@@ -78,13 +74,7 @@ impl<const N: usize> Stepper<N> for SemiImplicitEuler {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> bool {
-        let whole = dense.clone();
         tally.derivatives += 1;
-        if self.advance(system, end - dense.t0, dense).is_err() {
-            *dense = whole;
-            return false;
-        }
-        dense.t1 = end;
-        true
+        shorten_by(end, dense, |h, dense| self.advance(system, h, dense))
     }
 }

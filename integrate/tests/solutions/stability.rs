@@ -1,8 +1,8 @@
 //! Stability limits from the linearisation, against those in closed form and against runs.
 
 use crate::problems::{Decay, Oscillator};
-use trirrr_host_sim::integrate::stability::{Warning, choose, warning};
-use trirrr_host_sim::integrate::{Failure, Integrator, Method, Spectrum, System};
+use trirrr_integrate::stability::{Warning, choose, warning};
+use trirrr_integrate::{Failure, Integrator, Method, Spectrum, System};
 
 /// x'' = -w^2 x - 2 d x'.
 struct Damped {

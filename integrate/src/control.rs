@@ -1,10 +1,10 @@
 //! Control of the step by the estimated error.
 
-use super::system::System;
+use crate::system::System;
 
 /// The largest of the errors, each relative to what is tolerated of its variable: up to 1 it is
 /// accepted. Not a number where an error is none.
-pub(super) fn norm<const N: usize>(
+pub(crate) fn norm<const N: usize>(
     error: &[f64; N],
     before: &[f64; N],
     after: &[f64; N],
@@ -25,7 +25,7 @@ pub(super) fn norm<const N: usize>(
 
 /// First step for a method of order `order` (Hairer, Norsett, Wanner, *Solving Ordinary
 /// Differential Equations I*, II.4), from the derivative `slope` at the start and one more.
-pub(super) fn first_step<const N: usize, S: System<N>>(
+pub(crate) fn first_step<const N: usize, S: System<N>>(
     system: &S,
     (t, y, slope): (f64, &[f64; N], &[f64; N]),
     end: f64,
@@ -64,7 +64,7 @@ pub(super) fn first_step<const N: usize, S: System<N>>(
 
 /// The step to take now, given the one that the error allows: two equal steps rather than a whole
 /// one and a rest. `true` where it reaches the end.
-pub(super) fn fit(step: f64, t: f64, end: f64) -> (f64, bool) {
+pub(crate) fn fit(step: f64, t: f64, end: f64) -> (f64, bool) {
     let rest = end - t;
     if step >= rest * (1.0 - 1e-9) {
         (rest, true)

@@ -1,7 +1,7 @@
 //! Events are located where they are, never stepped over, and handled once.
 
 use crate::problems::{Ball, Oscillator};
-use trirrr_host_sim::integrate::{Action, Direction, End, Failure, Integrator, Method, System};
+use trirrr_integrate::{Action, Direction, End, Failure, Integrator, Method, System};
 
 const METHODS: [Method; 4] = [
     Method::SemiImplicitEuler { step_s: 1e-3 },
@@ -269,7 +269,7 @@ fn samples_are_taken_at_their_instants_exactly() {
         let mut integrator = Integrator::new(&system, method).unwrap();
         let mut y = [0.0];
         let mut last = 0.0;
-        let observe = |_: &Sampled, step: &trirrr_host_sim::integrate::Dense<1>| {
+        let observe = |_: &Sampled, step: &trirrr_integrate::Dense<1>| {
             assert_eq!(step.start(), last, "no gap");
             last = step.end();
         };

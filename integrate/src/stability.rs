@@ -1,8 +1,8 @@
 //! What the linearisation says of a system: how stiff it is, and which steps are stable.
 
-use super::failure::Unfit;
-use super::method::Method;
-use super::system::System;
+use crate::failure::Unfit;
+use crate::method::Method;
+use crate::system::System;
 use nalgebra::linalg::Schur;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix};

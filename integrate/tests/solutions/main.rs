@@ -3,7 +3,6 @@
 mod events;
 mod order;
 mod problems;
-mod reference;
 mod refusals;
 mod stability;
 mod stiff;

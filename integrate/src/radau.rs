@@ -1,19 +1,19 @@
 //! Radau IIA of order 5: implicit, three stages, L-stable, stiffly accurate. After Hairer and
 //! Wanner, *Solving Ordinary Differential Equations II*, IV.8, and their RADAU5.
 
-use super::control::{first_step, fit, norm};
-use super::dense::{Dense, Interpolant};
-use super::failure::{Failure, Reason};
-use super::linear::Factors;
-use super::stepper::{Change, Stepper, shortest_step};
-use super::system::{Matrix, System};
-use super::tally::Tally;
+use crate::control::{first_step, fit, norm};
+use crate::dense::{Dense, Interpolant};
+use crate::failure::{Failure, Reason};
+use crate::linear::Factors;
+use crate::stepper::{Change, Stepper, shortest_step};
+use crate::system::{Matrix, System};
+use crate::tally::Tally;
 use nalgebra::Complex;
 
 /// sqrt(6)
 const SQRT_6: f64 = 2.449_489_742_783_178;
 /// Instants of the stages within a step.
-pub(super) const NODES: [f64; 3] = [(4.0 - SQRT_6) / 10.0, (4.0 + SQRT_6) / 10.0, 1.0];
+pub(crate) const NODES: [f64; 3] = [(4.0 - SQRT_6) / 10.0, (4.0 + SQRT_6) / 10.0, 1.0];
 /// Weights of the stages in the estimate of the error.
 const ESTIMATE: [f64; 3] = [
     -(13.0 + 7.0 * SQRT_6) / 3.0,
@@ -69,7 +69,7 @@ const SLOW: f64 = 1e-3;
 
 /// The method with all that it keeps from step to step.
 #[derive(Clone, Debug)]
-pub(super) struct RadauIia<const N: usize> {
+pub(crate) struct RadauIia<const N: usize> {
     /// What the estimate of the error, of order 3, is compared with.
     tolerance: f64,
     scales: [f64; N],
@@ -102,9 +102,9 @@ enum Iterated<R> {
 }
 
 impl<const N: usize> RadauIia<N> {
-    pub(super) const INTERPOLANT: Interpolant = Interpolant::RadauIia;
+    pub(crate) const INTERPOLANT: Interpolant = Interpolant::RadauIia;
 
-    pub(super) fn new(tolerance: f64, scales: [f64; N]) -> Self {
+    pub(crate) fn new(tolerance: f64, scales: [f64; N]) -> Self {
         // The estimate is of order 3 and the result of order 5: an estimate of the power 2/3 of
         // the error is what is wanted (RADAU5 does the same).
         let tolerance = 0.1 * tolerance.powf(2.0 / 3.0);
