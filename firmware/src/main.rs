@@ -1,20 +1,32 @@
-//! Image for the STM32F405: builds the scene's machine and evaluates its job tick by tick, paced
-//! by SysTick at the scene's rate, with a log over RTT.
+//! Image for a board: the scene's service between a serial line and the motors.
 //!
-//! It drives nothing yet. The clock is the internal 16 MHz oscillator as it is after reset.
+//! The [`board`] owns pins, clocks and interrupts and calls, in the order of a tick: the line
+//! brings bytes to a queue, the [`background`](background::Background) makes requests of them and
+//! moves of the requests, the tick plays the moves and the [`outputs`] carry them to the drives.
+//!
+//! | priority | what | where |
+//! |---|---|---|
+//! | highest | a byte from the line into a queue | `board` |
+//! | above the background | the tick: [`station`]'s foreground, then the outputs | `board` |
+//! | lowest | requests, admission, telemetry, log | `background` |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod application;
+mod background;
 #[cfg(target_os = "none")]
-mod clock;
+mod board;
+#[cfg(target_os = "none")]
+mod line;
+#[cfg(target_os = "none")]
+mod outputs;
 mod scene;
+#[cfg(target_os = "none")]
+mod station;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!(
-        "this image of scene {} ({} ticks per second) is for an STM32F405: build it with \
-         `cargo firmware`",
+        "this image of scene {} ({} ticks per second) is for a board: build it with `cargo fw`",
         scene::NAME,
         scene::TICK_RATE_HZ
     );

@@ -37,7 +37,7 @@ impl Image<'_> {
         let status = cargo()
             .args(["build", "--quiet", "--package", package, "--bin", binary])
             .args(["--profile", PROFILE, "--target", target])
-            .env("TRIRRR_SCENE", &scene.path)
+            .env("SCENE", &scene.path)
             .env("TRIRRR_SCALAR", scalar)
             // The repository's own flags for the target are to hold, whatever is set outside.
             .env_remove("RUSTFLAGS")

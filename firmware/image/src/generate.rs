@@ -10,7 +10,7 @@ pub use source::source;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
-use trirrr_scene::Scene;
+use trirrr_scene::{NumberType, Scene};
 
 /// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
 pub const SCALARS: &[(&str, &str)] = &[
@@ -22,22 +22,33 @@ pub const SCALARS: &[(&str, &str)] = &[
 /// The number type whose scenes are in units of their own.
 const FIXED: &str = "trirrr_core::number::Fixed";
 
-/// Writes `OUT_DIR/scene.rs` from the scene that `TRIRRR_SCENE` names (a path, relative to
+/// The number type that an image is built for when nothing but its scene says which.
+pub fn of_scene(number: NumberType) -> &'static str {
+    match number {
+        NumberType::F64 | NumberType::F32 => "f32",
+        NumberType::Fixed => "fixed",
+        NumberType::Micromath => "micromath",
+    }
+}
+
+/// Writes `OUT_DIR/scene.rs` from the scene that `SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
-/// (without it, `f32`), and tells Cargo when to do it again.
+/// (without it, the scene's own, where `f64`, meant for hosts, becomes `f32`), and tells Cargo when to
+/// do it again.
 ///
 /// # Errors
 /// A scene that is refused, with the file, key, value and reason, or that does not fit the number
 /// type, with the quantity and its range; an unknown number type; a file
 /// that cannot be written.
 pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
-    println!("cargo:rerun-if-env-changed=TRIRRR_SCENE");
+    println!("cargo:rerun-if-env-changed=SCENE");
     println!("cargo:rerun-if-env-changed=TRIRRR_SCALAR");
-    let file = env::var_os("TRIRRR_SCENE")
-        .map_or_else(|| PathBuf::from("scenes/thesis.toml"), PathBuf::from);
+    let file =
+        env::var_os("SCENE").map_or_else(|| PathBuf::from("scenes/thesis.toml"), PathBuf::from);
     let file = root.join(file);
     println!("cargo:rerun-if-changed={}", file.display());
-    let scalar = env::var("TRIRRR_SCALAR").unwrap_or_else(|_| "f32".into());
+    let scene = Scene::read(&file)?;
+    let scalar = env::var("TRIRRR_SCALAR").unwrap_or_else(|_| of_scene(scene.number).into());
     let (_, scalar) = SCALARS
         .iter()
         .find(|(name, _)| *name == scalar)
@@ -49,7 +60,6 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
             )
         })?;
 
-    let scene = Scene::read(&file)?;
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
     fs::write(out.join("scene.rs"), source(&scene, scalar)?)?;

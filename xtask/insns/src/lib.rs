@@ -6,7 +6,7 @@ pub mod service;
 pub mod tick;
 
 /// The scene: `PARAMETERS`, `MOVES`, `PERIOD`, and the types `Scalar`, `Payload`, `Links` that
-/// it needs. Written by the build script from the file that `TRIRRR_SCENE` names.
+/// it needs. Written by the build script from the file that `SCENE` names.
 #[allow(missing_docs, clippy::approx_constant, clippy::excessive_precision)]
 pub mod scene {
     include!(concat!(env!("OUT_DIR"), "/scene.rs"));

@@ -43,12 +43,22 @@ pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
         scene.tick_rate_hz
     ));
     line(format_args!(
+        "#[allow(dead_code)]\npub const KEY: u32 = {};",
+        scene.key
+    ));
+    line(format_args!(
         "#[allow(dead_code)]\npub const PERIOD_S: f64 = {:?};",
         scene.period_s()
     ));
     line(format_args!("#[allow(dead_code)]"));
     line(format_args!(
         "pub const UNITS: trirrr_core::units::Units = trirrr_core::units::{units:?};"
+    ));
+    line(format_args!(
+        "#[allow(dead_code)]\npub const UNITS_SI: [f64; 3] = [{:?}, {:?}, {:?}];",
+        units.length_m(),
+        units.time_s(),
+        units.of(0, 0, 1)
     ));
     // What follows is in these units.
     line(format_args!(
@@ -76,6 +86,18 @@ pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
         "pub const SILENCE_TICKS: u32 = {};",
         silence.round().clamp(1.0, f64::from(u32::MAX)) as u32
     ));
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const TELEMETRY_TICKS: u16 = {};",
+        scene.service.telemetry_ticks
+    ));
+    let start = units.pose(&scene.job.start);
+    line(format_args!("#[allow(dead_code)]"));
+    line(format_args!(
+        "pub const START: [f64; 3] = [{:?}, {:?}, {:?}];",
+        start.position.x, start.position.y, start.angle
+    ));
+    line(format_args!("#[allow(dead_code)]"));
     line(format_args!(
         "pub static MOVES: [trirrr_image::Move; {}] = [",
         moves.len()

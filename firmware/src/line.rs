@@ -1,0 +1,87 @@
+//! The line to the host: requests out of bytes, frames out of messages.
+
+use crate::scene::Scalar;
+use embedded_hal_nb::serial::Write;
+use heapless::spsc::Consumer;
+use trirrr_core::message::{Message, Request};
+use trirrr_core::wire::schema::longest;
+use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
+
+/// Bytes that may wait between the interrupt and the background, and one place that stays empty:
+/// what 921,600 baud bring in 5.5 ms.
+pub(crate) const RECEIVED: usize = 512;
+
+/// The queue from the interrupt.
+pub(crate) type Received = Consumer<'static, u8>;
+
+/// Most bytes of a request with its checksum.
+const REQUEST: usize = decoded_length(longest::<Request<Scalar>>());
+
+/// Most bytes of the frame of a message.
+const FRAME: usize = frame_length(longest::<Message<Scalar>>());
+
+/// Both directions of the line, above the hardware.
+pub(crate) struct Line<W> {
+    received: Received,
+    decoder: Decoder<REQUEST>,
+    transmitter: W,
+    frame: [u8; FRAME],
+    /// Bytes of the frame that are sent, and all that it has.
+    sent: usize,
+    length: usize,
+}
+
+impl<W: Write<u8>> Line<W> {
+    pub(crate) fn new(received: Received, transmitter: W) -> Self {
+        Self {
+            received,
+            decoder: Decoder::new(),
+            transmitter,
+            frame: [0; FRAME],
+            sent: 0,
+            length: 0,
+        }
+    }
+
+    /// The next request, from the bytes that have come so far. Damaged frames are dropped: the
+    /// host asks again.
+    pub(crate) fn request(&mut self) -> Option<Request<Scalar>> {
+        while let Some(byte) = self.received.dequeue() {
+            if let Some(Ok(request)) = self.decoder.feed(byte) {
+                return Some(request);
+            }
+        }
+        None
+    }
+
+    /// Whether bytes wait to be looked at.
+    pub(crate) fn has_received(&self) -> bool {
+        self.received.ready()
+    }
+
+    /// Whether the last message is on its way and the next one can be put.
+    pub(crate) fn is_free(&self) -> bool {
+        self.sent == self.length
+    }
+
+    /// Makes `message` the next to be sent. Only when the line [is free](Line::is_free).
+    pub(crate) fn put(&mut self, message: &Message<Scalar>) {
+        self.sent = 0;
+        // The frame has room for any message: its length follows from the type.
+        self.length = encode(message, &mut self.frame).map_or(0, <[u8]>::len);
+    }
+
+    /// Sends what the hardware takes without waiting.
+    pub(crate) fn send(&mut self) {
+        while let Some(&byte) = self
+            .frame
+            .get(self.sent..self.length)
+            .and_then(<[u8]>::first)
+        {
+            if self.transmitter.write(byte).is_err() {
+                return;
+            }
+            self.sent += 1;
+        }
+    }
+}
