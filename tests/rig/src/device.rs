@@ -17,6 +17,9 @@ use trirrr_core::wire::{Counters, Decoder, decoded_length, encode, frame_length}
 /// Ticks per second.
 pub const TICK_RATE_HZ: f64 = 1000.0;
 
+/// Ticks from normal speed to rest.
+pub const RAMP_TICKS: u16 = 8;
+
 /// Key of the device's scene.
 pub const SCENE: u32 = 77;
 
@@ -59,7 +62,7 @@ pub fn hello() -> Hello {
 }
 
 /// The thesis machine.
-fn parameters() -> Parameters {
+pub fn parameters() -> Parameters {
     let leg = |x: f64, y: f64, degrees: f64| LegParameters {
         base_m: Vector2::new(x, y),
         proximal_m: 0.2,
@@ -98,7 +101,7 @@ impl<'q> Device<'q> {
     ) -> Self {
         let settings = Settings {
             period: 1.0 / TICK_RATE_HZ,
-            ramp_ticks: 8,
+            ramp_ticks: RAMP_TICKS,
             silence_ticks,
             telemetry_every: 0,
             scene: SceneIdentity {

@@ -16,21 +16,27 @@ pub enum Fault {
     Truncated,
     /// Bytes of it are others.
     Corrupted,
+    /// Bytes that nobody sent come before it, zeros among them or not.
+    Garbage,
 }
 
 impl Fault {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Dropped,
         Self::Duplicated,
         Self::Reordered,
         Self::Truncated,
         Self::Corrupted,
+        Self::Garbage,
     ];
 }
 
 /// A frame overtaken by others stays behind for at most this many.
 const LATEST: u64 = 8;
+
+/// Most bytes of garbage at a time.
+const GARBAGE: u64 = 16;
 
 /// One direction of a line. Frames go in, pieces of bytes come out.
 #[derive(Clone, Debug)]
@@ -80,7 +86,7 @@ impl FaultyLink {
         let mut frame = frame.to_vec();
         let mut delay = 0;
         if self.random.below(256) < self.rate {
-            let fault = Fault::ALL[self.random.below(5) as usize];
+            let fault = Fault::ALL[self.random.below(Fault::ALL.len() as u64) as usize];
             self.faults[fault as usize] += 1;
             match fault {
                 Fault::Dropped => frame.clear(),
@@ -89,6 +95,7 @@ impl FaultyLink {
                 Fault::Reordered => delay = 2 + self.random.below(LATEST - 1),
                 Fault::Truncated => frame.truncate(self.random.below(frame.len() as u64) as usize),
                 Fault::Corrupted => self.corrupt(&mut frame),
+                Fault::Garbage => self.ready.push_back(self.random.bytes(GARBAGE)),
             }
         }
         match delay {
@@ -156,6 +163,11 @@ impl Random {
         self.bits() % bound.max(1)
     }
 
+    /// One to `most` bytes.
+    fn bytes(&mut self, most: u64) -> Vec<u8> {
+        (0..=self.below(most)).map(|_| self.bits() as u8).collect()
+    }
+
     /// From 0 to 1.
     pub fn fraction(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
@@ -175,7 +187,7 @@ mod tests {
         for _ in 0..frames {
             link.send(&[1, 2, 3, 0]);
         }
-        let rate = f64::from(20 * 256 / 100) / 256.0 / 5.0;
+        let rate = f64::from(20 * 256 / 100) / 256.0 / Fault::ALL.len() as f64;
         let mean = frames as f64 * rate;
         let deviation = (mean * (1.0 - rate)).sqrt();
         for fault in Fault::ALL {

@@ -1,16 +1,22 @@
 //! One job between a client and a machine, with a bad line in between.
 
-use crate::job::random_job;
-use crate::witness::{Sent, Witness};
 use std::time::Duration;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::message::Message;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_core::tick::Tick;
+use trirrr_core::torque::links::Massless;
+use trirrr_core::torque::payload::Centred;
 use trirrr_core::wire::Counters;
 use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
 use trirrr_rig::device::{
-    Device, DeviceChannels, MessageDecoder, TICK_RATE_HZ, hello, message_frame, request_frame,
+    Device, DeviceChannels, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
+    parameters, request_frame,
 };
 use trirrr_rig::faulty_link::{FaultyLink, Random};
+use trirrr_rig::job::random_job;
+use trirrr_rig::sent::Sent;
+use trirrr_rig::witness::Witness;
 
 /// Of 100 frames, how many are damaged.
 const PERCENT: u64 = 20;
@@ -68,7 +74,9 @@ pub(crate) struct Conversation<'q> {
     to_client: FaultyLink,
     sent_to_device: Sent,
     sent_to_client: Sent,
-    witness: Witness,
+    witness: Witness<f64>,
+    /// The machine without a service.
+    tick: Tick<f64, Centred<f64>, Massless>,
     random: Random,
     /// Sequence number of the last request that the machine heard.
     heard: Option<u32>,
@@ -80,7 +88,7 @@ impl Conversation<'_> {
     /// Runs the job of `seed` to its end.
     pub(crate) fn run(seed: u64) -> Tally {
         let mut random = Random::new(seed);
-        let moves = random_job(&mut random);
+        let moves = random_job(&mut random, home());
         let mut channels = DeviceChannels::new();
         let patience = Patience {
             answer: Duration::from_millis(10),
@@ -94,7 +102,8 @@ impl Conversation<'_> {
             to_client: FaultyLink::new(random.bits(), PERCENT),
             sent_to_device: Sent::default(),
             sent_to_client: Sent::default(),
-            witness: Witness::new(&moves, 0),
+            tick: Tick::build(&parameters()).expect("the thesis machine"),
+            witness: Witness::new(&moves, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ),
             random,
             heard: None,
             held: false,
@@ -128,6 +137,8 @@ impl Conversation<'_> {
                 break;
             }
         }
+        let tick = &self.tick;
+        let motors = |setpoint: &Setpoint<f64>| Some(tick.evaluate(setpoint).ok()?.motors);
         let Self {
             device,
             to_client,
@@ -142,7 +153,9 @@ impl Conversation<'_> {
             device.receive(
                 &bytes,
                 |request| {
-                    sent_to_device.assert_was_sent(&request_frame(request));
+                    sent_to_device
+                        .check(&request_frame(request))
+                        .expect("the machine hears what was said");
                     tally.heard_again += u64::from(*heard == Some(request.sequence));
                     *heard = Some(request.sequence);
                 },
@@ -155,7 +168,7 @@ impl Conversation<'_> {
         }
         while let Some(message) = device.background.outgoing() {
             if let Message::Telemetry(sample) = &message {
-                witness.see(sample);
+                witness.see(sample, motors).expect("a tick of the job");
             }
             let frame = message_frame(&message);
             sent_to_client.record(&frame);
@@ -171,7 +184,8 @@ impl Conversation<'_> {
                     continue;
                 };
                 self.sent_to_client
-                    .assert_was_sent(&message_frame(&message));
+                    .check(&message_frame(&message))
+                    .expect("the client hears what was said");
                 self.client.receive(&message, now);
             }
         }
@@ -218,7 +232,7 @@ impl Conversation<'_> {
     }
 
     fn over(mut self, seed: u64) -> Tally {
-        self.witness.assert_complete();
+        self.witness.complete().expect("the whole job");
         assert_eq!(self.client.done(), self.client.moves(), "job {seed}");
         let status = self.device.background.status();
         assert_eq!(status.done, self.client.moves(), "job {seed}");

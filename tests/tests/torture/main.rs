@@ -6,8 +6,6 @@
 //! for a message was sent as that message.
 
 mod conversation;
-mod job;
-mod witness;
 
 use conversation::{Conversation, Tally};
 
