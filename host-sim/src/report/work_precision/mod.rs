@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::figures::loglog::{LogLog, Point, Series, draw};
 use cases::{CASES, Case};
 use trial::FOLLOWED;
-pub use trial::Trial;
+pub use trial::{COMPARED_S, Trial};
 use trirrr_integrate as integrate;
 use trirrr_scene::{Method, Scene};
 

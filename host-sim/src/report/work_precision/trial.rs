@@ -8,7 +8,7 @@ use std::time::Duration;
 use trirrr_scene::{Method, Scene};
 
 /// Solutions are compared every so often, s. No method takes longer steps.
-const COMPARED_S: f64 = 0.02;
+pub const COMPARED_S: f64 = 0.02;
 /// A run whose error stays below this, in m and rad, has followed the motion.
 pub(super) const FOLLOWED: f64 = 1e-4;
 
