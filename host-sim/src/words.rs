@@ -1,7 +1,7 @@
 //! What a machine says, in words and SI units.
 
 use trirrr_core::message::{
-    Acting, Bounded, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
+    Acting, Bounded, DriveFault, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
 };
 use trirrr_scene::Scene;
 
@@ -152,6 +152,23 @@ pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Unit
     text
 }
 
+/// What a drive did not do. `value`: the fault's.
+fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
+    let drive = match index {
+        Some(index) => format!("drive {}", index + 1),
+        None => "a drive".into(),
+    };
+    match what {
+        DriveFault::StepRate => {
+            format!("{drive} would have to step {value} times as fast as it can")
+        }
+        DriveFault::Range => format!("a command to {drive} is beyond what its frames can hold"),
+        DriveFault::BusBusy => format!("the bus did not carry the command to {drive} in a tick"),
+        DriveFault::BusOff => "the bus failed: too many errors on it".into(),
+        DriveFault::Reported => format!("{drive} reports its code {value}"),
+    }
+}
+
 /// A latched fault.
 pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
     let value = || short(fault.value.to_f64());
@@ -169,10 +186,7 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
         FaultCode::ParallelSingular => "parallel singular: the torques are not defined".into(),
         FaultCode::OutOfRange => "a result was out of the range of the number type".into(),
         FaultCode::Overrun => "a tick took longer than its period, or was missed".into(),
-        FaultCode::Drive => match fault.index {
-            Some(index) => format!("drive {} reports its code {}", index + 1, value()),
-            None => format!("a drive reports its code {}", value()),
-        },
+        FaultCode::Drive(what) => drive(what, fault.index, &value()),
         FaultCode::Board => format!("the board reports its code {}", value()),
     };
     format!("{text} (tick {})", fault.tick)

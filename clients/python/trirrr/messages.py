@@ -115,6 +115,15 @@ Acting = Enum(
     Limit=Bounded,
 )
 
+DriveFault = Enum(
+    "DriveFault",
+    StepRate=None,
+    Range=None,
+    BusBusy=None,
+    BusOff=None,
+    Reported=None,
+)
+
 FaultCode = Enum(
     "FaultCode",
     Limit=Bounded,
@@ -123,7 +132,7 @@ FaultCode = Enum(
     ParallelSingular=None,
     OutOfRange=None,
     Overrun=None,
-    Drive=None,
+    Drive=DriveFault,
     Board=None,
 )
 

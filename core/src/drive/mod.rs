@@ -9,5 +9,7 @@
 //! that of the ticks; [`joint::Reference::after`] carries a tick's reference over to it.
 
 pub mod bldc;
+pub mod count;
 pub mod joint;
 pub mod stepper;
+pub mod winding;

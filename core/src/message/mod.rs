@@ -26,7 +26,7 @@ pub use command::{Command, Hello, Move, Recovery, Request};
 pub use refusal::Refusal;
 pub use report::{Event, Identity, Message, NAME_CAPACITY, Reply, Status, Telemetry, Verdict};
 pub use state::{Acting, State};
-pub use violation::{Bounded, Fault, FaultCode, Violation};
+pub use violation::{Bounded, DriveFault, Fault, FaultCode, Violation};
 
 use crate::number::Number;
 use postcard_schema::Schema;

@@ -80,10 +80,26 @@ pub enum FaultCode {
     OutOfRange,
     /// A tick took longer than its period, or was missed.
     Overrun,
-    /// A drive reports a fault; the value is its own code.
-    Drive,
+    /// A drive does not do what it was told.
+    Drive(DriveFault),
     /// The board reports a fault; the value is its own code.
     Board,
+}
+
+/// What a drive does not do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum DriveFault {
+    /// More microsteps in a tick than the stepper's driver takes; the value is in parts of the most
+    /// that it takes, the limit 1.
+    StepRate,
+    /// A command beyond what the drive's frame can hold.
+    Range,
+    /// The bus has not carried the commands of the tick before.
+    BusBusy,
+    /// The bus has taken the board off it after too many errors.
+    BusOff,
+    /// The drive reports an error of its own; the value is its code.
+    Reported,
 }
 
 impl FaultCode {
@@ -105,7 +121,7 @@ impl FaultCode {
             Self::SerialSingular => Some(Bounded::SerialDistance),
             Self::ParallelSingular => Some(Bounded::ParallelDistance),
             Self::OutOfRange => Some(Bounded::Range),
-            Self::Overrun | Self::Drive | Self::Board => None,
+            Self::Overrun | Self::Drive(_) | Self::Board => None,
         }
     }
 }

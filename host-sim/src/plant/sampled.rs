@@ -6,13 +6,14 @@ use super::refusal::Refusal;
 use super::source::TickSource;
 use std::f64::consts::TAU;
 use trirrr_core::drive::bldc::{Bldc, BldcParameters};
+use trirrr_core::drive::count::Countable;
 use trirrr_core::drive::joint::{Loop, Reference};
-use trirrr_core::drive::stepper::{Countable, Schedule, StepMotor};
+use trirrr_core::drive::stepper::{Schedule, StepMotor, StepsPerTurn};
 use trirrr_core::number::Number;
 use trirrr_scene::{DriveKind, Scene, Timing};
 
 /// The controllers of the three joints in the number type `N`.
-pub struct Sampled<N: Number> {
+pub struct Sampled<N: Countable> {
     source: Box<dyn TickSource>,
     per_tick: u32,
     /// Seconds from one sample to the next.
@@ -20,7 +21,7 @@ pub struct Sampled<N: Number> {
     joints: [Joint<N>; 3],
 }
 
-struct Joint<N: Number> {
+struct Joint<N: Countable> {
     reference: Reference<N>,
     /// None for a stepper.
     inner: Option<Loop<N>>,
@@ -28,7 +29,7 @@ struct Joint<N: Number> {
 }
 
 /// What a joint's drive makes of its command.
-enum Stage<N: Number> {
+enum Stage<N: Countable> {
     Torque,
     Voltage {
         drive: Bldc<N>,
@@ -84,7 +85,11 @@ impl<N: Countable> Sampled<N> {
                         .min(f64::from(i32::MAX));
                     let at = N::angle_from_f64(start[leg]);
                     Ok(Stage::Steps {
-                        motor: StepMotor::new(per_turn, drive.gear_ratio, most as u32, at),
+                        motor: StepMotor::new(
+                            StepsPerTurn::new(per_turn, drive.gear_ratio),
+                            most as u32,
+                            at,
+                        ),
                         schedule: Schedule::new(0, per_tick),
                         before: 0,
                         microstep_rad: TAU / (f64::from(per_turn) * drive.gear_ratio),

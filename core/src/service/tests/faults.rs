@@ -1,7 +1,7 @@
 //! Faults, and the way out of them.
 
 use super::*;
-use crate::message::{Acting, Bounded, FaultCode, Recovery};
+use crate::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
 
 fn running() -> Rig<f64> {
     let mut rig = Rig::new();
@@ -66,7 +66,8 @@ fn a_fault_is_latched_until_it_is_cleared() {
 #[test]
 fn a_recovery_leads_from_anywhere_to_idle() {
     let mut rig = running();
-    rig.foreground.raise(FaultCode::Drive, Some(0), 0.0, 0.0);
+    rig.foreground
+        .raise(FaultCode::Drive(DriveFault::Reported), Some(0), 0.0, 0.0);
     rig.ticks(5);
     rig.done(Command::ClearFault);
     rig.ticks(1);

@@ -1,7 +1,7 @@
 //! Random commands at random ticks: what holds always.
 
 use super::*;
-use crate::message::Recovery;
+use crate::message::{DriveFault, FaultCode, Recovery};
 use proptest::prelude::*;
 use std::vec;
 
@@ -108,7 +108,7 @@ proptest! {
                     Some(Command::Recover(Recovery { to: place(to), ticks }))
                 }
                 Action::Fault => {
-                    rig.foreground.raise(crate::message::FaultCode::Drive, None, 0.0, 0.0);
+                    rig.foreground.raise(FaultCode::Drive(DriveFault::Reported), None, 0.0, 0.0);
                     None
                 }
                 Action::Repeat => {
@@ -137,7 +137,7 @@ proptest! {
                             prop_assert!(!calm || (moved - mean * PERIOD_S).abs() < 5e-3);
                         }
                         prop_assert!(!matches!(status.fault, Some(fault)
-                            if fault.code != crate::message::FaultCode::Drive), "{:?}", status.fault);
+                            if fault.code != FaultCode::Drive(DriveFault::Reported)), "{:?}", status.fault);
                         before = output;
                     }
                     None

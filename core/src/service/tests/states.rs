@@ -1,7 +1,7 @@
 //! The table of states and commands.
 
 use super::*;
-use crate::message::{Acting, FaultCode, Recovery};
+use crate::message::{Acting, DriveFault, FaultCode, Recovery};
 
 /// A rig in `state`.
 fn rig_in(state: State) -> Rig<f64> {
@@ -30,7 +30,8 @@ fn rig_in(state: State) -> Rig<f64> {
             rig.ticks(2);
         }
         State::Fault => {
-            rig.foreground.raise(FaultCode::Drive, Some(1), 3.0, 0.0);
+            rig.foreground
+                .raise(FaultCode::Drive(DriveFault::Reported), Some(1), 3.0, 0.0);
             rig.ticks(1);
         }
         State::Cleared => {

@@ -4,7 +4,9 @@ use super::bytes::Bytes;
 use super::watch::{self, Reached, Watched, leave};
 use crate::device::{Device, DeviceChannels, hello, home};
 use trirrr_core::message::scene::{Limits, Platform, Section};
-use trirrr_core::message::{Command, FaultCode, Move, Recovery, Refusal, Reply, Request};
+use trirrr_core::message::{
+    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request,
+};
 use trirrr_core::setpoint::Pose;
 
 /// Silence after which the machine stops, ticks.
@@ -74,7 +76,11 @@ impl Session<'_> {
                 self.ask(Command::Recover(Recovery { to, ticks }));
             }
             11 => {
-                let code = [FaultCode::Drive, FaultCode::Overrun, FaultCode::Board];
+                let code = [
+                    FaultCode::Drive(DriveFault::Reported),
+                    FaultCode::Overrun,
+                    FaultCode::Board,
+                ];
                 let code = code[usize::from(bytes.byte()?) % 3];
                 self.watched.device.foreground.raise(code, None, 0.0, 0.0);
             }

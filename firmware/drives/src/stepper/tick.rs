@@ -1,0 +1,80 @@
+//! The half in the tick: from angles to positions.
+
+use super::line::Line;
+use crate::Failure;
+use trirrr_core::drive::count::Countable;
+use trirrr_core::drive::stepper::{StepMotor, StepsPerTurn, TooManySteps};
+use trirrr_core::message::DriveFault;
+use trirrr_core::service::Output;
+
+/// Three steppers, as the tick sees them.
+#[derive(Debug)]
+pub struct Steppers<'l, N: Countable> {
+    motors: [StepMotor<N>; 3],
+    line: &'l Line,
+}
+
+impl<'l, N: Countable> Steppers<'l, N> {
+    /// Motors that stand at the joint angles `angles` and take up to `most` microsteps in a tick.
+    pub fn new(
+        per_turn: [StepsPerTurn; 3],
+        most: [u32; 3],
+        angles: [N::Angle; 3],
+        line: &'l Line,
+    ) -> Self {
+        let motor = |index: usize| StepMotor::new(per_turn[index], most[index], angles[index]);
+        Self {
+            motors: [motor(0), motor(1), motor(2)],
+            line,
+        }
+    }
+
+    /// Has the motors where this tick wants them by the next. Off where the output is.
+    ///
+    /// # Errors
+    /// [`DriveFault::StepRate`]: a motor would have to step faster than its driver can. None of the
+    /// three moves.
+    #[inline(always)]
+    pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
+        if !output.enabled {
+            self.line.off();
+            return Ok(());
+        }
+        let mut next = self.motors;
+        for (index, (motor, to)) in next.iter_mut().zip(&output.motors).enumerate() {
+            if let Err(refused) = motor.move_to(to.angle) {
+                return Err(too_fast(index as u8, refused));
+            }
+        }
+        self.motors = next;
+        self.line.give(next.map(|motor| motor.position()));
+        Ok(())
+    }
+
+    /// Drives off.
+    pub fn off(&mut self) {
+        self.line.off();
+    }
+
+    /// The joint angles that the motors were last moved to. After a failure the motors are here, and
+    /// not where the tick wanted them.
+    pub fn angles(&self) -> [N::Angle; 3] {
+        self.motors.each_ref().map(|motor| motor.angle())
+    }
+
+    /// The motors have been found to stand at these joint angles: they take no step for it.
+    pub fn stand_at(&mut self, angles: [N::Angle; 3]) {
+        for (motor, angle) in self.motors.iter_mut().zip(angles) {
+            motor.stands_at(angle);
+        }
+    }
+}
+
+#[cold]
+fn too_fast<N: Countable>(drive: u8, refused: TooManySteps) -> Failure<N> {
+    Failure {
+        value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
+        limit: N::ONE,
+        ..Failure::of(DriveFault::StepRate, Some(drive))
+    }
+}
