@@ -9,8 +9,19 @@ pub struct Drive {
     pub gear_ratio: f64,
     /// Inertia of the rotor about its own axis, before the gear, kg m^2.
     pub rotor_inertia_kgm2: f64,
+    /// Whether the joint turns clockwise where the drive thinks that it turns forward.
+    pub reversed: bool,
     /// What kind of drive it is.
     pub kind: DriveKind,
+}
+
+/// The level of the line that switches the power stages on, one for all three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnableLevel {
+    /// On where it is low.
+    Low,
+    /// On where it is high.
+    High,
 }
 
 /// The kinds of drive, with what each needs to know.
@@ -40,6 +51,8 @@ pub struct Bldc {
     pub supply_v: f64,
     /// Largest current of either sign, A, positive.
     pub current_limit_a: f64,
+    /// The level at which the power stage is on; high where the scene leaves it out.
+    pub enable: EnableLevel,
 }
 
 /// A stepper motor and its driver.
@@ -57,6 +70,8 @@ pub struct Stepper {
     pub detent_torque_nm: f64,
     /// One point of the pull-out curve, if it is known.
     pub pull_out: Option<PullOut>,
+    /// The level at which the driver is on; low where the scene leaves it out.
+    pub enable: EnableLevel,
 }
 
 /// The torque that a stepper still has at a rate.
@@ -69,12 +84,16 @@ pub struct PullOut {
 }
 
 /// A drive on the CAN bus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Can {
     /// The frames it speaks.
     pub protocol: CanProtocol,
     /// Its address, different for each drive of a machine.
     pub node_id: u32,
+    /// The joint angle at which the drive's own position is 0, rad.
+    pub zero_rad: f64,
+    /// Bits per second on the bus, the same for all: that of moteus is 1 Mbit/s, outside the data.
+    pub bit_rate_hz: u32,
 }
 
 /// Frame layouts of CAN drives.
@@ -119,6 +138,7 @@ pub(crate) fn read_drives(root: &Section) -> Option<Option<[Drive; 3]>> {
         [first, second, third] => [*first, *second, *third],
         _ => return Some(None),
     };
+    check_alike(&sections, &drives)?;
     check_node_ids(&sections, &drives)?;
     Some(Some(drives))
 }
@@ -126,6 +146,10 @@ pub(crate) fn read_drives(root: &Section) -> Option<Option<[Drive; 3]>> {
 fn read_drive(section: &Section) -> Option<Drive> {
     let gear_ratio = section.number_or("gear_ratio", Bound::Positive, 1.0);
     let rotor = section.number_or("rotor_inertia_kgm2", Bound::NotNegative, 0.0);
+    let reversed = match section.has("reversed") {
+        true => section.boolean("reversed"),
+        false => Some(false),
+    };
     let kinds = [
         ("bldc", Kind::Bldc),
         ("stepper", Kind::Stepper),
@@ -143,6 +167,7 @@ fn read_drive(section: &Section) -> Option<Drive> {
     let drive = Drive {
         gear_ratio: gear_ratio?,
         rotor_inertia_kgm2: rotor?,
+        reversed: reversed?,
         kind: kind?,
     };
     if !drive.inertia_at_joint_kgm2().is_finite() {
@@ -166,6 +191,7 @@ fn read_bldc(section: &Section) -> Option<Bldc> {
     );
     let supply = section.number("supply_v", Bound::Positive);
     let current_limit = section.number("current_limit_a", Bound::Positive);
+    let enable = read_enable(section, EnableLevel::High);
     Some(Bldc {
         resistance_ohm: resistance?,
         inductance_h: inductance?,
@@ -173,6 +199,7 @@ fn read_bldc(section: &Section) -> Option<Bldc> {
         back_emf_constant_v_s_rad: back_emf?,
         supply_v: supply?,
         current_limit_a: current_limit?,
+        enable: enable?,
     })
 }
 
@@ -183,6 +210,7 @@ fn read_stepper(section: &Section) -> Option<Stepper> {
     let holding_torque_nm = section.optional_number("holding_torque_nm", Bound::Positive);
     let detent_torque_nm = section.number_or("detent_torque_nm", Bound::NotNegative, 0.0);
     let pull_out = read_pull_out(section, holding_torque_nm);
+    let enable = read_enable(section, EnableLevel::Low);
     Some(Stepper {
         steps_per_rev: steps_per_rev?,
         microsteps: microsteps?,
@@ -190,7 +218,18 @@ fn read_stepper(section: &Section) -> Option<Stepper> {
         holding_torque_nm,
         detent_torque_nm: detent_torque_nm?,
         pull_out: pull_out?,
+        enable: enable?,
     })
+}
+
+fn read_enable(section: &Section, default: EnableLevel) -> Option<EnableLevel> {
+    match section.has("enable") {
+        true => section.choice(
+            "enable",
+            &[("low", EnableLevel::Low), ("high", EnableLevel::High)],
+        ),
+        false => Some(default),
+    }
 }
 
 /// `pull_out_torque_nm` and `pull_out_rate_rad_s`: both or neither.
@@ -227,10 +266,70 @@ fn read_can(section: &Section) -> Option<Can> {
         None => (0, 127),
     };
     let node_id = section.integer("node_id", low, high);
+    let zero = section.number_or("zero_rad", Bound::Finite, 0.0);
+    let bit_rate = match protocol {
+        Some(CanProtocol::Odrive) => read_bit_rate(section),
+        // Whatever it was going to be.
+        None if section.has("bit_rate_hz") => read_bit_rate(section),
+        Some(CanProtocol::Moteus) | None => Some(MOTEUS_BIT_RATE_HZ),
+    };
     Some(Can {
         protocol: protocol?,
         node_id: node_id?,
+        zero_rad: zero?,
+        bit_rate_hz: bit_rate?,
     })
+}
+
+/// Outside the data of its CAN FD frames.
+const MOTEUS_BIT_RATE_HZ: u32 = 1_000_000;
+
+/// Those that an ODrive can be set to, the first as it is delivered.
+const ODRIVE_BIT_RATES_HZ: [u32; 4] = [250_000, 125_000, 500_000, 1_000_000];
+
+fn read_bit_rate(section: &Section) -> Option<u32> {
+    let key = "bit_rate_hz";
+    let [delivered, ..] = ODRIVE_BIT_RATES_HZ;
+    if !section.has(key) {
+        return Some(delivered);
+    }
+    let rate = section.integer(key, 1, 1_000_000)?;
+    if !ODRIVE_BIT_RATES_HZ.contains(&rate) {
+        section.refuse(key, "must be 125000, 250000, 500000 or 1000000 (Hz)");
+        return None;
+    }
+    Some(rate)
+}
+
+/// Refuses drives that no board drives together: of two kinds, or that disagree on what they share.
+fn check_alike(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
+    let [first, others @ ..] = drives;
+    // One section for all three has nothing to disagree with.
+    for (at, other) in sections.iter().skip(1).zip(others) {
+        let differs = match (first.kind, other.kind) {
+            (DriveKind::Bldc(a), DriveKind::Bldc(b)) if a.enable != b.enable => {
+                Some(("enable", "one line switches all three"))
+            }
+            (DriveKind::Stepper(a), DriveKind::Stepper(b)) if a.enable != b.enable => {
+                Some(("enable", "one line switches all three"))
+            }
+            (DriveKind::Can(a), DriveKind::Can(b)) if a.protocol != b.protocol => {
+                Some(("protocol", "all three are on one bus"))
+            }
+            (DriveKind::Can(a), DriveKind::Can(b)) if a.bit_rate_hz != b.bit_rate_hz => {
+                Some(("bit_rate_hz", "all three are on one bus"))
+            }
+            (DriveKind::Bldc(_), DriveKind::Bldc(_))
+            | (DriveKind::Stepper(_), DriveKind::Stepper(_))
+            | (DriveKind::Can(_), DriveKind::Can(_)) => None,
+            _ => Some(("kind", "a board drives three of one kind")),
+        };
+        if let Some((key, why)) = differs {
+            at.refuse(key, format!("must be that of drive[1]: {why}"));
+            return None;
+        }
+    }
+    Some(())
 }
 
 /// Refuses two drives at one address, one `[[drive]]` for three addresses included.

@@ -23,7 +23,7 @@ pub mod read;
 mod scene;
 mod service;
 
-pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, PullOut, Stepper};
+pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};
 pub use job::{Job, Move, Tool};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};

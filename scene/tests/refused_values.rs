@@ -193,8 +193,13 @@ fn drives_and_limits() {
         ("kind = \"stepper\"\nsteps_per_rev = 0\nmicrosteps = 16", "drive[1].steps_per_rev", "must be from 1 to 100000"),
         ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = 64", "drive[1].node_id", "must be from 0 to 63"),
         ("kind = \"can\"\nprotocol = \"moteus\"\nnode_id = 1", "drive[1].node_id", "give three [[drive]]"),
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = 1\nbit_rate_hz = 300000", "drive[1].bit_rate_hz", "must be 125000, 250000,"),
+        ("kind = \"can\"\nprotocol = \"moteus\"\nnode_id = 1\nbit_rate_hz = 500000", "drive[1].bit_rate_hz", "unknown key"),
+        ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\nenable = \"on\"", "drive[1].enable", "must be one of \"low\", \"high\""),
+        ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\nreversed = 1", "drive[1].reversed", "expected true or false"),
     ] {
-        let found = problems(&drive(text));
+        let mut found = problems(&drive(text));
+        found.retain(|problem| problem.key == key || !problem.key.ends_with("node_id"));
         assert_eq!((found[0].key.as_str(), found.len()), (key, 1), "{found:#?}");
         assert!(found[0].reason.contains(reason), "{found:#?}");
     }
@@ -203,6 +208,19 @@ fn drives_and_limits() {
     let found = problems(&edit(THESIS, "[platform]", 1, &three));
     assert_eq!((found[0].key.as_str(), found.len()), ("drive[3].node_id", 1), "{found:#?}");
     assert_eq!(found[0].reason, "is already the address of drive[1]");
+    let odrive = |id| format!("[[drive]]\nkind = \"can\"\nprotocol = \"odrive\"\nnode_id = {id}\n");
+    let stepper = |more| format!("[[drive]]\nkind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\n{more}\n");
+    for (three, key, reason) in [
+        ([can(1), can(2), odrive(3)], "drive[3].protocol", "all three are on one bus"),
+        ([odrive(1), stepper(""), odrive(3)], "drive[2].kind", "a board drives three of one kind"),
+        ([odrive(1), odrive(2) + "bit_rate_hz = 500000\n", odrive(3)], "drive[2].bit_rate_hz", "one bus"),
+        ([stepper(""), stepper(""), stepper("enable = \"high\"")], "drive[3].enable", "one line switches"),
+    ] {
+        let text = three.concat() + "[platform]";
+        let found = problems(&edit(THESIS, "[platform]", 1, &text));
+        assert_eq!((found[0].key.as_str(), found.len()), (key, 1), "{found:#?}");
+        assert!(found[0].reason.contains(reason), "{found:#?}");
+    }
 }
 
 const PLANT: &str = include_str!("../../scenes/plant-reference.toml");

@@ -71,6 +71,15 @@ impl<N: Number> Bldc<N> {
         }
     }
 
+    /// The coefficients by name, for whoever has to know their size.
+    pub fn coefficients(&self) -> [(&'static str, N); 3] {
+        [
+            ("current over torque", self.current_per_torque),
+            ("duty over current", self.duty_per_current),
+            ("duty over rate", self.duty_per_rate),
+        ]
+    }
+
     /// The command for `torque` at the joint while the joint turns at `rate`. The current is
     /// limited first, then the voltage.
     #[inline(always)]

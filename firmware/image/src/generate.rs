@@ -2,10 +2,12 @@
 //!
 //! A build script calls [`build_script`] and the image includes `OUT_DIR/scene.rs`.
 
+mod drive;
 mod kinds;
 mod source;
 
-pub use source::source;
+pub use drive::{DriveError, drive, kind};
+pub use source::{source, units};
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -34,11 +36,11 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// Writes `OUT_DIR/scene.rs` from the scene that `SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
 /// (without it, the scene's own, where `f64`, meant for hosts, becomes `f32`), and tells Cargo when to
-/// do it again.
+/// do it again. The kind of the scene's drives is set as `cfg(drive = "...")`.
 ///
 /// # Errors
 /// A scene that is refused, with the file, key, value and reason, or that does not fit the number
-/// type, with the quantity and its range; an unknown number type; a file
+/// type, with the quantity and its range; drives that no board drives; an unknown number type; a file
 /// that cannot be written.
 pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=SCENE");
@@ -62,6 +64,20 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
 
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
-    fs::write(out.join("scene.rs"), source(&scene, scalar)?)?;
+    let drives = drive(&scene, scalar, &units(&scene, scalar)?)
+        .map_err(|error| format!("{}: {error}", file.display()))?;
+    fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
+
+    let kinds: Vec<String> = drive::KINDS
+        .iter()
+        .map(|kind| format!("{kind:?}"))
+        .collect();
+    println!(
+        "cargo:rustc-check-cfg=cfg(drive, values({}))",
+        kinds.join(", ")
+    );
+    if let Some(kind) = kind(&scene) {
+        println!("cargo:rustc-cfg=drive=\"{kind}\"");
+    }
     Ok(())
 }

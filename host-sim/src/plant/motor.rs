@@ -157,6 +157,7 @@ mod tests {
         let drive = Drive {
             gear_ratio: 5.0,
             rotor_inertia_kgm2: 1e-5,
+            reversed: false,
             kind: DriveKind::Stepper(trirrr_scene::Stepper {
                 steps_per_rev: 200,
                 microsteps: 16,
@@ -167,6 +168,7 @@ mod tests {
                     torque_nm: 0.25,
                     rate_rad_s: 60.0,
                 }),
+                enable: trirrr_scene::EnableLevel::Low,
             }),
         };
         match Motor::build(Some(&drive)) {

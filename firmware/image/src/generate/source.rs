@@ -16,10 +16,7 @@ use trirrr_scene::{RangeError, Scene, units_of_scene};
 /// # Errors
 /// A quantity that does not fit the number type.
 pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
-    let units = match scalar == FIXED {
-        true => units_of_scene(scene)?,
-        false => Units::SI,
-    };
+    let units = units(scene, scalar)?;
     let parameters = &units.parameters(&scene.parameters);
     let moves = &scene.job.in_units(&units).moves;
     let mut text = String::new();
@@ -111,6 +108,17 @@ pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
     }
     line(format_args!("];"));
     Ok(text)
+}
+
+/// The units of an image for the Rust type `scalar`.
+///
+/// # Errors
+/// A quantity that does not fit the number type.
+pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
+    match scalar == FIXED {
+        true => units_of_scene(scene),
+        false => Ok(Units::SI),
+    }
 }
 
 fn constant(each: &trirrr_scene::Move) -> Move {
