@@ -24,6 +24,8 @@ pub struct Witness<N: Transmit> {
     before: Option<Before>,
     samples: u64,
     is_over: bool,
+    /// Ticks may have gone by unseen.
+    is_blind: bool,
 }
 
 /// The sample before.
@@ -57,7 +59,13 @@ impl<N: Transmit> Witness<N> {
             before: None,
             samples: 0,
             is_over: false,
+            is_blind: false,
         }
+    }
+
+    /// Ticks go by unseen until the next sample; the machine is at normal speed then.
+    pub fn skip(&mut self) {
+        self.is_blind = self.before.is_some();
     }
 
     /// Samples of the job so far.
@@ -91,18 +99,10 @@ impl<N: Transmit> Witness<N> {
         if !same(&told(sample), &parts(&computed)) {
             return Err(format!("the scene's motors would be {computed:?}"));
         }
-        let playing = matches!(
-            sample.state,
-            State::Running | State::Slowing | State::Holding
-        );
-        if !playing {
-            if sample.state != State::Idle {
-                return Err("neither idle nor running".into());
-            }
-            if let Some(before) = &mut self.before {
-                before.state = State::Idle;
-            }
-            return Ok(());
+        match sample.state {
+            State::Running | State::Slowing | State::Holding | State::Stopping => {}
+            State::Idle => return self.rests(sample),
+            _ => return Err("neither idle nor on the path".into()),
         }
         if self.is_over {
             return Err("a job that was over goes on".into());
@@ -125,8 +125,13 @@ impl<N: Transmit> Witness<N> {
                 }
                 vec![self.ramp]
             }
+            Some(_) if self.is_blind => vec![self.ramp],
             Some(before) => self.go_on(before, index, sample)?,
         };
+        if self.is_blind && !same(&sample.setpoint, &segment.at(sample.at)) {
+            return Err("not at normal speed after what was not seen".into());
+        }
+        self.is_blind = false;
         let begins = matches!(
             self.before,
             None | Some(Before {
@@ -149,6 +154,35 @@ impl<N: Transmit> Witness<N> {
             levels,
         });
         Ok(())
+    }
+
+    /// Nothing is played: before the job, between moves that came too slowly, after it.
+    fn rests(&mut self, sample: &Telemetry<N>) -> Result<(), String> {
+        let Some(before) = &mut self.before else {
+            return Ok(());
+        };
+        let stopped = before.state == State::Stopping;
+        before.state = State::Idle;
+        let Some(before) = self.before.as_ref().filter(|_| stopped) else {
+            return Ok(());
+        };
+        // A stop drops the job and with it the place on it: it is where the last tick led.
+        let mut part = before.part + 1;
+        let mut at = before.at;
+        if part == 2 * self.ramp {
+            (at, part) = (at + 1, 0);
+        }
+        let sample = &Telemetry {
+            at,
+            part,
+            ..*sample
+        };
+        let segment = &self.segments[before.index as usize];
+        let expected = self.setpoint(segment, sample, 0, -1);
+        match before.levels.contains(&1) && same(&expected, &sample.setpoint) {
+            true => Ok(()),
+            false => Err(format!("the stop should end at {expected:?}")),
+        }
     }
 
     /// The speeds along the path that lead from the sample before to this one with its setpoint.
@@ -287,5 +321,117 @@ fn same<T: serde::Serialize>(a: &T, b: &T) -> bool {
     match (to_slice(a, one), to_slice(b, other)) {
         (Ok(one), Ok(other)) => one == other,
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::{
+        Device, DeviceChannels, RAMP_TICKS, TICK_RATE_HZ, hello, home, parameters,
+    };
+    use crate::faulty_link::Random;
+    use crate::job::random_job;
+    use trirrr_core::limits::LimitParameters;
+    use trirrr_core::message::{Command, Reply, Request};
+    use trirrr_core::tick::Tick;
+    use trirrr_core::torque::links::Massless;
+    use trirrr_core::torque::payload::Centred;
+
+    fn motors(setpoint: &Setpoint<f64>) -> Option<[Motor<f64>; 3]> {
+        let tick = Tick::<f64, Centred<f64>, Massless>::build(&parameters()).ok()?;
+        Some(tick.evaluate(setpoint).ok()?.motors)
+    }
+
+    /// A short job, and its samples with a command at some ticks.
+    fn played(commands: &[(u32, Command<f64>)]) -> (Vec<Move<f64>>, Vec<Telemetry<f64>>) {
+        let mut random = Random::new(7);
+        let mut job = random_job(&mut random, home());
+        while !(3..8).contains(&job.len()) {
+            job = random_job(&mut random, home());
+        }
+        let mut channels = DeviceChannels::new();
+        let mut device = Device::new(&mut channels, LimitParameters::default(), 0);
+        let mut sequence = 0;
+        let mut ask = |device: &mut Device, command| {
+            let request = Request { sequence, command };
+            sequence += u32::from(!matches!(command, Command::Hello(_)));
+            let reply = device.background.receive(&request);
+            assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
+        };
+        ask(&mut device, Command::Hello(hello()));
+        ask(&mut device, Command::Telemetry { every: 1 });
+        for (number, each) in (0..).zip(&job) {
+            ask(&mut device, Command::Move(Move { number, ..*each }));
+        }
+        while device.background.step() {}
+        device.tick();
+        while device.background.outgoing().is_some() {}
+        ask(&mut device, Command::Start);
+        let mut samples = Vec::new();
+        for tick in 0..2000 {
+            for (_, command) in commands.iter().filter(|(at, _)| *at == tick) {
+                ask(&mut device, *command);
+            }
+            device.tick();
+            while device.background.step() {}
+            samples.extend(device.sample());
+            while device.background.outgoing().is_some() {}
+        }
+        (job, samples)
+    }
+
+    fn watch(job: &[Move<f64>], samples: &[Telemetry<f64>]) -> Result<(), String> {
+        let mut witness = Witness::new(job, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ);
+        for sample in samples {
+            witness.see(sample, motors)?;
+        }
+        witness.complete()
+    }
+
+    #[test]
+    fn a_job_with_a_hold_is_what_it_should_be() {
+        let (job, samples) = played(&[(30, Command::Hold), (60, Command::Resume)]);
+        watch(&job, &samples).expect("as the service plays it");
+    }
+
+    #[test]
+    fn a_stop_ends_where_it_should_and_the_job_is_not_complete() {
+        let (job, samples) = played(&[(30, Command::Stop)]);
+        let error = watch(&job, &samples).expect_err("not played to its end");
+        assert!(error.contains("ended in move"), "{error}");
+    }
+
+    #[test]
+    fn whatever_is_other_than_it_should_is_seen() {
+        let (job, samples) = played(&[(30, Command::Hold), (60, Command::Resume)]);
+        type Change = fn(&mut Telemetry<f64>);
+        fn next(value: f64) -> f64 {
+            f64::from_bits(value.to_bits() + 1)
+        }
+        let changes: [Change; 10] = [
+            |sample| sample.setpoint.pose.position.x = next(sample.setpoint.pose.position.x),
+            |sample| sample.setpoint.velocity.y = next(sample.setpoint.velocity.y),
+            |sample| sample.setpoint.acceleration.z = next(sample.setpoint.acceleration.z),
+            |sample| sample.angles[0] = next(sample.angles[0]),
+            |sample| sample.rates[1] = next(sample.rates[1]),
+            |sample| sample.accelerations[2] = next(sample.accelerations[2]),
+            |sample| sample.torques[0] = next(sample.torques[0]),
+            |sample| sample.at += 1,
+            |sample| sample.tick += 1,
+            |sample| sample.lost = 1,
+        ];
+        // At normal speed, on the way to the hold, on the way back.
+        for tick in [10, 33, 64] {
+            for (which, change) in changes.iter().enumerate() {
+                let mut samples = samples.clone();
+                change(&mut samples[tick]);
+                assert!(watch(&job, &samples).is_err(), "{which} of tick {tick}");
+            }
+        }
+        let mut missing = samples.clone();
+        missing.remove(20);
+        assert!(watch(&job, &missing).is_err(), "a sample is missing");
+        assert!(watch(&job, &samples[..50]).is_err(), "the end is missing");
     }
 }

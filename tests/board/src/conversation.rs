@@ -1,0 +1,218 @@
+//! A client and a board, and a line between them that may damage what it carries.
+
+use crate::expected::Expected;
+use crate::port::{self, Port};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+use trirrr_core::message::{Message, Move, Telemetry, Transmit};
+use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
+use trirrr_host_sim::link::Frames;
+use trirrr_rig::faulty_link::{FaultyLink, Random};
+use trirrr_rig::sent::Sent;
+
+/// Longest look at the line while there is something else to do.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// How long the samples behind the end of a job may take.
+const LAST_SAMPLES: Duration = Duration::from_secs(5);
+
+/// A job that takes longer does not end.
+const LONGEST: Duration = Duration::from_secs(300);
+
+/// Of so many ticks, in one the user holds the job or resumes it.
+const HOLD_EVERY: u64 = 400;
+
+/// What happened on the line.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) requests: u64,
+    pub(crate) messages: u64,
+    pub(crate) repeated: u64,
+    pub(crate) dropped_frames: u64,
+    pub(crate) reconnects: u64,
+    pub(crate) holds: u64,
+}
+
+/// The line, over many jobs.
+pub(crate) struct Conversation {
+    port: Option<Port>,
+    pub(crate) to_board: FaultyLink,
+    pub(crate) to_client: FaultyLink,
+    sent_by_board: Sent,
+    frames: Frames,
+    /// For holds, and for where frames are split on their way; none leaves the job alone.
+    random: Option<Random>,
+    held: bool,
+    number: u32,
+    pub(crate) tally: Tally,
+}
+
+impl Conversation {
+    /// Over a line that damages nothing.
+    pub(crate) fn undisturbed(port: Port) -> Self {
+        Self::new(port, 0, 0, None)
+    }
+
+    /// Over a line that damages `percent` of all frames, with a user who holds the job now and then.
+    pub(crate) fn disturbed(port: Port, percent: u64, random: &mut Random) -> Self {
+        let seeds = [random.bits(), random.bits()];
+        let own = Random::new(random.bits());
+        let mut new = Self::new(port, 0, 0, Some(own));
+        new.to_board = FaultyLink::new(seeds[0], percent);
+        new.to_client = FaultyLink::new(seeds[1], percent);
+        new
+    }
+
+    fn new(port: Port, seed: u64, percent: u64, random: Option<Random>) -> Self {
+        Self {
+            port: Some(port),
+            to_board: FaultyLink::new(seed, percent),
+            to_client: FaultyLink::new(seed, percent),
+            sent_by_board: Sent::default(),
+            frames: Frames::default(),
+            random,
+            held: false,
+            number: std::process::id(),
+            tally: Tally::default(),
+        }
+    }
+
+    /// The line itself, when the conversation is over.
+    pub(crate) fn end(self) -> Result<Port> {
+        self.port.context("the line is lost")
+    }
+
+    /// Plays `moves` to their end. `see` gets each sample as the board sends it, and may break the
+    /// conversation off; after the end it is called for what follows until it does.
+    ///
+    /// # Errors
+    /// The job does not end as it should, or `see` complains.
+    pub(crate) fn play<N: Transmit>(
+        &mut self,
+        expected: &Expected<N>,
+        moves: Vec<Move<N>>,
+        mut see: impl FnMut(&Telemetry<N>, bool) -> Result<ControlFlow<()>>,
+    ) -> Result<Stream<N>> {
+        let patience = Patience {
+            answer: Duration::from_millis(if self.random.is_some() { 20 } else { 500 }),
+            attempts: 7,
+        };
+        self.number = self.number.wrapping_add(1000);
+        let mut client = Stream::new(moves, expected.hello, 1, patience, self.number);
+        let start = Instant::now();
+        let mut over: Option<Instant> = None;
+        let mut ticks = 0;
+        loop {
+            ensure!(
+                start.elapsed() < LONGEST,
+                "the job does not end: {:?}",
+                client.status()
+            );
+            let mut wait = LOOK;
+            if over.is_none() {
+                wait = match client.poll(start.elapsed()) {
+                    Action::Send(request) => {
+                        self.tally.requests += 1;
+                        self.to_board.send(&port::frame(&request));
+                        self.send()?;
+                        continue;
+                    }
+                    Action::Wait(until) => until.saturating_sub(start.elapsed()).min(LOOK),
+                    Action::Lost => {
+                        self.reconnect()?;
+                        client.reconnected();
+                        continue;
+                    }
+                    Action::Finished(result) => {
+                        result.map_err(|failure| anyhow!(client.describe(&failure)))?;
+                        over = Some(Instant::now());
+                        continue;
+                    }
+                };
+            }
+            let port = self.port.as_mut().context("the line is lost")?;
+            for frame in port.frames(wait.max(Duration::from_millis(1)))? {
+                let message = port::message::<N>(&frame)
+                    .with_context(|| format!("the board sends no frame: {frame:02X?}"))?;
+                self.tally.messages += 1;
+                self.sent_by_board.record(&frame);
+                self.to_client.send(&frame);
+                let Message::Telemetry(sample) = &message else {
+                    continue;
+                };
+                ticks += 1;
+                if see(sample, over.is_some())?.is_break() {
+                    self.tally.repeated += client.repeated();
+                    return Ok(client);
+                }
+            }
+            for _ in 0..std::mem::take(&mut ticks) {
+                self.ask_for_holds(&mut client);
+            }
+            self.hear(&mut client, start.elapsed())?;
+            if over.is_some_and(|over| over.elapsed() > LAST_SAMPLES) {
+                bail!("the samples of the job's end do not come");
+            }
+        }
+    }
+
+    /// Hands on what reaches the client.
+    fn hear<N: Transmit>(&mut self, client: &mut Stream<N>, now: Duration) -> Result<()> {
+        while let Some(bytes) = self.to_client.receive() {
+            let mut messages: Vec<Message<N>> = Vec::new();
+            self.frames
+                .receive(&bytes, |message| messages.push(message));
+            for message in messages {
+                self.sent_by_board
+                    .check(&port::frame(&message))
+                    .map_err(|why| anyhow!("the client: {why}"))?;
+                client.receive(&message, now);
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands on what reaches the board, in pieces where the line is a bad one.
+    fn send(&mut self) -> Result<()> {
+        let port = self.port.as_mut().context("the line is lost")?;
+        while let Some(bytes) = self.to_board.receive() {
+            let at = match &mut self.random {
+                Some(random) => random.below(bytes.len() as u64 + 1) as usize,
+                None => 0,
+            };
+            let (first, rest) = bytes.split_at(at);
+            port.send(first)?;
+            if let (Some(random), false) = (&mut self.random, first.is_empty() || rest.is_empty()) {
+                std::thread::sleep(Duration::from_micros(random.below(5000)));
+            }
+            port.send(rest)?;
+        }
+        Ok(())
+    }
+
+    /// Now and then the user holds the job, and resumes it.
+    fn ask_for_holds<N: Transmit>(&mut self, client: &mut Stream<N>) {
+        if let Some(random) = &mut self.random
+            && random.below(HOLD_EVERY) == 0
+        {
+            self.tally.holds += u64::from(!self.held);
+            client.ask(match self.held {
+                true => Ask::Resume,
+                false => Ask::Hold,
+            });
+            self.held = !self.held;
+        }
+    }
+
+    /// The line is torn and joined again; what was on it is lost, but for what the board sent: a
+    /// witness of every tick has to see that.
+    fn reconnect(&mut self) -> Result<()> {
+        self.tally.reconnects += 1;
+        self.to_board.clear();
+        self.to_client.clear();
+        self.tally.dropped_frames += u64::from(self.frames.counters().errors());
+        self.frames = Frames::default();
+        Ok(())
+    }
+}

@@ -1,0 +1,103 @@
+//! Tests of a board over its line, whatever is behind it: hardware, an emulator, `host-sim device`.
+//!
+//! ```sh
+//! cargo run --release -p trirrr-board-tests -- play scenes/thesis.toml --port tcp:127.0.0.1:7333
+//! ```
+//! The board has to be freshly reset, and the one that has the line to it.
+#![forbid(unsafe_code)]
+
+mod abandon;
+mod conversation;
+mod expected;
+mod play;
+mod port;
+mod torture;
+
+use anyhow::{Context, Result};
+use clap::{Args, Parser, Subcommand};
+use expected::Expected;
+use std::path::PathBuf;
+use std::time::Duration;
+use trirrr_core::message::Transmit;
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_host_sim::link::Address;
+use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::Scene;
+
+#[derive(Parser)]
+#[command(about = "Tests of a board over its line")]
+struct Cli {
+    #[command(subcommand)]
+    test: Test,
+}
+
+#[derive(Subcommand)]
+enum Test {
+    /// Play the scene's job with a sample of every tick, and compare all that the samples say
+    Play(Board),
+    /// Play random jobs over a line that damages frames in both directions
+    Torture {
+        #[command(flatten)]
+        board: Board,
+        /// Frames until the last job begins
+        #[arg(long, default_value_t = 20_000)]
+        frames: u64,
+        /// Of 100 frames, how many are damaged
+        #[arg(long, default_value_t = 20)]
+        percent: u64,
+        /// Seed of jobs and damage
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Leave the board in the middle of the job, see it stop, and play the job with another client
+    Abandon(Board),
+}
+
+#[derive(Args)]
+struct Board {
+    /// The scene that the board's image was built from
+    scene: PathBuf,
+    /// /dev/tty... or tcp:HOST:PORT
+    #[arg(long)]
+    port: Address,
+    /// Rate of a serial port
+    #[arg(long, default_value_t = 921_600)]
+    baud: u32,
+    /// Number type of the image [default: the scene's]
+    #[arg(long)]
+    scalar: Option<Scalar>,
+    /// Seconds that a freshly reset board may take to answer
+    #[arg(long, default_value_t = 20.0)]
+    patience: f64,
+}
+
+fn main() -> Result<()> {
+    let Cli { test } = Cli::parse();
+    let (Test::Play(board) | Test::Torture { board, .. } | Test::Abandon(board)) = &test;
+    let scene = Scene::read(&board.scene).context("the scene")?;
+    match board.scalar.unwrap_or_else(|| scene.number.into()) {
+        Scalar::F64 => run::<f64>(&test, board, &scene),
+        Scalar::F32 => run::<f32>(&test, board, &scene),
+        Scalar::Fixed => run::<Fixed>(&test, board, &scene),
+        Scalar::Micromath => run::<Coarse>(&test, board, &scene),
+    }
+}
+
+fn run<N: Transmit>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
+    let expected = Expected::<N>::of(scene)?;
+    let port = port::Port::open(
+        &board.port,
+        board.baud,
+        Duration::from_secs_f64(board.patience),
+    )?;
+    match test {
+        Test::Play(_) => play::run(&expected, port),
+        Test::Abandon(_) => abandon::run(&expected, port),
+        Test::Torture {
+            frames,
+            percent,
+            seed,
+            ..
+        } => torture::run(&expected, port, *frames, *percent, *seed),
+    }
+}

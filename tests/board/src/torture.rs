@@ -1,0 +1,103 @@
+//! Random jobs over a bad line: each has to be complete, each of its ticks exact.
+
+use crate::conversation::Conversation;
+use crate::expected::Expected;
+use crate::port::Port;
+use anyhow::{Context, Result, anyhow, ensure};
+use std::ops::ControlFlow;
+use trirrr_core::message::{Move, State, Transmit};
+use trirrr_host_sim::job;
+use trirrr_rig::faulty_link::{Fault, Random};
+use trirrr_rig::job::random_job;
+use trirrr_rig::witness::Witness;
+
+/// Standard deviations that the share of damaged frames may be from what was asked for.
+const DEVIATIONS: f64 = 6.0;
+
+pub(crate) fn run<N: Transmit>(
+    expected: &Expected<N>,
+    mut port: Port,
+    frames: u64,
+    percent: u64,
+    seed: u64,
+) -> Result<()> {
+    let mut random = Random::new(seed);
+    port.wait_for_board::<N>()?;
+    let mut line = Conversation::disturbed(port, percent, &mut random);
+    let (mut jobs, mut moves, mut samples) = (0, 0_u32, 0);
+    while line.to_board.frames() + line.to_client.frames() < frames {
+        let job = job_of(expected, &mut random);
+        let mut witness = Witness::new(&job, moves, expected.ramp(), expected.period());
+        moves = moves.wrapping_add(job.len() as u32);
+        let client = line
+            .play(expected, job, |sample, over| {
+                witness
+                    .see(sample, |setpoint| expected.motors(setpoint))
+                    .map_err(|why| anyhow!(why))?;
+                Ok(match over && sample.state == State::Idle {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                })
+            })
+            .and_then(|client| {
+                witness.complete().map_err(|why| anyhow!(why))?;
+                Ok(client)
+            })
+            .with_context(|| format!("job {jobs} of seed {seed}"))?;
+        let status = client.status().context("no status")?;
+        ensure!(
+            status.done == moves && status.lost == 0 && status.fault.is_none(),
+            "job {jobs} of seed {seed}: {status:?}"
+        );
+        jobs += 1;
+        samples += witness.samples();
+    }
+    let [to_board, to_client] = [line.to_board.frames(), line.to_client.frames()];
+    let damaged = line.to_board.damaged() + line.to_client.damaged();
+    let tally = line.tally;
+    println!(
+        "{jobs} jobs of {moves} moves complete, {samples} ticks exact; {to_board} frames to the board and \
+         {to_client} from it, {damaged} damaged, {} requests repeated, {} reconnects, {} holds (seed {seed})",
+        tally.repeated, tally.reconnects, tally.holds
+    );
+    for fault in Fault::ALL {
+        let made = line.to_board.count(fault) * line.to_client.count(fault);
+        ensure!(
+            percent == 0 || made > 0,
+            "{fault:?} was never tried in a direction"
+        );
+    }
+    let all = (to_board + to_client) as f64;
+    let rate = percent as f64 / 100.0;
+    // The rate is a whole number of 256ths, the next lower.
+    let least = rate - 1.0 / 256.0;
+    let deviation = (all * rate * (1.0 - rate)).sqrt();
+    ensure!(
+        (all * least - DEVIATIONS * deviation..=all * rate + DEVIATIONS * deviation)
+            .contains(&(damaged as f64)),
+        "{damaged} of {all} frames were damaged, {percent} % were asked for"
+    );
+    ensure!(
+        percent == 0 || (tally.repeated > 0 && tally.holds > 0),
+        "the client never had to ask again, or never held"
+    );
+    Ok(())
+}
+
+/// A random job where the scene's starts.
+fn job_of<N: Transmit>(expected: &Expected<N>, random: &mut Random) -> Vec<Move<N>> {
+    let mut scene = expected.scene.clone();
+    let moves = random_job(random, scene.job.start);
+    scene.job.moves = moves
+        .iter()
+        .map(|each| trirrr_scene::Move {
+            from: each.from,
+            to: each.to,
+            start_velocity: each.start_velocity.into(),
+            end_velocity: each.end_velocity.into(),
+            duration_ticks: each.ticks,
+            tool: None,
+        })
+        .collect();
+    job::moves(&scene, &expected.units)
+}
