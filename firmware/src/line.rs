@@ -7,6 +7,10 @@ use trirrr_core::message::{Message, Request};
 use trirrr_core::wire::schema::longest;
 use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
 
+/// Bits per second on the line, and on that of the log.
+pub(crate) const BAUD: u32 = 921_600;
+pub(crate) const LOG_BAUD: u32 = 115_200;
+
 /// Bytes that may wait between the interrupt and the background, and one place that stays empty:
 /// what 921,600 baud bring in 5.5 ms.
 pub(crate) const RECEIVED: usize = 512;

@@ -16,12 +16,26 @@ mod background;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+mod cause;
+#[cfg(target_os = "none")]
+mod failure;
+#[cfg(target_os = "none")]
 mod line;
 #[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
 mod outputs;
+#[cfg(all(target_os = "none", feature = "provoke"))]
+mod provoke;
+#[cfg(target_os = "none")]
+mod pulse;
 mod scene;
 #[cfg(target_os = "none")]
 mod station;
+#[cfg(target_os = "none")]
+mod systick;
+#[cfg(target_os = "none")]
+mod tick;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

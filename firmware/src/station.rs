@@ -6,10 +6,10 @@ use crate::scene::{
 };
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
-use trirrr_core::message::{Message, Request};
+use trirrr_core::message::{Board, Clock, FaultCode, Message, Request, Start};
 use trirrr_core::number::Number;
 use trirrr_core::service::{
-    self, BackgroundOf, Compiled, ForegroundOf, SceneIdentity, ServiceError, Settings, name,
+    self, BackgroundOf, Compiled, ForegroundOf, SceneIdentity, Settings, name,
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_core::wire::schema;
@@ -39,14 +39,12 @@ pub(crate) type Output = service::Output<Scalar>;
 
 /// Builds the service of the scene, the machine standing where its job starts.
 ///
-/// # Errors
-/// A machine, limits or a pose that the scene's number type cannot hold.
-pub(crate) fn build(
-    channels: &'static mut Channels,
-) -> Result<(Foreground, Background), ServiceError> {
+/// Where the board started because it had failed, that is a fault: the drives stay off until the
+/// host has acknowledged it.
+pub(crate) fn build(channels: &'static mut Channels, board: Board) -> (Foreground, Background) {
     let [x, y, alpha] = START;
     let [length_m, time_s, mass_kg] = UNITS_SI;
-    channels.split(
+    let halves = channels.split(
         Compiled {
             parameters: &MACHINE,
             limits: &MACHINE_LIMITS,
@@ -66,6 +64,38 @@ pub(crate) fn build(
                 time_s,
                 mass_kg,
             },
+            board,
         },
-    )
+    );
+    note(&board);
+    // The build script has built this very service.
+    let (mut foreground, background) = halves.expect("the scene can be built");
+    if board.start.is_failure() {
+        foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
+    }
+    (foreground, background)
+}
+
+/// How the board has started, for the log.
+fn note(board: &Board) {
+    defmt::info!("scene {=str}, {=f64} ticks per second", NAME, TICK_RATE_HZ);
+    match board.clock {
+        Clock::Crystal | Clock::Emulated | Clock::Host => {}
+        Clock::Internal => defmt::warn!("the crystal does not start: internal oscillator and PLL"),
+        Clock::Slow => defmt::warn!("no crystal and no PLL: internal oscillator"),
+    }
+    match &board.start {
+        Start::Power | Start::Reset => {}
+        Start::Watchdog => defmt::error!("started by the watchdog"),
+        Start::Panic { file, line } => {
+            let file = core::str::from_utf8(file).unwrap_or_default();
+            defmt::error!("started after a panic in {=str}, line {=u32}", file, line);
+        }
+        Start::HardFault(at) => {
+            defmt::error!("started after a hard fault at {=u32:#x}", at.pc);
+        }
+        Start::StackOverflow(at) => {
+            defmt::error!("started after a stack overflow at {=u32:#x}", at.pc);
+        }
+    }
 }

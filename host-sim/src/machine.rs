@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
+use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Transmit};
 use trirrr_core::service::{
     self, Adjustable, Background, Channels, Foreground, Put, SceneIdentity, ServiceError, Settings,
     Setup, Take, name,
@@ -28,6 +28,10 @@ const SAMPLES: usize = 63 + 1;
 pub trait Machine<N: Transmit> {
     /// One tick.
     fn tick(&mut self);
+
+    /// Says how long the last tick took, ns. It is told on and is no fault, however long: a host
+    /// keeps no deadlines.
+    fn took(&mut self, duration_ns: u32);
 
     /// Takes a request; the answer to it.
     fn receive(&mut self, request: &Request<N>) -> Reply<N>;
@@ -140,6 +144,7 @@ fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
             time_s: units.time_s(),
             mass_kg: units.of(0, 0, 1),
         },
+        board: Board::HOST,
     }
 }
 
@@ -161,6 +166,10 @@ where
 {
     fn tick(&mut self) {
         self.foreground.tick();
+    }
+
+    fn took(&mut self, duration_ns: u32) {
+        self.foreground.took(duration_ns, u32::MAX);
     }
 
     fn receive(&mut self, request: &Request<N>) -> Reply<N> {

@@ -1,5 +1,7 @@
 //! What a machine says, in words and SI units.
 
+pub mod board;
+
 use trirrr_core::message::{
     Acting, Bounded, DriveFault, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
 };
@@ -185,8 +187,11 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
         FaultCode::SerialSingular => leg("stretched or folded"),
         FaultCode::ParallelSingular => "parallel singular: the torques are not defined".into(),
         FaultCode::OutOfRange => "a result was out of the range of the number type".into(),
-        FaultCode::Overrun => "a tick took longer than its period, or was missed".into(),
+        FaultCode::Overrun => format!("a tick took {} of its period", value()),
         FaultCode::Drive(what) => drive(what, fault.index, &value()),
+        FaultCode::Board if fault.value == N::ONE => {
+            "the board has started anew because it had failed".into()
+        }
         FaultCode::Board => format!("the board reports its code {}", value()),
     };
     format!("{text} (tick {})", fault.tick)
@@ -363,6 +368,17 @@ mod tests {
         assert_eq!(
             fault(&found, &Units::si(500.0)),
             "leg 3 is out of reach (tick 77)"
+        );
+        let found = Fault {
+            code: FaultCode::Overrun,
+            index: None,
+            value: 1.25,
+            limit: 1.0,
+            tick: 9,
+        };
+        assert_eq!(
+            fault(&found, &Units::si(500.0)),
+            "a tick took 1.25 of its period (tick 9)"
         );
         let found = Fault {
             code: FaultCode::Limit(Bounded::Rate),

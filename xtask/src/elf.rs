@@ -63,6 +63,12 @@ pub(crate) fn check_boot(file: &Path, memory: Memory) -> Result<()> {
             .section_by_name(".vector_table")
             .context("no vector table")?;
         check_vectors(table.address(), table.data()?, memory)?;
+        let variables = elf.sections().filter(|section| {
+            let (ram, length) = memory.ram;
+            section.size() > 0 && (ram..ram + length).contains(&section.address())
+        });
+        let lowest = variables.map(|section| section.address()).min();
+        check_stack(word(table.data()?, 0), lowest)?;
         for segment in elf.elf_program_headers() {
             let endian = Endianness::Little;
             if segment.p_type(endian) == PT_LOAD {
@@ -95,6 +101,18 @@ fn check_vectors(address: u64, table: &[u8], memory: Memory) -> Result<()> {
         reset % 2 == 1 && (flash..flash + flash_length).contains(&reset),
         "the reset handler is {reset:#010x}, which is no Thumb code in flash"
     );
+    Ok(())
+}
+
+/// A stack below everything else in RAM runs out of the RAM and not into the variables.
+fn check_stack(stack: Option<u64>, variables: Option<u64>) -> Result<()> {
+    if let (Some(stack), Some(variables)) = (stack, variables) {
+        ensure!(
+            stack <= variables,
+            "the stack starts at {stack:#010x}, above variables at {variables:#010x}: it would run \
+             into them"
+        );
+    }
     Ok(())
 }
 

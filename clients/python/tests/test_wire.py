@@ -6,8 +6,8 @@ from pathlib import Path
 
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
-    Acting, Bounded, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, Refusal, Reply,
-    Request, Setpoint, State, Telemetry, Verdict, Violation,
+    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, Refusal, Reply,
+    Request, Setpoint, Start, State, Telemetry, Verdict, Violation,
 )
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
@@ -53,6 +53,7 @@ EXAMPLES = {
         silence_ticks=1000,
         queue=15,
         next_sequence=300,
+        board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
     )))),
     "status": (F32, Request, Request(301, Command.Status())),
     "move": (F32, Request, move(single)),

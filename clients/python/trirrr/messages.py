@@ -263,6 +263,41 @@ Request = Struct(
     command=Command,
 )
 
+Registers = Struct(
+    "Registers",
+    pc=U32,
+    lr=U32,
+    sp=U32,
+    status=U32,
+    address=U32,
+)
+
+Clock = Enum(
+    "Clock",
+    Host=None,
+    Crystal=None,
+    Internal=None,
+    Slow=None,
+    Emulated=None,
+)
+
+Start = Enum(
+    "Start",
+    Power=None,
+    Reset=None,
+    Watchdog=None,
+    Panic={"file": array(BYTE, 32), "line": U32},
+    HardFault=Registers,
+    StackOverflow=Registers,
+)
+
+Board = Struct(
+    "Board",
+    timer_hz=U32,
+    clock=Clock,
+    start=Start,
+)
+
 Identity = Struct(
     "Identity",
     protocol=U16,
@@ -277,6 +312,7 @@ Identity = Struct(
     silence_ticks=U32,
     queue=BYTE,
     next_sequence=U32,
+    board=Board,
 )
 
 Verdict = Struct(

@@ -13,6 +13,7 @@
 //! Every type is a serde type of fixed layout: no maps, no strings, no sequences of unknown
 //! length. A variant is known by its place, so variants are added at the end and never moved.
 
+mod board;
 mod command;
 mod refusal;
 mod report;
@@ -22,6 +23,7 @@ mod state;
 mod tests;
 mod violation;
 
+pub use board::{Board, Clock, Registers, Start};
 pub use command::{Command, Hello, Move, Recovery, Request};
 pub use refusal::Refusal;
 pub use report::{Event, Identity, Message, NAME_CAPACITY, Reply, Status, Telemetry, Verdict};

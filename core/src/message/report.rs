@@ -1,6 +1,7 @@
 //! What a machine says.
 
 use super::Transmit;
+use super::board::Board;
 use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
@@ -78,6 +79,8 @@ pub struct Identity {
     pub queue: u8,
     /// Sequence number of the next request.
     pub next_sequence: u32,
+    /// What carries it.
+    pub board: Board,
 }
 
 /// Where everything stands.
@@ -109,7 +112,8 @@ pub struct Status<N: Number> {
     pub end: Option<Setpoint<N>>,
     /// Telemetry samples that were dropped because nobody fetched them, modulo 2^32.
     pub lost: u32,
-    /// The longest tick, in counts of the board's timer.
+    /// The longest tick so far, from when it was due until its outputs stood, in counts of the
+    /// board's timer.
     pub longest_tick: u32,
 }
 
@@ -174,7 +178,8 @@ pub struct Telemetry<N: Number> {
     pub torques: [N; 3],
     /// Power of the tool, 0 to 1.
     pub tool: N,
-    /// How long the tick before took, in counts of the board's timer.
+    /// How long the tick before took, from when it was due until its outputs stood, in counts of
+    /// the board's timer.
     pub duration: u32,
     /// Samples dropped so far because nobody fetched them, modulo 2^32.
     pub lost: u32,

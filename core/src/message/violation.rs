@@ -78,11 +78,13 @@ pub enum FaultCode {
     ParallelSingular,
     /// The setpoint had no motion: a result beyond the range of the number type.
     OutOfRange,
-    /// A tick took longer than its period, or was missed.
+    /// A tick was not done when the next was due; the value is the time that it took over the
+    /// period, at most 2, the limit 1.
     Overrun,
     /// A drive does not do what it was told.
     Drive(DriveFault),
-    /// The board reports a fault; the value is its own code.
+    /// The board reports a fault; the value is its own code. 1: it started anew because it had
+    /// failed, and its identity says how.
     Board,
 }
 

@@ -1,6 +1,6 @@
 //! What a service is told when it is built.
 
-use crate::message::{Identity, NAME_CAPACITY, PROTOCOL};
+use crate::message::{Board, Identity, NAME_CAPACITY, PROTOCOL};
 use crate::number::Number;
 use crate::units::Units;
 
@@ -17,6 +17,8 @@ pub struct Settings<N: Number> {
     pub telemetry_every: u16,
     /// What is said of the scene in answer to a hello.
     pub scene: SceneIdentity,
+    /// What is said of what carries the service.
+    pub board: Board,
 }
 
 /// What a machine tells of its scene.
@@ -100,6 +102,7 @@ impl<N: Number> Settings<N> {
             silence_ticks: self.silence_ticks,
             queue,
             next_sequence,
+            board: self.board,
         }
     }
 }

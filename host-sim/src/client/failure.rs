@@ -1,7 +1,7 @@
 //! How a job ends when it does not end at its end.
 
 use crate::words::{self, Units};
-use trirrr_core::message::{Acting, Fault, Refusal, State, Transmit, Violation};
+use trirrr_core::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
 
 /// Why a job was not played to its end. Moves are counted from 0 here and from 1 in messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +36,8 @@ pub enum Failure<N: Transmit> {
         /// What acted last.
         acting: Acting,
     },
-    /// The machine knows nothing of the job any more: it was switched off and on.
-    Restarted,
+    /// The machine knows nothing of the job any more: it started anew, and why.
+    Restarted(Start),
 }
 
 impl<N: Transmit> Failure<N> {
@@ -68,7 +68,10 @@ impl<N: Transmit> Failure<N> {
                 "the machine stopped by itself and dropped the rest of the job, {done} moves done: {}",
                 words::state(State::Idle, *acting)
             ),
-            Self::Restarted => "the machine was switched off and on during the job".into(),
+            Self::Restarted(start) => format!(
+                "the machine started anew during the job: {}",
+                words::board::start(start)
+            ),
         }
     }
 

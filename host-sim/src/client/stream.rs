@@ -304,12 +304,17 @@ impl<N: Transmit> Stream<N> {
             return self.end(Failure::Inadmissible { index, violation });
         }
         let before = self.status.replace(status);
+        // Ticks only go forwards.
+        let restarted =
+            before.is_some_and(|before| status.tick.wrapping_sub(before.tick) > u32::MAX / 2);
+        if let Some(identity) = &self.identity
+            && (restarted || taken > self.moves())
+        {
+            // Taken less than before is seen as a huge number.
+            return self.finish(Err(Failure::Restarted(identity.board.start)));
+        }
         if first && before.is_none() && (!standing || status.next != status.done) {
             return self.finish(Err(Failure::Occupied(status.state)));
-        }
-        if taken > self.moves() {
-            // Less than before, seen as a huge number, or more than there are.
-            return self.finish(Err(Failure::Restarted));
         }
         // A machine that was stopped in the last move has dropped nothing that it had not begun.
         let stopped = standing && matches!(status.acting, Acting::Stop | Acting::Silence);

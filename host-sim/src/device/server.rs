@@ -5,7 +5,7 @@ use super::diary::Diary;
 use crate::link::Listener;
 use crate::machine::Machine;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use trirrr_core::message::{Message, Transmit};
 
 /// Slices of background work between two looks at the link.
@@ -42,7 +42,10 @@ impl<'a, N: Transmit> Server<'a, N> {
     /// # Errors
     /// As [`Server::serve`].
     pub(super) fn tick(&mut self) -> io::Result<()> {
+        let start = Instant::now();
         self.machine.tick();
+        let took = u32::try_from(start.elapsed().as_nanos());
+        self.machine.took(took.unwrap_or(u32::MAX));
         self.diary.tick();
         self.serve().map(|_| ())
     }

@@ -121,6 +121,7 @@ fn stream<N: Transmit>(
         scalar,
         address: &args.port,
         board: stream.identity(),
+        longest: stream.status().map(|status| status.longest_tick),
         done: stream.done(),
         moves: stream.moves(),
         every,

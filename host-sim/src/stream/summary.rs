@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::link::Address;
 use crate::recording::Recorded;
 use crate::scalar::Scalar;
+use crate::words;
 use std::io::{self, Write};
 use std::path::Path;
 use trirrr_core::message::Identity;
@@ -17,6 +18,8 @@ pub(super) struct Summary<'a> {
     pub(super) scalar: Scalar,
     pub(super) address: &'a Address,
     pub(super) board: Option<&'a Identity>,
+    /// The longest tick in counts of the board's timer.
+    pub(super) longest: Option<u32>,
     pub(super) done: u32,
     pub(super) moves: u32,
     pub(super) every: u16,
@@ -61,6 +64,25 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         None => "did not answer".into(),
     };
     line("board", &format!("{board} ({})", summary.address))?;
+    if let Some(identity) = summary.board {
+        let board = &identity.board;
+        if let Some(text) = words::board::clock(board.clock) {
+            line("warning", text)?;
+        }
+        if board.start.is_failure() {
+            let why = words::board::start(&board.start);
+            line("warning", &format!("why the board started last: {why}"))?;
+        }
+        if let Some(longest) = summary.longest.filter(|longest| *longest > 0) {
+            let longest = 1e6 * f64::from(longest) / f64::from(board.timer_hz.max(1));
+            let period = words::short(1e6 / identity.tick_rate_hz);
+            let longest = words::short(longest);
+            line(
+                "ticks",
+                &format!("the longest took {longest} of {period} us"),
+            )?;
+        }
+    }
     let (done, moves) = (summary.done, summary.moves);
     let job = match summary.end {
         Some(End::Complete) => format!("{done} of {moves} moves done"),

@@ -4,7 +4,7 @@
 use nalgebra::Vector2;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
-use trirrr_core::message::{Hello, Message, PROTOCOL, Request, Telemetry};
+use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Request, Telemetry};
 use trirrr_core::service::{
     Adjustable, BackgroundOf, Channels, ForegroundOf, Output, SceneIdentity, Settings, name,
 };
@@ -113,6 +113,7 @@ impl<'q> Device<'q> {
                 time_s: 1.0,
                 mass_kg: 1.0,
             },
+            board: Board::HOST,
         };
         let (foreground, background) = channels
             .split(Adjustable::new(parameters(), limits), home(), settings)

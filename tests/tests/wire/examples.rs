@@ -7,8 +7,8 @@ use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::message::{
-    Acting, Bounded, Command, Event, Hello, Identity, Message, Move, NAME_CAPACITY, PROTOCOL,
-    Refusal, Reply, Request, State, Telemetry, Transmit, Verdict, Violation,
+    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NAME_CAPACITY,
+    PROTOCOL, Refusal, Reply, Request, Start, State, Telemetry, Transmit, Verdict, Violation,
 };
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::wire::schema::key;
@@ -100,6 +100,11 @@ fn identity() -> Message<f32> {
             silence_ticks: 1000,
             queue: 15,
             next_sequence: 300,
+            board: Board {
+                timer_hz: 168_000_000,
+                clock: Clock::Crystal,
+                start: Start::Power,
+            },
         }),
     }
 }

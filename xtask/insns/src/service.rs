@@ -7,7 +7,7 @@ use crate::scene::{
 use nalgebra::Vector3;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
-use trirrr_core::message::Move;
+use trirrr_core::message::{Board, Move};
 use trirrr_core::number::Number;
 use trirrr_core::service::{
     BackgroundOf, Channels, Compiled, ForegroundOf, SceneIdentity, Settings, key, name,
@@ -58,6 +58,7 @@ pub fn settings() -> Settings<Scalar> {
             time_s: 1.0,
             mass_kg: 1.0,
         },
+        board: Board::HOST,
     }
 }
 

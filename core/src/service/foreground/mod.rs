@@ -225,13 +225,29 @@ where
         });
     }
 
-    /// Says how long the last tick took, in counts of the board's timer.
-    pub fn took(&mut self, duration: u32) {
+    /// Says how long the last tick took, from when it was due until its outputs stood, and from
+    /// one tick to the next, both in counts of the board's timer. Whether it was in time; if not,
+    /// that is a [fault](FaultCode::Overrun), and the [output](Foreground::output) is off.
+    #[inline]
+    pub fn took(&mut self, duration: u32, period: u32) -> bool {
         self.duration = duration;
         let longest = self.shared.longest.load(Ordering::Relaxed);
         if duration > longest {
             self.shared.longest.store(duration, Ordering::Relaxed);
         }
+        let in_time = duration <= period;
+        if !in_time {
+            self.overrun(duration, period);
+        }
+        in_time
+    }
+
+    #[cold]
+    fn overrun(&mut self, duration: u32, period: u32) {
+        // Two periods are the most that every board can tell.
+        let late = (duration - period).min(period);
+        let value = N::ONE + N::ratio(late, period);
+        self.raise(FaultCode::Overrun, None, value, N::ONE);
     }
 
     /// Says where the motors are, for a machine that has just found out (homing, encoders). Heard

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
+use crate::number::Fixed;
 
 fn running() -> Rig<f64> {
     let mut rig = Rig::new();
@@ -230,10 +231,52 @@ fn a_setpoint_without_a_motion_is_a_fault() {
 fn the_longest_tick_is_remembered() {
     let mut rig = Rig::<f64>::new();
     for duration in [100, 700, 300] {
-        rig.foreground.took(duration);
+        assert!(rig.foreground.took(duration, 700));
         rig.tick();
     }
     assert_eq!(rig.status().longest_tick, 700);
     let durations: Vec<u32> = rig.telemetry.iter().map(|sample| sample.duration).collect();
     assert_eq!(durations, [100, 700, 300]);
+}
+
+#[test]
+fn a_tick_that_is_not_done_when_the_next_is_due_is_a_fault() {
+    let mut rig = running();
+    assert!(rig.foreground.took(1000, 1000));
+    assert!(rig.foreground.output().enabled);
+    assert!(!rig.foreground.took(1250, 1000));
+    // At once, not with the next tick only.
+    assert!(!rig.foreground.output().enabled);
+    rig.tick();
+    let status = rig.status();
+    let fault = status.fault.unwrap();
+    assert_eq!((fault.code, fault.index), (FaultCode::Overrun, None));
+    assert_eq!((fault.value, fault.limit, fault.tick), (1.25, 1.0, 30));
+    assert_eq!((status.state, status.longest_tick), (State::Fault, 1250));
+    // Latched: ticks that are in time do not lift it.
+    assert!(rig.foreground.took(10, 1000));
+    assert!(!rig.tick().enabled);
+    rig.done(Command::ClearFault);
+    rig.ticks(1);
+    assert_eq!(rig.status().state, State::Cleared);
+}
+
+/// However late a tick is, its fault has a value in every number type.
+#[test]
+fn the_value_of_an_overrun_fits_the_number_type() {
+    for (duration, period) in [
+        (3001, 1000),
+        (1001, 1000),
+        (u32::MAX, 1),
+        (u32::MAX, u32::MAX - 1),
+    ] {
+        let mut rig = Rig::<Fixed>::new();
+        rig.foreground.took(duration, period);
+        rig.ticks(1);
+        let value = rig.status().fault.unwrap().value.to_f64();
+        assert!(
+            (1.0..=2.0).contains(&value),
+            "{duration} of {period}: {value}"
+        );
+    }
 }

@@ -11,8 +11,8 @@ use super::*;
 use crate::limits::LimitParameters;
 use crate::machine::{Parameters, example};
 use crate::message::{
-    Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request, State,
-    Status, Telemetry,
+    Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
+    State, Status, Telemetry,
 };
 use crate::number::Number;
 use crate::setpoint::Pose;
@@ -81,6 +81,7 @@ fn settings_in<N: Number>(units: Units) -> Settings<N> {
             time_s: units.time_s(),
             mass_kg: units.of(0, 0, 1),
         },
+        board: Board::HOST,
     }
 }
 

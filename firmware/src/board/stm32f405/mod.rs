@@ -1,22 +1,40 @@
-//! STM32F405: the line on USART2 (PA2 TX, PA3 RX), the tick on SysTick.
+//! STM32F405: the line on USART2 (PA2 TX, PA3 RX), the log on USART3 (PB10 TX), the tick on
+//! SysTick.
 
-use defmt_rtt as _;
-use panic_probe as _;
+mod clock;
+mod registers;
+mod reset;
+
+pub(crate) use registers::{RAM, fault_status, outputs_off};
+
+/// The clock of the core, Hz, where the PLL starts.
+pub(crate) const CORE_HZ: u32 = 168_000_000;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
+    use super::clock::{self, HSI_HZ};
+    use super::{CORE_HZ, reset};
     use crate::background::Background;
-    use crate::line::RECEIVED;
-    use crate::outputs::{NoOutputs, Outputs};
+    use crate::line::{BAUD, LOG_BAUD, RECEIVED};
+    use crate::outputs::NoOutputs;
+    use crate::pulse::Pulse;
     use crate::scene::TICK_RATE_HZ;
-    use crate::station::{self, Channels, Foreground};
-    use cortex_m::peripheral::syst::SystClkSource;
+    use crate::station::{self, Channels};
+    use crate::systick::{TickClock, period};
+    use crate::tick::Tick;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
-    use stm32f4xx_hal::pac::USART2;
+    use stm32f4xx_hal::pac::{USART2, USART3};
     use stm32f4xx_hal::prelude::*;
-    use stm32f4xx_hal::rcc::Config;
     use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+    use trirrr_core::message::{Board, Clock};
+
+    /// Without a tick in time for so long, the board starts anew, ms: four ticks at least.
+    const WATCHDOG_MS: u32 = const {
+        let four = (4000.0 / TICK_RATE_HZ) as u32 + 1;
+        if four > 200 { four } else { 200 }
+    };
 
     #[shared]
     struct Shared {}
@@ -25,47 +43,63 @@ mod app {
     struct Local {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
-        foreground: Foreground,
-        outputs: NoOutputs,
-        background: Background<Tx<USART2>>,
+        clock: TickClock,
+        tick: Tick<NoOutputs>,
+        background: Background<Tx<USART2>, Tx<USART3>>,
+        watchdog: IndependentWatchdog,
+        pulse: Pulse,
     }
 
-    #[init(local = [channels: Channels = Channels::new(), bytes: Queue<u8, RECEIVED> = Queue::new()])]
+    #[init(local = [
+        channels: Channels = Channels::new(),
+        bytes: Queue<u8, RECEIVED> = Queue::new(),
+    ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
             channels, bytes, ..
         } = context.local;
         let device = context.device;
-        let core_hz = match device.DBGMCU.idcode().read().bits() {
-            0 => 168_000_000.0,
-            _ => 16_000_000.0,
+        let start = reset::cause(&device.RCC);
+        let (clock, configuration) = clock::choose(&device.RCC, &device.DBGMCU);
+        let (timer_hz, period) = match clock {
+            Clock::Slow => (HSI_HZ, const { period(HSI_HZ) }),
+            _ => (CORE_HZ, const { period(CORE_HZ) }),
         };
-        let mut rcc = device.RCC.freeze(Config::hsi());
-        let pins = device.GPIOA.split(&mut rcc);
-        let settings = serial::Config::default().baudrate(115_200.bps());
-        let serial = Serial::new(device.USART2, (pins.pa2, pins.pa3), settings, &mut rcc);
-        let (transmitter, mut receiver) = defmt::unwrap!(serial.ok()).split();
-        receiver.listen();
-        let (received, out) = bytes.split();
+        let mut rcc = device.RCC.freeze(configuration);
 
-        let (foreground, background) = defmt::unwrap!(station::build(channels).ok());
-        let mut systick = context.core.SYST;
-        systick.set_clock_source(SystClkSource::Core);
-        systick.set_reload((core_hz / TICK_RATE_HZ + 0.5) as u32 - 1);
-        systick.clear_current();
-        systick.enable_interrupt();
-        systick.enable_counter();
+        let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
+        let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
+        let line = Serial::new(device.USART2, (a.pa2, a.pa3), settings(BAUD), &mut rcc);
+        let (line, mut receiver) = line.expect("16 MHz divide into the baud rate").split();
+        receiver.listen();
+        let log = device.USART3.tx(b.pb10, settings(LOG_BAUD), &mut rcc);
+        let log = log.expect("16 MHz divide into the baud rate");
+
+        let board = Board {
+            timer_hz,
+            clock,
+            start,
+        };
+        let (foreground, background) = station::build(channels, board);
+        let (received, out) = bytes.split();
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.stop_on_debug(&device.DBGMCU, true);
+        watchdog.start(WATCHDOG_MS.millis());
         let local = Local {
             receiver,
             received,
-            foreground,
-            outputs: NoOutputs,
-            background: Background::new(background, out, transmitter),
+            clock: TickClock::start(context.core.SYST, period),
+            tick: Tick::new(foreground, NoOutputs),
+            background: Background::new(background, out, line, log),
+            watchdog,
+            pulse: Pulse::default(),
         };
         (Shared {}, local)
     }
 
-    /// Above the tick: the receiver holds one byte and no more.
+    /// A byte from the line into its queue: nothing else is above the tick. The receiver holds one
+    /// byte and no more, and at 921,600 baud the next one is there 1,822 cycles later, which is less
+    /// than a tick may take.
     #[task(binds = USART2, priority = 3, local = [receiver, received])]
     fn line(context: line::Context) {
         // A byte that is damaged or finds no room damages its frame, which the host repeats.
@@ -74,16 +108,34 @@ mod app {
         }
     }
 
-    #[task(binds = SysTick, priority = 2, local = [foreground, outputs])]
+    #[task(binds = SysTick, priority = 2, local = [tick, clock])]
     fn tick(context: tick::Context) {
-        let output = context.local.foreground.tick();
-        context.local.outputs.apply(output);
+        let tick::LocalResources { tick, clock, .. } = context.local;
+        tick.run();
+        tick.took(clock.elapsed(), clock.period());
     }
 
-    #[idle(local = [background])]
+    #[idle(local = [background, watchdog, pulse])]
     fn idle(context: idle::Context) -> ! {
+        let idle::LocalResources {
+            background,
+            watchdog,
+            pulse,
+            ..
+        } = context.local;
         loop {
-            while context.local.background.step() {}
+            if pulse.beats() {
+                watchdog.feed();
+            }
+            if !background.step() {
+                // With interrupts held, so that none comes between the look and the sleep; one
+                // that comes then ends it.
+                cortex_m::interrupt::free(|_| {
+                    if !background.is_called() {
+                        cortex_m::asm::wfi();
+                    }
+                });
+            }
         }
     }
 }

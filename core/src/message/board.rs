@@ -1,0 +1,84 @@
+//! What a board tells of itself: its timer, its clock, and why it started.
+
+use super::report::NAME_CAPACITY;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// What carries the service.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Board {
+    /// Counts per second of the timer that ticks are timed with.
+    pub timer_hz: u32,
+    /// What its clock comes from.
+    pub clock: Clock,
+    /// Why it started last.
+    pub start: Start,
+}
+
+/// Where a board's clock comes from: how true its rate of ticks is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Clock {
+    /// No board: the clock of a host.
+    Host,
+    /// A crystal, as it should be.
+    Crystal,
+    /// The crystal does not start: an internal oscillator, some 1 % off, at full speed.
+    Internal,
+    /// Nor does the PLL: the internal oscillator itself, and the board is slow.
+    Slow,
+    /// An emulator's.
+    Emulated,
+}
+
+/// Why a board started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Start {
+    /// It was switched on.
+    Power,
+    /// The reset pin, a programmer, or a supply that sagged.
+    Reset,
+    /// The watchdog: ticks did not come, or not in time.
+    Watchdog,
+    /// The program met what cannot be.
+    Panic {
+        /// The source file, ASCII: the end of its path, zeros behind it.
+        file: [u8; NAME_CAPACITY],
+        /// The line.
+        line: u32,
+    },
+    /// The processor met an instruction that it cannot execute or an address that is not there.
+    HardFault(Registers),
+    /// The same, for the stack had no room left.
+    StackOverflow(Registers),
+}
+
+/// The processor at a fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Registers {
+    /// The instruction; 0 where the stack was lost.
+    pub pc: u32,
+    /// Where its function was called from; 0 where the stack was lost.
+    pub lr: u32,
+    /// The stack pointer.
+    pub sp: u32,
+    /// The processor's own words for it: on a Cortex-M4 the register CFSR, 0 where there is none.
+    pub status: u32,
+    /// The address that was asked for, 0 where it is not known.
+    pub address: u32,
+}
+
+impl Start {
+    /// Whether it started because it had failed.
+    pub fn is_failure(&self) -> bool {
+        !matches!(self, Self::Power | Self::Reset)
+    }
+}
+
+impl Board {
+    /// No board but a host, which times its ticks in ns.
+    pub const HOST: Self = Self {
+        timer_hz: 1_000_000_000,
+        clock: Clock::Host,
+        start: Start::Power,
+    };
+}

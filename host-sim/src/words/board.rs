@@ -1,0 +1,84 @@
+//! What a board tells of itself, in words.
+
+use trirrr_core::message::{Clock, Registers, Start};
+
+/// What is wrong with the board's clock, if anything is.
+pub fn clock(clock: Clock) -> Option<&'static str> {
+    match clock {
+        Clock::Host | Clock::Crystal | Clock::Emulated => None,
+        Clock::Internal => {
+            Some("the crystal does not start: the internal oscillator serves, some 1 % off")
+        }
+        Clock::Slow => Some(
+            "neither the crystal nor the PLL starts: the internal oscillator serves, some 1 % off, \
+             and the board is slow",
+        ),
+    }
+}
+
+/// Why the board started last.
+pub fn start(start: &Start) -> String {
+    match start {
+        Start::Power => "it was switched on".into(),
+        Start::Reset => "it was reset, or its supply sagged".into(),
+        Start::Watchdog => "its watchdog: ticks did not come in time".into(),
+        Start::Panic { file, line } => {
+            let length = file.iter().position(|byte| *byte == 0);
+            let file = &file[..length.unwrap_or(file.len())];
+            format!("a panic in {}, line {line}", String::from_utf8_lossy(file))
+        }
+        Start::HardFault(registers) => format!("a hard fault{}", at(registers)),
+        Start::StackOverflow(registers) => format!("its stack ran over{}", at(registers)),
+    }
+}
+
+fn at(registers: &Registers) -> String {
+    let Registers {
+        pc,
+        lr,
+        sp,
+        status,
+        address,
+    } = registers;
+    format!(
+        " at {pc:#010x}, called from {lr:#010x}, stack {sp:#010x}, status {status:#010x}, \
+         address {address:#010x}"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trirrr_core::message::NAME_CAPACITY;
+
+    #[test]
+    fn a_panic_names_its_place() {
+        let mut file = [0; NAME_CAPACITY];
+        file[..7].copy_from_slice(b"line.rs");
+        let panic = Start::Panic { file, line: 12 };
+        assert_eq!(start(&panic), "a panic in line.rs, line 12");
+        // As long as there is room: no zero behind it.
+        let long = Start::Panic {
+            file: [b'a'; NAME_CAPACITY],
+            line: 1,
+        };
+        assert_eq!(start(&long).len(), "a panic in , line 1".len() + 32);
+        assert!(panic.is_failure() && !Start::Power.is_failure());
+    }
+
+    #[test]
+    fn a_hard_fault_names_its_registers() {
+        let registers = Registers {
+            pc: 0x0800_1234,
+            lr: 0x0800_4321,
+            sp: 0x2000_0010,
+            status: 0x8200,
+            address: 0x4000_0000,
+        };
+        assert_eq!(
+            start(&Start::HardFault(registers)),
+            "a hard fault at 0x08001234, called from 0x08004321, stack 0x20000010, status \
+             0x00008200, address 0x40000000"
+        );
+    }
+}
