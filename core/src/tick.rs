@@ -8,15 +8,15 @@ use crate::machine::{BuildError, Geometry, Parameters};
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::status::Status;
-use crate::torque::balance::{Balance, Forces};
+use crate::torque::balance::{Forces, Solve};
 use crate::torque::links::{LegLoad, Links, Massless};
 use crate::torque::payload::{Centred, Payload};
 
 /// The pipeline with its coefficients, immutable once built.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick<N: Number, P = Centred<N>, L = Massless> {
+pub struct Tick<N: Number, P: Payload<N> = Centred<N>, L = Massless> {
     geometry: Geometry<N>,
-    balance: Balance<N>,
+    balance: P::Balance,
     payload: P,
     links: L,
 }
@@ -30,7 +30,8 @@ pub struct Motor<N: Number> {
     pub rate: N,
     /// Angular acceleration.
     pub acceleration: N,
-    /// Torque of the motor on the proximal link, positive counter-clockwise.
+    /// Torque of the motor on the proximal link, positive counter-clockwise; zero in a
+    /// [scene without torques](crate::torque::payload::PositionOnly).
     pub torque: N,
 }
 
@@ -83,7 +84,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
         Ok(Self {
             geometry: Geometry::build(parameters)?,
-            balance: Balance::build(parameters),
+            balance: P::Balance::build(parameters),
             payload: P::build(parameters),
             links: L::build(parameters),
         })
@@ -113,7 +114,11 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             accelerations,
         };
         let load = self.links.load(index, &leg.dyad, &motion);
-        if N::SPREADS || motion.fits() && load.fits() {
+        let fits = match P::Balance::TORQUES {
+            true => motion.fits() && load.fits(),
+            false => motion.joints_fit(),
+        };
+        if N::SPREADS || fits {
             Ok((motion, load))
         } else {
             Err(Status::OutOfRange)
@@ -184,9 +189,10 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         // with a part that is not finite is not finite.
         let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
         let [t1, t2, t3] = torques;
-        let lost = match N::SPREADS {
-            true => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
-            false => !N::fit(torques),
+        let lost = match (N::SPREADS, P::Balance::TORQUES) {
+            (true, true) => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
+            (true, false) => !(a1 + a2 + a3).is_finite(),
+            (false, torques_count) => torques_count && !N::fit(torques),
         };
         if lost {
             return Err(Status::OutOfRange);

@@ -29,6 +29,15 @@ impl Units {
         mass: 0,
     };
 
+    /// The other way round: what is given in these units becomes SI.
+    pub fn inverse(&self) -> Self {
+        Self {
+            length: -self.length,
+            time: -self.time,
+            mass: -self.mass,
+        }
+    }
+
     /// What one unit of a quantity of dimension length^l time^t mass^m is in SI units; exact while
     /// it is a normal number.
     pub fn of(&self, length: i32, time: i32, mass: i32) -> f64 {

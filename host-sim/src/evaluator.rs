@@ -10,7 +10,7 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::{Motor, Tick};
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_core::units::Units;
 use trirrr_scene::{JobPlayer, Scene};
 
@@ -73,8 +73,15 @@ pub struct Played<N: Number> {
 /// The first quantity that does not fit the number type.
 pub fn scene<N: Number>(scene: &Scene) -> Result<Played<N>, String> {
     let units = trirrr_scene::units::<N>(scene).map_err(|error| error.to_string())?;
+    let machine = match scene.torque {
+        true => build_in(&scene.parameters, units),
+        false => {
+            let parameters = units.parameters(&scene.parameters);
+            Machine::<N, PositionOnly, Massless>::boxed(&parameters, units)
+        }
+    };
     Ok(Played {
-        machine: build_in(&scene.parameters, units).map_err(|error| error.to_string())?,
+        machine: machine.map_err(|error| error.to_string())?,
         player: JobPlayer::new(&scene.job.in_units(&units), units.time(scene.period_s())),
         units,
     })
@@ -100,7 +107,7 @@ where
     }
 }
 
-struct Machine<N: Number, P, L> {
+struct Machine<N: Number, P: Payload<N>, L> {
     tick: Tick<N, P, L>,
     distances: Distances<N>,
     units: Units,

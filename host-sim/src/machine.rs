@@ -12,7 +12,7 @@ use trirrr_core::service::{
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_core::units::Units;
 use trirrr_core::wire::schema;
 use trirrr_scene::Scene;
@@ -75,6 +75,7 @@ pub fn with_machine<N: Transmit, T>(
         settings: settings(scene, &units),
     };
     let played = match PayloadKind::of(&scene.parameters) {
+        _ if !scene.torque => with_links::<N, PositionOnly, Massless, T>(described, play),
         PayloadKind::Centred => with_payload::<N, Centred<N>, T>(described, play),
         PayloadKind::Offset => with_payload::<N, Offset<N>, T>(described, play),
     };

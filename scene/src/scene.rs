@@ -1,6 +1,6 @@
 //! A scene as a whole.
 
-use crate::drive::{Drive, read_drives};
+use crate::drive::{Drive, DriveKind, read_drives};
 use crate::error::SceneError;
 use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::read_limits;
@@ -25,6 +25,7 @@ const TOP_KEYS: &[&str] = &[
     "description",
     "tick_rate_hz",
     "number",
+    "torque",
     "gravity_m_s2",
 ];
 
@@ -42,6 +43,8 @@ pub struct Scene {
     pub tick_rate_hz: f64,
     /// The number type that the scene is meant to run in.
     pub number: NumberType,
+    /// Whether the tick computes torques; without, it is position, rate and acceleration alone.
+    pub torque: bool,
     /// The machine with its loads; rotor inertias are those of `drives` behind their gears.
     pub parameters: Parameters,
     /// The drive of each motor, if the scene names any.
@@ -145,11 +148,18 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
         true => root.choice("number", &NumberType::NAMES),
         false => Some(NumberType::F64),
     };
+    let torque = match root.has("torque") {
+        true => root.boolean("torque"),
+        false => Some(true),
+    };
     let drives = read_drives(root);
     let parameters = read_parameters(root, drives.flatten());
     let limits = read_limits(root);
     let service = read_service(root, rate);
     let plant = read_plant(root, drives, rate);
+    if torque == Some(false) {
+        refuse_torques(root, limits.as_ref(), drives.flatten().as_ref(), plant.as_ref());
+    }
     let placed = read_job(document, root, rate)?;
     let plant = match plant? {
         Some(plant) => Some(plant.checked(root, f64::from(placed.job.ticks()) / rate?)?),
@@ -161,6 +171,7 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
         description: description.into_owned(),
         tick_rate_hz: rate?,
         number: number?,
+        torque: torque?,
         parameters: parameters?,
         drives: drives?,
         limits: limits?,
@@ -173,6 +184,36 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
         ..root.place_of("machine")
     };
     Some((scene, placed, legs))
+}
+
+/// Refuses what asks for torques in a scene that computes none.
+fn refuse_torques(
+    root: &Section,
+    limits: Option<&Limits>,
+    drives: Option<&[Drive; 3]>,
+    plant: Option<&Option<Plant>>,
+) {
+    let limited = limits.map_or([false; 2], |limits| {
+        [limits.torque_nm.is_some(), limits.power_w.is_some()]
+    });
+    let bldc = drives.is_some_and(|drives| {
+        let is_bldc = |drive: &Drive| matches!(drive.kind, DriveKind::Bldc(_));
+        drives.iter().any(is_bldc)
+    });
+    let feed_forward = plant
+        .and_then(Option::as_ref)
+        .and_then(|plant| plant.controller.as_ref())
+        .is_some_and(|controller| controller.feed_forward);
+    for (asks, what) in [
+        (limited[0], "[limits] torque_nm"),
+        (limited[1], "[limits] power_w"),
+        (bldc, "a [[drive]] of kind \"bldc\""),
+        (feed_forward, "[plant.controller] feed_forward, which is true unless it says false,"),
+    ] {
+        if asks {
+            root.refuse("torque", format!("{what} needs the torques that this leaves out"));
+        }
+    }
 }
 
 /// What takes a machine that is right in itself: poses and paths.

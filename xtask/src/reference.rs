@@ -6,7 +6,7 @@ use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_image::Checksum;
 use trirrr_scene::{JobPlayer, Scene};
 
@@ -22,6 +22,7 @@ pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
 
 fn with_number<N: Number>(scene: &Scene) -> Result<u64> {
     match PayloadKind::of(&scene.parameters) {
+        _ if !scene.torque => with_links::<N, PositionOnly, Massless>(scene),
         PayloadKind::Centred => with_payload::<N, Centred<N>>(scene),
         PayloadKind::Offset => with_payload::<N, Offset<N>>(scene),
     }

@@ -19,6 +19,7 @@ use super::taylor::{Float, TaylorModel};
 use crate::limits::Limits;
 use crate::message::Bounded;
 use crate::number::Number;
+use crate::torque::balance::Solve;
 
 /// One motor over an interval.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +48,8 @@ pub(super) struct TorqueBounds<N: Number> {
 impl<N: Number> MotorBounds<N> {
     /// Whether motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1:
     /// what it breaks otherwise. A larger `speed` never breaks less: the speeds and ramps of a
-    /// slower move are among those of a faster one.
-    pub(super) fn check(
+    /// slower move are among those of a faster one. `S` says whether there are torques to look at.
+    pub(super) fn check<S: Solve<TaylorModel<N>>>(
         &self,
         index: usize,
         limits: &Limits<Float<N>>,
@@ -82,7 +83,7 @@ impl<N: Number> MotorBounds<N> {
                 return Err(breach(Bounded::Acceleration, value, limit, true));
             }
         }
-        let Some(torque) = &self.torque else {
+        let Some(torque) = self.torque.as_ref().filter(|_| S::TORQUES) else {
             return Ok(());
         };
         let at_rest = torque.at_rest;

@@ -34,6 +34,7 @@ mod scan;
 mod shortest;
 mod taylor;
 
+pub use path::Path;
 pub use taylor::{AngleModel, TaylorModel};
 
 use crate::limits::Limits;
@@ -45,7 +46,6 @@ use crate::torque::links::{Links, Massless};
 use crate::torque::payload::{Centred, Payload};
 use breach::Breach;
 use nalgebra::Vector3;
-use path::Path;
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 
@@ -57,13 +57,11 @@ where
     L: Links<N>,
 {
     path: EnclosedPath<N, P, L>,
-    /// Seconds, or the machine's unit of time, per tick.
-    period: N::Bound,
     work: Work<N>,
 }
 
 /// The path of the tick with the payload `P` and the links `L`, on Taylor models.
-type EnclosedPath<N, P, L> =
+pub type EnclosedPath<N, P, L> =
     Path<N, <P as Payload<N>>::Over<TaylorModel<N>>, <L as Links<N>>::Over<TaylorModel<N>>>;
 
 /// What is under way.
@@ -146,13 +144,16 @@ where
         ramp_ticks: u16,
         period_s: f64,
     ) -> Result<Self, BuildError> {
-        let period = <N::Bound>::from_f64(period_s);
-        let ramp = <N::Bound>::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
-        Ok(Self {
-            path: Path::build(parameters, limits.map(N::bound), ramp)?,
-            period,
+        let limits = limits.map(N::bound);
+        Path::build(parameters, limits, ramp_ticks, period_s).map(Self::over)
+    }
+
+    /// With coefficients that are built.
+    pub fn over(path: EnclosedPath<N, P, L>) -> Self {
+        Self {
+            path,
             work: Work::None,
-        })
+        }
     }
 
     /// Takes a move to judge; one that is under way is dropped.
@@ -168,7 +169,7 @@ where
             end_velocity: offered.end_velocity,
             rest_to_rest: offered.is_rest_to_rest(),
             ticks: offered.ticks,
-            period: self.period,
+            period: self.path.period,
         };
         self.work = match breach::of_input(offered) {
             Some(breach) => Work::Judged(Verdict::Refused(breach.violation(<N::Bound>::ZERO))),

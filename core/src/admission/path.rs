@@ -13,20 +13,27 @@ use crate::setpoint::{Segment, Setpoint};
 use crate::singularity::Distances;
 use crate::status::Status;
 use crate::tick::Tick;
+use crate::torque::balance::Solve;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 use nalgebra::Vector3;
 
-/// A machine with its limits, ready to measure intervals of moves.
+/// A machine with its limits, ready to measure intervals of moves: the coefficients of the
+/// admission.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path<N: Number, P, L> {
-    tick: Tick<TaylorModel<N>, P, L>,
-    distances: Distances<TaylorModel<N>>,
-    limits: Limits<Float<N>>,
+pub struct Path<N: Number, P: Payload<TaylorModel<N>>, L> {
+    /// The tick, on Taylor models.
+    pub tick: Tick<TaylorModel<N>, P, L>,
+    /// The distances, likewise.
+    pub distances: Distances<TaylorModel<N>>,
+    /// What is compared with.
+    pub limits: Limits<Float<N>>,
+    /// Seconds, or the machine's unit of time, per tick.
+    pub period: Float<N>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
-    ramp: TaylorModel<N>,
+    pub ramp: TaylorModel<N>,
     /// Whether the motors may have to hold something at rest: gravity or a wrench.
-    loaded: bool,
+    pub loaded: bool,
 }
 
 type Model<N> = TaylorModel<N>;
@@ -37,11 +44,18 @@ where
     P: Payload<Model<N>>,
     L: Links<Model<N>>,
 {
-    pub(super) fn build(
+    /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
+    /// normal speed to rest; a tick lasts `period_s`.
+    ///
+    /// # Errors
+    /// The first quantity of the machine that is refused.
+    pub fn build(
         parameters: &Parameters,
         limits: Limits<Float<N>>,
-        ramp: Float<N>,
+        ramp_ticks: u16,
+        period_s: f64,
     ) -> Result<Self, BuildError> {
+        let ramp = <Float<N>>::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
         let loads = [
             parameters.gravity_m_s2.x,
             parameters.gravity_m_s2.y,
@@ -53,14 +67,10 @@ where
             tick: Tick::build(parameters)?,
             distances: Distances::build(parameters),
             limits,
+            period: <Float<N>>::from_f64(period_s),
             ramp: Model::near(ramp),
             loaded: loads.iter().any(|&load| load != 0.0),
         })
-    }
-
-    /// What is compared with.
-    pub(super) fn limits(&self) -> &Limits<Float<N>> {
-        &self.limits
     }
 
     /// Whether every limit is kept for certain during the interval `s`: what is broken otherwise.
@@ -71,7 +81,7 @@ where
     ) -> Result<(), Breach<Float<N>>> {
         let motors = self.measure(segment, s)?;
         for (index, motor) in motors.iter().enumerate() {
-            motor.check(index, &self.limits, <Float<N>>::ONE)?;
+            motor.check::<P::Balance>(index, &self.limits, <Float<N>>::ONE)?;
         }
         Ok(())
     }
@@ -93,7 +103,8 @@ where
         let rates = [rates(0), rates(1), rates(2)];
         let steady = self.accelerations(&position.legs, &rates, &setpoint);
 
-        let torque = if self.limits.torque.is_some() || self.limits.power.is_some() {
+        let limited = self.limits.torque.is_some() || self.limits.power.is_some();
+        let torque = if P::Balance::TORQUES && limited {
             self.torques(&position, &rotation, &rates, &steady, &setpoint)?
                 .map(Some)
         } else {

@@ -86,7 +86,7 @@ impl<N: Number> Search<N> {
                         motors
                             .iter()
                             .enumerate()
-                            .all(|(index, motor)| motor.check(index, path.limits(), speed).is_ok())
+                            .all(|(index, motor)| motor.check::<P::Balance>(index, &path.limits, speed).is_ok())
                     };
                     if !keeps(*speed) {
                         *speed = greatest(*speed, keeps);

@@ -1,19 +1,18 @@
 //! The memory of a service, and how it comes apart into its two halves.
 
 use super::background::{self, Background, Stand};
+use super::coefficients::Coefficients;
 use super::foreground::{self, Foreground};
 use super::link::{Order, Planned, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::Admission;
-use crate::limits::Limits;
 use crate::machine::BuildError;
 use crate::message::{Event, Fault, Move, Telemetry};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::status::Status;
-use crate::tick::Tick;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 use core::fmt;
@@ -123,10 +122,12 @@ where
         pose: Pose<N>,
         settings: Settings<N>,
     ) -> Result<Halves<'_, N, P, L, S>, ServiceError> {
-        let tick = Tick::<N, P, L>::build(scene.parameters())?;
-        let limits = Limits::build(scene.limits())?;
-        let period = N::factor_to_f64(settings.period);
-        let admission = Admission::build(scene.parameters(), limits, settings.ramp_ticks, period)?;
+        let Coefficients {
+            tick,
+            limits,
+            distances,
+            path,
+        } = scene.coefficients(&settings)?;
         let position = tick.geometry().position(&pose);
         let angles = tick
             .geometry()
@@ -134,6 +135,7 @@ where
         let stand = Stand {
             geometry: *tick.geometry(),
             limits,
+            distances,
             pose,
         };
         let setup = Setup { tick, limits, pose };
@@ -167,7 +169,7 @@ where
             scene,
             stand,
             angles,
-            admission,
+            Admission::over(path),
             settings,
             background::Ends {
                 moves: Sender::new(moves_in),

@@ -6,6 +6,7 @@ use crate::number::Number;
 use crate::setpoint::JointSetpoint;
 use crate::status::Status;
 use crate::tick::Motion;
+use crate::torque::balance::Solve;
 
 /// What a tick's results break.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,12 +32,20 @@ impl<N: Number> Broken<N> {
 
 /// Whether the motors keep `limits` in `motion`. The distances to the singularities are left to the
 /// admission: near a singularity it is rate and torque that grow.
+///
+/// `S` says whether the motion has torques.
 #[inline]
-pub(super) fn check<N: Number>(limits: &Limits<N>, motion: &Motion<N>) -> Result<(), Broken<N>> {
+pub(super) fn check<N: Number, S: Solve<N>>(
+    limits: &Limits<N>,
+    motion: &Motion<N>,
+) -> Result<(), Broken<N>> {
     let [a, b, c] = &motion.motors;
     within(Bounded::Rate, &limits.rate, [a.rate, b.rate, c.rate])?;
     let accelerations = [a.acceleration, b.acceleration, c.acceleration];
     within(Bounded::Acceleration, &limits.acceleration, accelerations)?;
+    if !S::TORQUES {
+        return Ok(());
+    }
     within(
         Bounded::Torque,
         &limits.torque,

@@ -27,6 +27,7 @@
 
 mod background;
 mod channels;
+mod coefficients;
 mod foreground;
 mod guard;
 mod link;
@@ -40,6 +41,7 @@ mod tool;
 
 pub use background::Background;
 pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, ServiceError};
+pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};
 pub use scene::{Adjustable, Compiled, NoSlot, Put, Scene, Setup, Slot, Take};
 pub use settings::{SceneIdentity, Settings, key, name};

@@ -1,10 +1,12 @@
 //! The scene that a service is built from, and whether it can be changed.
 //!
-//! [`Compiled`] is what it is: an image with it holds no code to build a machine anew.
+//! [`Compiled`] is what it is: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine stands idle. It is
 //! a choice by type, so who does not want it does not pay for it.
 
+use super::coefficients::Coefficients;
 use super::queue::{Receiver, Sender};
+use super::settings::Settings;
 use crate::limits::{LimitParameters, Limits};
 use crate::machine::{BuildError, LegParameters, LinksKind, Parameters, PayloadKind};
 use crate::message::Refusal;
@@ -12,13 +14,15 @@ use crate::message::scene::{Leg, Platform, Section, SectionName};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::tick::Tick;
+use crate::torque::balance::Solve;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
+use crate::units::Units;
 use heapless::spsc::Queue;
 
 /// What the tick works with, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup<N: Number, P, L> {
+pub struct Setup<N: Number, P: Payload<N>, L> {
     /// The pipeline.
     pub(super) tick: Tick<N, P, L>,
     /// What its results must keep.
@@ -32,21 +36,26 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// Room for a setup on its way to the tick.
     type Slot: Slot<Setup<N, P, L>>;
 
-    /// The machine, in its own units.
-    fn parameters(&self) -> &Parameters;
+    /// What the service works with at the start.
+    ///
+    /// # Errors
+    /// A machine or a limit that cannot be built.
+    fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError>;
 
-    /// Its limits, in the same units.
-    fn limits(&self) -> &LimitParameters;
+    /// The part `name`, in SI units; the machine is in `units`.
+    ///
+    /// # Errors
+    /// There is no such part.
+    fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>>;
 
-    /// The scene, given in SI units as `parameters` and `limits`, with `section` in place of its own.
+    /// The scene, in the machine's `units`, with `section` in place of its own.
     ///
     /// # Errors
     /// Why there is no such scene.
     fn changed(
         &self,
-        parameters: Parameters,
-        limits: LimitParameters,
         section: &Section,
+        units: &Units,
     ) -> Result<(Parameters, LimitParameters), Refusal<N>>;
 
     /// Takes a changed scene as its own.
@@ -83,12 +92,15 @@ pub trait Take<T> {
     fn take(&mut self) -> Option<T>;
 }
 
-/// A scene that stays as it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compiled<'a> {
-    /// The machine, in its own units.
+/// A scene that stays as it is. Its coefficients may have been built long before, on another
+/// machine: nothing is computed from `parameters` and `limits`, they are only read.
+#[derive(Clone, Copy, Debug)]
+pub struct Compiled<'a, N: Number, P: Payload<N>, L: Links<N>> {
+    /// What the service works with, in the machine's units.
+    pub coefficients: &'a Coefficients<N, P, L>,
+    /// The machine, in SI units.
     pub parameters: &'a Parameters,
-    /// Its limits, in the same units.
+    /// Its limits, in SI units.
     pub limits: &'a LimitParameters,
 }
 
@@ -113,7 +125,15 @@ impl Adjustable {
         }
     }
 
-    fn has_room_for(&self, parameters: &Parameters) -> bool {
+    fn has_room_for<N: Number, P: Payload<N>>(
+        &self,
+        parameters: &Parameters,
+        limits: &LimitParameters,
+    ) -> bool {
+        if !P::Balance::TORQUES {
+            // Masses are nobody's business then, and a limit of a torque nobody's who could hold it.
+            return limits.torque_nm.is_none() && limits.power_w.is_none();
+        }
         let payload = match PayloadKind::of(parameters) {
             PayloadKind::Centred => true,
             PayloadKind::Offset => self.payload == PayloadKind::Offset,
@@ -190,22 +210,24 @@ impl<T> Take<T> for QueueTake<'_, T> {
     }
 }
 
-impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_> {
+impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P, L> {
     type Slot = NoSlot;
 
-    fn parameters(&self) -> &Parameters {
-        self.parameters
+    #[inline(always)]
+    fn coefficients(&self, _: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
+        Ok(*self.coefficients)
     }
 
-    fn limits(&self) -> &LimitParameters {
-        self.limits
+    fn section(&self, name: SectionName, _: &Units) -> Result<Section, Refusal<N>> {
+        section(name, self.parameters, self.limits)
     }
 
+    // Inlined, so that what would come of a change is seen to be unreachable.
+    #[inline(always)]
     fn changed(
         &self,
-        _: Parameters,
-        _: LimitParameters,
         _: &Section,
+        _: &Units,
     ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
         Err(Refusal::NotAdjustable)
     }
@@ -216,25 +238,33 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_> {
 impl<N, P, L> Scene<N, P, L> for Adjustable
 where
     N: Number,
-    P: Payload<N> + Send,
-    L: Links<N> + Send,
+    P: Payload<N>,
+    L: Links<N>,
 {
     type Slot = Queue<Setup<N, P, L>, 2>;
 
-    fn parameters(&self) -> &Parameters {
-        &self.parameters
+    fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
+        let period = N::factor_to_f64(settings.period);
+        Coefficients::build(&self.parameters, &self.limits, settings.ramp_ticks, period)
     }
 
-    fn limits(&self) -> &LimitParameters {
-        &self.limits
+    fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>> {
+        let si = units.inverse();
+        section(
+            name,
+            &si.parameters(&self.parameters),
+            &si.limits(&self.limits),
+        )
     }
 
     fn changed(
         &self,
-        mut parameters: Parameters,
-        mut limits: LimitParameters,
         section: &Section,
+        units: &Units,
     ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+        let si = units.inverse();
+        let mut parameters = si.parameters(&self.parameters);
+        let mut limits = si.limits(&self.limits);
         match section {
             Section::Leg { index, leg } => {
                 let place = parameters.legs.get_mut(usize::from(*index));
@@ -243,10 +273,10 @@ where
             Section::Platform(platform) => parameters = platform.put_into(&parameters),
             Section::Limits(section) => limits = section.into(),
         }
-        if !self.has_room_for(&parameters) {
+        if !self.has_room_for::<N, P>(&parameters, &limits) {
             return Err(Refusal::NotInImage);
         }
-        Ok((parameters, limits))
+        Ok((units.parameters(&parameters), units.limits(&limits)))
     }
 
     fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
@@ -255,7 +285,7 @@ where
 }
 
 /// The part `name` of a scene, given in SI units.
-pub(super) fn section<N: Number>(
+fn section<N: Number>(
     name: SectionName,
     parameters: &Parameters,
     limits: &LimitParameters,

@@ -74,16 +74,6 @@ impl SceneIdentity {
             mass: exponent(self.mass_kg),
         }
     }
-
-    /// The other way round: what is given in the machine's units becomes SI.
-    pub(super) fn into_si(self) -> Units {
-        let Units { length, time, mass } = self.units();
-        Units {
-            length: -length,
-            time: -time,
-            mass: -mass,
-        }
-    }
 }
 
 impl<N: Number> Settings<N> {

@@ -5,6 +5,7 @@ use crate::inverse::LegMotion;
 use crate::linkage::rrr::Rrr;
 use crate::machine::{LegParameters, Parameters};
 use crate::number::{Number, dot, perpendicular};
+use core::fmt::Debug;
 use nalgebra::Vector2;
 
 /// The inertia and weight of one leg's links against their angles. `None` is not zero but absent:
@@ -28,7 +29,7 @@ impl<N: Number> LegLoad<N> {
 }
 
 /// A kind of links.
-pub trait Links<N: Number>: Sized {
+pub trait Links<N: Number>: Copy + Debug + PartialEq + Send {
     /// The same kind in another number type.
     type Over<M: Number>: Links<M>;
 
@@ -182,7 +183,7 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
 }
 
 /// Gravity as the links feel it. Chosen by type.
-pub trait Gravity<N: Number> {
+pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send {
     /// The same kind in another number type.
     type Over<M: Number>: Gravity<M>;
 

@@ -18,6 +18,8 @@
 //! platform; see the repository's `docs/errata.md`.
 //!
 //! Three floors: [`payload`] makes F and M, [`links`] adds the legs' share, [`balance`] solves.
+//! Where a scene asks for no torques, its payload is [`PositionOnly`](payload::PositionOnly), its
+//! links [`Massless`](links::Massless), and nothing is solved.
 
 pub mod balance;
 pub mod links;

@@ -103,6 +103,7 @@ impl<N: Number> End<N> {
 pub(super) struct Stand<N: Number> {
     pub(super) geometry: Geometry<N>,
     pub(super) limits: Limits<N>,
+    pub(super) distances: Distances<N>,
     pub(super) pose: Pose<N>,
 }
 
@@ -137,11 +138,11 @@ where
         ends: Ends<'q, N, U>,
     ) -> Self {
         Self {
-            distances: Distances::build(scene.parameters()),
             scene,
             settings,
             geometry: stand.geometry,
             limits: stand.limits,
+            distances: stand.distances,
             admission,
             moves: ends.moves,
             recoveries: ends.recoveries,

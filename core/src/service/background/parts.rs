@@ -1,16 +1,14 @@
 //! Overrides: another geometry, other loads, other limits.
 
+use super::super::coefficients::Coefficients;
 use super::super::link::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, End};
 use crate::admission::Admission;
 use crate::forward::Forward;
-use crate::limits::Limits;
 use crate::message::scene::Section;
 use crate::message::{Refusal, State};
 use crate::number::Number;
-use crate::singularity::Distances;
-use crate::tick::Tick;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 
@@ -29,16 +27,15 @@ where
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
     pub(super) fn change(&mut self, section: &Section) -> Result<(), Refusal<N>> {
-        let (si, units) = (self.settings.scene.into_si(), self.settings.scene.units());
-        let parameters = si.parameters(self.scene.parameters());
-        let limits = si.limits(self.scene.limits());
-        let (parameters, limits) = self.scene.changed(parameters, limits, section)?;
-        let (parameters, limits) = (units.parameters(&parameters), units.limits(&limits));
+        let units = self.settings.scene.units();
+        let (parameters, limits) = self.scene.changed(section, &units)?;
         self.waits()?;
         let end = self.end.ok_or(Refusal::State(self.state))?;
-        let tick = Tick::<N, P, L>::build(&parameters).map_err(refusal)?;
-        let built = Limits::build(&limits).map_err(refusal)?;
-        let geometry = *tick.geometry();
+        let period = N::factor_to_f64(self.settings.period);
+        let ramp = self.settings.ramp_ticks;
+        let built = Coefficients::<N, P, L>::build(&parameters, &limits, ramp, period);
+        let built = built.map_err(refusal)?;
+        let geometry = *built.tick.geometry();
         let pose = match section {
             Section::Leg { .. } => {
                 let forward = Forward::build(&parameters, &geometry);
@@ -47,14 +44,10 @@ where
             }
             Section::Platform(_) | Section::Limits(_) => end.pose,
         };
-        let distances = Distances::build(&parameters);
-        let ramp = self.settings.ramp_ticks;
-        let period = N::factor_to_f64(self.settings.period);
-        let admission = Admission::build(&parameters, built, ramp, period).map_err(refusal)?;
 
         let setup = Setup {
-            tick,
-            limits: built,
+            tick: built.tick,
+            limits: built.limits,
             pose,
         };
         if !self.orders.has_room() || !self.setups.put(setup) {
@@ -62,8 +55,8 @@ where
         }
         self.order(Order::Adopt, State::Idle)?;
         self.scene.adopt(parameters, limits);
-        (self.geometry, self.limits) = (geometry, built);
-        (self.distances, self.admission) = (distances, admission);
+        (self.geometry, self.limits) = (geometry, built.limits);
+        (self.distances, self.admission) = (built.distances, Admission::over(built.path));
         self.end = Some(End::at_rest(pose));
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Requests: their order, and who may make them.
 
 use super::super::link::count;
-use super::super::scene::{Put, Scene, Setup, section};
+use super::super::scene::{Put, Scene, Setup};
 use super::Background;
 use crate::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
 use crate::number::Number;
@@ -86,10 +86,7 @@ where
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => {
-                let si = self.settings.scene.into_si();
-                let parameters = si.parameters(self.scene.parameters());
-                let limits = si.limits(self.scene.limits());
-                match section(*name, &parameters, &limits) {
+                match self.scene.section(*name, &self.settings.scene.units()) {
                     Ok(section) => Reply::Section(section),
                     Err(refusal) => Reply::Refused(refusal),
                 }

@@ -24,7 +24,7 @@ use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 
 /// The half of the service that runs once per tick.
-pub struct Foreground<'q, N: Number, P, L, T> {
+pub struct Foreground<'q, N: Number, P: Payload<N>, L, T> {
     tick: Tick<N, P, L>,
     pub(super) limits: Limits<N>,
     /// 1 / (R dt): change of the speed along the path per time on a ramp.
@@ -173,7 +173,7 @@ where
         let target = self.advance(started);
         let setpoint = match target {
             Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
-                Ok(motion) => match guard::check(&self.limits, &motion) {
+                Ok(motion) => match guard::check::<N, P::Balance>(&self.limits, &motion) {
                     Ok(()) => {
                         self.output.motors = motion.motors;
                         self.output.tool = self.tool(&setpoint);

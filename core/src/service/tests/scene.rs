@@ -45,7 +45,13 @@ impl Rig<f64> {
 fn an_image_without_the_code_refuses_overrides() {
     let parameters = Box::leak(Box::new(example()));
     let limits = Box::leak(Box::new(LimitParameters::default()));
-    let mut rig = Rig::<f64, Compiled<'static>>::of(Compiled { parameters, limits }, home());
+    let coefficients = Coefficients::build(parameters, limits, RAMP, PERIOD_S).unwrap();
+    let scene = Compiled {
+        coefficients: Box::leak(Box::new(coefficients)),
+        parameters,
+        limits,
+    };
+    let mut rig = Rig::of(scene, home());
     let section = read(&mut rig, SectionName::Leg(0));
     assert_eq!(
         rig.refused(Command::Override(section)),
