@@ -18,9 +18,9 @@ use nalgebra::Vector2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances<N: Number> {
     /// 1 / (l1 l2) of each leg.
-    serial: [N::Factor; 3],
+    pub serial: [N::Factor; 3],
     /// 1 / (l2_1 l2_2 l2_3 s).
-    parallel: N::Factor,
+    pub parallel: N::Factor,
 }
 
 impl<N: Number> Distances<N> {

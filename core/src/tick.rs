@@ -12,13 +12,18 @@ use crate::torque::balance::{Forces, Solve};
 use crate::torque::links::{LegLoad, Links, Massless};
 use crate::torque::payload::{Centred, Payload};
 
-/// The pipeline with its coefficients, immutable once built.
+/// The pipeline with its coefficients, built once by [`Tick::build`]. They are plain numbers, open
+/// so that whoever builds an image can write them as constants; nothing else makes good ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick<N: Number, P: Payload<N> = Centred<N>, L = Massless> {
-    geometry: Geometry<N>,
-    balance: P::Balance,
-    payload: P,
-    links: L,
+    /// Where the legs are, and their dyads.
+    pub geometry: Geometry<N>,
+    /// What solves for the torques, if there are any.
+    pub balance: P::Balance,
+    /// The platform.
+    pub payload: P,
+    /// The legs' own masses.
+    pub links: L,
 }
 
 /// What one motor has to do.
@@ -210,5 +215,54 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             loads,
             forces,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::example;
+    use crate::number::Fixed;
+    use crate::setpoint::Pose;
+    use crate::torque::payload::PositionOnly;
+    use nalgebra::Vector3;
+
+    /// Without torques the rest is the same, in the bits; and a machine whose torques leave the
+    /// range moves.
+    fn leaves_the_motion_as_it_is<N: Number>() {
+        let mut parameters = example();
+        let setpoint = Setpoint {
+            pose: Pose::<N>::from_f64(0.26, 0.23, 0.2),
+            velocity: Vector3::new(0.1, -0.05, 0.2).map(N::from_f64),
+            acceleration: Vector3::new(-0.05, 0.1, 0.2).map(N::from_f64),
+        };
+        let with: Tick<N> = Tick::build(&parameters).expect("a machine");
+        let without: Tick<N, PositionOnly> = Tick::build(&parameters).expect("a machine");
+        let (all, bare) = (with.evaluate(&setpoint), without.evaluate(&setpoint));
+        let (all, bare) = (all.expect("a motion"), bare.expect("a motion"));
+        assert_eq!(all.legs, bare.legs);
+        assert_eq!(all.forces.det_a, bare.forces.det_a);
+        for (a, b) in all.motors.iter().zip(&bare.motors) {
+            assert_eq!(
+                (a.angle, a.rate, a.acceleration),
+                (b.angle, b.rate, b.acceleration)
+            );
+            assert!(a.torque != N::ZERO && b.torque == N::ZERO);
+        }
+
+        if N::SPREADS {
+            return;
+        }
+        parameters.platform.mass_kg = 1e3;
+        let with: Tick<N> = Tick::build(&parameters).expect("a machine");
+        let without: Tick<N, PositionOnly> = Tick::build(&parameters).expect("a machine");
+        assert_eq!(with.evaluate(&setpoint), Err(Status::OutOfRange));
+        assert!(without.evaluate(&setpoint).is_ok());
+    }
+
+    #[test]
+    fn a_scene_without_torques_moves_the_same() {
+        leaves_the_motion_as_it_is::<f32>();
+        leaves_the_motion_as_it_is::<Fixed>();
     }
 }

@@ -1,5 +1,5 @@
-//! The scene: `PARAMETERS`, `MOVES`, its rate, and the types `Scalar`, `Payload`, `Links` that it
-//! needs. Written by the build script from the file that `SCENE` names.
+//! The scene: its rate, the coefficients and settings of its service, and the types `Scalar`,
+//! `Payload`, `Links` that it needs. Written by the build script from the file that `SCENE` names.
 #![allow(
     missing_docs,
     unreachable_pub,

@@ -1,18 +1,12 @@
 //! The service of the scene: its types, its memory, and how it is built.
 
 use crate::scene::{
-    KEY, LIMITS, Links, NAME, PARAMETERS, PERIOD, Payload, RAMP_TICKS, SILENCE_TICKS, START,
-    Scalar, TELEMETRY_TICKS, TICK_RATE_HZ, UNITS_SI,
+    COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, NAME, Payload, SETTINGS, START, Scalar,
+    TICK_RATE_HZ,
 };
-use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::Parameters;
-use trirrr_core::message::{Board, Clock, FaultCode, Message, Request, Start};
+use trirrr_core::message::{Board, Clock, FaultCode, Start};
 use trirrr_core::number::Number;
-use trirrr_core::service::{
-    self, BackgroundOf, Compiled, ForegroundOf, SceneIdentity, Settings, name,
-};
-use trirrr_core::setpoint::Pose;
-use trirrr_core::wire::schema;
+use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, Settings};
 
 /// Room for moves, one place stays empty.
 const MOVES: usize = 16 + 1;
@@ -20,10 +14,7 @@ const MOVES: usize = 16 + 1;
 /// Room for telemetry samples, one place stays empty: they are sent while the next ones come.
 const SAMPLES: usize = 8;
 
-static MACHINE: Parameters = PARAMETERS;
-static MACHINE_LIMITS: LimitParameters = LIMITS;
-
-type Scene = Compiled<'static>;
+type Scene = Compiled<'static, Scalar, Payload, Links>;
 
 /// The memory between the two halves.
 pub(crate) type Channels = service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
@@ -37,39 +28,24 @@ pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene
 /// What goes out in a tick.
 pub(crate) type Output = service::Output<Scalar>;
 
-/// Builds the service of the scene, the machine standing where its job starts.
+/// Puts the service of the scene together, the machine standing where its job starts. Every
+/// coefficient is in the image.
 ///
 /// Where the board started because it had failed, that is a fault: the drives stay off until the
 /// host has acknowledged it.
 pub(crate) fn build(channels: &'static mut Channels, board: Board) -> (Foreground, Background) {
-    let [x, y, alpha] = START;
-    let [length_m, time_s, mass_kg] = UNITS_SI;
-    let halves = channels.split(
-        Compiled {
-            parameters: &MACHINE,
-            limits: &MACHINE_LIMITS,
-        },
-        Pose::from_f64(x, y, alpha),
-        Settings {
-            period: Scalar::factor_from_f64(PERIOD),
-            ramp_ticks: RAMP_TICKS,
-            silence_ticks: SILENCE_TICKS,
-            telemetry_every: TELEMETRY_TICKS,
-            scene: SceneIdentity {
-                schema: const { schema::key::<Request<Scalar>, Message<Scalar>>() },
-                key: KEY,
-                name: const { name(NAME) },
-                tick_rate_hz: TICK_RATE_HZ,
-                length_m,
-                time_s,
-                mass_kg,
-            },
-            board,
-        },
-    );
+    let scene = Compiled {
+        coefficients: &COEFFICIENTS,
+        parameters: &MACHINE,
+        limits: &MACHINE_LIMITS,
+    };
     note(&board);
-    // The build script has built this very service.
-    let (mut foreground, background) = halves.expect("the scene can be built");
+    // The error is not formatted: that would bring floats as text into the image.
+    let Ok((mut foreground, background)) =
+        channels.split(scene, START, Settings { board, ..SETTINGS })
+    else {
+        panic!("the reader of the scene let a start pass in which the machine cannot stand");
+    };
     if board.start.is_failure() {
         foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
     }

@@ -6,7 +6,7 @@ use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
-use crate::plant::{Plant, read_plant};
+use crate::plant::{PlacedPlant, Plant, read_plant};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
 use std::fmt;
@@ -158,7 +158,12 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
     let service = read_service(root, rate);
     let plant = read_plant(root, drives, rate);
     if torque == Some(false) {
-        refuse_torques(root, limits.as_ref(), drives.flatten().as_ref(), plant.as_ref());
+        refuse_torques(
+            root,
+            limits.as_ref(),
+            drives.flatten().as_ref(),
+            plant.as_ref(),
+        );
     }
     let placed = read_job(document, root, rate)?;
     let plant = match plant? {
@@ -191,7 +196,7 @@ fn refuse_torques(
     root: &Section,
     limits: Option<&Limits>,
     drives: Option<&[Drive; 3]>,
-    plant: Option<&Option<Plant>>,
+    plant: Option<&Option<PlacedPlant>>,
 ) {
     let limited = limits.map_or([false; 2], |limits| {
         [limits.torque_nm.is_some(), limits.power_w.is_some()]
@@ -202,16 +207,22 @@ fn refuse_torques(
     });
     let feed_forward = plant
         .and_then(Option::as_ref)
-        .and_then(|plant| plant.controller.as_ref())
+        .and_then(|placed| placed.plant.controller.as_ref())
         .is_some_and(|controller| controller.feed_forward);
     for (asks, what) in [
         (limited[0], "[limits] torque_nm"),
         (limited[1], "[limits] power_w"),
         (bldc, "a [[drive]] of kind \"bldc\""),
-        (feed_forward, "[plant.controller] feed_forward, which is true unless it says false,"),
+        (
+            feed_forward,
+            "[plant.controller] feed_forward, which is true unless it says false,",
+        ),
     ] {
         if asks {
-            root.refuse("torque", format!("{what} needs the torques that this leaves out"));
+            root.refuse(
+                "torque",
+                format!("{what} needs the torques that this leaves out"),
+            );
         }
     }
 }

@@ -296,3 +296,24 @@ fn plants() {
         assert!(found[0].reason.contains(reason), "{found:#?}");
     }
 }
+
+#[test]
+#[rustfmt::skip] // two lines a case
+fn torques_that_are_left_out_and_asked_for() {
+    check(THESIS, &[
+        case(("tick_rate_hz", 1, "torque = 0\ntick_rate_hz"),
+            "torque", Some("0"), "found a number"),
+    ]);
+    let none = "torque = false\ntick_rate_hz";
+    let found = problems(&edit(VERTICAL, "tick_rate_hz", 1, none));
+    let reasons: Vec<&str> = found.iter().map(|problem| problem.reason.as_str()).collect();
+    assert_eq!(reasons, [
+        "[limits] torque_nm needs the torques that this leaves out",
+        "[limits] power_w needs the torques that this leaves out",
+        "a [[drive]] of kind \"bldc\" needs the torques that this leaves out",
+    ]);
+    let plant = include_str!("../../scenes/plant-thesis.toml");
+    let found = problems(&edit(plant, "tick_rate_hz", 1, none));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].reason.starts_with("[plant.controller] feed_forward"), "{found:#?}");
+}

@@ -83,10 +83,11 @@ impl<N: Number> Search<N> {
                 // What is not certain about reach or singularities is left to the trials.
                 if let Ok(motors) = path.measure(&self.segment, self.scan.interval()) {
                     let keeps = |speed: Float<N>| {
-                        motors
-                            .iter()
-                            .enumerate()
-                            .all(|(index, motor)| motor.check::<P::Balance>(index, &path.limits, speed).is_ok())
+                        motors.iter().enumerate().all(|(index, motor)| {
+                            motor
+                                .check::<P::Balance>(index, &path.limits, speed)
+                                .is_ok()
+                        })
                     };
                     if !keeps(*speed) {
                         *speed = greatest(*speed, keeps);

@@ -22,15 +22,16 @@ use nalgebra::Vector2;
 /// Coefficients of an RRR dyad, built from its two lengths and its branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rrr<N: Number> {
-    triangle: Triangle<N>,
+    /// A, B and C.
+    pub triangle: Triangle<N>,
     /// l1^2 + l2^2
-    sum_of_squares: N,
+    pub sum_of_squares: N,
     /// l1
-    l1: N::Length,
+    pub l1: N::Length,
     /// l1^2
-    l1_sq: N,
+    pub l1_sq: N,
     /// l2^2
-    l2_sq: N,
+    pub l2_sq: N,
 }
 
 /// A dyad's configuration.

@@ -174,7 +174,7 @@ pub struct Telemetry<N: Number> {
     pub rates: [N; 3],
     /// accelerations,
     pub accelerations: [N; 3],
-    /// and the motors' torques on the proximal links.
+    /// and the motors' torques on the proximal links; 0 from a scene that computes none.
     pub torques: [N; 3],
     /// Power of the tool, 0 to 1.
     pub tool: N,

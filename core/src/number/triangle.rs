@@ -21,13 +21,13 @@ use nalgebra::Vector2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle<N: Number> {
     /// (l1 + l2)^2
-    pub(super) stretched_sq: N::Sum,
+    pub stretched_sq: N::Sum,
     /// (l1 - l2)^2
-    pub(super) folded_sq: N::Sum,
+    pub folded_sq: N::Sum,
     /// l1^2 - l2^2
-    pub(super) difference_of_squares: N::Sum,
+    pub difference_of_squares: N::Sum,
     /// sigma
-    pub(super) branch: N,
+    pub branch: N,
 }
 
 /// The corner and what comes with it.

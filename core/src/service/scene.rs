@@ -224,11 +224,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P
 
     // Inlined, so that what would come of a change is seen to be unreachable.
     #[inline(always)]
-    fn changed(
-        &self,
-        _: &Section,
-        _: &Units,
-    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+    fn changed(&self, _: &Section, _: &Units) -> Result<(Parameters, LimitParameters), Refusal<N>> {
         Err(Refusal::NotAdjustable)
     }
 

@@ -14,9 +14,9 @@ use nalgebra::Vector2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance<N: Number> {
     /// 1 / l2^2 of leg 1.
-    inverse_l2_sq: N::Factor,
+    pub inverse_l2_sq: N::Factor,
     /// Below this size det A is rounding noise.
-    least_det_a: N,
+    pub least_det_a: N,
 }
 
 /// The solution of the balance.
@@ -30,7 +30,7 @@ pub struct Forces<N> {
 
 /// Whether there is a balance to solve. The scene chooses by type: an image whose scene asks for no
 /// torques holds no code for them.
-pub trait Solve<N: Number>: Copy + Debug + PartialEq + Send {
+pub trait Solve<N: Number>: Copy + Debug + PartialEq + Send + Sync {
     /// Whether torques come out.
     const TORQUES: bool;
 

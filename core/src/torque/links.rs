@@ -29,7 +29,7 @@ impl<N: Number> LegLoad<N> {
 }
 
 /// A kind of links.
-pub trait Links<N: Number>: Copy + Debug + PartialEq + Send {
+pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync {
     /// The same kind in another number type.
     type Over<M: Number>: Links<M>;
 
@@ -62,7 +62,7 @@ impl<N: Number> Links<N> for Massless {
 
 /// Links without mass, motors with rotor inertia: N^2 Jr at the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rotors<N>([N; 3]);
+pub struct Rotors<N>(pub [N; 3]);
 
 impl<N: Number> Links<N> for Rotors<N> {
     type Over<M: Number> = Rotors<M>;
@@ -88,23 +88,25 @@ impl<N: Number> Links<N> for Rotors<N> {
 /// component in the plane: [`Horizontal`] or [`InPlane`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Massive<N, G> {
-    legs: [MassiveLeg<N>; 3],
-    gravity: G,
+    /// The links of each leg.
+    pub legs: [MassiveLeg<N>; 3],
+    /// Gravity in the plane, if there is any.
+    pub gravity: G,
 }
 
-/// With centres of mass at c1, c2 from the inner joints and central inertias I1, I2.
+/// The links of one leg, with centres of mass at c1, c2 from the inner joints and central inertias I1, I2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MassiveLeg<N> {
+pub struct MassiveLeg<N> {
     /// m1 c1^2 + I1 + m2 l1^2 + N^2 Jr
-    proximal_inertia: N,
+    pub proximal_inertia: N,
     /// m1 c1 / l1 + m2
-    proximal_weight: N,
+    pub proximal_weight: N,
     /// m2 c2 / l2
-    coupling: N,
+    pub coupling: N,
     /// (m2 c2^2 + I2) / l2^2
-    distal_inertia: N,
+    pub distal_inertia: N,
     /// m2 c2 / l2^3
-    distal_coupling: N,
+    pub distal_coupling: N,
 }
 
 impl<N: Number> MassiveLeg<N> {
@@ -183,7 +185,7 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
 }
 
 /// Gravity as the links feel it. Chosen by type.
-pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send {
+pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync {
     /// The same kind in another number type.
     type Over<M: Number>: Gravity<M>;
 
@@ -213,7 +215,7 @@ impl<N: Number> Gravity<N> for Horizontal {
 
 /// Gravity has a component in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InPlane<N>(pub(crate) Vector2<N>);
+pub struct InPlane<N>(pub Vector2<N>);
 
 impl<N: Number> Gravity<N> for InPlane<N> {
     type Over<M: Number> = InPlane<M>;

@@ -18,7 +18,7 @@ pub struct Demand<N> {
 }
 
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
-pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send {
+pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync {
     /// The same kind in another number type.
     type Over<M: Number>: Payload<M>;
 
@@ -57,12 +57,14 @@ impl<N: Number> Payload<N> for PositionOnly {
 /// A platform whose centre of mass is its reference point D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Centred<N: Number> {
-    mass: N::Factor,
-    inertia: N::Factor,
+    /// Mass.
+    pub mass: N::Factor,
+    /// Moment of inertia about the centre of mass.
+    pub inertia: N::Factor,
     /// -m g - W: what is constant in F.
-    static_force: Vector2<N>,
+    pub static_force: Vector2<N>,
     /// -Walpha: what is constant in M.
-    static_moment: N,
+    pub static_moment: N,
 }
 
 impl<N: Number> Payload<N> for Centred<N> {
@@ -96,13 +98,18 @@ impl<N: Number> Payload<N> for Centred<N> {
 /// A platform whose centre of mass lies at an offset from D, as with a payload held out of centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset<N: Number> {
-    mass: N::Factor,
-    inertia: N::Factor,
+    /// Mass.
+    pub mass: N::Factor,
+    /// Moment of inertia about the centre of mass.
+    pub inertia: N::Factor,
     /// s in the platform's frame.
-    com: Vector2<N>,
-    gravity: Vector2<N>,
-    wrench_force: Vector2<N>,
-    wrench_moment: N,
+    pub com: Vector2<N>,
+    /// g.
+    pub gravity: Vector2<N>,
+    /// W.
+    pub wrench_force: Vector2<N>,
+    /// Walpha.
+    pub wrench_moment: N,
 }
 
 impl<N: Number> Payload<N> for Offset<N> {

@@ -2,6 +2,7 @@
 //!
 //! A build script calls [`build_script`] and the image includes `OUT_DIR/scene.rs`.
 
+mod constant;
 mod drive;
 mod kinds;
 mod source;
@@ -15,14 +16,12 @@ use std::{env, fs};
 use trirrr_scene::{NumberType, Scene};
 
 /// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
-pub const SCALARS: &[(&str, &str)] = &[
-    ("f32", "f32"),
-    ("fixed", FIXED),
-    ("micromath", "trirrr_core::number::Coarse"),
-];
+pub const SCALARS: &[(&str, &str)] = &[("f32", "f32"), ("fixed", FIXED), ("micromath", COARSE)];
 
 /// The number type whose scenes are in units of their own.
 const FIXED: &str = "trirrr_core::number::Fixed";
+
+const COARSE: &str = "trirrr_core::number::Coarse";
 
 /// The number type that an image is built for when nothing but its scene says which.
 pub fn of_scene(number: NumberType) -> &'static str {

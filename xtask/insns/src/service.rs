@@ -1,24 +1,16 @@
 //! The service of the scene, and its tick as a caller sees it.
 
 use crate::scene::{
-    LIMITS, Links, MOVES, NAME, PARAMETERS, PERIOD_S, Payload, RAMP_TICKS, SILENCE_TICKS, Scalar,
-    TICK_RATE_HZ,
+    COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, MOVES, Payload, SETTINGS, START, Scalar,
 };
 use nalgebra::Vector3;
-use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::Parameters;
-use trirrr_core::message::{Board, Move};
+use trirrr_core::message::Move;
 use trirrr_core::number::Number;
-use trirrr_core::service::{
-    BackgroundOf, Channels, Compiled, ForegroundOf, SceneIdentity, Settings, key, name,
-};
+use trirrr_core::service::{BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 use trirrr_core::setpoint::Pose;
 
-static MACHINE: Parameters = PARAMETERS;
-static MACHINE_LIMITS: LimitParameters = LIMITS;
-
 /// The scene of an image that does not change it.
-pub type Scene = Compiled<'static>;
+pub type Scene = Compiled<'static, Scalar, Payload, Links>;
 
 /// Sixteen moves and samples less one each.
 pub type SceneChannels = Channels<Scalar, Payload, Links, Scene, 16, 16>;
@@ -32,6 +24,7 @@ pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
 /// The scene.
 pub fn scene() -> Scene {
     Compiled {
+        coefficients: &COEFFICIENTS,
         parameters: &MACHINE,
         limits: &MACHINE_LIMITS,
     }
@@ -39,26 +32,14 @@ pub fn scene() -> Scene {
 
 /// Where the job starts.
 pub fn start() -> Pose<Scalar> {
-    offered(0, 0).from
+    START
 }
 
 /// The settings, with a telemetry sample in each tick: the most there is to do.
 pub fn settings() -> Settings<Scalar> {
     Settings {
-        period: Scalar::factor_from_f64(PERIOD_S),
-        ramp_ticks: RAMP_TICKS,
-        silence_ticks: SILENCE_TICKS,
         telemetry_every: 1,
-        scene: SceneIdentity {
-            schema: 1,
-            key: key(NAME.as_bytes()),
-            name: name(NAME),
-            tick_rate_hz: TICK_RATE_HZ,
-            length_m: 1.0,
-            time_s: 1.0,
-            mass_kg: 1.0,
-        },
-        board: Board::HOST,
+        ..SETTINGS
     }
 }
 

@@ -8,9 +8,10 @@ use core::ops::{Mul, Neg};
 /// to 31 bits wherever it comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Factor {
-    pub(super) significand: i32,
+    /// 0, or in size from 2^30 up to and without 2^31.
+    pub significand: i32,
     /// How far a sum in 2^-58 is shifted right before it is multiplied.
-    pub(super) shift: i32,
+    pub shift: i32,
 }
 
 impl Factor {

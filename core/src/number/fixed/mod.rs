@@ -65,16 +65,17 @@ pub struct Fixed(pub i32);
 /// A sum of products of [`Fixed`], in 2^-58.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(transparent)]
-pub struct Sum(pub(super) i64);
+pub struct Sum(pub i64);
 
 /// A length that vectors are known to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Length {
-    value: Fixed,
+    /// The length.
+    pub value: Fixed,
     /// How far it is shifted left to lie in (2^29, 2^30].
-    shift: u32,
+    pub shift: u32,
     /// 2^60 over that.
-    inverse: i32,
+    pub inverse: i32,
 }
 
 /// Bits behind the point.

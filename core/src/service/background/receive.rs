@@ -85,12 +85,10 @@ where
     fn answer(&mut self, command: &Command<N>) -> Reply<N> {
         match command {
             Command::Status => Reply::Status(self.status()),
-            Command::Read(name) => {
-                match self.scene.section(*name, &self.settings.scene.units()) {
-                    Ok(section) => Reply::Section(section),
-                    Err(refusal) => Reply::Refused(refusal),
-                }
-            }
+            Command::Read(name) => match self.scene.section(*name, &self.settings.scene.units()) {
+                Ok(section) => Reply::Section(section),
+                Err(refusal) => Reply::Refused(refusal),
+            },
             _ => Reply::Done,
         }
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::machine::Quantity;
 use crate::message::scene::{Limits, Section, SectionName};
 use crate::message::{Bounded, FaultCode};
+use crate::torque::payload::PositionOnly;
 
 fn read<S: Scene<f64, Centred<f64>, Massless>>(
     rig: &mut Rig<f64, S>,
@@ -62,6 +63,80 @@ fn an_image_without_the_code_refuses_overrides() {
     rig.done(Command::Start);
     rig.ticks(60);
     assert_eq!(rig.status().done, 1);
+}
+
+#[test]
+fn a_machine_without_torques_has_no_limit_of_them() {
+    type Machine = Coefficients<f64, PositionOnly, Massless>;
+    let of = |limits: LimitParameters| Machine::build(&example(), &limits, RAMP, PERIOD_S);
+    assert!(of(LimitParameters::default()).is_ok());
+    let some = Some([1.0; 3]);
+    for (limits, quantity) in [
+        (
+            LimitParameters {
+                torque_nm: some,
+                ..LimitParameters::default()
+            },
+            Quantity::TorqueLimit,
+        ),
+        (
+            LimitParameters {
+                power_w: some,
+                ..LimitParameters::default()
+            },
+            Quantity::PowerLimit,
+        ),
+    ] {
+        assert_eq!(of(limits).unwrap_err().quantity, quantity);
+    }
+
+    let scene = Adjustable::new(example(), LimitParameters::default());
+    let channels: Channels<f64, PositionOnly, Massless, Adjustable, 8, 64> = Channels::new();
+    let mut channels = Box::new(channels);
+    let (mut foreground, mut background) = channels.split(scene, home(), settings()).unwrap();
+    let mut sequence = 0;
+    let mut ask = |command| {
+        let reply = background.receive(&Request { sequence, command });
+        sequence += u32::from(!matches!(command, Command::Hello(_)));
+        while background.step() {}
+        reply
+    };
+    ask(Command::Hello(Hello {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        scene: SCENE,
+    }));
+    let limited = Limits {
+        torque_nm: some,
+        ..(&LimitParameters::default()).into()
+    };
+    let reply = ask(Command::Override(Section::Limits(limited)));
+    assert_eq!(reply, Reply::Refused(Refusal::NotInImage));
+    // A mass is nobody's business, and a move is a move.
+    let Reply::Section(Section::Platform(mut platform)) = ask(Command::Read(SectionName::Platform))
+    else {
+        panic!("the platform");
+    };
+    platform.com_m = [0.01, 0.0];
+    assert_eq!(
+        ask(Command::Override(Section::Platform(platform))),
+        Reply::Done
+    );
+    foreground.tick();
+    let offered = rest(0, home(), pose(0.28, 0.28, 0.2), 50);
+    assert_eq!(ask(Command::Move(offered)), Reply::Done);
+    assert_eq!(ask(Command::Start), Reply::Done);
+    for _ in 0..25 {
+        let output = foreground.tick();
+        assert!(output.motors.iter().all(|motor| motor.torque == 0.0));
+    }
+    assert!(
+        foreground
+            .output()
+            .motors
+            .iter()
+            .all(|motor| motor.rate != 0.0)
+    );
 }
 
 #[test]

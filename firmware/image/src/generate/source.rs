@@ -1,113 +1,92 @@
 //! The text that an image includes.
 
-use super::FIXED;
-use super::kinds::{links_path, payload_path};
+use super::constant::{constant, names};
+use super::kinds::Machine;
+use super::{COARSE, FIXED};
 use crate::Move;
+use std::error::Error;
 use std::fmt::Write;
-use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters};
-use trirrr_core::machine::{LinksKind, PayloadKind};
+use trirrr_core::message::{Board, Message, Request, Transmit};
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_core::service::{SceneIdentity, Settings, name};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
+use trirrr_core::wire::schema;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
 ///
 /// # Errors
-/// A quantity that does not fit the number type.
-pub fn source(scene: &Scene, scalar: &str) -> Result<String, RangeError> {
-    let units = units(scene, scalar)?;
-    let parameters = &units.parameters(&scene.parameters);
-    let moves = &scene.job.in_units(&units).moves;
-    let mut text = String::new();
-    let mut line = |arguments: std::fmt::Arguments<'_>| {
-        text.write_fmt(arguments)
-            .expect("writing to a String cannot fail");
-        text.push('\n');
-    };
-    line(format_args!("pub type Scalar = {scalar};"));
-    line(format_args!(
-        "pub type Payload = {};",
-        payload_path(PayloadKind::of(parameters), scalar)
-    ));
-    line(format_args!(
-        "pub type Links = {};",
-        links_path(LinksKind::of(parameters), scalar)
-    ));
-    line(format_args!("pub const NAME: &str = {:?};", scene.name));
-    line(format_args!(
-        "pub const TICK_RATE_HZ: f64 = {:?};",
-        scene.tick_rate_hz
-    ));
-    line(format_args!(
-        "#[allow(dead_code)]\npub const KEY: u32 = {};",
-        scene.key
-    ));
-    line(format_args!(
-        "#[allow(dead_code)]\npub const PERIOD_S: f64 = {:?};",
-        scene.period_s()
-    ));
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const UNITS: trirrr_core::units::Units = trirrr_core::units::{units:?};"
-    ));
-    line(format_args!(
-        "#[allow(dead_code)]\npub const UNITS_SI: [f64; 3] = [{:?}, {:?}, {:?}];",
-        units.length_m(),
-        units.time_s(),
-        units.of(0, 0, 1)
-    ));
-    // What follows is in these units.
-    line(format_args!(
-        "pub const PERIOD: f64 = {:?};",
-        units.time(scene.period_s())
-    ));
-    line(format_args!(
-        "pub const PARAMETERS: trirrr_core::machine::Parameters = {};",
-        machine(parameters)
-    ));
-    // Those who play a scene without judging its moves need none of this.
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const LIMITS: trirrr_core::limits::LimitParameters = trirrr_core::limits::{:?};",
-        units.limits(&scene.limits)
-    ));
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const RAMP_TICKS: u16 = {};",
-        scene.ramp_ticks()
-    ));
-    let silence = scene.service.silence_timeout_s * scene.tick_rate_hz;
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const SILENCE_TICKS: u32 = {};",
-        silence.round().clamp(1.0, f64::from(u32::MAX)) as u32
-    ));
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const TELEMETRY_TICKS: u16 = {};",
-        scene.service.telemetry_ticks
-    ));
-    let start = units.pose(&scene.job.start);
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub const START: [f64; 3] = [{:?}, {:?}, {:?}];",
-        start.position.x, start.position.y, start.angle
-    ));
-    line(format_args!("#[allow(dead_code)]"));
-    line(format_args!(
-        "pub static MOVES: [trirrr_image::Move; {}] = [",
-        moves.len()
-    ));
-    for each in moves {
-        // `Debug` of an enum with named fields of numbers and arrays is its source.
-        line(format_args!(
-            "    trirrr_image::Move::{:?},",
-            constant(each)
-        ));
+/// A quantity that does not fit the number type; a number type that no image is built for.
+pub fn source(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
+    match scalar {
+        "f32" => source_in::<f32>(scene, scalar),
+        FIXED => source_in::<Fixed>(scene, scalar),
+        COARSE => source_in::<Coarse>(scene, scalar),
+        _ => Err(format!("{scalar}: no image is built for it").into()),
     }
-    line(format_args!("];"));
-    Ok(text)
+}
+
+fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
+    let units = trirrr_scene::units::<N>(scene)?;
+    let parameters = &units.parameters(&scene.parameters);
+    let limits = &units.limits(&scene.limits);
+    let job = scene.job.in_units(&units);
+    let period = units.time(scene.period_s());
+    let machine = Machine {
+        torque: scene.torque,
+        parameters,
+        limits,
+        ramp_ticks: scene.ramp_ticks(),
+        period,
+    };
+    let mut file = File(String::new());
+    file.line(&names());
+    file.line(&format!("pub type Scalar = {scalar};"));
+    let (payload, links) = (machine.payload_path(scalar), machine.links_path(scalar));
+    file.line(&format!("pub type Payload = {payload};"));
+    file.line(&format!("pub type Links = {links};"));
+    file.constant("NAME", "&str", format!("{:?}", scene.name));
+    file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
+    file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
+
+    // What the service is built from.
+    let start = &job.start;
+    let start = Pose::<N>::from_f64(start.position.x, start.position.y, start.angle);
+    let start = (constant(&start), "trirrr_core::setpoint::Pose<Scalar>");
+    file.constant("START", start.1, start.0);
+    let settings = constant(&settings::<N>(scene, &units));
+    let service = "trirrr_core::service";
+    file.constant(
+        "SETTINGS",
+        &format!("{service}::Settings<Scalar>"),
+        settings,
+    );
+    let coefficients = format!("{service}::Coefficients<Scalar, Payload, Links>");
+    file.global("COEFFICIENTS", &coefficients, machine.coefficients::<N>()?);
+    let (parameters_type, limits_type) = (
+        "trirrr_core::machine::Parameters",
+        "trirrr_core::limits::LimitParameters",
+    );
+    file.global("MACHINE", parameters_type, constant(&scene.parameters));
+    file.global("MACHINE_LIMITS", limits_type, constant(&scene.limits));
+
+    // What measurements are made from: the description, and the job, in the machine's units.
+    file.constant("UNITS", "trirrr_core::units::Units", constant(&units));
+    file.constant("PERIOD", "f64", format!("{period:?}"));
+    file.constant("RAMP_TICKS", "u16", scene.ramp_ticks().to_string());
+    file.constant("PARAMETERS", parameters_type, constant(parameters));
+    file.constant("LIMITS", limits_type, constant(limits));
+    let mut moves = String::from("[\n");
+    for each in &job.moves {
+        // `Debug` of an enum with named fields of numbers and arrays is its source.
+        writeln!(moves, "    trirrr_image::Move::{:?},", as_constant(each))?;
+    }
+    moves.push(']');
+    let moves_type = format!("[trirrr_image::Move; {}]", job.moves.len());
+    file.global("MOVES", &moves_type, moves);
+    Ok(file.0)
 }
 
 /// The units of an image for the Rust type `scalar`.
@@ -121,7 +100,56 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
     }
 }
 
-fn constant(each: &trirrr_scene::Move) -> Move {
+/// The text so far.
+struct File(String);
+
+impl File {
+    fn line(&mut self, line: &str) {
+        self.0.push_str(line);
+        self.0.push('\n');
+    }
+
+    fn item(&mut self, kind: &str, name: &str, of: &str, value: &str) {
+        // No image needs all of it.
+        self.line("#[allow(dead_code)]");
+        self.line(&format!("pub {kind} {name}: {of} = {value};"));
+    }
+
+    /// A value that is copied where it is used,
+    fn constant(&mut self, name: &str, of: &str, value: String) {
+        self.item("const", name, of, &value);
+    }
+
+    /// and one that has a place, in flash.
+    fn global(&mut self, name: &str, of: &str, value: String) {
+        self.item("static", name, of, &value);
+    }
+}
+
+/// The settings of the scene's service.
+fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
+    // The cast saturates; the reader holds the time to an hour.
+    let silence = scene.service.silence_timeout_s * scene.tick_rate_hz;
+    Settings {
+        period: N::factor_from_f64(units.time(scene.period_s())),
+        ramp_ticks: scene.ramp_ticks(),
+        silence_ticks: silence.round().max(1.0) as u32,
+        telemetry_every: scene.service.telemetry_ticks as u16,
+        scene: SceneIdentity {
+            schema: schema::key::<Request<N>, Message<N>>(),
+            key: scene.key,
+            name: name(&scene.name),
+            tick_rate_hz: scene.tick_rate_hz,
+            length_m: units.length_m(),
+            time_s: units.time_s(),
+            mass_kg: units.of(0, 0, 1),
+        },
+        // The board puts its own here.
+        board: Board::HOST,
+    }
+}
+
+fn as_constant(each: &trirrr_scene::Move) -> Move {
     let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
     let (from, to, ticks) = (pose(&each.from), pose(&each.to), each.duration_ticks);
     if each.is_rest_to_rest() {
@@ -134,51 +162,6 @@ fn constant(each: &trirrr_scene::Move) -> Move {
         to_velocity: each.end_velocity.into(),
         ticks,
     }
-}
-
-fn machine(p: &Parameters) -> String {
-    let m = "trirrr_core::machine";
-    let [a, b, c] = p.legs.each_ref().map(leg);
-    format!(
-        "{m}::Parameters {{\n    legs: [\n{a},\n{b},\n{c},\n    ],\n    \
-         platform: {m}::PlatformParameters {{ mass_kg: {:?}, inertia_kgm2: {:?}, com_m: {} }},\n    \
-         gravity_m_s2: {},\n    wrench_force_n: {},\n    wrench_torque_nm: {:?},\n}}",
-        p.platform.mass_kg,
-        p.platform.inertia_kgm2,
-        vector(p.platform.com_m.x, p.platform.com_m.y),
-        vector(p.gravity_m_s2.x, p.gravity_m_s2.y),
-        vector(p.wrench_force_n.x, p.wrench_force_n.y),
-        p.wrench_torque_nm,
-    )
-}
-
-fn leg(leg: &LegParameters) -> String {
-    let m = "trirrr_core::machine";
-    let elbow = match leg.elbow {
-        Elbow::Positive => "Positive",
-        Elbow::Negative => "Negative",
-    };
-    format!(
-        "        {m}::LegParameters {{ base_m: {}, proximal_m: {:?}, distal_m: {:?}, \
-         joint_radius_m: {:?}, joint_angle_rad: {:?}, elbow: {m}::Elbow::{elbow}, \
-         proximal: {}, distal: {}, rotor_inertia_kgm2: {:?} }}",
-        vector(leg.base_m.x, leg.base_m.y),
-        leg.proximal_m,
-        leg.distal_m,
-        leg.joint_radius_m,
-        leg.joint_angle_rad,
-        link(&leg.proximal),
-        link(&leg.distal),
-        leg.rotor_inertia_kgm2,
-    )
-}
-
-fn link(link: &LinkParameters) -> String {
-    format!("trirrr_core::machine::{link:?}")
-}
-
-fn vector(x: f64, y: f64) -> String {
-    format!("nalgebra::Vector2::new({x:?}, {y:?})")
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use semihosting::{println, process};
 use trirrr_core::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
 use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
-use trirrr_insns::scene::{MOVES, Scalar};
+use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
     SceneBackground, SceneChannels, SceneForeground, offered, scene, settings, start, tick,
 };
@@ -96,7 +96,7 @@ pub(crate) fn run() -> ! {
     };
     host.done(Command::Hello(Hello {
         protocol: PROTOCOL,
-        schema: 1,
+        schema: SETTINGS.scene.schema,
         scene: 0,
     }));
     println!("empty {}", count(black_box(empty), &mut foreground));

@@ -1,0 +1,44 @@
+//! What the build script of an image writes is what the host builds, in the bits: every shipped
+//! scene in every number type that it fits.
+//!
+//! Compared as text: `Debug` writes a float with the digits that tell it from every other one, the
+//! sign of zero included.
+
+use trirrr_core::service::{Coefficients, name};
+
+macro_rules! images {
+    ($($image:ident = $file:literal;)*) => {
+        $(
+            #[allow(clippy::approx_constant, clippy::excessive_precision, unreachable_pub)]
+            mod $image {
+                include!(concat!(env!("OUT_DIR"), $file));
+            }
+
+            #[test]
+            fn $image() {
+                use $image::*;
+                let built = Coefficients::<Scalar, Payload, Links>::build(
+                    &PARAMETERS, &LIMITS, RAMP_TICKS, PERIOD,
+                );
+                let built = built.expect("a shipped scene is good");
+                assert_eq!(format!("{COEFFICIENTS:?}"), format!("{built:?}"));
+                assert_eq!(UNITS.parameters(&MACHINE), PARAMETERS);
+                assert_eq!(UNITS.limits(&MACHINE_LIMITS), LIMITS);
+                let first = match MOVES[0] {
+                    trirrr_image::Move::RestToRest { from, .. } => from,
+                    trirrr_image::Move::Hermite { from, .. } => from,
+                };
+                let [x, y, alpha] = first;
+                let start = trirrr_core::setpoint::Pose::<Scalar>::from_f64(x, y, alpha);
+                assert_eq!(format!("{START:?}"), format!("{start:?}"));
+                let period = <Scalar as trirrr_core::number::Number>::factor_from_f64(PERIOD);
+                assert_eq!(format!("{:?}", SETTINGS.period), format!("{period:?}"));
+                assert_eq!(SETTINGS.scene.name, name(NAME));
+                assert_eq!(SETTINGS.scene.tick_rate_hz, TICK_RATE_HZ);
+                assert_eq!(1.0 / TICK_RATE_HZ, PERIOD_S);
+            }
+        )*
+    };
+}
+
+include!(concat!(env!("OUT_DIR"), "/images.rs"));
