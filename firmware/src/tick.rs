@@ -2,7 +2,9 @@
 
 use crate::outputs::Outputs;
 use crate::pulse;
+use crate::scene::Scalar;
 use crate::station::Foreground;
+use trirrr_drives::Failure;
 
 /// What runs once per tick.
 pub(crate) struct Tick<O> {
@@ -23,7 +25,31 @@ impl<O: Outputs> Tick<O> {
     pub(crate) fn run(&mut self) {
         #[cfg(feature = "provoke")]
         crate::provoke::at(pulse::ticks());
-        self.outputs.apply(self.foreground.tick());
+        if let Err(failure) = self.outputs.apply(self.foreground.tick()) {
+            self.fail(&failure);
+        }
+    }
+
+    /// A drive does not do what it was told: a fault, and all are off.
+    #[cold]
+    fn fail(&mut self, failure: &Failure<Scalar>) {
+        let Failure {
+            drive,
+            value,
+            limit,
+            ..
+        } = *failure;
+        self.foreground.raise(failure.code(), drive, value, limit);
+        if let Some(angles) = self.outputs.angles() {
+            self.foreground.motors_are_at(angles);
+        }
+        self.off();
+    }
+
+    /// Carries out that the drives are off, which a latched fault has said.
+    fn off(&mut self) {
+        // Off does not fail: it is said again in every tick.
+        let _ = self.outputs.apply(self.foreground.output());
     }
 
     /// Says how long it took since it was due, of how long it may take, in counts of the timer.
@@ -32,7 +58,7 @@ impl<O: Outputs> Tick<O> {
         if self.foreground.took(duration, period) {
             pulse::beat();
         } else {
-            self.outputs.apply(self.foreground.output());
+            self.off();
         }
     }
 }

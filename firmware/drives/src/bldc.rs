@@ -21,6 +21,8 @@ use trirrr_core::service::Output;
 pub struct BldcMotor<N, W, D> {
     drive: Bldc<N>,
     pwm: W,
+    /// Its largest duty.
+    full: u16,
     direction: D,
     reversed: bool,
 }
@@ -30,6 +32,7 @@ impl<N, W: SetDutyCycle, D: OutputPin> BldcMotor<N, W, D> {
     pub fn new(drive: Bldc<N>, pwm: W, direction: D, reversed: bool) -> Self {
         Self {
             drive,
+            full: pwm.max_duty_cycle(),
             pwm,
             direction,
             reversed,
@@ -76,8 +79,7 @@ where
                 true => motor.direction.set_high().is_ok(),
                 false => motor.direction.set_low().is_ok(),
             };
-            let full = motor.pwm.max_duty_cycle();
-            let set = motor.pwm.set_duty_cycle(duty.parts(full)).is_ok();
+            let set = motor.pwm.set_duty_cycle(duty.parts(motor.full)).is_ok();
             if !(turned && set) {
                 return Err(reported(index as u8));
             }

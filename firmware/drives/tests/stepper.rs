@@ -264,10 +264,12 @@ fn homing_moves_the_angle_and_not_the_motor() {
     let mut tick = steppers::<f64>(&line);
     let mut slots = drivers(&line, &scope, Active::High);
     let mut motors = Motors::new();
-    let found = [0.5, 1.5, -2.5];
-    tick.stand_at(found);
+    // Motor 2 is found half a turn from where it was thought to be.
+    let by = [0.5, 3.1, -0.25];
+    tick.shift(by);
+    let found = [0, 1, 2].map(|leg| START[leg] + by[leg]);
     let microstep = TAU / (f64::from(PER_TURN) * GEAR);
-    let at = |leg: usize, steps: f64| [found[leg] + steps * microstep, 0.0, 0.0];
+    let at = |leg: usize, steps: f64| [wrapped(found[leg] + steps * microstep), 0.0, 0.0];
     for (steps, expected) in [(0.0, 0), (10.0, 10), (-3.0, -3)] {
         tick.apply(&output([at(0, steps), at(1, steps), at(2, steps)], true))
             .unwrap();

@@ -75,8 +75,6 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         "cargo:rustc-check-cfg=cfg(drive, values({}))",
         kinds.join(", ")
     );
-    if let Some(kind) = kind(&scene) {
-        println!("cargo:rustc-cfg=drive=\"{kind}\"");
-    }
+    println!("cargo:rustc-cfg=drive=\"{}\"", kind(&scene));
     Ok(())
 }

@@ -8,10 +8,12 @@
 //! When the drives go on, a protocol may need some ticks to prepare ([`Protocol::PREPARATION`]);
 //! meanwhile the drive hears no position. As long as they are off, they are told so in every tick.
 
+mod classic;
 mod moteus;
 mod odrive;
 mod rotor;
 
+pub use classic::{BitTiming, ClassicFrame};
 pub use moteus::{Moteus, Resolution};
 pub use odrive::Odrive;
 pub use rotor::{RotorCommand, RotorScale};
@@ -138,14 +140,6 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
         // What they report is of no interest as long as they are off.
         for _ in 0..HEARD {
             let _ = self.bus.receive();
-        }
-    }
-
-    /// The motors have been found to stand at these joint angles: a drive has its own encoder, so
-    /// only the turn is taken from it.
-    pub fn stand_at(&mut self, angles: [N::Angle; 3]) {
-        for (rotor, angle) in self.rotors.iter_mut().zip(angles) {
-            rotor.stands_at(angle);
         }
     }
 

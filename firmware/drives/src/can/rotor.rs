@@ -68,11 +68,6 @@ impl<N: Countable> Rotor<N> {
         }
     }
 
-    /// The joint stands at `angle`, in the turn in which it was.
-    pub(super) fn stands_at(&mut self, angle: N::Angle) {
-        self.winding = self.winding.after::<N>(angle - self.zero);
-    }
-
     #[inline(always)]
     pub(super) fn command(&mut self, motor: &Motor<N>) -> RotorCommand {
         self.winding = self.winding.after::<N>(motor.angle - self.zero);

@@ -62,10 +62,11 @@ impl<'l, N: Countable> Steppers<'l, N> {
         self.motors.each_ref().map(|motor| motor.angle())
     }
 
-    /// The motors have been found to stand at these joint angles: they take no step for it.
-    pub fn stand_at(&mut self, angles: [N::Angle; 3]) {
-        for (motor, angle) in self.motors.iter_mut().zip(angles) {
-            motor.stands_at(angle);
+    /// The motors stand where they are, and their joint angles turn out to be by so much more than they
+    /// were thought to be: no step is taken for it.
+    pub fn shift(&mut self, by: [N::Angle; 3]) {
+        for (motor, by) in self.motors.iter_mut().zip(by) {
+            motor.stands_at(motor.angle() + by);
         }
     }
 }

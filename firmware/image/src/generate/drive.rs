@@ -8,8 +8,11 @@ use trirrr_core::number::{Fixed, Number};
 use trirrr_core::units::Units;
 use trirrr_scene::{Can, CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
-/// The kinds of drive, as `cfg(drive = "...")` has them in an image. One without drives has none.
-pub(super) const KINDS: &[&str] = &["stepper", "bldc", "odrive", "moteus"];
+/// The kinds of drive, as `cfg(drive = "...")` has them in an image.
+pub(super) const KINDS: &[&str] = &[NONE, "stepper", "bldc", "odrive", "moteus"];
+
+/// No drive.
+const NONE: &str = "none";
 
 /// The slots of the fastest steppers, Hz: beyond, an interrupt in each leaves no time for a tick.
 const SLOTS_MAX_HZ: f64 = 200e3;
@@ -43,17 +46,19 @@ fn refuse<T>(index: usize, key: &str, reason: impl Into<String>) -> Result<T, Dr
     })
 }
 
-/// The kind of the scene's drives, one of [`KINDS`], if it has any.
-pub fn kind(scene: &Scene) -> Option<&'static str> {
-    let [drive, ..] = scene.drives.as_ref()?;
-    Some(match drive.kind {
+/// The kind of the scene's drives: `"none"`, `"stepper"`, `"bldc"`, `"odrive"` or `"moteus"`.
+pub fn kind(scene: &Scene) -> &'static str {
+    let Some([drive, ..]) = &scene.drives else {
+        return NONE;
+    };
+    match drive.kind {
         DriveKind::Stepper(_) => "stepper",
         DriveKind::Bldc(_) => "bldc",
         DriveKind::Can(can) => match can.protocol {
             CanProtocol::Odrive => "odrive",
             CanProtocol::Moteus => "moteus",
         },
-    })
+    }
 }
 
 /// A module `drive` with the constants of the scene's drives; nothing if it has none.
@@ -277,7 +282,7 @@ mod tests {
     fn no_drive_no_code() {
         let scene = with("");
         assert_eq!(drive(&scene, "f32", &Units::SI), Ok(String::new()));
-        assert_eq!(kind(&scene), None);
+        assert_eq!(kind(&scene), "none");
     }
 
     #[test]
@@ -294,7 +299,7 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        assert_eq!(kind(&scene), Some("stepper"));
+        assert_eq!(kind(&scene), "stepper");
     }
 
     #[test]
@@ -329,7 +334,7 @@ mod tests {
         let scene = with(&odrives("bit_rate_hz = 125000"));
         let text = drive(&scene, "f32", &Units::SI).expect("good");
         assert!(text.contains("NODES: [u8; 3] = [1, 2, 3];"), "{text}");
-        assert_eq!(kind(&scene), Some("odrive"));
+        assert_eq!(kind(&scene), "odrive");
         let mut fast = scene;
         fast.tick_rate_hz = 300.0;
         let error = drive(&fast, "f32", &Units::SI).expect_err("97 %");

@@ -2,6 +2,7 @@
 //! SysTick.
 
 mod clock;
+mod drives;
 mod registers;
 mod reset;
 
@@ -13,10 +14,10 @@ pub(crate) const CORE_HZ: u32 = 168_000_000;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use super::clock::{self, HSI_HZ};
+    use super::drives::{self, Drives, Slot};
     use super::{CORE_HZ, reset};
     use crate::background::Background;
     use crate::line::{BAUD, LOG_BAUD, RECEIVED};
-    use crate::outputs::NoOutputs;
     use crate::pulse::Pulse;
     use crate::scene::TICK_RATE_HZ;
     use crate::station::{self, Channels};
@@ -44,7 +45,8 @@ mod app {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
         clock: TickClock,
-        tick: Tick<NoOutputs>,
+        tick: Tick<Drives>,
+        slot: Slot,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
         pulse: Pulse,
@@ -81,6 +83,19 @@ mod app {
             start,
         };
         let (foreground, background) = station::build(channels, board);
+        let parts = drives::Parts {
+            pb8: b.pb8,
+            pb9: b.pb9,
+            pb12: b.pb12,
+            port_c: device.GPIOC,
+            tim3: device.TIM3,
+            tim7: device.TIM7,
+            can1: device.CAN1,
+            core_hz: timer_hz,
+            is_emulated: clock == Clock::Emulated,
+            angles: foreground.output().motors.map(|motor| motor.angle),
+        };
+        let (outputs, slot) = drives::build(parts, &mut rcc);
         let (received, out) = bytes.split();
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
@@ -89,7 +104,8 @@ mod app {
             receiver,
             received,
             clock: TickClock::start(context.core.SYST, period),
-            tick: Tick::new(foreground, NoOutputs),
+            tick: Tick::new(foreground, outputs),
+            slot,
             background: Background::new(background, out, line, log),
             watchdog,
             pulse: Pulse::default(),
@@ -97,7 +113,14 @@ mod app {
         (Shared {}, local)
     }
 
-    /// A byte from the line into its queue: nothing else is above the tick. The receiver holds one
+    /// A slot of the steppers: a pulse's time is its value.
+    #[cfg(drive = "stepper")]
+    #[task(binds = TIM7, priority = 4, local = [slot])]
+    fn slot(context: slot::Context) {
+        context.local.slot.run();
+    }
+
+    /// A byte from the line into its queue: but for the slots nothing else is above the tick. The receiver holds one
     /// byte and no more, and at 921,600 baud the next one is there 1,822 cycles later, which is less
     /// than a tick may take.
     #[task(binds = USART2, priority = 3, local = [receiver, received])]

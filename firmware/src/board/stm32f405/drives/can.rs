@@ -1,0 +1,44 @@
+//! Drives on the CAN bus: CAN1 carries a frame for each in a tick.
+
+use super::Parts;
+use super::controller::Controller;
+use crate::outputs::Outputs;
+use crate::scene::Scalar;
+use crate::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
+use crate::station::Output;
+use stm32f4xx_hal::rcc::Rcc;
+use trirrr_drives::Failure;
+use trirrr_drives::can::{CanDrives, Odrive, RotorScale};
+
+/// The drives, as the tick sees them.
+pub(crate) struct Drives(CanDrives<Scalar, Odrive, Controller>);
+
+impl Outputs for Drives {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        self.0.apply(output)
+    }
+}
+
+const fn scale((gear_ratio, reversed, zero_rad): (f64, bool, f64)) -> RotorScale {
+    RotorScale::new(gear_ratio, reversed, zero_rad, RATE_RAD_S, TORQUE_NM)
+}
+
+const SCALES: [RotorScale; 3] = [scale(ROTORS[0]), scale(ROTORS[1]), scale(ROTORS[2])];
+
+/// Nothing to do between two ticks.
+pub(crate) type Slot = ();
+
+/// Drives on a bus; in an emulated core there is none.
+pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+    let _ = (
+        parts.pb8.into_alternate::<9>().internal_pull_up(true),
+        parts.pb9.into_alternate::<9>(),
+    );
+    let controller = match parts.is_emulated {
+        true => Controller::absent(parts.can1),
+        false => Controller::start(parts.can1, rcc, BIT_RATE_HZ),
+    };
+    let drives = CanDrives::new(Odrive, controller, NODES, SCALES, parts.angles);
+    (Drives(drives), ())
+}

@@ -1,0 +1,127 @@
+//! Steppers: TIM7 calls the slots.
+
+use super::{Angle, Parts};
+use crate::outputs::Outputs;
+use crate::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
+use crate::scene::{Scalar, TICK_RATE_HZ};
+use crate::station::Output;
+use stm32f4xx_hal::ClearFlags;
+use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
+use stm32f4xx_hal::pac::TIM7;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
+use trirrr_core::message::DriveFault;
+use trirrr_core::number::Number;
+use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slot_rate_hz, slots_per_tick};
+use trirrr_drives::{Active, Enable, Failure};
+
+static LINE: Line = Line::new();
+
+/// The most microsteps of any motor in a tick.
+const MOST: u32 = {
+    let [a, b, c] = MOST_PER_TICK;
+    let most = if a > b { a } else { b };
+    if most > c { most } else { c }
+};
+
+/// Slots per second, rounded up.
+const SLOT_HZ: u32 = slot_rate_hz(MOST, TICK_RATE_HZ) as u32 + 1;
+
+/// Cycles of the core that have to lie between two slots, three times what one takes: else the tick
+/// would starve.
+const LEAST_CYCLES: u32 = 400;
+
+/// The drives, as the tick sees them.
+pub(crate) struct Drives {
+    steppers: Steppers<'static, Scalar>,
+    /// The core is fast enough for the slots.
+    runs: bool,
+}
+
+impl Outputs for Drives {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        if output.enabled && !self.runs {
+            return Err(too_slow());
+        }
+        self.steppers.apply(output)
+    }
+
+    fn angles(&self) -> Option<[Angle; 3]> {
+        Some(self.steppers.angles())
+    }
+}
+
+/// Where neither crystal nor PLL starts, the slots of a fast stepper are too many.
+#[cold]
+fn too_slow() -> Failure<Scalar> {
+    Failure {
+        what: DriveFault::StepRate,
+        drive: None,
+        value: Scalar::ZERO,
+        limit: Scalar::ONE,
+    }
+}
+
+type StepPin = PartiallyErasedPin<'C', Out>;
+
+/// The slots, as the timer sees them.
+pub(crate) struct Slot {
+    slots: Slots<'static, StepPin, StepPin, Pin<'B', 12, Out>>,
+    timer: CounterHz<TIM7>,
+}
+
+impl Slot {
+    /// One slot.
+    #[inline(always)]
+    pub(crate) fn run(&mut self) {
+        // First, so that it has gone through by the time the interrupt returns.
+        self.timer.clear_flags(Flag::Update);
+        let Ok(()) = self.slots.slot();
+    }
+}
+
+/// Drivers that are off. The slots run from now on, if the core is fast enough.
+pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+    let c = parts.port_c.split(rcc);
+    let (active, off) = match ENABLE_HIGH {
+        true => (Active::High, PinState::Low),
+        false => (Active::Low, PinState::High),
+    };
+    let enable = parts.pb12.into_push_pull_output_in_state(off);
+    let Ok(enable) = Enable::new(enable, active);
+    let [r1, r2, r3] = REVERSED;
+    let low = PinState::Low;
+    let Ok(axis_1) = Axis::new(
+        c.pc0.into_push_pull_output_in_state(low).erase_number(),
+        c.pc3.into_push_pull_output_in_state(low).erase_number(),
+        r1,
+    );
+    let Ok(axis_2) = Axis::new(
+        c.pc1.into_push_pull_output_in_state(low).erase_number(),
+        c.pc4.into_push_pull_output_in_state(low).erase_number(),
+        r2,
+    );
+    let Ok(axis_3) = Axis::new(
+        c.pc2.into_push_pull_output_in_state(low).erase_number(),
+        c.pc5.into_push_pull_output_in_state(low).erase_number(),
+        r3,
+    );
+    let axes = [axis_1, axis_2, axis_3];
+    let slots = Slots::new(&LINE, axes, enable, slots_per_tick(MOST));
+
+    let mut timer = parts.tim7.counter_hz(rcc);
+    let runs = parts.core_hz / SLOT_HZ >= LEAST_CYCLES && timer.start(SLOT_HZ.Hz()).is_ok();
+    if runs {
+        timer.listen(Event::Update);
+    } else {
+        defmt::error!(
+            "{=u32} slots per second are too many for {=u32} Hz",
+            SLOT_HZ,
+            parts.core_hz
+        );
+    }
+    let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
+    (Drives { steppers, runs }, Slot { slots, timer })
+}
