@@ -4,6 +4,7 @@ use crate::repository::{SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 /// The Cargo profile of every image.
 const PROFILE: &str = "device";
@@ -25,6 +26,15 @@ pub(crate) struct Image<'a> {
 impl Image<'_> {
     /// Builds the image and copies it where the next one does not overwrite it.
     pub(crate) fn build(&self) -> Result<PathBuf> {
+        self.build_as("", |_| {})
+    }
+
+    /// As [`Image::build`], with `suffix` behind its name and Cargo called as `configure` says.
+    pub(crate) fn build_as(
+        &self,
+        suffix: &str,
+        configure: impl FnOnce(&mut Command),
+    ) -> Result<PathBuf> {
         let Image {
             package,
             binary,
@@ -32,18 +42,19 @@ impl Image<'_> {
             scalar,
             target,
         } = *self;
-        let name = format!("{binary}-{}-{scalar}-{target}", scene.name);
+        let name = format!("{binary}-{}-{scalar}-{target}{suffix}", scene.name);
         eprintln!("building {name}");
-        let status = cargo()
+        let mut cargo = cargo();
+        cargo
             .args(["build", "--quiet", "--package", package, "--bin", binary])
             .args(["--profile", PROFILE, "--target", target])
             .env("SCENE", &scene.path)
             .env("TRIRRR_SCALAR", scalar)
             // The repository's own flags for the target are to hold, whatever is set outside.
             .env_remove("RUSTFLAGS")
-            .env_remove("CARGO_ENCODED_RUSTFLAGS")
-            .status()
-            .context("cargo cannot be run")?;
+            .env_remove("CARGO_ENCODED_RUSTFLAGS");
+        configure(&mut cargo);
+        let status = cargo.status().context("cargo cannot be run")?;
         ensure!(status.success(), "{name} does not build");
 
         let built = target_directory().join(target).join(PROFILE).join(binary);

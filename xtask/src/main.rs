@@ -6,6 +6,7 @@ mod ci;
 mod client;
 mod cores;
 mod elf;
+mod emulate;
 mod fuzz;
 mod image;
 mod insns;
@@ -32,6 +33,8 @@ enum Chore {
     Admission(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(budget::Options),
+    /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
+    Emulate(emulate::Arguments),
     /// Play jobs on host-sim device with the Python client, compare its tables
     Client,
     /// Fuzz the decoder and the service's commands
@@ -45,6 +48,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Insns(arguments) => insns::run(&arguments),
         Chore::Admission(options) => admission::run(&options),
         Chore::Size(options) => size::run(&options),
+        Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::Ci => ci::run(),

@@ -51,7 +51,9 @@ fn missing(error: std::io::Error, emulator: Emulator) -> anyhow::Error {
     }
 }
 
-fn wait(mut child: Child, limit: Duration) -> Result<String> {
+/// What a program prints until it ends. One that fails, or takes longer than `limit`, is an error
+/// with all that it printed.
+pub(crate) fn wait(mut child: Child, limit: Duration) -> Result<String> {
     let mut stdout = child.stdout.take().context("no pipe to the emulator")?;
     let mut stderr = child.stderr.take().context("no pipe to the emulator")?;
     // Both are drained while it runs: an image that prints much would fill the pipe and wait.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import sys
 from pathlib import Path
 
 from . import jobs, plot
 from .exchange import Refused, Silent
 from .jobs import JobError
-from .messages import Command, SectionName
+from .messages import NUMBERS, Command, SectionName
 from .ports import PortError, open_port
 from .record import Recorder
 from .stream import JobFailed, Stream
@@ -24,6 +25,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--out", default="out", help="folder for ticks.csv and ticks.svg (%(default)s)")
     parser.add_argument("--every", type=int, default=1, help="ticks from one sample to the next")
     parser.add_argument("--any-scene", action="store_true", help="do not compare the machine's scene")
+    parser.add_argument("--scalar", choices=list(NUMBERS), help="number type of the machine's image (the job's)")
     parser.add_argument("--answer", type=float, default=0.2, help="seconds to wait for an answer")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
@@ -40,6 +42,8 @@ def main() -> int:
 
     try:
         job = jobs.read(options.job)
+        if options.scalar:
+            job = dataclasses.replace(job, number=options.scalar)
     except JobError as error:
         print(f"trirrr: {error}", file=sys.stderr)
         return 2

@@ -9,6 +9,7 @@
 mod abandon;
 mod conversation;
 mod expected;
+mod log;
 mod play;
 mod port;
 mod torture;
@@ -51,6 +52,13 @@ enum Test {
     },
     /// Leave the board in the middle of the job, see it stop, and play the job with another client
     Abandon(Board),
+    /// Print the log that came out of the board's second serial port
+    Log {
+        /// The image
+        elf: PathBuf,
+        /// What came out
+        log: PathBuf,
+    },
 }
 
 #[derive(Args)]
@@ -73,7 +81,10 @@ struct Board {
 
 fn main() -> Result<()> {
     let Cli { test } = Cli::parse();
-    let (Test::Play(board) | Test::Torture { board, .. } | Test::Abandon(board)) = &test;
+    let board = match &test {
+        Test::Play(board) | Test::Torture { board, .. } | Test::Abandon(board) => board,
+        Test::Log { elf, log } => return log::print(elf, log),
+    };
     let scene = Scene::read(&board.scene).context("the scene")?;
     match board.scalar.unwrap_or_else(|| scene.number.into()) {
         Scalar::F64 => run::<f64>(&test, board, &scene),
@@ -99,5 +110,7 @@ fn run<N: Transmit>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
             seed,
             ..
         } => torture::run(&expected, port, *frames, *percent, *seed),
+        // Needs no board.
+        Test::Log { .. } => Ok(()),
     }
 }

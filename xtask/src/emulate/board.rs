@@ -1,0 +1,78 @@
+//! An emulated STM32F405 with an image in its flash.
+
+use anyhow::{Context, Result, ensure};
+use std::io::Read;
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// Virtual time per instruction, 2 to the power of this in ns: 31 million instructions per second,
+/// which an emulator reaches and a silicon at 168 MHz exceeds several times. Time passes with
+/// instructions, so a host that is busy slows the board down and makes no tick late.
+const SHIFT: u32 = 5;
+
+/// What QEMU clocks the core's timer with, whatever the program sets, Hz.
+const TIMER_HZ: f64 = 168e6;
+
+/// Counts of the tick's timer per instruction.
+pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT) as f64;
+
+/// A board that runs; it ends with this value.
+pub(super) struct Board {
+    child: Child,
+    address: String,
+}
+
+impl Board {
+    /// Boots the image. The link, USART2, listens at a port that was free.
+    pub(super) fn boot(image: &Path) -> Result<Self> {
+        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        let child = Command::new("qemu-system-arm")
+            .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
+            .args(["-icount", &format!("shift={SHIFT}")])
+            .args(["-serial", "null", "-serial"])
+            .arg(format!(
+                "tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"
+            ))
+            .arg("-kernel")
+            .arg(image)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .context("qemu-system-arm (Debian package qemu-system-arm) cannot be started")?;
+        Ok(Self {
+            child,
+            address: format!("tcp:127.0.0.1:{port}"),
+        })
+    }
+
+    /// Where the link is.
+    pub(super) fn address(&self) -> &str {
+        &self.address
+    }
+
+    /// Switches it off.
+    pub(super) fn end(mut self) -> Result<()> {
+        let early = self.child.try_wait()?;
+        self.kill();
+        let mut said = String::new();
+        if let Some(mut stderr) = self.child.stderr.take() {
+            stderr.read_to_string(&mut said)?;
+        }
+        ensure!(early.is_none(), "the emulator ended by itself: {said}");
+        Ok(())
+    }
+
+    fn kill(&mut self) {
+        // It may have ended by itself; then there is nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}

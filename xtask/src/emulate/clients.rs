@@ -1,0 +1,183 @@
+//! The programs that talk to a board: `board-test`, `host-sim stream`, the Python client.
+
+use super::board::Board;
+use crate::client::{self, rounding};
+use crate::qemu::wait;
+use crate::repository::{SceneFile, cargo, root, target_directory};
+use anyhow::{Context, Result, ensure};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// Far beyond what any of them needs: a job of some seconds on a board that is several times slower
+/// than silicon.
+const TIME_LIMIT: Duration = Duration::from_secs(400);
+
+/// What `board-test play` saw.
+pub(super) struct Played {
+    pub(super) ticks: u64,
+    pub(super) samples: u64,
+    pub(super) lost: u64,
+    /// Counts of the board's timer.
+    pub(super) longest: u32,
+}
+
+/// The programs, built.
+pub(super) struct Clients {
+    board_test: PathBuf,
+    host_sim: PathBuf,
+}
+
+impl Clients {
+    pub(super) fn build() -> Result<Self> {
+        // Each as it is built alone, so that none is built twice.
+        for package in ["trirrr-host-sim", "trirrr-board-tests"] {
+            let status = cargo()
+                .args(["build", "--quiet", "--release", "-p", package])
+                .status()
+                .context("cargo cannot be run")?;
+            ensure!(status.success(), "{package} does not build");
+        }
+        let release = target_directory().join("release");
+        Ok(Self {
+            board_test: release.join("board-test"),
+            host_sim: release.join("host-sim"),
+        })
+    }
+
+    fn board_test(&self, test: &str, scene: &SceneFile, scalar: &str, board: &Board) -> Command {
+        let mut command = Command::new(&self.board_test);
+        command
+            .arg(test)
+            .arg(&scene.path)
+            .args(["--port", board.address(), "--scalar", scalar]);
+        command
+    }
+
+    /// The job, every value of every sample compared.
+    pub(super) fn play(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<Played> {
+        let said = output(&mut self.board_test("play", scene, scalar, board))?;
+        println!("{} in {scalar}: {}", scene.name, said.trim_end());
+        played(&said)
+    }
+
+    /// Random jobs over a bad line.
+    pub(super) fn torture(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+        frames: u64,
+        seed: u64,
+    ) -> Result<()> {
+        let mut command = self.board_test("torture", scene, scalar, board);
+        command.args(["--frames", &frames.to_string(), "--seed", &seed.to_string()]);
+        let said = output(&mut command)?;
+        println!("{} in {scalar}: {}", scene.name, said.trim_end());
+        Ok(())
+    }
+
+    /// A client that goes in the middle of the job.
+    pub(super) fn abandon(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<()> {
+        let said = output(&mut self.board_test("abandon", scene, scalar, board))?;
+        println!("{} in {scalar}: {}", scene.name, said.trim_end());
+        Ok(())
+    }
+
+    /// The table that `host-sim run` writes.
+    pub(super) fn run(&self, scene: &SceneFile, scalar: &str) -> Result<PathBuf> {
+        let out = folder(scene, scalar, "run");
+        let mut command = Command::new(&self.host_sim);
+        command.arg("run").arg(&scene.path);
+        command
+            .args(["--fast", "--scalar", scalar, "--out"])
+            .arg(&out);
+        output(&mut command)?;
+        Ok(out.join("ticks.csv"))
+    }
+
+    /// The job with `host-sim stream`, whose table has to be the expected one.
+    pub(super) fn stream(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+        expected: &Path,
+    ) -> Result<()> {
+        let out = folder(scene, scalar, "stream");
+        let mut command = Command::new(&self.host_sim);
+        command.arg("stream").arg(&scene.path);
+        command.args(["--port", board.address(), "--scalar", scalar]);
+        command.args(["--telemetry", "1", "--out"]).arg(&out);
+        output(&mut command)?;
+        // What the board sends, and what the same core computes from it: all in the bits.
+        client::compare(expected, &out.join("ticks.csv"), 0.0).context("host-sim stream")
+    }
+
+    /// The same with the Python client, whose own columns may be some roundings off.
+    pub(super) fn python(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+        expected: &Path,
+    ) -> Result<()> {
+        let out = folder(scene, scalar, "python");
+        let mut command = Command::new("python3");
+        command.args(["-m", "trirrr"]).arg(&scene.path);
+        command.args(["--port", board.address(), "--scalar", scalar]);
+        command.args(["--quiet", "--out"]).arg(&out);
+        command.current_dir(root().join("clients/python"));
+        output(&mut command)?;
+        client::compare(expected, &out.join("ticks.csv"), rounding(scalar))
+            .context("the Python client")
+    }
+}
+
+fn folder(scene: &SceneFile, scalar: &str, client: &str) -> PathBuf {
+    let folder = target_directory().join("emulate");
+    folder.join(format!("{}-{scalar}", scene.name)).join(client)
+}
+
+/// What a command prints; its failure, with what it said, is an error.
+fn output(command: &mut Command) -> Result<String> {
+    let child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("{command:?} cannot be started"))?;
+    wait(child, TIME_LIMIT).with_context(|| format!("{command:?}"))
+}
+
+/// Reads the line that `board-test play` prints.
+fn played(said: &str) -> Result<Played> {
+    let before = |what: &str| {
+        let (left, _) = said.split_once(what)?;
+        left.split_whitespace().next_back()?.parse::<u64>().ok()
+    };
+    let read = || {
+        Some(Played {
+            ticks: before(" ticks,")?,
+            samples: before(" samples identical")?,
+            longest: u32::try_from(before(" counts,")?).ok()?,
+            lost: before(" lost")?,
+        })
+    };
+    read().with_context(|| format!("board-test says: {said}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_figures_of_a_job_are_read() {
+        let said = "100 ticks, 102 samples identical in 27 values, 12 at rest before them, \
+                    longest tick 4301 counts, 0 lost\n";
+        let played = played(said).expect("well formed");
+        assert_eq!((played.ticks, played.samples), (100, 102));
+        assert_eq!((played.longest, played.lost), (4301, 0));
+        assert!(super::played("").is_err());
+    }
+}

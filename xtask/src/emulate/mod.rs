@@ -1,0 +1,203 @@
+//! `cargo xtask emulate`: the image that is flashed, in QEMU, under the clients of a real board.
+
+mod board;
+mod clients;
+
+use crate::image::Image;
+use crate::repository::{self, SceneFile};
+use crate::size::FIRMWARE_TARGET;
+use crate::table::table;
+use anyhow::{Context, Result, ensure};
+use board::Board;
+use clap::ValueEnum;
+use clients::Clients;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use trirrr_scene::{NumberType, Scene};
+
+/// What no tick may exceed on the board in f32, instructions: service and drives, from when it was
+/// due until its outputs stood.
+const TICK_CEILING: f64 = 1500.0;
+
+/// The scene whose jobs are played over a bad line, and left in the middle: 1000 ticks per second,
+/// a job of some seconds.
+const LINE_SCENE: &str = "engraving";
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Scenes, by name or file; all that are for a board without
+    scenes: Vec<String>,
+    /// What to do; repeat for more
+    #[arg(long, value_enum, default_values_t = [Part::Jobs])]
+    part: Vec<Part>,
+    /// Number type of the images [default: the scene's, f32 for f64; in `jobs` of all scenes fixed
+    /// point, too]
+    #[arg(long)]
+    scalar: Option<String>,
+    /// Frames of `line` before the last job begins
+    #[arg(long, default_value_t = 20_000)]
+    frames: u64,
+    /// Seed of `line`
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// What is done with an emulated board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Play each scene's job with every client, compare every sample with the host's
+    Jobs,
+    /// Random jobs over a line that damages every fifth frame; a client that goes
+    Line,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let clients = Clients::build()?;
+    for part in &arguments.part {
+        match part {
+            Part::Jobs => jobs(arguments, &clients)?,
+            Part::Line => line(arguments, &clients)?,
+        }
+    }
+    Ok(())
+}
+
+/// A scene in a number type, and its image.
+struct Built {
+    scene: SceneFile,
+    scalar: &'static str,
+    image: PathBuf,
+}
+
+impl Built {
+    fn new(scene: &SceneFile, scalar: &'static str) -> Result<Self> {
+        let image = Image {
+            package: "trirrr-firmware",
+            binary: "trirrr-firmware",
+            scene,
+            scalar,
+            target: FIRMWARE_TARGET,
+        };
+        Ok(Self {
+            scene: scene.clone(),
+            scalar,
+            image: image.build()?,
+        })
+    }
+}
+
+/// The number type that a scene's image has where nothing else is asked for.
+fn own_scalar(file: &SceneFile) -> Result<&'static str> {
+    Ok(match Scene::read(&file.path)?.number {
+        // Meant for hosts; no board here has it in hardware.
+        NumberType::F64 | NumberType::F32 => "f32",
+        NumberType::Fixed => "fixed",
+        NumberType::Micromath => "micromath",
+    })
+}
+
+fn known_scalar(name: &str) -> Result<&'static str> {
+    let known = trirrr_image::generate::SCALARS;
+    let found = known.iter().find(|(scalar, _)| *scalar == name);
+    found
+        .map(|(scalar, _)| *scalar)
+        .with_context(|| format!("{name}: no number type of an image"))
+}
+
+fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
+    let mut rows = Vec::new();
+    for scene in repository::scenes_named(&arguments.scenes)? {
+        let own = match &arguments.scalar {
+            Some(name) => known_scalar(name)?,
+            None => own_scalar(&scene)?,
+        };
+        rows.push(job(clients, &Built::new(&scene, own)?, true)?);
+        // In the other number type the samples are what may differ, not the clients.
+        let every = arguments.scenes.is_empty() && arguments.scalar.is_none();
+        if every && own != "fixed" {
+            rows.push(job(clients, &Built::new(&scene, "fixed")?, false)?);
+        }
+    }
+    let headings = [
+        "scene",
+        "scalar",
+        "ticks",
+        "samples",
+        "lost",
+        "longest tick",
+        "clients",
+        "seconds",
+    ];
+    print!("{}", table(&headings, &rows));
+    Ok(())
+}
+
+/// Plays a scene's job on its image, freshly booted for each client; a row of figures.
+fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<String>> {
+    let Built {
+        scene,
+        scalar,
+        image,
+    } = built;
+    let about = || format!("{} in {scalar}", scene.name);
+    let start = Instant::now();
+    let board = Board::boot(image)?;
+    let played = clients.play(scene, scalar, &board).with_context(about)?;
+    board.end()?;
+    let instructions = (f64::from(played.longest) / board::COUNTS_PER_INSTRUCTION).ceil();
+    ensure!(
+        *scalar != "f32" || instructions <= TICK_CEILING,
+        "{}: a tick of {instructions} instructions, the ceiling is {TICK_CEILING}",
+        about()
+    );
+    let mut names = "board-test".to_owned();
+    if with_all_clients {
+        let expected = clients.run(scene, scalar).with_context(about)?;
+        let board = Board::boot(image)?;
+        clients
+            .stream(scene, scalar, &board, &expected)
+            .with_context(about)?;
+        board.end()?;
+        let board = Board::boot(image)?;
+        clients
+            .python(scene, scalar, &board, &expected)
+            .with_context(about)?;
+        board.end()?;
+        names += ", host-sim, python";
+    }
+    Ok(vec![
+        scene.name.clone(),
+        (*scalar).into(),
+        played.ticks.to_string(),
+        played.samples.to_string(),
+        played.lost.to_string(),
+        instructions.to_string(),
+        names,
+        seconds(start.elapsed()),
+    ])
+}
+
+fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
+    let names = match arguments.scenes.as_slice() {
+        [] => vec![LINE_SCENE.to_owned()],
+        some => some.to_vec(),
+    };
+    for scene in repository::scenes_named(&names)? {
+        let scalar = match &arguments.scalar {
+            Some(name) => known_scalar(name)?,
+            None => own_scalar(&scene)?,
+        };
+        let built = Built::new(&scene, scalar)?;
+        let board = Board::boot(&built.image)?;
+        clients.torture(&scene, scalar, &board, arguments.frames, arguments.seed)?;
+        board.end()?;
+        let board = Board::boot(&built.image)?;
+        clients.abandon(&scene, scalar, &board)?;
+        board.end()?;
+    }
+    Ok(())
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.1}", time.as_secs_f64())
+}
