@@ -28,22 +28,15 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
     }
 
     /// A slice: answers a request or says what there is to say, judges a part of a move, logs.
-    /// Whether there is more to do at once.
-    pub(crate) fn step(&mut self) -> bool {
+    pub(crate) fn step(&mut self) {
         self.line.send();
         if self.line.is_free()
             && let Some(message) = self.message()
         {
             self.line.put(&message);
         }
-        let judging = self.service.step();
-        let logging = log::drain(&mut self.log);
-        judging || logging || !self.line.is_free() || self.is_called()
-    }
-
-    /// Whether an interrupt has left something to do.
-    pub(crate) fn is_called(&self) -> bool {
-        self.line.has_received()
+        self.service.step();
+        log::drain(&mut self.log);
     }
 
     /// Replies first, then events, then telemetry.

@@ -58,11 +58,6 @@ impl<W: Write<u8>> Line<W> {
         None
     }
 
-    /// Whether bytes wait to be looked at.
-    pub(crate) fn has_received(&self) -> bool {
-        self.received.ready()
-    }
-
     /// Whether the last message is on its way and the next one can be put.
     pub(crate) fn is_free(&self) -> bool {
         self.sent == self.length

@@ -12,6 +12,7 @@ mod expected;
 mod log;
 mod play;
 mod port;
+mod report;
 mod torture;
 
 use anyhow::{Context, Result};
@@ -52,6 +53,8 @@ enum Test {
     },
     /// Leave the board in the middle of the job, see it stop, and play the job with another client
     Abandon(Board),
+    /// Print why the board started and which fault it has latched, once it has failed
+    Report(Board),
     /// Print the log that came out of the board's second serial port
     Log {
         /// The image
@@ -82,7 +85,10 @@ struct Board {
 fn main() -> Result<()> {
     let Cli { test } = Cli::parse();
     let board = match &test {
-        Test::Play(board) | Test::Torture { board, .. } | Test::Abandon(board) => board,
+        Test::Play(board)
+        | Test::Torture { board, .. }
+        | Test::Abandon(board)
+        | Test::Report(board) => board,
         Test::Log { elf, log } => return log::print(elf, log),
     };
     let scene = Scene::read(&board.scene).context("the scene")?;
@@ -104,6 +110,7 @@ fn run<N: Transmit>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
     match test {
         Test::Play(_) => play::run(&expected, port),
         Test::Abandon(_) => abandon::run(&expected, port),
+        Test::Report(_) => report::run(&expected, port, Duration::from_secs_f64(board.patience)),
         Test::Torture {
             frames,
             percent,

@@ -1,13 +1,15 @@
 //! An emulated STM32F405 with an image in its flash.
 
+use crate::repository::target_directory;
 use anyhow::{Context, Result, ensure};
+use std::fs;
 use std::io::Read;
 use std::net::TcpListener;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// Virtual time per instruction, 2 to the power of this in ns: 31 million instructions per second,
-/// which an emulator reaches and a silicon at 168 MHz exceeds several times. Time passes with
+/// which an emulator reaches and silicon at 168 MHz exceeds several times. Time passes with
 /// instructions, so a host that is busy slows the board down and makes no tick late.
 const SHIFT: u32 = 5;
 
@@ -21,12 +23,28 @@ pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT
 pub(super) struct Board {
     child: Child,
     address: String,
+    log: PathBuf,
+    unimplemented: PathBuf,
+}
+
+/// What a board leaves behind.
+pub(super) struct Ended {
+    /// What came out of its log's port.
+    pub(super) log: PathBuf,
+    /// Accesses to peripherals that the emulator does not have, in QEMU's words.
+    pub(super) unimplemented: String,
 }
 
 impl Board {
-    /// Boots the image. The link, USART2, listens at a port that was free.
+    /// Boots the image. The link, USART2, listens at a port that was free; the log, USART3, goes to
+    /// a file.
     pub(super) fn boot(image: &Path) -> Result<Self> {
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        let folder = target_directory().join("emulate");
+        fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        let name = image.file_name().context("an image has a name")?;
+        let [log, unimplemented] =
+            ["log", "unimplemented"].map(|kind| folder.join(name).with_extension(kind));
         let child = Command::new("qemu-system-arm")
             .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
             .args(["-icount", &format!("shift={SHIFT}")])
@@ -34,6 +52,10 @@ impl Board {
             .arg(format!(
                 "tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"
             ))
+            .arg("-serial")
+            .arg(format!("file:{}", log.display()))
+            .args(["-d", "unimp", "-D"])
+            .arg(&unimplemented)
             .arg("-kernel")
             .arg(image)
             .stdin(Stdio::null())
@@ -44,6 +66,8 @@ impl Board {
         Ok(Self {
             child,
             address: format!("tcp:127.0.0.1:{port}"),
+            log,
+            unimplemented,
         })
     }
 
@@ -53,7 +77,7 @@ impl Board {
     }
 
     /// Switches it off.
-    pub(super) fn end(mut self) -> Result<()> {
+    pub(super) fn end(mut self) -> Result<Ended> {
         let early = self.child.try_wait()?;
         self.kill();
         let mut said = String::new();
@@ -61,7 +85,12 @@ impl Board {
             stderr.read_to_string(&mut said)?;
         }
         ensure!(early.is_none(), "the emulator ended by itself: {said}");
-        Ok(())
+        let unimplemented = fs::read(&self.unimplemented)
+            .with_context(|| self.unimplemented.display().to_string())?;
+        Ok(Ended {
+            log: self.log.clone(),
+            unimplemented: String::from_utf8_lossy(&unimplemented).into_owned(),
+        })
     }
 
     fn kill(&mut self) {

@@ -84,6 +84,21 @@ impl Clients {
         Ok(())
     }
 
+    /// The board's log in words; what is no frame of the image's log is an error.
+    pub(super) fn read_log(&self, image: &Path, log: &Path) -> Result<String> {
+        output(
+            Command::new(&self.board_test)
+                .arg("log")
+                .arg(image)
+                .arg(log),
+        )
+    }
+
+    /// What the board says of itself, once it has failed.
+    pub(super) fn report(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<String> {
+        output(&mut self.board_test("report", scene, scalar, board))
+    }
+
     /// The table that `host-sim run` writes.
     pub(super) fn run(&self, scene: &SceneFile, scalar: &str) -> Result<PathBuf> {
         let out = folder(scene, scalar, "run");

@@ -2,6 +2,7 @@
 
 mod board;
 mod clients;
+mod failures;
 
 use crate::image::Image;
 use crate::repository::{self, SceneFile};
@@ -49,6 +50,8 @@ enum Part {
     Jobs,
     /// Random jobs over a line that damages every fifth frame; a client that goes
     Line,
+    /// Provoke failures, read their causes after the reset
+    Failures,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
@@ -57,6 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         match part {
             Part::Jobs => jobs(arguments, &clients)?,
             Part::Line => line(arguments, &clients)?,
+            Part::Failures => failures::run(&clients)?,
         }
     }
     Ok(())
@@ -143,7 +147,15 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     let start = Instant::now();
     let board = Board::boot(image)?;
     let played = clients.play(scene, scalar, &board).with_context(about)?;
-    board.end()?;
+    let log = clients
+        .read_log(image, &board.end()?.log)
+        .with_context(about)?;
+    let boot = format!("scene {}, ", scene.name);
+    ensure!(
+        log.contains(&boot),
+        "{}: {boot:?} is missing in the log: {log}",
+        about()
+    );
     let instructions = (f64::from(played.longest) / board::COUNTS_PER_INSTRUCTION).ceil();
     ensure!(
         *scalar != "f32" || instructions <= TICK_CEILING,

@@ -1,0 +1,83 @@
+//! What a board says of itself: why it started, and which fault it has latched.
+
+use crate::expected::Expected;
+use crate::port::{self, Port};
+use anyhow::{Result, bail};
+use std::time::{Duration, Instant};
+use trirrr_core::message::{Command, Identity, Message, Reply, Request, Status, Transmit};
+use trirrr_host_sim::words::{self, Units};
+
+/// From one look at the board to the next, while nothing has happened.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Asks the board until it has failed, or for `patience`, and prints what it says.
+pub(crate) fn run<N: Transmit>(
+    expected: &Expected<N>,
+    mut port: Port,
+    patience: Duration,
+) -> Result<()> {
+    port.wait_for_board::<N>()?;
+    let start = Instant::now();
+    loop {
+        // A board that starts anew in between knows of no hello.
+        if let Some((identity, status)) = ask(expected, &mut port)? {
+            let failed = identity.board.start.is_failure() || status.fault.is_some();
+            if failed || start.elapsed() > patience {
+                print(&identity, &status);
+                return Ok(());
+            }
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Both answers; none where one does not come.
+fn ask<N: Transmit>(
+    expected: &Expected<N>,
+    port: &mut Port,
+) -> Result<Option<(Identity, Status<N>)>> {
+    let hello = Command::<N>::Hello(expected.hello);
+    let identity = match request::<N>(port, u32::MAX / 2, hello)? {
+        Some(Reply::Hello(identity)) => identity,
+        Some(reply) => bail!("the board answers a hello with {reply:?}"),
+        None => return Ok(None),
+    };
+    match request::<N>(port, identity.next_sequence, Command::Status)? {
+        Some(Reply::Status(status)) => Ok(Some((identity, status))),
+        _ => Ok(None),
+    }
+}
+
+fn request<N: Transmit>(
+    port: &mut Port,
+    sequence: u32,
+    command: Command<N>,
+) -> Result<Option<Reply<N>>> {
+    let mut bytes = vec![0];
+    bytes.extend(port::frame(&Request { sequence, command }));
+    port.send(&bytes)?;
+    let asked = Instant::now();
+    while asked.elapsed() < Duration::from_millis(500) {
+        for frame in port.frames(Duration::from_millis(20))? {
+            match port::message::<N>(&frame) {
+                Some(Message::Reply {
+                    sequence: to,
+                    reply,
+                }) if to == sequence => return Ok(Some(reply)),
+                _ => {}
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn print<N: Transmit>(identity: &Identity, status: &Status<N>) {
+    let units = Units::of(identity);
+    println!("clock: {:?}", identity.board.clock);
+    println!("start: {}", words::board::start(&identity.board.start));
+    println!("state: {}", words::state(status.state, status.acting));
+    match &status.fault {
+        Some(fault) => println!("fault: {}", words::fault(fault, &units)),
+        None => println!("fault: none"),
+    }
+}
