@@ -2,6 +2,8 @@
 
 use super::{CHECKSUM_BYTES, CRC, Counters, FrameError};
 use cobs::{DecodeResult, DecoderState};
+use postcard::Deserializer;
+use postcard::de_flavors::Flavor;
 use serde::de::DeserializeOwned;
 
 /// Finds the frames in whatever a line delivers, in pieces of any size, and takes the messages out
@@ -121,9 +123,39 @@ impl<const N: usize> Decoder<N> {
 
 /// The message in `bytes`, all of them.
 fn message<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
-    match postcard::take_from_bytes(bytes) {
-        Ok((message, [])) => Ok(message),
-        Ok(_) => Err(FrameError::Trailing),
-        Err(_) => Err(FrameError::Message),
+    let mut bytes = Deserializer::from_flavor(Bytes(bytes));
+    match (T::deserialize(&mut bytes), bytes.finalize()) {
+        (Ok(message), Ok([])) => Ok(message),
+        (Ok(_), _) => Err(FrameError::Trailing),
+        (Err(_), _) => Err(FrameError::Message),
     }
 }
+
+/// What is left of a message as it is read.
+struct Bytes<'de>(&'de [u8]);
+
+impl<'de> Flavor<'de> for Bytes<'de> {
+    type Remainder = &'de [u8];
+    type Source = &'de [u8];
+
+    // Calls, as in `encode`.
+    #[inline(never)]
+    fn pop(&mut self) -> postcard::Result<u8> {
+        let (first, rest) = self.0.split_first().ok_or(END)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    #[inline(never)]
+    fn try_take_n(&mut self, count: usize) -> postcard::Result<&'de [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or(END)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn finalize(self) -> postcard::Result<Self::Remainder> {
+        Ok(self.0)
+    }
+}
+
+const END: postcard::Error = postcard::Error::DeserializeUnexpectedEnd;

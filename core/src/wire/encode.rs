@@ -2,8 +2,8 @@
 
 use super::CRC;
 use core::fmt;
-use postcard::ser_flavors::crc::CrcModifier;
-use postcard::ser_flavors::{Cobs, Slice};
+use crc::{Digest, Table};
+use postcard::ser_flavors::{Cobs, Flavor, Slice};
 use serde::Serialize;
 
 /// The buffer does not hold the frame, or the message has no length that is known beforehand.
@@ -32,10 +32,41 @@ where
 {
     let bytes = buffer.len();
     let refused = |_| BufferTooSmall { bytes };
-    // From the outside in: the checksum sees the message's bytes, COBS sees both.
-    let cobs = Cobs::try_new(Slice::new(buffer)).map_err(refused)?;
-    let checked = CrcModifier::new(cobs, CRC.digest());
-    postcard::serialize_with_flavor(message, checked)
+    let frame = Frame {
+        cobs: Cobs::try_new(Slice::new(buffer)).map_err(refused)?,
+        checksum: CRC.digest(),
+    };
+    postcard::serialize_with_flavor(message, frame)
         .map(|frame| &*frame)
         .map_err(refused)
+}
+
+/// A frame as it is written: the checksum sees the message's bytes, COBS sees both.
+struct Frame<'b> {
+    cobs: Cobs<Slice<'b>>,
+    checksum: Digest<'static, u32, Table<1>>,
+}
+
+impl<'b> Flavor for Frame<'b> {
+    type Output = &'b mut [u8];
+
+    // A call for each byte and not its whole code at each field of each message: that is tens of
+    // KiB of flash.
+    #[inline(never)]
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.checksum.update(&[byte]);
+        self.cobs.try_push(byte)
+    }
+
+    #[inline(never)]
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        bytes.iter().try_for_each(|byte| self.try_push(*byte))
+    }
+
+    fn finalize(mut self) -> postcard::Result<Self::Output> {
+        for byte in self.checksum.finalize().to_le_bytes() {
+            self.cobs.try_push(byte)?;
+        }
+        self.cobs.finalize()
+    }
 }

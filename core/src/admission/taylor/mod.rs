@@ -119,7 +119,7 @@ impl<N: Number> TaylorModel<N> {
 
     /// 1 / self. With x = c + d and |d| <= r,
     /// 1 / x = 1 / c - d / c^2 + d^2 / (c^2 x), the last term of the sign of c.
-    #[inline(always)]
+    #[inline(never)]
     fn inverse(self) -> Self {
         let radius = self.radius();
         let least =
@@ -178,7 +178,7 @@ impl Roundoffs {
 impl<N: Number> Add for TaylorModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         let constant = self.constant + other.constant;
         let linear = self.linear + other.linear;
@@ -235,7 +235,7 @@ fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, 
 impl<N: Number> Mul for TaylorModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let (model, size) = product(self, other);
         Self::rounded(

@@ -69,7 +69,7 @@ impl<N: Number> Number for TaylorModel<N> {
         Self::rounded(constant, angle.linear, angle.error, size, Roundoffs::Two)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn ratio(numerator: u32, denominator: u32) -> Self {
         let ratio = <Float<N>>::ratio(numerator, denominator);
         Self::rounded(
@@ -105,7 +105,7 @@ impl<N: Number> Number for TaylorModel<N> {
         Self::point(N::roundoff(size.magnitude()))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
         let ((ab, size_ab), (cd, size_cd)) = (product(a, b), product(c, d));
         Self::rounded(
@@ -130,7 +130,7 @@ impl<N: Number> Number for TaylorModel<N> {
     /// With x = c + d, s the root of c, and |d| <= r <= c:
     /// sqrt(x) = s + d / (2 s) - (sqrt(x) - s)^2 / (2 s), where |sqrt(x) - s| is at most
     /// r / (s + (c - r) / s), and 2 / (2 - p) <= 1 + p for p = r / c.
-    #[inline(always)]
+    #[inline(never)]
     fn sqrt(self) -> Self {
         let radius = self.radius();
         let root = self.constant.sqrt();
@@ -157,7 +157,7 @@ impl<N: Number> Number for TaylorModel<N> {
     }
 
     /// A straddling sign gives the range from 0 to the largest size.
-    #[inline(always)]
+    #[inline(never)]
     fn abs(self) -> Self {
         if self.least_magnitude() >= <Float<N>>::ZERO {
             if self.constant < <Float<N>>::ZERO {
@@ -172,7 +172,7 @@ impl<N: Number> Number for TaylorModel<N> {
     }
 
     /// By Taylor's formula to the second order, with the third derivative at most 1.
-    #[inline(always)]
+    #[inline(never)]
     fn sin_cos(angle: Self::Angle) -> (Self, Self) {
         let (sin, cos) = <Float<N>>::sin_cos(angle.constant);
         let radius = angle.linear.abs() + angle.error;
@@ -193,6 +193,7 @@ impl<N: Number> Number for TaylorModel<N> {
     /// Continuous over the interval, so beyond +-pi where the vector passes the negative x axis. The
     /// angle's first derivatives at the distance rho are of size 1 / rho, its second ones
     /// 1 / rho^2: what is not linear is below d^2 / (2 rho^2) for a step of length d.
+    #[inline(never)]
     fn atan2(y: Self, x: Self) -> Self::Angle {
         let length_sq = <Float<N>>::ab_plus_cd(x.constant, x.constant, y.constant, y.constant);
         let length = length_sq.sqrt();

@@ -72,10 +72,12 @@ mod app {
         let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
         let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
         let line = Serial::new(device.USART2, (a.pa2, a.pa3), settings(BAUD), &mut rcc);
-        let (line, mut receiver) = line.expect("16 MHz divide into the baud rate").split();
-        receiver.listen();
         let log = device.USART3.tx(b.pb10, settings(LOG_BAUD), &mut rcc);
-        let log = log.expect("16 MHz divide into the baud rate");
+        let (Ok(line), Ok(log)) = (line, log) else {
+            panic!("the slowest clock does not divide into the baud rates");
+        };
+        let (line, mut receiver) = line.split();
+        receiver.listen();
 
         let board = Board {
             timer_hz,
