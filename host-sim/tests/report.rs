@@ -29,3 +29,33 @@ fn numerics_md_is_what_the_report_says() {
         assert!(document.contains(&format!("(images/{figure})")), "{figure}");
     }
 }
+
+/// Errors and counts of the study of integrators; times are those of one machine.
+#[test]
+fn numerics_md_is_what_the_study_of_integrators_says() {
+    let folder = TempDir::new().unwrap();
+    let report = write(&[Section::WorkPrecision], folder.path()).unwrap();
+    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/numerics.md");
+    let document = fs::read_to_string(document).unwrap();
+    let outdated = docs::outdated(&document, &report.blocks).unwrap();
+    let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
+    assert!(outdated.is_empty(), "{outdated:?}: {how}");
+    check_runs(&folder.path().join("work-precision.csv"));
+    let compared = report.blocks.iter().filter(|block| block.reproducible);
+    assert_eq!(compared.count(), 2);
+}
+
+/// No run of the study hangs, for this is reached; each has an error or names why it ended early.
+fn check_runs(file: &Path) {
+    let mut runs = csv::Reader::from_path(file).unwrap();
+    let mut count = 0;
+    for run in runs.records() {
+        let run = run.unwrap();
+        let (error, ended) = (&run[4], &run[7]);
+        let known = error.parse().is_ok_and(|error: f64| error.is_finite());
+        assert!(known || !ended.is_empty(), "{run:?}");
+        assert!(!run.iter().any(|field| field.contains("NaN")), "{run:?}");
+        count += 1;
+    }
+    assert!(count > 150, "{count}");
+}

@@ -36,6 +36,7 @@ pub mod stability;
 mod stepper;
 pub mod system;
 pub mod tally;
+mod walk;
 
 pub use dense::Dense;
 pub use failure::{Failure, Reason, Unfit};

@@ -5,7 +5,8 @@
 //! |---|---|
 //! | [`mechanics`] | the rigid bodies: torques to accelerations, energies |
 //! | [`friction`], [`motor`] | what acts in the joints |
-//! | [`layout`], [`model`], `system` | all together, as differential equations |
+//! | [`layout`], [`model`], `equations`, `system` | all together, as differential equations |
+//! | [`outputs`] | what can be seen besides the state |
 //! | [`watch`] | where they change or end |
 //! | [`control`] | what commands the motors |
 //! | [`path`], [`source`], [`sampled`] | the job in time, its ticks, and the drives' inner loops that follow them |
@@ -13,11 +14,13 @@
 //! | [`statistics`], [`table`] | what is gathered over a run |
 
 pub mod control;
+mod equations;
 pub mod friction;
 pub mod layout;
 pub mod mechanics;
 pub mod model;
 pub mod motor;
+pub mod outputs;
 pub mod path;
 pub mod refusal;
 pub mod sampled;

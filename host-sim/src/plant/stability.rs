@@ -1,9 +1,12 @@
 //! Whether the gains can be followed at all.
 
+use super::layout::{RATES, ROTOR_RATES, ROTORS};
 use super::model::{Control, Plant};
+use super::motor::Motor;
 use super::refusal::Refusal;
 use nalgebra::DMatrix;
 use trirrr_integrate::{Spectrum, System};
+use trirrr_scene::Controller;
 
 /// Deviations that grow by more than this over a run are not a machine that is hard to control but
 /// one that is not controlled: e^60 takes a rounding error to the size of the machine and beyond.
@@ -57,9 +60,65 @@ pub(super) fn check<const N: usize>(
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LoopGains {
     /// By angle, 1/rad.
-    pub(super) angle: [f64; 3],
+    angle: [f64; 3],
     /// By rate, s/rad.
-    pub(super) rate: [f64; 3],
+    rate: [f64; 3],
+}
+
+impl<const N: usize> Plant<N> {
+    /// What `controller` makes of a deviation of each joint.
+    pub(super) fn gains_of(&self, controller: &Controller) -> LoopGains {
+        let mut gains = LoopGains {
+            angle: [0.0; 3],
+            rate: [0.0; 3],
+        };
+        for (leg, motor) in self.motors.iter().enumerate() {
+            let (kp, kd) = (controller.kp_nm_rad[leg], controller.kd_nm_s_rad[leg]);
+            (gains.angle[leg], gains.rate[leg]) = match motor {
+                Motor::Ideal => (-kp, -kd),
+                Motor::Bldc(winding) => {
+                    let per_torque = winding.resistance / winding.torque_constant;
+                    (-kp * per_torque, winding.back_emf - kd * per_torque)
+                }
+                Motor::Stepper(_) => (0.0, 0.0),
+            };
+        }
+        gains
+    }
+
+    /// Derivatives of y' by what each motor is told.
+    fn input_slopes(&self, y: &[f64; N]) -> Result<[[f64; N]; 3], Refusal> {
+        let legs = self.legs(y)?;
+        let mut without = [0.0; N];
+        self.slope_under(&[0.0; 3], &legs, y, &mut without)?;
+        let mut slopes = [[0.0; N]; 3];
+        for (motor, slope) in slopes.iter_mut().enumerate() {
+            let mut told = [0.0; 3];
+            told[motor] = 1.0;
+            self.slope_under(&told, &legs, y, slope)?;
+            for (with, without) in slope.iter_mut().zip(&without) {
+                *with -= without;
+            }
+        }
+        Ok(slopes)
+    }
+
+    /// Derivatives by the state of the angle that each motor's controller sees, then of the rate,
+    /// for a machine at rest.
+    fn sensed_slopes(&self, y: &[f64; N]) -> Result<[[[f64; N]; 2]; 3], Refusal> {
+        let legs = self.legs(y)?;
+        let mut slopes = [[[0.0; N]; 2]; 3];
+        for (leg, [angle, rate]) in slopes.iter_mut().enumerate() {
+            if Self::ELASTIC {
+                angle[ROTORS + leg] = 1.0;
+                rate[ROTOR_RATES + leg] = 1.0;
+            } else {
+                angle[..3].copy_from_slice(&legs[leg].k1);
+                rate[RATES..RATES + 3].copy_from_slice(&legs[leg].k1);
+            }
+        }
+        Ok(slopes)
+    }
 }
 
 /// Spectral radius of the map from sample to sample; `None` where it is not a number.

@@ -2,11 +2,13 @@
 //! under given torques take those torques, by the core's virtual work and by the 21 equations of
 //! Newton and Euler in 31 digits.
 
-use crate::scenes::without_drives;
+use crate::scenes::{shipped, without_drives};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_host_sim::evaluator;
+use trirrr_host_sim::plant::control::Continuous;
 use trirrr_host_sim::plant::{Control, Plant};
+use trirrr_integrate::{End, Integrator, Method};
 use trirrr_scene::Scene;
 use trirrr_truth::inputs::Inputs;
 
@@ -69,4 +71,42 @@ fn accelerations_take_the_torques_that_caused_them() {
         // Something was computed: rounding errors are not zero.
         assert!(worst.1 > 1e-17, "{name}");
     }
+}
+
+/// A whole run under control: at the end of every step, the core's inverse dynamics of the plant's own
+/// motion gives the torques of its motors, rotors, links and platform moved.
+#[test]
+fn inverse_dynamics_of_its_own_motion_gives_back_its_torques() {
+    let scene = shipped("plant-reference");
+    let controller = scene.plant.as_ref().and_then(|plant| plant.controller);
+    let continuous = Continuous::build(&scene, controller.unwrap()).unwrap();
+    let control = Control::Continuous(Box::new(continuous));
+    let (mut plant, mut y) = Plant::<11>::build(&scene, control).unwrap();
+    let core = evaluator::build::<f64>(&scene.parameters).unwrap();
+    let method = Method::RadauIia { tolerance: 1e-10 };
+    let mut integrator = Integrator::new(&plant, method).unwrap();
+    let (mut worst, mut largest, mut compared) = (0.0_f64, 0.0_f64, 0);
+    let end = integrator.run(&mut plant, 0.0, &mut y, 1.2, |plant, step| {
+        let (t, y) = (step.end(), step.last());
+        let setpoint = Setpoint {
+            pose: Pose {
+                position: Vector2::new(y[0], y[1]),
+                angle: y[2],
+            },
+            velocity: Vector3::new(y[3], y[4], y[5]),
+            acceleration: Vector3::from(plant.accelerations(t, y).unwrap()),
+        };
+        let record = core.evaluate(t, &setpoint).unwrap();
+        let outputs = plant.outputs(t, y).unwrap();
+        for (leg, torque) in record.legs.iter().zip(outputs.torques) {
+            worst = worst.max((leg.torque - torque).abs());
+            largest = largest.max(torque.abs());
+            compared += 1;
+        }
+    });
+    assert_eq!(end, Ok(End::Reached));
+    println!("{worst:.1e} of {largest:.3} N m, {compared} torques");
+    // As above: rounding, of torques up to 0.06 N m.
+    assert!(compared > 300 && largest > 0.03);
+    assert!(worst < 1e-14, "{worst}");
 }

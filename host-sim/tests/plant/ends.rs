@@ -109,6 +109,54 @@ fn saturation_is_located_and_reported() {
     }
 }
 
+/// A sampled drive's command is held from sample to sample: it comes to a limit at a sample, and the
+/// instant that is reported is that sample's.
+#[test]
+fn a_sampled_drive_saturates_at_a_sample() {
+    let weak = sampled(&[("current_limit_a = 20.0", "current_limit_a = 0.04")]);
+    let (outcome, rows) = run(&weak);
+    assert_eq!(outcome.end, End::Complete);
+    let limit = outcome.statistics.motors[2].current_limit;
+    println!("{limit:?}");
+    let sample = limit.first.unwrap() * 1e4;
+    assert!((sample - sample.round()).abs() < 1e-9 && sample > 1.0);
+    assert!(limit.total > 0.05);
+    // In steps of a sample's period there is no current beyond the limit in between, either: the
+    // winding goes to its command and not past it, but for the motor's turning in 0.1 ms.
+    for row in &rows {
+        assert!(
+            row.currents.iter().all(|current| current.abs() < 0.0401),
+            "{row:?}"
+        );
+    }
+}
+
+#[test]
+fn a_machine_without_inertia_is_refused() {
+    // Massless links and no rotors: the platform is all that could resist.
+    let thesis = text("plant-thesis");
+    let edits = [
+        ("rotor_inertia_kgm2 = 1e-5", "rotor_inertia_kgm2 = 0"),
+        ("mass_kg = 0.5", "mass_kg = 0"),
+    ];
+    for last in [
+        (
+            "inertia_kgm2 = 0.0025000000000000005",
+            "inertia_kgm2 = 0.0025",
+        ),
+        ("inertia_kgm2 = 0.0025000000000000005", "inertia_kgm2 = 0"),
+    ] {
+        let scene = parse(&edited(&thesis, &[edits[0], edits[1], last]));
+        let message = refusal(&scene).to_string();
+        println!("{message}");
+        assert!(
+            message.contains("platform.mass_kg, inertia_kgm2"),
+            "{message}"
+        );
+        assert!(message.contains("has no inertia"), "{message}");
+    }
+}
+
 #[test]
 fn a_following_error_ends_the_run_where_it_is_reached() {
     let limits = [("settle_s", "following_error_rad = 1e-5\nsettle_s")];
@@ -189,7 +237,10 @@ fn steppers(holding: f64) -> Scene {
             "[plant.controller]",
             "[plant.friction]\nmotor = { viscous_nm_s_rad = 0.01 }\n[plant.controller]",
         ),
-        ("step_s = 1e-4", "step_s = 2e-5"),
+        (
+            "settle_s = 0.2",
+            "method = \"rk4\"\nstep_s = 2e-5\nsettle_s = 0.2",
+        ),
     ];
     parse(&edited(&text, &edits))
 }

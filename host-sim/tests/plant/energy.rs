@@ -101,6 +101,19 @@ fn the_balance_closes_with_every_part_at_work() {
     );
 }
 
+/// Under a sampled controller too: a voltage that jumps 10,000 times a second.
+#[test]
+fn the_balance_of_the_thesis_scene_closes_with_the_default_method() {
+    let (outcome, _) = run(&shipped("plant-thesis"));
+    assert_eq!(outcome.end, RunEnd::Complete);
+    assert!(outcome.reason.is_some() && outcome.balance.work > 0.0);
+    assert!(
+        outcome.balance.error().abs() < 1e-8,
+        "{:?}",
+        outcome.balance
+    );
+}
+
 #[test]
 fn parts_that_are_not_named_take_no_part() {
     let dimension = |scene| run(&scene).0.dimension;

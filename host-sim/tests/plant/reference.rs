@@ -1,7 +1,7 @@
 //! The closed loop of `fd_continuous_pd.csv`: forward dynamics, drives and controller against a
 //! solution of 21 digits.
 
-use crate::scenes::shipped;
+use crate::scenes::{edited, parse, shipped, text};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use trirrr_host_sim::plant::simulate::{End, Outcome, simulate};
@@ -93,4 +93,35 @@ fn a_sampled_controller_differs_from_the_continuous_one_by_its_delay() {
         "{:?}",
         outcome.balance
     );
+}
+
+#[test]
+fn a_stiff_winding_under_a_sampled_controller_is_followed_in_few_steps() {
+    // L/R is 2e-6 s, and a sample is 50 times that.
+    let stiff = |tolerance: &str| {
+        let edits = [
+            ("inductance_h = 1e-4", "inductance_h = 1e-6"),
+            ("settle_s = 0.2", tolerance),
+        ];
+        run(&parse(&edited(&text("plant-reference-zoh"), &edits)))
+    };
+    let (by_default, rows) = stiff("settle_s = 0.2");
+    assert_eq!(by_default.end, End::Complete);
+    assert_eq!(by_default.method.name(), "radau-iia");
+    assert!(by_default.tally.rejected < 120, "{:?}", by_default.tally);
+    assert!(
+        by_default.tally.steps < 4 * 12_000,
+        "{:?}",
+        by_default.tally
+    );
+    let (tight, exact) = stiff("settle_s = 0.2\ntolerance = 1e-10");
+    assert!(tight.tally.steps > by_default.tally.steps);
+    let mut worst: f64 = 0.0;
+    for (row, exact) in rows.iter().zip(&exact) {
+        for (value, exact) in row.pose.iter().zip(exact.pose) {
+            worst = worst.max((value - exact).abs());
+        }
+    }
+    println!("pose {worst:.1e} m or rad");
+    assert!(worst < 1e-9, "{worst}");
 }

@@ -1,7 +1,7 @@
 //! Stiff test problems with published reference values.
 
 use crate::problems::{Decay, Robertson, VanDerPol};
-use trirrr_integrate::{Failure, Integrator, Method, System};
+use trirrr_integrate::{Action, Failure, Integrator, Method, System};
 
 fn solve<const N: usize, S: System<N>>(
     mut system: S,
@@ -102,4 +102,44 @@ fn finite_differences_serve_as_well_as_the_jacobian() {
     }
     let (y, _) = solve(Differences, VanDerPol::START, 2.0, 1e-8);
     assert!(digits(y, VanDerPol::END) > 6.0);
+}
+
+/// A motor whose winding settles in 1e-6 s, under a controller sampled at 10 kHz: current and rate.
+struct SampledMotor {
+    voltage: f64,
+}
+
+impl System<2> for SampledMotor {
+    type Refusal = String;
+    fn derivative(&self, _: f64, y: &[f64; 2], dy: &mut [f64; 2]) -> Result<(), String> {
+        let [current, rate] = *y;
+        *dy = [1e6 * (self.voltage - current - 0.1 * rate), 100.0 * current];
+        Ok(())
+    }
+    fn scales(&self) -> [f64; 2] {
+        [1.0; 2]
+    }
+    fn sample_rate(&self) -> Option<f64> {
+        Some(1e4)
+    }
+    fn sample(&mut self, tick: u64, _: f64, y: &mut [f64; 2]) -> Result<Action, String> {
+        self.voltage = (0.003 * tick as f64).sin() - y[1];
+        Ok(Action::Switch)
+    }
+}
+
+#[test]
+fn the_step_after_a_sample_is_known_from_the_sample_before() {
+    let solved = |tolerance| {
+        let motor = SampledMotor { voltage: 0.0 };
+        solve(motor, [0.0, 0.0], 0.2, tolerance)
+    };
+    let (y, integrator) = solved(1e-9);
+    let tally = integrator.tally();
+    println!("{tally:?}");
+    // Each of 2000 samples excites the winding again.
+    assert!(tally.steps > 4000, "{tally:?}");
+    assert!(tally.rejected < 200, "{tally:?}");
+    let (exact, _) = solved(1e-13);
+    assert!((y[1] - exact[1]).abs() < 1e-8, "{y:?} {exact:?}");
 }

@@ -19,31 +19,46 @@ pub struct Trial {
     pub poses: Vec<(f64, [f64; 3])>,
     /// How it ended, where not at its end.
     pub ended: Option<String>,
+    /// What was said against the method before it began.
+    pub warnings: Vec<String>,
     /// Derivatives evaluated, those of Jacobians among them.
     pub cost: u64,
     /// Run time.
     pub elapsed: Duration,
+    /// Times faster than real time.
+    pub ratio: f64,
+    /// Name of the method.
+    pub method: &'static str,
 }
 
 impl Trial {
-    /// Runs `scene` by `method`.
+    /// Runs `scene` by `method`, with poses every [`COMPARED_S`].
     ///
     /// # Errors
     /// Why the scene is refused.
     pub fn run(scene: &Scene, method: Method) -> Result<Self, Failure> {
-        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
         let mut scene = scene.clone();
         if let Some(plant) = &mut scene.plant {
             plant.method = method;
             plant.record_s = COMPARED_S;
         }
-        let source = Pipeline::<f64>::build(&scene).map_err(|error| refused(&error))?;
+        Self::of(&scene)
+    }
+
+    /// Runs `scene` as it is.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn of(scene: &Scene) -> Result<Self, Failure> {
+        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+        let source = Pipeline::<f64>::build(scene).map_err(|error| refused(&error))?;
         let mut poses = Vec::new();
         let never = AtomicBool::new(false);
-        let outcome = simulate(&scene, Box::new(source), &never, |row| {
+        let outcome = simulate(scene, Box::new(source), &never, |row| {
             poses.push((row.t, row.pose));
         })
         .map_err(|error| refused(&error))?;
+        let ratio = outcome.ratio();
         let ended = match outcome.end {
             End::Complete => None,
             End::Ended(ending) => Some(ending.to_string()),
@@ -53,23 +68,28 @@ impl Trial {
         Ok(Self {
             poses,
             ended,
+            warnings: outcome.warnings,
             cost: outcome.tally.cost(outcome.dimension),
             elapsed: outcome.elapsed,
+            ratio,
+            method: outcome.method.name(),
         })
     }
 
     /// Largest difference of poses from those of `truth`, in m and rad, over all of its instants;
-    /// infinite where this run ended before it.
+    /// infinite where this run has none for one of them.
     pub fn error(&self, truth: &Self) -> f64 {
-        if self.poses.len() < truth.poses.len() {
-            return f64::INFINITY;
+        let mut own = self.poses.iter();
+        let mut largest: f64 = 0.0;
+        for (t, known) in &truth.poses {
+            // Rows at the same instant, by sums that are rounded differently.
+            let Some((_, pose)) = own.find(|(own_t, _)| (own_t - t).abs() < 1e-9) else {
+                return f64::INFINITY;
+            };
+            for (value, known) in pose.iter().zip(known) {
+                largest = largest.max((value - known).abs());
+            }
         }
-        let pairs = self.poses.iter().zip(&truth.poses);
-        let differences = pairs.flat_map(|((_, pose), (_, truth))| {
-            pose.iter()
-                .zip(truth)
-                .map(|(pose, truth)| (pose - truth).abs())
-        });
-        differences.fold(0.0, f64::max)
+        largest
     }
 }
