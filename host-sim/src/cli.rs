@@ -121,7 +121,7 @@ pub struct StreamArgs {
     #[arg(long, value_name = "PORT")]
     pub port: Address,
     /// Rate of a serial port
-    #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
+    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
     pub baud: u32,
     /// Folder for what is written, made if missing; files of an earlier run are replaced
     /// [default: out/NAME, after the scene's name]

@@ -21,7 +21,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="trirrr", description=__doc__)
     parser.add_argument("job", help="scene file (.toml), or a table of moves (.csv)")
     parser.add_argument("--port", required=True, help="serial port, or tcp:HOST:PORT")
-    parser.add_argument("--baud", type=int, default=115_200, help="of a serial port (%(default)s)")
+    parser.add_argument("--baud", type=int, default=921_600, help="of a serial port (%(default)s)")
     parser.add_argument("--out", default="out", help="folder for ticks.csv and ticks.svg (%(default)s)")
     parser.add_argument("--every", type=int, default=1, help="ticks from one sample to the next")
     parser.add_argument("--any-scene", action="store_true", help="do not compare the machine's scene")

@@ -23,7 +23,7 @@ class Port(Protocol):
         """Gives the line back."""
 
 
-def open_port(address: str, baud: int = 115_200) -> Port:
+def open_port(address: str, baud: int = 921_600) -> Port:
     """Opens ``tcp:HOST:PORT`` or a serial port by its name. ``PortError`` if that fails."""
     if address.startswith("tcp:"):
         host, colon, port = address[4:].rpartition(":")

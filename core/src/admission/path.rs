@@ -88,6 +88,7 @@ where
 
     /// What the motors do while the fraction `s` of `segment` has passed, if the interval is within
     /// reach and away from singularities for certain.
+    #[inline(never)]
     pub(super) fn measure(
         &self,
         segment: &Segment<Model<N>>,
@@ -168,6 +169,7 @@ where
         Ok(position)
     }
 
+    #[inline(never)]
     fn accelerations(
         &self,
         position: &[LegPosition<Model<N>>; 3],

@@ -123,7 +123,8 @@ impl Shared {
     pub(super) const fn new() -> Self {
         Self {
             heard: AtomicU32::new(0),
-            ahead: AtomicU32::new(1),
+            // At rest is 0: memory that starts as zeros takes no flash.
+            ahead: AtomicU32::new(0),
             tick: AtomicU32::new(0),
             lost: AtomicU32::new(0),
             longest: AtomicU32::new(0),
@@ -132,7 +133,7 @@ impl Shared {
 
     /// Says what is admitted; after the moves themselves are in their queue.
     pub(super) fn set_ahead(&self, ahead: Ahead) {
-        let word = ahead.ticks << 1 | u32::from(ahead.ends_at_rest);
+        let word = ahead.ticks << 1 | u32::from(!ahead.ends_at_rest);
         self.ahead.store(word, Ordering::Release);
     }
 
@@ -142,7 +143,7 @@ impl Shared {
         let word = self.ahead.load(Ordering::Acquire);
         Ahead {
             ticks: word >> 1,
-            ends_at_rest: word & 1 == 1,
+            ends_at_rest: word & 1 == 0,
         }
     }
 }

@@ -83,6 +83,7 @@ impl<const N: usize> Decoder<N> {
     }
 
     /// Takes one byte that is not zero.
+    #[inline(never)]
     fn append(&mut self, byte: u8) {
         self.started = true;
         if self.skipping {
@@ -100,6 +101,7 @@ impl<const N: usize> Decoder<N> {
     }
 
     /// The bytes of the message in the frame that a zero has ended.
+    #[inline(never)]
     fn payload(&mut self) -> Result<&[u8], FrameError> {
         if !self.started {
             return Err(FrameError::Empty);
@@ -122,6 +124,7 @@ impl<const N: usize> Decoder<N> {
 }
 
 /// The message in `bytes`, all of them.
+#[inline(never)]
 fn message<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
     let mut bytes = Deserializer::from_flavor(Bytes(bytes));
     match (T::deserialize(&mut bytes), bytes.finalize()) {

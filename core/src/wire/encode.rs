@@ -26,6 +26,7 @@ impl core::error::Error for BufferTooSmall {}
 ///
 /// # Errors
 /// [`BufferTooSmall`].
+#[inline(never)]
 pub fn encode<'b, T>(message: &T, buffer: &'b mut [u8]) -> Result<&'b [u8], BufferTooSmall>
 where
     T: Serialize + ?Sized,

@@ -33,6 +33,7 @@ where
     }
 
     /// Takes a move to be judged.
+    #[inline(never)]
     pub(super) fn offer(&mut self, offered: &Move<N>) -> Result<(), Refusal<N>> {
         match self.state {
             State::Idle | State::Running | State::Slowing | State::Holding => {}
@@ -75,6 +76,7 @@ where
     }
 
     /// One step of the admission. Whether there is more to do.
+    #[inline(never)]
     pub(super) fn judge(&mut self) -> bool {
         let Some(offered) = self.offered.1.peek() else {
             return false;
@@ -105,6 +107,7 @@ where
         }
     }
 
+    #[inline(never)]
     fn admit(&mut self) {
         let Some(offered) = self.offered.1.receive() else {
             return;

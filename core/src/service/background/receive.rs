@@ -18,6 +18,7 @@ where
 {
     /// Executes a request, unless it was executed already: the answer, to be sent with the request's
     /// sequence number.
+    #[inline(never)]
     pub fn receive(&mut self, request: &Request<N>) -> Reply<N> {
         // Whatever it is that comes, the host is there.
         count(&self.shared.heard);
@@ -61,6 +62,7 @@ where
         self.next_sequence = sequence;
     }
 
+    #[inline(never)]
     fn greet(&mut self, hello: &Hello) -> Reply<N> {
         let scene = &self.settings.scene;
         if hello.protocol != PROTOCOL {
@@ -93,6 +95,7 @@ where
         }
     }
 
+    #[inline(never)]
     fn execute(&mut self, command: &Command<N>) -> Result<(), Refusal<N>> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),

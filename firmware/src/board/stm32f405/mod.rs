@@ -122,9 +122,9 @@ mod app {
         context.local.slot.run();
     }
 
-    /// A byte from the line into its queue: but for the slots nothing else is above the tick. The receiver holds one
-    /// byte and no more, and at 921,600 baud the next one is there 1,822 cycles later, which is less
-    /// than a tick may take.
+    /// A byte from the line into its queue: but for the slots nothing else is above the tick. The
+    /// receiver holds one byte and no more, and at 921,600 baud the next one is there 1,822 cycles
+    /// later, which is less than a tick may take.
     #[task(binds = USART2, priority = 3, local = [receiver, received])]
     fn line(context: line::Context) {
         // A byte that is damaged or finds no room damages its frame, which the host repeats.
