@@ -12,8 +12,8 @@ pub(crate) const BAUD: u32 = 921_600;
 pub(crate) const LOG_BAUD: u32 = 115_200;
 
 /// Bytes that may wait between the interrupt and the background, and one place that stays empty:
-/// what 921,600 baud bring in 5.5 ms.
-pub(crate) const RECEIVED: usize = 512;
+/// what 921,600 baud bring in 2.7 ms.
+pub(crate) const RECEIVED: usize = 256;
 
 /// The queue from the interrupt.
 pub(crate) type Received = Consumer<'static, u8>;

@@ -11,7 +11,7 @@ use cortex_m::peripheral::scb::VectActive;
 use embedded_hal_nb::serial::Write;
 
 /// Bytes that may wait to be sent, and one that stays empty.
-const ROOM: usize = 512;
+const ROOM: usize = 256;
 
 struct Ring {
     encoder: defmt::Encoder,

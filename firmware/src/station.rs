@@ -9,7 +9,7 @@ use trirrr_core::number::Number;
 use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, Settings};
 
 /// Room for moves, one place stays empty.
-const MOVES: usize = 16 + 1;
+const MOVES: usize = 16;
 
 /// Room for telemetry samples, one place stays empty: they are sent while the next ones come.
 const SAMPLES: usize = 8;

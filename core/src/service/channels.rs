@@ -26,7 +26,7 @@ const ORDERS: usize = 8;
 const REPORTS: usize = 4;
 
 /// Events that wait to be sent, and one place that stays empty.
-const EVENTS: usize = 16;
+const EVENTS: usize = 12;
 
 /// The queues between the two halves: all the memory of a service besides the halves themselves.
 ///
