@@ -107,12 +107,15 @@ impl<N: Number> Bldc<N> {
 /// `x` within -1 to 1, and whether it was outside. What is not a number becomes 0: no torque.
 #[inline(always)]
 fn limit<N: Number>(x: N) -> (N, bool) {
-    if x > N::ONE {
-        (N::ONE, true)
+    // Two comparisons for what is within, which is most of it.
+    if x >= -N::ONE {
+        if x <= N::ONE {
+            (x, false)
+        } else {
+            (N::ONE, true)
+        }
     } else if x < -N::ONE {
         (-N::ONE, true)
-    } else if x.is_finite() {
-        (x, false)
     } else {
         (N::ZERO, true)
     }

@@ -26,8 +26,8 @@ impl Countable for f64 {
 
     #[inline(always)]
     fn parts(self, full: u16) -> u16 {
-        // The cast cuts, and saturates at 0 and 65,535.
-        ((self.abs() * f64::from(full) + 0.5) as u16).min(full)
+        // The cast cuts, and saturates at 0 and 2^32 - 1.
+        ((self.abs() * f64::from(full) + 0.5) as u32).min(full.into()) as u16
     }
 
     #[inline(always)]
@@ -46,7 +46,7 @@ impl Countable for f32 {
 
     #[inline(always)]
     fn parts(self, full: u16) -> u16 {
-        ((self.abs() * f32::from(full) + 0.5) as u16).min(full)
+        ((self.abs() * f32::from(full) + 0.5) as u32).min(full.into()) as u16
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 //! the tick, alone and in its service, as a caller sees it.
 #![no_std]
 
+pub mod drives;
 pub mod service;
 pub mod tick;
 

@@ -1,5 +1,6 @@
-//! The service of the scene, and its tick as a caller sees it.
+//! The service of the scene with its drives, and their tick as a caller sees it.
 
+use crate::drives::Drives;
 use crate::scene::{
     COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, MOVES, Payload, SETTINGS, START, Scalar,
 };
@@ -77,8 +78,30 @@ pub fn offered(index: usize, number: u32) -> Move<Scalar> {
     }
 }
 
-/// One tick of the service: whatever there is to do in it.
+/// What runs once per tick.
+pub struct Ticking {
+    /// The service,
+    pub foreground: SceneForeground,
+    /// and what its output goes to.
+    pub drives: Drives,
+}
+
+impl Ticking {
+    /// With the drives of the scene.
+    pub fn new(foreground: SceneForeground) -> Self {
+        let angles = foreground.output().motors.map(|motor| motor.angle);
+        Self {
+            foreground,
+            drives: Drives::new(angles),
+        }
+    }
+}
+
+/// One tick of the service and the drives: whatever there is to do in it.
 #[inline(never)]
-pub fn tick(foreground: &mut SceneForeground) {
-    foreground.tick();
+pub fn tick(ticking: &mut Ticking) {
+    let Ticking { foreground, drives } = ticking;
+    if let Err(failure) = drives.apply(foreground.tick()) {
+        foreground.raise(failure.code(), failure.drive, failure.value, failure.limit);
+    }
 }

@@ -62,10 +62,12 @@ impl Frame for ClassicFrame {
         false
     }
 
+    #[inline(always)]
     fn id(&self) -> Id {
         self.id
     }
 
+    #[inline(always)]
     fn dlc(&self) -> usize {
         self.length.into()
     }

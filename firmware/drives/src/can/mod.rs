@@ -105,7 +105,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
     /// [`DriveFault::BusBusy`]: the frames of the tick before have not all gone out.
     /// [`DriveFault::BusOff`]: the controller is off the bus. [`DriveFault::Range`]: a command that
     /// the frame cannot hold. [`DriveFault::Reported`]: a drive says that it has an error.
-    #[inline]
+    #[inline(always)]
     pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
         if !output.enabled {
             self.off();
@@ -130,6 +130,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
 
     /// Tells all drives to be off, in place of what they were told and have not heard. It is said in
     /// every tick, so a frame that finds no room is said again.
+    #[inline(never)]
     pub fn off(&mut self) {
         if self.on.take().is_some() {
             self.bus.abort();
@@ -143,7 +144,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn listen(&mut self) -> Result<(), Failure<N>> {
         for _ in 0..HEARD {
             let frame = match self.bus.receive() {
@@ -169,7 +170,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
 }
 
 /// One frame into the bus.
-#[inline]
+#[inline(always)]
 fn send<P: Protocol, B: Bus>(
     protocol: &P,
     bus: &mut B,

@@ -36,18 +36,11 @@ const PASSTHROUGH: u32 = 1;
 impl Protocol for Odrive {
     const PREPARATION: u8 = 4;
 
-    #[inline]
+    #[inline(always)]
     fn frame<F: Frame>(&self, node: u8, say: &Say) -> Result<F, NoFrame> {
         match say {
-            Say::Off => state(node, IDLE),
-            Say::Prepare(0, _) => frame(node, CLEAR_ERRORS, &[]),
-            Say::Prepare(1, _) => {
-                let modes = u64::from(POSITION_CONTROL) | u64::from(PASSTHROUGH) << 32;
-                frame(node, SET_CONTROLLER_MODES, &modes.to_le_bytes())
-            }
-            Say::Prepare(2, command) => input(node, command),
-            Say::Prepare(_, _) => state(node, CLOSED_LOOP_CONTROL),
             Say::Move(command) => input(node, command),
+            other => seldom(node, other),
         }
     }
 
@@ -64,6 +57,22 @@ impl Protocol for Odrive {
     }
 }
 
+/// What is said on the way on, and while the drive is off.
+#[inline(never)]
+fn seldom<F: Frame>(node: u8, say: &Say) -> Result<F, NoFrame> {
+    match say {
+        Say::Off => state(node, IDLE),
+        Say::Prepare(0, _) => frame(node, CLEAR_ERRORS, &[]),
+        Say::Prepare(1, _) => {
+            let modes = u64::from(POSITION_CONTROL) | u64::from(PASSTHROUGH) << 32;
+            frame(node, SET_CONTROLLER_MODES, &modes.to_le_bytes())
+        }
+        Say::Prepare(2, command) | Say::Move(command) => input(node, command),
+        Say::Prepare(_, _) => state(node, CLOSED_LOOP_CONTROL),
+    }
+}
+
+#[inline(always)]
 fn frame<F: Frame>(node: u8, command: u8, data: &[u8]) -> Result<F, NoFrame> {
     let id = u16::from(node & 0x3F) << 5 | u16::from(command);
     let id = StandardId::new(id).ok_or(NoFrame::Range)?;
@@ -74,7 +83,7 @@ fn state<F: Frame>(node: u8, state: u32) -> Result<F, NoFrame> {
     frame(node, SET_AXIS_REQUESTED_STATE, &state.to_le_bytes())
 }
 
-#[inline]
+#[inline(always)]
 fn input<F: Frame>(node: u8, command: &RotorCommand) -> Result<F, NoFrame> {
     let [p0, p1, p2, p3] = command.position.to_le_bytes();
     let [v0, v1] = thousandths(command.velocity)?.to_le_bytes();
@@ -93,7 +102,8 @@ fn thousandths(value: f32) -> Result<i16, NoFrame> {
 pub(super) fn whole(value: f32) -> Result<i16, NoFrame> {
     if value > -32767.5 && value < 32767.5 {
         let half = if value < 0.0 { -0.5 } else { 0.5 };
-        Ok((value + half) as i16)
+        // By way of i32: a cast to i16 asks again what has just been asked.
+        Ok((value + half) as i32 as i16)
     } else {
         Err(NoFrame::Range)
     }

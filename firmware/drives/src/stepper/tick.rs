@@ -40,15 +40,29 @@ impl<'l, N: Countable> Steppers<'l, N> {
             self.line.off();
             return Ok(());
         }
-        let mut next = self.motors;
-        for (index, (motor, to)) in next.iter_mut().zip(&output.motors).enumerate() {
+        let before = self.angles();
+        for (index, (motor, to)) in self.motors.iter_mut().zip(&output.motors).enumerate() {
             if let Err(refused) = motor.move_to(to.angle) {
-                return Err(too_fast(index as u8, refused));
+                return Err(self.take_back(before, index as u8, refused));
             }
         }
-        self.motors = next;
-        self.line.give(next.map(|motor| motor.position()));
+        self.line
+            .give(self.motors.each_ref().map(|motor| motor.position()));
         Ok(())
+    }
+
+    /// None of the motors has moved.
+    #[cold]
+    fn take_back(&mut self, before: [N::Angle; 3], drive: u8, refused: TooManySteps) -> Failure<N> {
+        for (motor, angle) in self.motors.iter_mut().zip(before) {
+            // As many steps as there, or none.
+            let _ = motor.move_to(angle);
+        }
+        Failure {
+            value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
+            limit: N::ONE,
+            ..Failure::of(DriveFault::StepRate, Some(drive))
+        }
     }
 
     /// Drives off.
@@ -68,14 +82,5 @@ impl<'l, N: Countable> Steppers<'l, N> {
         for (motor, by) in self.motors.iter_mut().zip(by) {
             motor.stands_at(motor.angle() + by);
         }
-    }
-}
-
-#[cold]
-fn too_fast<N: Countable>(drive: u8, refused: TooManySteps) -> Failure<N> {
-    Failure {
-        value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
-        limit: N::ONE,
-        ..Failure::of(DriveFault::StepRate, Some(drive))
     }
 }

@@ -4,19 +4,30 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
-use trirrr_insns::service::{SceneForeground, tick};
+#[cfg(drive = "stepper")]
+use trirrr_insns::drives::{SceneSlots, slot};
+use trirrr_insns::service::{Ticking, tick};
 
-static mut FOREGROUND: MaybeUninit<SceneForeground> = MaybeUninit::uninit();
+static mut TICKING: MaybeUninit<Ticking> = MaybeUninit::uninit();
 
-/// Entry point: what would be called once per tick.
+#[cfg(drive = "stepper")]
+static mut SLOTS: MaybeUninit<SceneSlots> = MaybeUninit::uninit();
+
+/// Entry point: what would be called once per tick, and between ticks.
 // SAFETY: the name is this image's entry point and nothing else defines it.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".start")]
 extern "C" fn start() {
-    let foreground = black_box((&raw mut FOREGROUND).cast::<SceneForeground>());
+    let ticking = black_box((&raw mut TICKING).cast::<Ticking>());
     // SAFETY: the image is never run. Were it run, whoever starts it would have to fill it in
     // before; it is aligned, lives for ever, and nothing else refers to it.
-    unsafe { tick(&mut *foreground) }
+    unsafe { tick(&mut *ticking) }
+    #[cfg(drive = "stepper")]
+    {
+        let slots = black_box((&raw mut SLOTS).cast::<SceneSlots>());
+        // SAFETY: the same.
+        unsafe { slot(&mut *slots) }
+    }
 }
 
 unsafe extern "C" {

@@ -8,7 +8,7 @@ use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
 use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
-    SceneBackground, SceneChannels, SceneForeground, offered, scene, settings, start, tick,
+    SceneBackground, SceneChannels, Ticking, offered, scene, settings, start, tick,
 };
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
@@ -17,13 +17,13 @@ const TURN: u32 = 37;
 
 /// Stands in for [`tick`]: what a call and the counter's own reading cost.
 #[inline(never)]
-fn empty(_: &mut SceneForeground) {}
+fn empty(_: &mut Ticking) {}
 
 /// Counts one call through a pointer that the compiler cannot see through.
 #[inline(never)]
-fn count(function: fn(&mut SceneForeground), foreground: &mut SceneForeground) -> u32 {
+fn count(function: fn(&mut Ticking), ticking: &mut Ticking) -> u32 {
     let before = counter::now();
-    function(foreground);
+    function(ticking);
     counter::elapsed(before, counter::now())
 }
 
@@ -81,13 +81,14 @@ pub(crate) fn run() -> ! {
     // SAFETY: this function never returns, and nobody else has the pointer.
     #[allow(unsafe_code)]
     let channels: &'static mut SceneChannels = unsafe { &mut *channels };
-    let (mut foreground, background) = match channels.split(scene(), start(), settings()) {
+    let (foreground, background) = match channels.split(scene(), start(), settings()) {
         Ok(halves) => halves,
         Err(error) => {
             println!("error: {error}");
             process::exit(1)
         }
     };
+    let mut ticking = Ticking::new(foreground);
     let mut host = Host {
         background,
         sequence: 0,
@@ -99,18 +100,18 @@ pub(crate) fn run() -> ! {
         schema: SETTINGS.scene.schema,
         scene: 0,
     }));
-    println!("empty {}", count(black_box(empty), &mut foreground));
+    println!("empty {}", count(black_box(empty), &mut ticking));
 
     let mut checksum = Checksum::default();
     host.feed();
     host.done(Command::Start);
     loop {
-        let counted = count(black_box(tick), &mut foreground);
-        if foreground.state() == State::Idle {
+        let counted = count(black_box(tick), &mut ticking);
+        if ticking.foreground.state() == State::Idle {
             break;
         }
         println!("tick {counted}");
-        checksum.add(&foreground.output().motors);
+        checksum.add(&ticking.foreground.output().motors);
         host.feed();
     }
 
@@ -132,8 +133,8 @@ pub(crate) fn run() -> ! {
     host.done(Command::Start);
     let mut since = 0;
     loop {
-        let counted = count(black_box(tick), &mut foreground);
-        if foreground.state() == State::Idle {
+        let counted = count(black_box(tick), &mut ticking);
+        if ticking.foreground.state() == State::Idle {
             break;
         }
         println!("held {counted}");

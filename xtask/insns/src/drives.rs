@@ -1,0 +1,210 @@
+//! The drives of the scene on pins, PWM outputs and a bus that are words in memory: what a tick does
+//! about them, without a board.
+
+use crate::scene::Scalar;
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicU32, Ordering};
+use embedded_hal::digital::OutputPin;
+use trirrr_core::number::Number;
+use trirrr_core::service::Output;
+use trirrr_drives::Failure;
+
+type Angle = <Scalar as Number>::Angle;
+
+/// What stands for a register: what is written to it is not left out although nobody reads it.
+#[used]
+static REGISTER: AtomicU32 = AtomicU32::new(0);
+
+/// An output pin.
+#[derive(Debug)]
+pub struct Pin;
+
+impl embedded_hal::digital::ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    #[inline(always)]
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        REGISTER.store(1 << 16, Ordering::Relaxed);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        REGISTER.store(1, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+#[cfg(any(drive = "none", drive = "moteus"))]
+mod kind {
+    use super::{Angle, Failure, Output, Scalar};
+
+    /// No drives.
+    pub struct Drives;
+
+    impl Drives {
+        /// None.
+        pub fn new(_: [Angle; 3]) -> Self {
+            Self
+        }
+
+        /// Nothing.
+        #[inline(always)]
+        pub fn apply(&mut self, _: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            Ok(())
+        }
+    }
+}
+
+#[cfg(drive = "stepper")]
+mod kind {
+    use super::{Angle, Failure, Output, Pin, Scalar};
+    use crate::scene::drive::{MOST_PER_TICK, PER_TURN};
+    use trirrr_drives::stepper::{Line, Slots, Steppers};
+
+    #[used]
+    static LINE: Line = Line::new();
+
+    /// Steppers.
+    pub struct Drives(Steppers<'static, Scalar>);
+
+    /// What is called between ticks.
+    pub type SceneSlots = Slots<'static, Pin, Pin, Pin>;
+
+    impl Drives {
+        /// Motors that stand at `angles`.
+        pub fn new(angles: [Angle; 3]) -> Self {
+            Self(Steppers::new(PER_TURN, MOST_PER_TICK, angles, &LINE))
+        }
+
+        /// Their part of a tick.
+        #[inline(always)]
+        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            self.0.apply(output)
+        }
+    }
+
+    /// One slot.
+    #[inline(never)]
+    pub fn slot(slots: &mut SceneSlots) {
+        let Ok(()) = slots.slot();
+    }
+}
+
+#[cfg(drive = "bldc")]
+mod kind {
+    use super::{Angle, Failure, Infallible, Ordering, Output, Pin, REGISTER, Scalar};
+    use crate::scene::drive::{MOTORS, REVERSED};
+    use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+    use trirrr_core::drive::bldc::Bldc;
+    use trirrr_drives::bldc::{BldcMotor, Bldcs};
+    use trirrr_drives::{Active, Enable};
+
+    /// A PWM output of 4,200 counts.
+    pub struct Pwm;
+
+    impl ErrorType for Pwm {
+        type Error = Infallible;
+    }
+
+    impl SetDutyCycle for Pwm {
+        fn max_duty_cycle(&self) -> u16 {
+            4200
+        }
+
+        #[inline(always)]
+        fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+            REGISTER.store(duty.into(), Ordering::Relaxed);
+            Ok(())
+        }
+    }
+
+    /// Brushless motors.
+    pub struct Drives(Bldcs<Scalar, Pwm, Pin, Pin>);
+
+    impl Drives {
+        /// Motors that are off.
+        pub fn new(_: [Angle; 3]) -> Self {
+            let [a, b, c] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
+            let [r1, r2, r3] = REVERSED;
+            let motors = [
+                BldcMotor::new(a, Pwm, Pin, r1),
+                BldcMotor::new(b, Pwm, Pin, r2),
+                BldcMotor::new(c, Pwm, Pin, r3),
+            ];
+            let Ok(enable) = Enable::new(Pin, Active::High);
+            Self(Bldcs::new(motors, enable))
+        }
+
+        /// Their part of a tick.
+        #[inline(always)]
+        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            self.0.apply(output)
+        }
+    }
+}
+
+#[cfg(drive = "odrive")]
+mod kind {
+    use super::{Angle, Failure, Infallible, Ordering, Output, REGISTER, Scalar};
+    use crate::scene::drive::{NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
+    use embedded_can::nb::Can;
+    use embedded_can::{Frame, Id};
+    use trirrr_drives::can::{Bus, CanDrives, ClassicFrame, Odrive, RotorScale};
+
+    /// A controller whose mailboxes are always empty, with nothing received.
+    pub struct Mailboxes;
+
+    impl Can for Mailboxes {
+        type Frame = ClassicFrame;
+        type Error = Infallible;
+
+        #[inline(always)]
+        fn transmit(
+            &mut self,
+            frame: &ClassicFrame,
+        ) -> nb::Result<Option<ClassicFrame>, Infallible> {
+            let id = match frame.id() {
+                Id::Standard(id) => id.as_raw().into(),
+                Id::Extended(id) => id.as_raw(),
+            };
+            let [low, high] = frame.words();
+            for word in [frame.dlc() as u32, low, high, id] {
+                REGISTER.store(word, Ordering::Relaxed);
+            }
+            Ok(None)
+        }
+
+        #[inline(always)]
+        fn receive(&mut self) -> nb::Result<ClassicFrame, Infallible> {
+            Err(nb::Error::WouldBlock)
+        }
+    }
+
+    impl Bus for Mailboxes {
+        fn abort(&mut self) {}
+    }
+
+    /// Drives on the bus.
+    pub struct Drives(CanDrives<Scalar, Odrive, Mailboxes>);
+
+    impl Drives {
+        /// Drives whose joints stand at `angles`.
+        pub fn new(angles: [Angle; 3]) -> Self {
+            let scales = ROTORS.map(|(gear, reversed, zero)| {
+                RotorScale::new(gear, reversed, zero, RATE_RAD_S, TORQUE_NM)
+            });
+            Self(CanDrives::new(Odrive, Mailboxes, NODES, scales, angles))
+        }
+
+        /// Their part of a tick.
+        #[inline(always)]
+        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            self.0.apply(output)
+        }
+    }
+}
+
+pub use kind::*;
