@@ -237,10 +237,7 @@ fn steppers(holding: f64) -> Scene {
             "[plant.controller]",
             "[plant.friction]\nmotor = { viscous_nm_s_rad = 0.01 }\n[plant.controller]",
         ),
-        (
-            "settle_s = 0.2",
-            "method = \"rk4\"\nstep_s = 2e-5\nsettle_s = 0.2",
-        ),
+        ("step_s = 1e-4", "step_s = 2e-5"),
     ];
     parse(&edited(&text, &edits))
 }
