@@ -54,6 +54,8 @@ pub enum Command<N: Number> {
         /// Ticks from one sample to the next.
         every: u16,
     },
+    /// Looks for the switches or stops of the motors, then moves to the scene's start pose.
+    Home,
 }
 
 /// What a host believes that it talks to.

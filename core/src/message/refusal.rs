@@ -81,8 +81,10 @@ pub enum Refusal<N: Number> {
     NotInImage,
     /// With the new geometry, no pose near the last fits the motors' angles.
     NoPose,
-    /// The recovery would break this limit, or end where this limit does not allow.
+    /// The recovery, or the homing, would break this limit, or end where this limit does not allow.
     Recovery(Violation<N>),
     /// The tick has not taken the commands before this one yet.
     Busy,
+    /// The scene has no homing: where the motors are is known.
+    NoHoming,
 }

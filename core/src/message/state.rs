@@ -24,6 +24,10 @@ pub enum State {
     Cleared,
     /// The motors move one by one to where they are at a pose.
     Recovering,
+    /// Switched on, or after a fault, in a scene with homing: where the motors are is not known.
+    Unhomed,
+    /// The motors look for their switches or stops.
+    Homing,
 }
 
 /// What keeps the machine from normal speed.
@@ -55,7 +59,7 @@ impl State {
     pub fn is_at_rest(self) -> bool {
         matches!(
             self,
-            Self::Idle | Self::Holding | Self::Fault | Self::Cleared
+            Self::Idle | Self::Holding | Self::Fault | Self::Cleared | Self::Unhomed
         )
     }
 }

@@ -86,6 +86,14 @@ pub enum FaultCode {
     /// The board reports a fault; the value is its own code. 1: it started anew because it had
     /// failed, and its identity says how.
     Board,
+    /// Homing: the motor has moved by as much as it may, the limit in rad, and its switch has not
+    /// closed, or its drive has not stalled.
+    HomingNotFound,
+    /// Homing: the motor has backed off by the limit in rad, and its switch is still closed.
+    HomingNotReleased,
+    /// Homing: the switch was closed before the search, and is still closed after the motor has
+    /// moved away by the limit in rad.
+    HomingClosedAtStart,
 }
 
 /// What a drive does not do.
@@ -123,7 +131,12 @@ impl FaultCode {
             Self::SerialSingular => Some(Bounded::SerialDistance),
             Self::ParallelSingular => Some(Bounded::ParallelDistance),
             Self::OutOfRange => Some(Bounded::Range),
-            Self::Overrun | Self::Drive(_) | Self::Board => None,
+            Self::Overrun
+            | Self::Drive(_)
+            | Self::Board
+            | Self::HomingNotFound
+            | Self::HomingNotReleased
+            | Self::HomingClosedAtStart => None,
         }
     }
 }

@@ -52,8 +52,14 @@ where
 }
 
 /// The half that ticks, of a service with scene `S`.
-pub type ForegroundOf<'q, N, P, L, S> =
-    Foreground<'q, N, P, L, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Take<'q>>;
+pub type ForegroundOf<'q, N, P, L, S> = Foreground<
+    'q,
+    N,
+    P,
+    L,
+    <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Take<'q>,
+    <S as Scene<N, P, L>>::Homing,
+>;
 
 /// The half that talks, of a service with scene `S`.
 pub type BackgroundOf<'q, N, P, L, S> =
@@ -112,7 +118,8 @@ where
     }
 
     /// Builds the service of `scene`, its machine standing at `pose`, at rest, with nothing queued:
-    /// the half that ticks and the half that talks.
+    /// the half that ticks and the half that talks. A machine that has to be homed only counts its
+    /// angles from there.
     ///
     /// # Errors
     /// A machine or a limit that cannot be built; a pose in which it cannot stand.
@@ -153,6 +160,7 @@ where
         let foreground = Foreground::new(
             setup,
             angles,
+            scene.homing(),
             &settings,
             foreground::Ends {
                 moves: Receiver::new(moves_out),

@@ -42,6 +42,8 @@ pub(super) enum Order {
     },
     /// A new scene is in its slot.
     Adopt,
+    /// Homing; the way from where it ends is the recovery at the head of its queue.
+    Home,
 }
 
 /// A recovery.

@@ -30,6 +30,7 @@ mod channels;
 mod coefficients;
 mod foreground;
 mod guard;
+mod homing;
 mod link;
 mod pace;
 mod queue;
@@ -43,5 +44,9 @@ pub use background::Background;
 pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, ServiceError};
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};
+pub use homing::{
+    Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
+    HomingTimes, NoHoming, Plan, Progress, WithHoming,
+};
 pub use scene::{Adjustable, Compiled, NoSlot, Put, Scene, Setup, Slot, Take};
 pub use settings::{SceneIdentity, Settings, key, name};

@@ -5,6 +5,7 @@
 //! a choice by type, so who does not want it does not pay for it.
 
 use super::coefficients::Coefficients;
+use super::homing::{Homing, NoHoming, Plan};
 use super::queue::{Receiver, Sender};
 use super::settings::Settings;
 use crate::limits::{LimitParameters, Limits};
@@ -36,6 +37,9 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// Room for a setup on its way to the tick.
     type Slot: Slot<Setup<N, P, L>>;
 
+    /// How its machine finds out where its motors are; [`NoHoming`] if it knows.
+    type Homing: Homing<N>;
+
     /// What the service works with at the start.
     ///
     /// # Errors
@@ -47,6 +51,12 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// # Errors
     /// There is no such part.
     fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>>;
+
+    /// Homing, before it has begun.
+    fn homing(&self) -> Self::Homing;
+
+    /// What the background has to know of it; none where it is not needed.
+    fn plan(&self) -> Option<Plan<N>>;
 
     /// The scene, in the machine's `units`, with `section` in place of its own.
     ///
@@ -212,6 +222,7 @@ impl<T> Take<T> for QueueTake<'_, T> {
 
 impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P, L> {
     type Slot = NoSlot;
+    type Homing = NoHoming;
 
     #[inline(always)]
     fn coefficients(&self, _: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
@@ -220,6 +231,16 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P
 
     fn section(&self, name: SectionName, _: &Units) -> Result<Section, Refusal<N>> {
         section(name, self.parameters, self.limits)
+    }
+
+    #[inline(always)]
+    fn homing(&self) -> NoHoming {
+        NoHoming
+    }
+
+    #[inline(always)]
+    fn plan(&self) -> Option<Plan<N>> {
+        None
     }
 
     // Inlined, so that what would come of a change is seen to be unreachable.
@@ -238,6 +259,7 @@ where
     L: Links<N>,
 {
     type Slot = Queue<Setup<N, P, L>, 2>;
+    type Homing = NoHoming;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
         let period = N::factor_to_f64(settings.period);
@@ -251,6 +273,15 @@ where
             &si.parameters(&self.parameters),
             &si.limits(&self.limits),
         )
+    }
+
+    fn homing(&self) -> NoHoming {
+        NoHoming
+    }
+
+    #[inline(always)]
+    fn plan(&self) -> Option<Plan<N>> {
+        None
     }
 
     fn changed(

@@ -36,7 +36,7 @@ impl<N: Number> JointMove<N> {
     pub fn new(from: [N::Angle; 3], to: [N::Angle; 3], ticks: u32, period: N::Factor) -> Self {
         let per_duration = N::factor_over(N::quotient(1, ticks), period);
         let velocity = N::quotient(6, 1) * per_duration;
-        let way = |motor: usize| shorter_way(N::radians(to[motor] - from[motor]));
+        let way = |motor: usize| shorter_way::<N>(to[motor] - from[motor]);
         Self {
             from,
             to,
@@ -99,20 +99,13 @@ fn half_turn<N: Number>() -> N {
 }
 
 /// A difference of two angles in (-pi, pi], the shorter way round.
-fn shorter_way<N: Number>(way: N) -> N {
-    let half = half_turn::<N>();
-    let turn = half + half;
-    if way > half {
-        way - turn
-    } else if way < -half {
-        way + turn
-    } else {
-        way
-    }
+pub(crate) fn shorter_way<N: Number>(way: N::Angle) -> N {
+    // Wrapped as an angle: twice a turn in radians is beyond fixed point.
+    N::radians(wrapped::<N>(way))
 }
 
 /// `angle`, less than a turn beyond (-pi, pi], within.
-fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
+pub(crate) fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
     let half = half_turn::<N>();
     let radians = N::radians(angle);
     let turn = N::angle(half) + N::angle(half);
@@ -158,6 +151,28 @@ mod tests {
             assert!(down.abs() >= 3.1 && down.abs() <= PI, "{tick} {down}");
         }
         assert!((joint.between(5, 0.0).rates[0] - rates[0]).abs() < 1e-15);
+    }
+
+    /// The turn in between is more than the number type holds.
+    #[test]
+    fn takes_the_shorter_way_round_in_fixed_point() {
+        use crate::number::{Fixed, Number};
+        let angle = Fixed::angle_from_f64;
+        let (from, to) = ([3.1, -3.1, 0.0], [-3.1, 3.1, 3.0]);
+        let period = Fixed::factor_from_f64(0.1);
+        let joint = JointMove::<Fixed>::new(from.map(angle), to.map(angle), 20, period);
+        assert_eq!(joint.between(0, Fixed::ZERO).angles, from.map(angle));
+        assert_eq!(joint.between(20, Fixed::ZERO).angles, to.map(angle));
+        for tick in 0..=20 {
+            let [up, down, _] = joint.between(tick, Fixed::ZERO).angles;
+            for angle in [up, down] {
+                let angle = Fixed::angle_to_f64(angle);
+                assert!(
+                    angle.abs() >= 3.1 - 1e-8 && angle.abs() <= PI + 1e-8,
+                    "{tick} {angle}"
+                );
+            }
+        }
     }
 
     /// Rates are the derivative of the angles, accelerations that of the rates.

@@ -6,7 +6,7 @@
 
 mod between;
 mod hermite;
-mod joint;
+pub(crate) mod joint;
 mod rest_to_rest;
 mod segment;
 mod serial;

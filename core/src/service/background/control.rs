@@ -1,7 +1,7 @@
 //! Start, hold, resume, stop, faults and recovery.
 
 use super::super::foreground::slope;
-use super::super::guard;
+use super::super::guard::{self, Broken};
 use super::super::link::{Order, Recover};
 use super::super::pace::Pace;
 use super::super::scene::{Put, Scene, Setup};
@@ -65,14 +65,20 @@ where
     /// In every state: it never makes a machine move.
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
         match self.state {
-            State::Fault | State::Cleared => Ok(()),
+            State::Fault | State::Cleared | State::Unhomed => Ok(()),
             _ => self.order(Order::Stop, State::Stopping),
         }
     }
 
     pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
         match self.state {
-            State::Fault => self.order(Order::ClearFault, State::Cleared),
+            State::Fault => {
+                let state = match self.scene.plan().is_some() {
+                    true => State::Unhomed,
+                    false => State::Cleared,
+                };
+                self.order(Order::ClearFault, state)
+            }
             state => Err(Refusal::State(state)),
         }
     }
@@ -85,17 +91,62 @@ where
         if self.state != State::Cleared {
             self.waits()?;
         }
-        let pose = &recovery.to;
+        let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
+        self.send_along(path, recovery.to, Order::Recover, State::Recovering)
+    }
+
+    /// Looks for the motors, and moves them to the start pose from where that ends.
+    pub(super) fn home(&mut self) -> Result<(), Refusal<N>> {
+        let Some(plan) = self.scene.plan() else {
+            return Err(Refusal::NoHoming);
+        };
+        if !matches!(self.state, State::Unhomed | State::Cleared) {
+            self.waits()?;
+        }
+        let limits = &self.limits;
+        guard::within(Bounded::Rate, &limits.rate, plan.rates)
+            .and_then(|()| {
+                let accelerations = plan.accelerations;
+                guard::within(Bounded::Acceleration, &limits.acceleration, accelerations)
+            })
+            .map_err(|broken| too_fast(broken, false))?;
+        let path = self.joint_path(plan.from, &plan.to, plan.ticks)?;
+        self.send_along(path, plan.to, Order::Home, State::Homing)
+    }
+
+    /// Gives `order`, with the joint move that belongs to it.
+    fn send_along(
+        &mut self,
+        path: JointMove<N>,
+        to: Pose<N>,
+        order: Order,
+        state: State,
+    ) -> Result<(), Refusal<N>> {
+        if !self.orders.has_room() || !self.recoveries.send(Recover { path, to }) {
+            return Err(Refusal::Busy);
+        }
+        self.order(order, state)?;
+        self.end = None;
+        Ok(())
+    }
+
+    /// The joint move from motor angles to where the motors are at `pose`, within the limits.
+    fn joint_path(
+        &self,
+        from: [N::Angle; 3],
+        pose: &Pose<N>,
+        ticks: u32,
+    ) -> Result<JointMove<N>, Refusal<N>> {
         let numbers = [pose.position.x, pose.position.y, N::radians(pose.angle)];
         if !numbers.iter().all(|number| number.is_finite()) {
             return Err(Refusal::NotFinite);
         }
-        if recovery.ticks == 0 {
+        if ticks == 0 {
             return Err(Refusal::Duration { longest: u32::MAX });
         }
         let position = self.clear_position(pose).map_err(Refusal::Recovery)?;
         let angles = self.geometry.motor_angles(&position);
-        let path = JointMove::new(self.angles, angles, recovery.ticks, self.settings.period);
+        let path = JointMove::new(from, angles, ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();
         guard::within(Bounded::Rate, &self.limits.rate, rates)
             .and_then(|()| {
@@ -107,33 +158,8 @@ where
                 let sums = [x + a, y + b, z + c];
                 guard::within(Bounded::Acceleration, &self.limits.acceleration, sums)
             })
-            .map_err(|broken| {
-                let what = match broken.code {
-                    FaultCode::Limit(what) => what,
-                    _ => Bounded::Range,
-                };
-                // The rate is largest half way, the acceleration at the ends.
-                let at = match what {
-                    Bounded::Rate => N::HALF,
-                    _ => N::ZERO,
-                };
-                Refusal::Recovery(Violation {
-                    what,
-                    index: broken.index,
-                    at,
-                    value: broken.value,
-                    limit: broken.limit,
-                    ramp: what == Bounded::Acceleration,
-                    shortest: None,
-                })
-            })?;
-        let to = *pose;
-        if !self.orders.has_room() || !self.recoveries.send(Recover { path, to }) {
-            return Err(Refusal::Busy);
-        }
-        self.order(Order::Recover, State::Recovering)?;
-        self.end = None;
-        Ok(())
+            .map_err(|broken| too_fast(broken, true))?;
+        Ok(path)
     }
 
     /// Refuses unless the machine waits in idle with nothing queued.
@@ -178,4 +204,26 @@ where
         }
         Ok(position)
     }
+}
+
+/// What joint rates or accelerations break; `ramp`: those of a stop are in them.
+fn too_fast<N: Number>(broken: Broken<N>, ramp: bool) -> Refusal<N> {
+    let what = match broken.code {
+        FaultCode::Limit(what) => what,
+        _ => Bounded::Range,
+    };
+    // The rate is largest half way, the acceleration at the ends.
+    let at = match what {
+        Bounded::Rate => N::HALF,
+        _ => N::ZERO,
+    };
+    Refusal::Recovery(Violation {
+        what,
+        index: broken.index,
+        at,
+        value: broken.value,
+        limit: broken.limit,
+        ramp: ramp && what == Bounded::Acceleration,
+        shortest: None,
+    })
 }

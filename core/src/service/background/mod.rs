@@ -137,6 +137,10 @@ where
         settings: Settings<N>,
         ends: Ends<'q, N, U>,
     ) -> Self {
+        let state = match scene.plan().is_some() {
+            true => State::Unhomed,
+            false => State::Idle,
+        };
         Self {
             scene,
             settings,
@@ -157,10 +161,10 @@ where
             greeted: false,
             last: None,
             next_sequence: 0,
-            state: State::Idle,
+            state,
             acting: Acting::Nothing,
             fault: None,
-            told: (State::Idle, Acting::Nothing, 0),
+            told: (state, Acting::Nothing, 0),
             generation: 0,
             begun: 0,
             done: 0,
@@ -173,7 +177,7 @@ where
             ahead: Ahead::NOTHING,
             judging: false,
             refused: None,
-            end: Some(End::at_rest(stand.pose)),
+            end: (state == State::Idle).then_some(End::at_rest(stand.pose)),
         }
     }
 

@@ -108,6 +108,7 @@ where
             Command::ClearFault => self.clear_fault(),
             Command::Recover(recovery) => self.recover(recovery),
             Command::Telemetry { every } => self.set_telemetry(*every),
+            Command::Home => self.home(),
         }
     }
 }

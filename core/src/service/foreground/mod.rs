@@ -8,6 +8,7 @@ mod report;
 pub use output::Output;
 
 use super::guard::{self, Broken};
+use super::homing::{Homing, NoHoming};
 use super::link::{Order, Planned, Recover, Report, Shared};
 use super::pace::{Pace, Place};
 use super::queue::{Receiver, Sender};
@@ -24,7 +25,7 @@ use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 
 /// The half of the service that runs once per tick.
-pub struct Foreground<'q, N: Number, P: Payload<N>, L, T> {
+pub struct Foreground<'q, N: Number, P: Payload<N>, L, T, H = NoHoming> {
     tick: Tick<N, P, L>,
     pub(super) limits: Limits<N>,
     /// 1 / (R dt): change of the speed along the path per time on a ramp.
@@ -42,6 +43,7 @@ pub struct Foreground<'q, N: Number, P: Payload<N>, L, T> {
     samples: Sender<'q, Telemetry<N>>,
     shared: &'q Shared,
 
+    homing: H,
     state: State,
     acting: Acting,
     path: Path,
@@ -103,16 +105,18 @@ pub(super) struct Ends<'q, N: Number, T> {
     pub(super) shared: &'q Shared,
 }
 
-impl<'q, N, P, L, T> Foreground<'q, N, P, L, T>
+impl<'q, N, P, L, T, H> Foreground<'q, N, P, L, T, H>
 where
     N: Number,
     P: Payload<N>,
     L: Links<N>,
     T: super::scene::Take<Setup<N, P, L>>,
+    H: Homing<N>,
 {
     pub(super) fn new(
         setup: Setup<N, P, L>,
         angles: [N::Angle; 3],
+        homing: H,
         settings: &Settings<N>,
         ends: Ends<'q, N, T>,
     ) -> Self {
@@ -137,7 +141,11 @@ where
             faults: ends.faults,
             samples: ends.samples,
             shared: ends.shared,
-            state: State::Idle,
+            state: match homing.is_needed() {
+                true => State::Unhomed,
+                false => State::Idle,
+            },
+            homing,
             acting: Acting::Nothing,
             path: Path::None,
             place: Place::START,
@@ -164,10 +172,22 @@ where
         }
     }
 
-    /// One tick: takes an order, goes on along the path, computes and checks what the motors have
-    /// to do, and samples. Never waits.
+    /// One tick of a machine that needs no inputs: takes an order, goes on along the path, computes
+    /// and checks what the motors have to do, and samples. Never waits.
     #[inline]
-    pub fn tick(&mut self) -> &Output<N> {
+    pub fn tick(&mut self) -> &Output<N>
+    where
+        H: Homing<N, Inputs = ()>,
+    {
+        self.tick_with(())
+    }
+
+    /// One tick, with the inputs of homing as they are now, that is where the motors were commanded
+    /// in the last tick: for each motor whether its switch is closed, or its drive says that it
+    /// stalls. Otherwise as [`Foreground::tick`].
+    #[inline]
+    pub fn tick_with(&mut self, inputs: H::Inputs) -> &Output<N> {
+        self.homing.listen(inputs, &self.output.motors);
         self.listen();
         let started = self.obey();
         let target = self.advance(started);
@@ -250,11 +270,23 @@ where
         self.raise(FaultCode::Overrun, None, value, N::ONE);
     }
 
-    /// Says where the motors are, for a machine that has just found out (homing, encoders). Heard
+    /// What this tick has added to the commanded angles of the motors without moving them, where
+    /// homing has found a motor's reference: a drive that counts steps adds it to the angle that it
+    /// counts from.
+    #[inline]
+    pub fn shift(&self) -> Option<[N::Angle; 3]> {
+        self.homing.shift()
+    }
+
+    /// Says where the motors are, for a machine that has just found out by encoders. Heard
     /// while nothing moves; afterwards the platform's pose is not known, and it takes a
     /// [recovery](crate::message::Command::Recover) to get there. Whether it was heard.
     pub fn motors_are_at(&mut self, angles: [N::Angle; 3]) -> bool {
-        let waits = self.state == State::Idle && self.moves.peek().is_none();
+        let waits = match self.state {
+            State::Idle => self.moves.peek().is_none(),
+            State::Unhomed => true,
+            _ => false,
+        };
         if !waits && !matches!(self.state, State::Fault | State::Cleared) {
             return false;
         }
@@ -279,8 +311,12 @@ where
             return;
         }
         self.silent = self.silent.saturating_add(1);
-        let moves = matches!(self.state, State::Running | State::Recovering);
+        let moves = matches!(
+            self.state,
+            State::Running | State::Recovering | State::Homing
+        );
         if moves && self.silence_ticks != 0 && self.silent >= self.silence_ticks {
+            self.homing.stop();
             self.become_(State::Stopping, Acting::Silence);
         }
     }

@@ -1,5 +1,6 @@
 //! Orders from the background.
 
+use super::super::homing::Homing;
 use super::super::link::{Order, Planned};
 use super::super::pace::Place;
 use super::super::scene::{Setup, Take};
@@ -9,12 +10,13 @@ use crate::number::Number;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 
-impl<N, P, L, T> Foreground<'_, N, P, L, T>
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
     N: Number,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
 {
     /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
     /// its first setpoint is this tick's. An order that does not fit the state, because the state
@@ -38,6 +40,7 @@ where
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
             Order::Recover => return self.recover(),
+            Order::Home => self.home(),
             Order::Telemetry { every } => {
                 self.every = every;
                 self.countdown = 0;
@@ -85,8 +88,20 @@ where
         true
     }
 
+    fn home(&mut self) {
+        let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
+        if !waits || !self.homing.is_needed() {
+            self.recoveries.discard();
+            return;
+        }
+        self.drop_queue();
+        self.homing.begin();
+        self.silent = 0;
+        self.become_(State::Homing, Acting::Nothing);
+    }
+
     /// At the start of a path, which starts at rest: normal speed at once.
-    fn begin(&mut self) {
+    pub(super) fn begin(&mut self) {
         self.place = Place::START;
         self.pace.start();
         self.held = false;
@@ -114,18 +129,27 @@ where
                 self.become_(State::Stopping, Acting::Stop);
             }
             State::Stopping => self.become_(State::Stopping, Acting::Stop),
+            State::Homing => {
+                self.homing.stop();
+                self.become_(State::Stopping, Acting::Stop);
+            }
             State::Idle => {
                 self.drop_queue();
                 self.become_(State::Idle, Acting::Nothing);
             }
-            State::Fault | State::Cleared => {}
+            State::Fault | State::Cleared | State::Unhomed => {}
         }
     }
 
     fn clear_fault(&mut self) {
         if self.state == State::Fault {
             self.output.enabled = true;
-            self.become_(State::Cleared, self.acting);
+            // Without current a motor without an encoder may have lost its place.
+            let state = match self.homing.is_needed() {
+                true => State::Unhomed,
+                false => State::Cleared,
+            };
+            self.become_(state, self.acting);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What goes out: motion, tool, or nothing at all.
 
 use super::super::guard::Broken;
+use super::super::homing::Homing;
 use super::super::link::Planned;
 use super::super::scene::{Setup, Take};
 use super::{Foreground, Path};
@@ -22,12 +23,13 @@ pub struct Output<N: Number> {
     pub enabled: bool,
 }
 
-impl<N, P, L, T> Foreground<'_, N, P, L, T>
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
     N: Number,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
 {
     /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
     /// runs.
@@ -82,9 +84,10 @@ where
                 limit: broken.limit,
                 tick: self.clock,
             });
-            if matches!(self.path, Path::Joints | Path::JointsEnded) {
+            if matches!(self.path, Path::Joints | Path::JointsEnded) || self.homing.is_under_way() {
                 self.recoveries.discard();
             }
+            self.homing.abandon();
             self.drop_queue();
             let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
             self.become_(State::Fault, acting);

@@ -1,5 +1,7 @@
 //! Along the path, tick by tick.
 
+use super::super::guard::Broken;
+use super::super::homing::{Homing, Progress};
 use super::super::pace::{Place, Stride};
 use super::super::scene::{Setup, Take};
 use super::{Foreground, Path, Target};
@@ -9,20 +11,24 @@ use crate::setpoint::Setpoint;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 
-impl<N, P, L, T> Foreground<'_, N, P, L, T>
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
     N: Number,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
 {
     /// One tick further; `started`: the path was begun in this tick, and this is its start.
     #[inline]
     pub(super) fn advance(&mut self, started: bool) -> Target<N> {
         self.settle();
+        if self.homing.is_under_way() {
+            return self.look_for_motors();
+        }
         match self.state {
             State::Idle => return Target::Setpoint(Self::standing(self.pose)),
-            State::Fault | State::Cleared => return Target::Still,
+            State::Fault | State::Cleared | State::Unhomed => return Target::Still,
             _ => {}
         }
         let stride = if started {
@@ -38,6 +44,33 @@ where
             self.come_to_rest();
         }
         target
+    }
+
+    /// A tick of homing. The recovery to the start pose follows in the tick in which it is done.
+    fn look_for_motors(&mut self) -> Target<N> {
+        match self.homing.advance(&self.output.motors) {
+            Progress::Moving(joints) => Target::Joints(joints),
+            Progress::Done => {
+                self.path = Path::Joints;
+                self.begin();
+                self.become_(State::Recovering, Acting::Nothing);
+                self.target(self.pace.faster())
+            }
+            Progress::Stopped => {
+                self.recoveries.discard();
+                self.become_(State::Unhomed, self.acting);
+                Target::Still
+            }
+            Progress::Failed { code, motor, limit } => {
+                self.latch(Broken {
+                    code,
+                    index: Some(motor),
+                    value: limit,
+                    limit,
+                });
+                Target::Still
+            }
+        }
     }
 
     /// What was at its end a tick ago is over, unless more was queued in time.

@@ -1,5 +1,6 @@
 //! What the tick says of itself.
 
+use super::super::homing::Homing;
 use super::super::link::{Report, count};
 use super::super::scene::{Setup, Take};
 use super::Foreground;
@@ -9,12 +10,13 @@ use crate::setpoint::Setpoint;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 
-impl<N, P, L, T> Foreground<'_, N, P, L, T>
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
     N: Number,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
 {
     /// Reports what changed; where there is no room, later.
     #[inline]

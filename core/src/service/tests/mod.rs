@@ -1,4 +1,5 @@
 mod faults;
+mod homing;
 mod moves;
 mod path;
 mod random;
@@ -29,6 +30,7 @@ pub(super) const SCHEMA: u64 = 0x1234;
 pub(super) const SCENE: u32 = 77;
 
 type Foreground<N, S> = ForegroundOf<'static, N, Centred<N>, Massless, S>;
+type InputsOf<N, S> = <<S as Scene<N, Centred<N>, Massless>>::Homing as Homing<N>>::Inputs;
 type Background<N, S> = BackgroundOf<'static, N, Centred<N>, Massless, S>;
 
 /// A whole service, both halves in one thread.
@@ -36,6 +38,8 @@ pub(super) struct Rig<N: Number, S: Scene<N, Centred<N>, Massless> + 'static = A
     pub(super) foreground: Foreground<N, S>,
     pub(super) background: Background<N, S>,
     sequence: u32,
+    /// What the tick is told of switches.
+    pub(super) inputs: InputsOf<N, S>,
     pub(super) telemetry: Vec<Telemetry<N>>,
     pub(super) events: Vec<Event<N>>,
 }
@@ -95,7 +99,11 @@ impl<N: Number> Rig<N> {
     }
 }
 
-impl<N: Number, S: Scene<N, Centred<N>, Massless> + 'static> Rig<N, S> {
+impl<N, S> Rig<N, S>
+where
+    N: Number,
+    S: Scene<N, Centred<N>, Massless> + 'static,
+{
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
         Self::in_units(scene, stands, Units::SI)
     }
@@ -109,6 +117,7 @@ impl<N: Number, S: Scene<N, Centred<N>, Massless> + 'static> Rig<N, S> {
             foreground,
             background,
             sequence: 0,
+            inputs: Default::default(),
             telemetry: Vec::new(),
             events: Vec::new(),
         };
@@ -170,7 +179,7 @@ impl<N: Number, S: Scene<N, Centred<N>, Massless> + 'static> Rig<N, S> {
 
     /// One tick, with everything that it says taken in; the invariants that hold after any.
     pub(super) fn tick(&mut self) -> Output<N> {
-        let output = *self.foreground.tick();
+        let output = *self.foreground.tick_with(self.inputs);
         let state = self.foreground.state();
         if !state.is_running() {
             assert_eq!(output.tool, N::ZERO, "the tool is on in {state:?}");

@@ -47,6 +47,7 @@ fn rig_in(state: State) -> Rig<f64> {
             }));
             rig.ticks(5);
         }
+        State::Unhomed | State::Homing => unreachable!("the tests of homing have these"),
     }
     assert_eq!(rig.state(), state);
     assert_eq!(rig.foreground.state(), state);
@@ -101,6 +102,7 @@ fn each_command_in_each_state() {
         (Recovering, [None, None, None, Some(Stopping), None, None]),
     ];
     for (state, expected) in table {
+        assert_eq!(rig_in(state).refused(Command::Home), Refusal::NoHoming);
         for (command, expected) in commands.into_iter().zip(expected) {
             let mut rig = rig_in(state);
             let reply = rig.ask(command);
