@@ -86,7 +86,12 @@ impl<'a, N: Transmit> Samples<'a, N> {
 pub fn is_of_a_job(state: State) -> bool {
     match state {
         State::Running | State::Slowing | State::Stopping | State::Holding => true,
-        State::Idle | State::Fault | State::Cleared | State::Recovering => false,
+        State::Idle
+        | State::Fault
+        | State::Cleared
+        | State::Recovering
+        | State::Unhomed
+        | State::Homing => false,
     }
 }
 

@@ -174,6 +174,11 @@ fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
 /// A latched fault.
 pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
     let value = || short(fault.value.to_f64());
+    // Angles are radians in any units.
+    let searched = || {
+        let motor = fault.index.map_or(0, |index| index + 1);
+        (motor, short(fault.limit.to_f64()))
+    };
     let leg = |text: &str| match fault.index {
         Some(index) => format!("leg {} is {text}", index + 1),
         None => text.into(),
@@ -193,6 +198,21 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
             "the board has started anew because it had failed".into()
         }
         FaultCode::Board => format!("the board reports its code {}", value()),
+        FaultCode::HomingNotFound => {
+            let (motor, limit) = searched();
+            format!("homing: motor {motor} has not found its switch or stop within {limit} rad")
+        }
+        FaultCode::HomingNotReleased => {
+            let (motor, limit) = searched();
+            format!("homing: the switch of motor {motor} is still closed {limit} rad back from it")
+        }
+        FaultCode::HomingClosedAtStart => {
+            let (motor, limit) = searched();
+            format!(
+                "homing: the switch of motor {motor} was closed at the start, and is still closed \
+                 {limit} rad away"
+            )
+        }
     };
     format!("{text} (tick {})", fault.tick)
 }
@@ -208,6 +228,8 @@ pub fn state(state: State, acting: Acting) -> String {
         State::Fault => "fault",
         State::Cleared => "fault acknowledged",
         State::Recovering => "recovering",
+        State::Unhomed => "not homed",
+        State::Homing => "homing",
     };
     let acting = match acting {
         Acting::Nothing => return state.into(),
@@ -278,6 +300,7 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
+        Refusal::NoHoming => "the scene has no [homing]: the board knows where its motors are".into(),
     }
 }
 

@@ -102,6 +102,8 @@ State = Enum(
     Fault=None,
     Cleared=None,
     Recovering=None,
+    Unhomed=None,
+    Homing=None,
 )
 
 Acting = Enum(
@@ -134,6 +136,9 @@ FaultCode = Enum(
     Overrun=None,
     Drive=DriveFault,
     Board=None,
+    HomingNotFound=None,
+    HomingNotReleased=None,
+    HomingClosedAtStart=None,
 )
 
 Fault = Struct(
@@ -214,6 +219,7 @@ Refusal = Enum(
     NoPose=None,
     Recovery=Violation,
     Busy=None,
+    NoHoming=None,
 )
 
 Hello = Struct(
@@ -255,6 +261,7 @@ Command = Enum(
     ClearFault=None,
     Recover=Recovery,
     Telemetry={"every": U16},
+    Home=None,
 )
 
 Request = Struct(

@@ -130,5 +130,6 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::ClearFault => "clear fault",
         Command::Recover(_) => "recover",
         Command::Telemetry { .. } => "telemetry",
+        Command::Home => "home",
     }
 }

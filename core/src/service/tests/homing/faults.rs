@@ -210,7 +210,7 @@ fn a_fault_at_any_time_makes_it_home_anew() {
         machine
             .rig
             .foreground
-            .raise(FaultCode::Drive, Some(1), 7.0, 0.0);
+            .raise(FaultCode::Board, Some(1), 7.0, 0.0);
         machine.tick();
         assert_eq!(machine.rig.state(), State::Fault);
         // Without current the motors were pushed about.
