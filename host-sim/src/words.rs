@@ -300,7 +300,9 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
-        Refusal::NoHoming => "the scene has no [homing]: the board knows where its motors are".into(),
+        Refusal::NoHoming => {
+            "the scene has no [homing]: the board knows where its motors are".into()
+        }
     }
 }
 
