@@ -152,7 +152,8 @@ proptest! {
             prop_assert!(status.done <= status.admitted && status.admitted <= status.next);
         }
 
-        // The way out.
+        // The way out. Seven orders may wait for their ticks, and an eighth is refused.
+        rig.ticks(8);
         let mut ask = |rig: &mut Rig<f64>, command| {
             let reply = rig.ask_as(sequence, command);
             sequence += 1;
