@@ -12,6 +12,8 @@
 mod drive;
 mod duration;
 mod error;
+mod homing;
+mod homing_path;
 mod job;
 mod limits;
 mod machine;
@@ -25,6 +27,7 @@ mod service;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};
+pub use homing::Homing;
 pub use job::{Job, Move, Tool};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;

@@ -390,6 +390,10 @@ pub fn units_of_scene(scene: &Scene) -> Result<Units, RangeError> {
     let parameters = &scene.parameters;
     let mut measured = Measured::new(parameters);
     measured.limits(&scene.limits);
+    for motor in scene.homing.iter().flat_map(|homing| &homing.motors) {
+        measured.note(Of::RATE, motor.search_rate_rad_s);
+        measured.note(Of::ACCELERATION, motor.acceleration_rad_s2);
+    }
     for each in &scene.job.moves {
         let t = f64::from(each.duration_ticks) * scene.period_s();
         let h = each.to.position - each.from.position;

@@ -2,6 +2,8 @@
 
 use crate::drive::{Drive, DriveKind, read_drives};
 use crate::error::SceneError;
+use crate::homing::{Homing, PlacedHoming, read_homing};
+use crate::homing_path::check_homing;
 use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
@@ -53,6 +55,8 @@ pub struct Scene {
     pub limits: Limits,
     /// How the service runs the job.
     pub service: Service,
+    /// How the machine finds out where its motors are, if it does not know.
+    pub homing: Option<Homing>,
     /// What to do.
     pub job: Job,
     /// How the real machine is simulated, if the scene says.
@@ -109,10 +113,10 @@ impl Scene {
         let read = with_root(&document, text, |root| {
             read_scene(&document, root, key(text.as_bytes()))
         });
-        let Some((scene, placed, legs)) = read.filter(|_| document.is_clean()) else {
+        let Some((scene, placed, homing, legs)) = read.filter(|_| document.is_clean()) else {
             return Err(document.into_error(file));
         };
-        check_machine(&document, &scene, &placed, &legs);
+        check_machine(&document, &scene, &placed, homing.as_ref(), &legs);
         match document.is_clean() {
             true => Ok(scene),
             false => Err(document.into_error(file)),
@@ -139,7 +143,11 @@ impl Scene {
     }
 }
 
-fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, PlacedJob, Place)> {
+fn read_scene(
+    document: &Document,
+    root: &Section,
+    key: u32,
+) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Place)> {
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
     let (slowest, fastest) = TICK_RATE_HZ;
@@ -165,7 +173,9 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
             plant.as_ref(),
         );
     }
+    let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
     let placed = read_job(document, root, rate)?;
+    let homing = homing?;
     let plant = match plant? {
         Some(plant) => Some(plant.checked(root, f64::from(placed.job.ticks()) / rate?)?),
         None => None,
@@ -181,6 +191,7 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
         drives: drives?,
         limits: limits?,
         service: service?,
+        homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         plant,
     };
@@ -188,7 +199,7 @@ fn read_scene(document: &Document, root: &Section, key: u32) -> Option<(Scene, P
         value: None,
         ..root.place_of("machine")
     };
-    Some((scene, placed, legs))
+    Some((scene, placed, homing, legs))
 }
 
 /// Refuses what asks for torques in a scene that computes none.
@@ -228,7 +239,13 @@ fn refuse_torques(
 }
 
 /// What takes a machine that is right in itself: poses and paths.
-fn check_machine(document: &Document, scene: &Scene, placed: &PlacedJob, legs: &Place) {
+fn check_machine(
+    document: &Document,
+    scene: &Scene,
+    placed: &PlacedJob,
+    homing: Option<&PlacedHoming>,
+    legs: &Place,
+) {
     let geometry = match Geometry::<f64>::build(&scene.parameters) {
         Ok(geometry) => geometry,
         Err(error) => return document.refuse(legs, error.to_string()),
@@ -239,5 +256,8 @@ fn check_machine(document: &Document, scene: &Scene, placed: &PlacedJob, legs: &
     }
     if let Err(error) = check_job(document, scene, placed, geometry) {
         document.refuse(legs, error.to_string());
+    }
+    if let Some(homing) = homing {
+        check_homing(document, scene, homing, geometry);
     }
 }
