@@ -100,6 +100,16 @@ pub struct DeviceArgs {
     /// The machine's seconds per second of real time: 10 for ten times as fast
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
     pub speed: f64,
+    /// In a scene with homing, how far the motors are from where the machine counts from when it is
+    /// switched on, rad: three numbers [default: one of its own for each scene]
+    #[arg(
+        long,
+        value_name = "A,B,C",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_hyphen_values = true
+    )]
+    pub offset_rad: Option<Vec<f64>>,
 }
 
 /// `host-sim stream`.
@@ -137,6 +147,9 @@ pub struct StreamArgs {
     /// Seconds without an answer, or without the port, after which the stream gives up
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
     pub patience: f64,
+    /// Do not home a machine that is not homed: the stream ends instead
+    #[arg(long)]
+    pub no_homing: bool,
     /// Take `hold`, `resume` and `stop` from standard input, a line each
     #[arg(long)]
     pub keys: bool,

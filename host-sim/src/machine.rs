@@ -7,15 +7,15 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
 use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Transmit};
 use trirrr_core::service::{
-    self, Adjustable, Background, Channels, Foreground, Put, SceneIdentity, ServiceError, Settings,
-    Setup, Take, name,
+    self, Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, SceneIdentity,
+    ServiceError, Settings, Setup, Take, WithHoming, name,
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_core::units::Units;
 use trirrr_core::wire::schema;
-use trirrr_scene::Scene;
+use trirrr_scene::{Homing, Scene};
 
 /// Moves that can wait, as on a board, and one place that stays empty.
 const MOVES: usize = 16 + 1;
@@ -28,6 +28,15 @@ const SAMPLES: usize = 63 + 1;
 pub trait Machine<N: Transmit> {
     /// One tick.
     fn tick(&mut self);
+
+    /// What the inputs of homing say from now on.
+    fn inputs(&mut self, closed: [bool; 3]);
+
+    /// The joint angles that the motors are commanded to, rad.
+    fn angles(&self) -> [f64; 3];
+
+    /// What the last tick has added to them without moving the motors.
+    fn shift(&self) -> Option<[f64; 3]>;
 
     /// Says how long the last tick took, ns. It is told on and is no fault, however long: a host
     /// keeps no deadlines.
@@ -66,6 +75,25 @@ pub fn with_machine<N: Transmit, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn Machine<N>) -> T,
 ) -> Result<T, Failure> {
+    build(scene, None, play)
+}
+
+/// The same, just switched on: where the scene has homing, the machine has to be homed.
+///
+/// # Errors
+/// As [`with_machine`].
+pub fn with_machine_switched_on<N: Transmit, T>(
+    scene: &Scene,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, Failure> {
+    build(scene, scene.homing.as_ref(), play)
+}
+
+fn build<N: Transmit, T>(
+    scene: &Scene,
+    homing: Option<&Homing>,
+    play: impl FnOnce(&mut dyn Machine<N>) -> T,
+) -> Result<T, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let described = Described {
@@ -73,6 +101,16 @@ pub fn with_machine<N: Transmit, T>(
         limits: units.limits(&scene.limits),
         start: job::pose(&units.pose(&scene.job.start)),
         settings: settings(scene, &units),
+        homing: match homing {
+            Some(homing) => {
+                let parameters = homing
+                    .parameters(scene, &units)
+                    .map_err(|status| refused(status.to_string()))?;
+                let period = units.time(scene.period_s());
+                Some(HomingCoefficients::build(&parameters, period))
+            }
+            None => None,
+        },
     };
     let played = match PayloadKind::of(&scene.parameters) {
         _ if !scene.torque => with_links::<N, PositionOnly, Massless, T>(described, play),
@@ -88,6 +126,7 @@ struct Described<N: Transmit> {
     limits: LimitParameters,
     start: Pose<N>,
     settings: Settings<N>,
+    homing: Option<HomingCoefficients<N>>,
 }
 
 fn with_payload<N, P, T>(
@@ -118,12 +157,17 @@ where
     L: Links<N> + Send + 'static,
 {
     // The queues are some 100 KB.
-    let mut channels = Box::new(Channels::<N, P, L, Adjustable, MOVES, SAMPLES>::new());
-    let scene = Adjustable::new(described.parameters, described.limits);
+    let mut channels =
+        Box::new(Channels::<N, P, L, WithHoming<N, Adjustable>, MOVES, SAMPLES>::new());
+    let scene = WithHoming {
+        scene: Adjustable::new(described.parameters, described.limits),
+        homing: described.homing.as_ref(),
+    };
     let (foreground, background) = channels.split(scene, described.start, described.settings)?;
     Ok(play(&mut Service {
         foreground,
         background,
+        inputs: [false; 3],
     }))
 }
 
@@ -153,10 +197,11 @@ fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
 struct Service<F, B> {
     foreground: F,
     background: B,
+    inputs: [bool; 3],
 }
 
-impl<'q, N, P, L, S, T, U> Machine<N>
-    for Service<Foreground<'q, N, P, L, T>, Background<'q, N, P, L, S, U>>
+impl<'q, N, P, L, S, T, U, H> Machine<N>
+    for Service<Foreground<'q, N, P, L, T, H>, Background<'q, N, P, L, S, U>>
 where
     N: Transmit,
     P: Payload<N>,
@@ -164,9 +209,24 @@ where
     S: service::Scene<N, P, L>,
     T: Take<Setup<N, P, L>>,
     U: Put<Setup<N, P, L>>,
+    H: service::Homing<N, Inputs = [bool; 3]>,
 {
     fn tick(&mut self) {
-        self.foreground.tick();
+        self.foreground.tick_with(self.inputs);
+    }
+
+    fn inputs(&mut self, closed: [bool; 3]) {
+        self.inputs = closed;
+    }
+
+    fn angles(&self) -> [f64; 3] {
+        let motors = self.foreground.output().motors.each_ref();
+        motors.map(|motor| N::angle_to_f64(motor.angle))
+    }
+
+    fn shift(&self) -> Option<[f64; 3]> {
+        let shift = self.foreground.shift()?;
+        Some(shift.map(N::angle_to_f64))
     }
 
     fn took(&mut self, duration_ns: u32) {

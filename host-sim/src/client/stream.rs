@@ -48,6 +48,10 @@ enum Phase<N: Transmit> {
     Greeting,
     /// The next thing is the status, the first after a hello.
     Surveying,
+    /// The machine does not know where its motors are: the next thing is to home it,
+    Homing,
+    /// and then to see it stand at its start.
+    Awaiting,
     /// The next thing is the telemetry rate.
     Preparing,
     /// Moves, start, status.
@@ -76,6 +80,8 @@ pub struct Stream<N: Transmit> {
     room: u8,
     asked: VecDeque<Ask>,
     stop_asked: bool,
+    /// A machine that is not homed is homed.
+    homes: bool,
     /// When to look at the status again.
     look: Duration,
     /// Neither moves nor a start before this.
@@ -106,8 +112,18 @@ impl<N: Transmit> Stream<N> {
             room: 0,
             asked: VecDeque::new(),
             stop_asked: false,
+            homes: true,
             look: Duration::ZERO,
             pause: Duration::ZERO,
+        }
+    }
+
+    /// Leaves a machine that is not homed as it is, which ends the job before it begins.
+    #[must_use]
+    pub fn without_homing(self) -> Self {
+        Self {
+            homes: false,
+            ..self
         }
     }
 
@@ -171,7 +187,11 @@ impl<N: Transmit> Stream<N> {
     pub fn reconnected(&mut self) {
         if matches!(
             self.phase,
-            Phase::Streaming | Phase::Surveying | Phase::Preparing
+            Phase::Streaming
+                | Phase::Surveying
+                | Phase::Homing
+                | Phase::Awaiting
+                | Phase::Preparing
         ) {
             self.phase = Phase::Greeting;
         }
@@ -203,13 +223,14 @@ impl<N: Transmit> Stream<N> {
         match &self.phase {
             Phase::Greeting => return Some(Command::Hello(self.hello)),
             Phase::Surveying => return Some(Command::Status),
+            Phase::Homing => return Some(Command::Home),
             Phase::Preparing => {
                 return Some(Command::Telemetry {
                     every: self.telemetry,
                 });
             }
             Phase::Ending(_) => return Some(Command::Stop),
-            Phase::Streaming | Phase::Finished(_) => {}
+            Phase::Awaiting | Phase::Streaming | Phase::Finished(_) => {}
         }
         if let Some(ask) = self.asked.pop_front() {
             return Some(match ask {
@@ -221,7 +242,7 @@ impl<N: Transmit> Stream<N> {
         if self.look <= now {
             return Some(Command::Status);
         }
-        if self.stop_asked || now < self.pause {
+        if self.stop_asked || now < self.pause || self.phase == Phase::Awaiting {
             return None;
         }
         let next = self.moves.get(self.offered as usize);
@@ -288,7 +309,7 @@ impl<N: Transmit> Stream<N> {
     fn surveyed(&mut self, status: Status<N>, now: Duration) {
         self.look = now + self.status_every();
         self.room = status.room;
-        let first = self.phase == Phase::Surveying;
+        let first = matches!(self.phase, Phase::Surveying | Phase::Awaiting);
         let base = *self.base.get_or_insert(status.next);
         let taken = status.next.wrapping_sub(base);
         let standing = matches!(status.state, State::Idle);
@@ -304,6 +325,9 @@ impl<N: Transmit> Stream<N> {
             return self.end(Failure::Inadmissible { index, violation });
         }
         let before = self.status.replace(status);
+        if first && self.offered == 0 && !self.is_homed(&status, before.is_none()) {
+            return;
+        }
         // Ticks only go forwards.
         let restarted =
             before.is_some_and(|before| status.tick.wrapping_sub(before.tick) > u32::MAX / 2);
@@ -338,6 +362,31 @@ impl<N: Transmit> Stream<N> {
         }
     }
 
+    /// Whether the machine stands where its job may start, as far as homing goes; else, what is to be
+    /// done about it. `anew`: nothing was known of it before.
+    fn is_homed(&mut self, status: &Status<N>, anew: bool) -> bool {
+        match status.state {
+            State::Unhomed if self.phase == Phase::Surveying && self.homes => {
+                self.phase = Phase::Homing;
+            }
+            // On its way, for this client unless another one is there.
+            State::Homing | State::Recovering | State::Stopping if !anew => {
+                self.phase = Phase::Awaiting;
+            }
+            State::Unhomed | State::Cleared if self.phase == Phase::Awaiting => {
+                self.finish(Err(match self.stop_asked {
+                    true => Failure::Stopped { done: 0 },
+                    false => Failure::Dropped {
+                        done: 0,
+                        acting: status.acting,
+                    },
+                }));
+            }
+            _ => return true,
+        }
+        false
+    }
+
     /// How long to leave the machine alone.
     fn status_every(&self) -> Duration {
         let silence = self.identity.as_ref().and_then(|identity| {
@@ -351,6 +400,10 @@ impl<N: Transmit> Stream<N> {
     fn executed(&mut self, command: &Command<N>, now: Duration) {
         match command {
             Command::Telemetry { .. } => self.phase = Phase::Streaming,
+            Command::Home => {
+                self.phase = Phase::Awaiting;
+                self.look = now;
+            }
             Command::Move(_) => {
                 self.offered += 1;
                 self.room = self.room.saturating_sub(1);

@@ -76,6 +76,15 @@ impl Diary {
         }
     }
 
+    /// Notes that a motor has found its reference.
+    pub(super) fn referenced(&self, errors: [f64; 3]) {
+        let errors = errors.map(|error| format!("{error:.6}"));
+        let errors = errors.join(", ");
+        self.note(&format!(
+            "a motor is found: the motors are {errors} rad from where they are thought"
+        ));
+    }
+
     /// Notes what the machine says by itself. Telemetry is not for reading.
     pub(super) fn message<N: Transmit>(&self, message: &Message<N>) {
         let Message::Event(event) = message else {

@@ -3,6 +3,7 @@
 
 mod client;
 mod diary;
+mod motors;
 mod server;
 
 use crate::cli::DeviceArgs;
@@ -13,6 +14,7 @@ use crate::pace::{Deadlines, Pacer};
 use crate::scalar::Scalar;
 use crate::words::Units;
 use diary::Diary;
+use motors::Motors;
 use server::Server;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -44,6 +46,10 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
         listener,
         rate_hz: scene.tick_rate_hz * args.speed,
         stop,
+        offset: match args.offset_rad.as_deref() {
+            Some([a, b, c]) => Some([*a, *b, *c]),
+            _ => None,
+        },
     };
     match scalar {
         Scalar::F64 => device.play::<f64>(),
@@ -60,6 +66,8 @@ struct Device<'a> {
     /// Ticks per second of real time.
     rate_hz: f64,
     stop: &'a AtomicBool,
+    /// Of the motors, rad; none for some of its own.
+    offset: Option<[f64; 3]>,
 }
 
 impl Device<'_> {
@@ -69,15 +77,22 @@ impl Device<'_> {
             listener,
             rate_hz,
             stop,
+            offset,
         } = self;
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
-        let played = machine::with_machine::<N, _>(scene, |machine| {
+        let played = machine::with_machine_switched_on::<N, _>(scene, |machine| {
+            let motors = scene.homing.map(|homing| {
+                let commanded = machine.angles();
+                let offset =
+                    offset.unwrap_or_else(|| Motors::some_offset(&homing, scene.key, commanded));
+                Motors::new(scene, homing, commanded, offset)
+            });
             let diary = Diary::new(Units::of_scene(scene, &units));
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
-            let server = Server::new(machine, listener, silence, diary);
+            let server = Server::new(machine, motors, listener, silence, diary);
             run(server, rate_hz, stop)
         })?;
         let (diary, deadlines) =

@@ -2,6 +2,7 @@
 
 use super::client::Client;
 use super::diary::Diary;
+use super::motors::Motors;
 use crate::link::Listener;
 use crate::machine::Machine;
 use std::io;
@@ -14,6 +15,8 @@ const SLICES: u32 = 64;
 /// A machine that listens: one client at a time, the next one when that has gone.
 pub(super) struct Server<'a, N: Transmit> {
     machine: &'a mut dyn Machine<N>,
+    /// The motors, where the machine has to find them.
+    motors: Option<Motors>,
     listener: Listener,
     /// A client that is silent for this long gives way to another.
     silence: Duration,
@@ -24,12 +27,14 @@ pub(super) struct Server<'a, N: Transmit> {
 impl<'a, N: Transmit> Server<'a, N> {
     pub(super) fn new(
         machine: &'a mut dyn Machine<N>,
+        motors: Option<Motors>,
         listener: Listener,
         silence: Duration,
         diary: Diary,
     ) -> Self {
         Self {
             machine,
+            motors,
             listener,
             silence,
             client: None,
@@ -43,7 +48,17 @@ impl<'a, N: Transmit> Server<'a, N> {
     /// As [`Server::serve`].
     pub(super) fn tick(&mut self) -> io::Result<()> {
         let start = Instant::now();
+        if let Some(motors) = &self.motors {
+            self.machine.inputs(motors.inputs());
+        }
         self.machine.tick();
+        if let Some(motors) = &mut self.motors {
+            let shift = self.machine.shift();
+            motors.follow(self.machine.angles(), shift);
+            if shift.is_some() {
+                self.diary.referenced(motors.errors());
+            }
+        }
         let took = u32::try_from(start.elapsed().as_nanos());
         self.machine.took(took.unwrap_or(u32::MAX));
         self.diary.tick();

@@ -86,12 +86,15 @@ fn stream<N: Transmit>(
     };
     let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1)?;
     let mut session = Session {
-        stream: Stream::new(
-            moves,
-            machine::hello::<N>(scene),
-            every,
-            patience(Duration::from_secs_f64(args.patience)),
-            conversation(),
+        stream: homing(
+            args.no_homing,
+            Stream::new(
+                moves,
+                machine::hello::<N>(scene),
+                every,
+                patience(Duration::from_secs_f64(args.patience)),
+                conversation(),
+            ),
         ),
         port,
         samples: Samples::new(&*evaluator, units),
@@ -182,6 +185,14 @@ fn patience(total: Duration) -> Patience {
     Patience {
         answer,
         attempts: asked,
+    }
+}
+
+/// The stream, which homes the machine unless it is told not to.
+fn homing<N: Transmit>(not: bool, stream: Stream<N>) -> Stream<N> {
+    match not {
+        true => stream.without_homing(),
+        false => stream,
     }
 }
 

@@ -1,0 +1,133 @@
+//! The motors of a machine without encoders, as they truly are: steps are taken and lost, switches
+//! close, and nobody but these know where the motors are.
+
+use core::f64::consts::{PI, TAU};
+use trirrr_core::service::Contact;
+use trirrr_scene::{DriveKind, Homing, Scene};
+
+/// Motors, and the switches or stops that they meet.
+pub(super) struct Motors {
+    homing: Homing,
+    /// A step of each, rad at the joint.
+    steps: [f64; 3],
+    /// Where they are, rad, not wrapped.
+    angles: [f64; 3],
+    /// What they were commanded to last, rad,
+    commanded: [f64; 3],
+    /// and what rounding to steps has left over.
+    rest: [f64; 3],
+    /// Pressed against a stop.
+    stalls: [bool; 3],
+}
+
+impl Motors {
+    /// Of `scene`, `offset` rad from where the machine counts from, `commanded`.
+    pub(super) fn new(
+        scene: &Scene,
+        homing: Homing,
+        commanded: [f64; 3],
+        offset: [f64; 3],
+    ) -> Self {
+        let steps = match &scene.drives {
+            Some(drives) => drives.map(|drive| match drive.kind {
+                DriveKind::Stepper(stepper) => {
+                    let turn = f64::from(stepper.steps_per_rev) * f64::from(stepper.microsteps);
+                    TAU / (turn * drive.gear_ratio)
+                }
+                _ => 0.0,
+            }),
+            None => [0.0; 3],
+        };
+        Self {
+            homing,
+            steps,
+            angles: [0, 1, 2].map(|i| commanded[i] + offset[i]),
+            commanded,
+            rest: [0.0; 3],
+            stalls: [false; 3],
+        }
+    }
+
+    /// Offsets that a machine may have, of its own for each `key`: before the references, by up to
+    /// half of the way there and back.
+    pub(super) fn some_offset(homing: &Homing, key: u32, commanded: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| {
+            let motor = &homing.motors[i];
+            let sign = if motor.positive { 1.0 } else { -1.0 };
+            let way = (sign * (motor.angle_rad - commanded[i])).rem_euclid(TAU);
+            let most = 0.5 * way.min(motor.travel_max_rad - way);
+            let bits = key.wrapping_mul(2 * i as u32 + 0x9e37_79b1).rotate_left(13);
+            most * (f64::from(bits) / f64::from(u32::MAX) * 2.0 - 1.0)
+        })
+    }
+
+    /// What their inputs say.
+    pub(super) fn inputs(&self) -> [bool; 3] {
+        [0, 1, 2].map(|i| match self.homing.contact {
+            Contact::Switch => self.beyond(i) >= 0.0,
+            Contact::Stall => self.stalls[i],
+            Contact::Unfelt => false,
+        })
+    }
+
+    /// Moves them to where `commanded` says, of which `shift` is no motion.
+    pub(super) fn follow(&mut self, commanded: [f64; 3], shift: Option<[f64; 3]>) {
+        let shift = shift.unwrap_or_default();
+        for i in 0..3 {
+            let way = wrapped(commanded[i] - self.commanded[i] - shift[i]) + self.rest[i];
+            let step = self.steps[i];
+            let taken = if step > 0.0 {
+                (way / step).round() * step
+            } else {
+                way
+            };
+            self.rest[i] = way - taken;
+            self.commanded[i] = commanded[i];
+            self.angles[i] += taken;
+            let over = self.beyond(i);
+            self.stalls[i] = self.homing.contact != Contact::Switch && over > 0.0;
+            if self.stalls[i] {
+                let sign = if self.homing.motors[i].positive {
+                    1.0
+                } else {
+                    -1.0
+                };
+                self.angles[i] -= sign * over;
+            }
+        }
+    }
+
+    /// How far they are from where they are thought to be, rad.
+    pub(super) fn errors(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| wrapped(self.angles[i] - self.commanded[i]))
+    }
+
+    /// How far motor `i` is beyond its reference.
+    fn beyond(&self, i: usize) -> f64 {
+        let motor = &self.homing.motors[i];
+        let way = wrapped(self.angles[i] - motor.angle_rad);
+        if motor.positive { way } else { -way }
+    }
+}
+
+/// `angle` in [-pi, pi).
+fn wrapped(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_wrapped_to_half_a_turn() {
+        for (angle, expected) in [
+            (0.1, 0.1),
+            (PI + 0.1, 0.1 - PI),
+            (-PI - 0.1, PI - 0.1),
+            (6.2, 6.2 - TAU),
+        ] {
+            assert!((wrapped(angle) - expected).abs() < 1e-12, "{angle}");
+        }
+    }
+}
