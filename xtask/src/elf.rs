@@ -164,6 +164,14 @@ mod tests {
     }
 
     #[test]
+    fn a_stack_lies_below_the_variables() {
+        assert!(check_stack(Some(0x2000_8000), Some(0x2000_8000)).is_ok());
+        assert!(check_stack(Some(0x2002_0000), None).is_ok());
+        let error = check_stack(Some(0x2002_0000), Some(0x2000_0000)).expect_err("above");
+        assert!(error.to_string().contains("run into them"), "{error}");
+    }
+
+    #[test]
     fn what_is_programmed_must_be_flash() {
         assert!(check_load(0x0800_0000, 1024 * 1024, MEMORY).is_ok());
         assert!(check_load(0x0800_0000, 1024 * 1024 + 1, MEMORY).is_err());
