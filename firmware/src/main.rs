@@ -20,6 +20,8 @@ mod cause;
 #[cfg(target_os = "none")]
 mod failure;
 #[cfg(target_os = "none")]
+mod inputs;
+#[cfg(target_os = "none")]
 mod line;
 #[cfg(target_os = "none")]
 mod log;

@@ -20,6 +20,10 @@ pub(crate) trait Outputs {
     fn angles(&self) -> Option<[Angle; 3]> {
         None
     }
+
+    /// The motors stand where they are, and their angles turn out to be by so much more than they were
+    /// thought to be.
+    fn shift(&mut self, _by: [Angle; 3]) {}
 }
 
 /// No drive: telemetry is all that leaves the board.

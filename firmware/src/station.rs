@@ -1,11 +1,15 @@
 //! The service of the scene: its types, its memory, and how it is built.
 
+#[cfg(homing)]
+use crate::scene::HOMING;
 use crate::scene::{
     COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, NAME, Payload, SETTINGS, START, Scalar,
     TICK_RATE_HZ,
 };
 use trirrr_core::message::{Board, Clock, FaultCode, Start};
 use trirrr_core::number::Number;
+#[cfg(homing)]
+use trirrr_core::service::WithHoming;
 use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, Settings};
 
 /// Room for moves, one place stays empty.
@@ -14,7 +18,13 @@ const MOVES: usize = 16;
 /// Room for telemetry samples, one place stays empty: they are sent while the next ones come.
 const SAMPLES: usize = 8;
 
-type Scene = Compiled<'static, Scalar, Payload, Links>;
+type Known = Compiled<'static, Scalar, Payload, Links>;
+
+#[cfg(not(homing))]
+type Scene = Known;
+
+#[cfg(homing)]
+type Scene = WithHoming<'static, Scalar, Known>;
 
 /// The memory between the two halves.
 pub(crate) type Channels = service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
@@ -38,6 +48,11 @@ pub(crate) fn build(channels: &'static mut Channels, board: Board) -> (Foregroun
         coefficients: &COEFFICIENTS,
         parameters: &MACHINE,
         limits: &MACHINE_LIMITS,
+    };
+    #[cfg(homing)]
+    let scene = WithHoming {
+        scene,
+        homing: Some(&HOMING),
     };
     note(&board);
     // The error is not formatted: that would bring floats as text into the image.

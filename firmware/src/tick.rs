@@ -1,5 +1,6 @@
 //! The tick: the service, then the drives, then how long both took.
 
+use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::pulse;
 use crate::scene::Scalar;
@@ -7,15 +8,17 @@ use crate::station::Foreground;
 use trirrr_drives::Failure;
 
 /// What runs once per tick.
-pub(crate) struct Tick<O> {
+pub(crate) struct Tick<I, O> {
     foreground: Foreground,
+    inputs: I,
     outputs: O,
 }
 
-impl<O: Outputs> Tick<O> {
-    pub(crate) fn new(foreground: Foreground, outputs: O) -> Self {
+impl<I: Inputs, O: Outputs> Tick<I, O> {
+    pub(crate) fn new(foreground: Foreground, inputs: I, outputs: O) -> Self {
         Self {
             foreground,
+            inputs,
             outputs,
         }
     }
@@ -25,7 +28,11 @@ impl<O: Outputs> Tick<O> {
     pub(crate) fn run(&mut self) {
         #[cfg(feature = "provoke")]
         crate::provoke::at(pulse::ticks());
-        if let Err(failure) = self.outputs.apply(self.foreground.tick()) {
+        self.foreground.tick_with(self.inputs.read());
+        if let Some(by) = self.foreground.shift() {
+            self.outputs.shift(by);
+        }
+        if let Err(failure) = self.outputs.apply(self.foreground.output()) {
             self.fail(&failure);
         }
     }

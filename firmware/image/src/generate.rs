@@ -35,7 +35,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// Writes `OUT_DIR/scene.rs` from the scene that `SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
 /// (without it, the scene's own, where `f64`, meant for hosts, becomes `f32`), and tells Cargo when to
-/// do it again. The kind of the scene's drives is set as `cfg(drive = "...")`.
+/// do it again. The kind of the scene's drives is set as `cfg(drive = "...")`, and
+/// `cfg(homing)` where it has homing.
 ///
 /// # Errors
 /// A scene that is refused, with the file, key, value and reason, or that does not fit the number
@@ -76,5 +77,9 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         kinds.join(", ")
     );
     println!("cargo:rustc-cfg=drive=\"{}\"", kind(&scene));
+    println!("cargo:rustc-check-cfg=cfg(homing)");
+    if scene.homing.is_some() {
+        println!("cargo:rustc-cfg=homing");
+    }
     Ok(())
 }

@@ -15,7 +15,10 @@ use trirrr_core::machine::{
 use trirrr_core::message::{Board, Clock::Host, Start::Power};
 use trirrr_core::number::fixed::{Factor, Length, Sum, Turns};
 use trirrr_core::number::{Coarse, Fixed, Triangle};
-use trirrr_core::service::{Coefficients, SceneIdentity, Settings};
+use trirrr_core::service::Contact::{Stall, Switch, Unfelt};
+use trirrr_core::service::{
+    Coefficients, HomingAxis, HomingCoefficients, HomingTimes, SceneIdentity, Settings,
+};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;

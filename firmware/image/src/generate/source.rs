@@ -8,7 +8,7 @@ use std::error::Error;
 use std::fmt::Write;
 use trirrr_core::message::{Board, Message, Request, Transmit};
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_core::service::{SceneIdentity, Settings, name};
+use trirrr_core::service::{HomingCoefficients, SceneIdentity, Settings, name};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_core::wire::schema;
@@ -71,6 +71,15 @@ fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn
     );
     file.global("MACHINE", parameters_type, constant(&scene.parameters));
     file.global("MACHINE_LIMITS", limits_type, constant(&scene.limits));
+
+    if let Some(homing) = &scene.homing {
+        let parameters = homing.parameters(scene, &units)?;
+        let coefficients = HomingCoefficients::<N>::build(&parameters, period);
+        let homing_type = format!("{service}::HomingCoefficients<Scalar>");
+        file.global("HOMING", &homing_type, constant(&coefficients));
+        let active_high = homing.active_high.to_string();
+        file.constant("HOMING_ACTIVE_HIGH", "bool", active_high);
+    }
 
     // What measurements are made from: the description, and the job, in the machine's units.
     file.constant("UNITS", "trirrr_core::units::Units", constant(&units));

@@ -5,6 +5,7 @@ mod clock;
 mod drives;
 mod registers;
 mod reset;
+mod switches;
 
 pub(crate) use registers::{RAM, fault_status, outputs_off};
 
@@ -15,6 +16,7 @@ pub(crate) const CORE_HZ: u32 = 168_000_000;
 mod app {
     use super::clock::{self, HSI_HZ};
     use super::drives::{self, Drives, Slot};
+    use super::switches::{self, Switches};
     use super::{CORE_HZ, reset};
     use crate::background::Background;
     use crate::line::{BAUD, LOG_BAUD, RECEIVED};
@@ -45,7 +47,7 @@ mod app {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
         clock: TickClock,
-        tick: Tick<Drives>,
+        tick: Tick<Switches, Drives>,
         slot: Slot,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
@@ -98,6 +100,7 @@ mod app {
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
         let (outputs, slot) = drives::build(parts, &mut rcc);
+        let inputs = switches::build(b.pb13, b.pb14, b.pb15);
         let (received, out) = bytes.split();
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
@@ -106,7 +109,7 @@ mod app {
             receiver,
             received,
             clock: TickClock::start(context.core.SYST, period),
-            tick: Tick::new(foreground, outputs),
+            tick: Tick::new(foreground, inputs, outputs),
             slot,
             background: Background::new(background, out, line, log),
             watchdog,

@@ -51,6 +51,10 @@ impl Outputs for Drives {
     fn angles(&self) -> Option<[Angle; 3]> {
         Some(self.steppers.angles())
     }
+
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.steppers.shift(by);
+    }
 }
 
 /// Where neither crystal nor PLL starts, the slots of a fast stepper are too many.

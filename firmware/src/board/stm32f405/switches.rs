@@ -1,0 +1,48 @@
+//! The inputs of homing: PB13, PB14, PB15 for motors 1, 2, 3, pulled up. An image without homing
+//! leaves the pins alone.
+
+use stm32f4xx_hal::gpio::gpiob::{PB13, PB14, PB15};
+
+#[cfg(homing)]
+pub(super) use pins::Switches;
+
+/// No switches.
+#[cfg(not(homing))]
+pub(super) type Switches = ();
+
+#[cfg(not(homing))]
+pub(super) fn build(_: PB13, _: PB14, _: PB15) -> Switches {}
+
+#[cfg(homing)]
+pub(super) fn build(first: PB13, second: PB14, third: PB15) -> Switches {
+    Switches::new([
+        first.into_pull_up_input().erase_number(),
+        second.into_pull_up_input().erase_number(),
+        third.into_pull_up_input().erase_number(),
+    ])
+}
+
+#[cfg(homing)]
+mod pins {
+    use crate::inputs::{Closed, Inputs};
+    use crate::scene::HOMING_ACTIVE_HIGH;
+    use stm32f4xx_hal::gpio::{Input, PartiallyErasedPin};
+
+    /// A switch or a stall output for each motor.
+    pub(crate) struct Switches([PartiallyErasedPin<'B', Input>; 3]);
+
+    impl Switches {
+        pub(crate) fn new(pins: [PartiallyErasedPin<'B', Input>; 3]) -> Self {
+            Self(pins)
+        }
+    }
+
+    impl Inputs for Switches {
+        #[inline(always)]
+        fn read(&mut self) -> Closed {
+            self.0
+                .each_ref()
+                .map(|pin| pin.is_high() == HOMING_ACTIVE_HIGH)
+        }
+    }
+}
