@@ -16,6 +16,9 @@ pub(crate) trait Inputs {
 
 /// No input.
 #[cfg(not(homing))]
-impl Inputs for () {
+pub(crate) struct NoInputs;
+
+#[cfg(not(homing))]
+impl Inputs for NoInputs {
     fn read(&mut self) -> Closed {}
 }

@@ -28,6 +28,8 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     pub(crate) fn run(&mut self) {
         #[cfg(feature = "provoke")]
         crate::provoke::at(pulse::ticks());
+        // Without homing the inputs are nothing, and said so.
+        #[allow(clippy::unit_arg)]
         self.foreground.tick_with(self.inputs.read());
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);

@@ -6,12 +6,13 @@ use stm32f4xx_hal::gpio::gpiob::{PB13, PB14, PB15};
 #[cfg(homing)]
 pub(super) use pins::Switches;
 
-/// No switches.
 #[cfg(not(homing))]
-pub(super) type Switches = ();
+pub(super) use crate::inputs::NoInputs as Switches;
 
 #[cfg(not(homing))]
-pub(super) fn build(_: PB13, _: PB14, _: PB15) -> Switches {}
+pub(super) fn build(_: PB13, _: PB14, _: PB15) -> Switches {
+    Switches
+}
 
 #[cfg(homing)]
 pub(super) fn build(first: PB13, second: PB14, third: PB15) -> Switches {

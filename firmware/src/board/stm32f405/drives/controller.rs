@@ -85,8 +85,10 @@ fn configure(can: &CAN1, timing: Option<BitTiming>) -> bool {
     can.fmr().modify(|_, w| w.finit().set_bit());
     can.fs1r().write(|w| w.fsc(0).set_bit());
     // SAFETY: any word is a filter.
-    can.fb(0).fr1().write(|w| unsafe { w.bits(0) });
-    can.fb(0).fr2().write(|w| unsafe { w.bits(0b110) });
+    unsafe {
+        can.fb(0).fr1().write(|w| w.bits(0));
+        can.fb(0).fr2().write(|w| w.bits(0b110));
+    }
     can.fa1r().write(|w| w.fact(0).set_bit());
     can.fmr().modify(|_, w| w.finit().clear_bit());
     can.mcr().modify(|_, w| w.inrq().clear_bit());
