@@ -5,6 +5,8 @@
 //!                        │               (torque)
 //!                        └──────────> stepper::StepMotor ──> stepper::Schedule ──> steps
 //! ```
+//! [`count`] makes whole numbers of angles and duties, [`winding`] keeps the turns of a joint.
+//!
 //! Arithmetic only: no pin, no timer, no device. The inner loop runs at a rate of its own, above
 //! that of the ticks; [`joint::Reference::after`] carries a tick's reference over to it.
 
