@@ -136,7 +136,6 @@ fn compare<Row: Measured>(budget: &[Row], row: &Row) -> Vec<String> {
 }
 
 /// The rows that are checked in as `name`.
-#[cfg(test)]
 pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> {
     let budget: Budget<Row> = serde_json::from_str(&fs::read_to_string(file(name))?)?;
     Ok(budget.rows)

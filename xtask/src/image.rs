@@ -5,9 +5,20 @@ use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
+use trirrr_image::generate::{SCALARS, of_scene};
+use trirrr_scene::{NumberType, Scene};
 
 /// The Cargo profile of every image.
 const PROFILE: &str = "device";
+
+/// The number types that a scene is measured in: its own. One that is for hosts says none for a
+/// board and is there to compare them: it is measured in all.
+pub(crate) fn scalars(scene: &Scene) -> Vec<&'static str> {
+    match scene.number {
+        NumberType::F64 => SCALARS.iter().map(|(name, _)| *name).collect(),
+        number => vec![of_scene(number)],
+    }
+}
 
 /// What to build.
 #[derive(Clone, Copy, Debug)]

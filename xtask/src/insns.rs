@@ -8,14 +8,13 @@ mod service;
 
 use crate::budget::{Measured, Options};
 use crate::cores::{self, CORES, Core};
-use crate::image::Image;
+use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
 use crate::table::table;
 use crate::{qemu, reference};
 use anyhow::{Context, Result, bail, ensure};
 use counts::{Spread, parse};
 use serde::{Deserialize, Serialize};
-use trirrr_image::generate::SCALARS;
 use trirrr_scene::Scene;
 
 /// The longest position of a dyad, f32 on m4f, in any scene.
@@ -44,7 +43,7 @@ pub(crate) struct Arguments {
 
 /// Figures of one core, number type and scene, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Row {
+pub(crate) struct Row {
     core: String,
     scalar: String,
     scene: String,
@@ -68,6 +67,22 @@ struct Row {
     service_held_max: Option<f64>,
     /// Checksum of all results, the same on the host.
     bits: String,
+}
+
+impl Row {
+    /// Whether it is that of this core, scene and number type.
+    pub(crate) fn is(&self, core: &str, scene: &str, scalar: &str) -> bool {
+        (
+            self.core.as_str(),
+            self.scene.as_str(),
+            self.scalar.as_str(),
+        ) == (core, scene, scalar)
+    }
+
+    /// Instructions of the longest tick.
+    pub(crate) fn longest(&self) -> f64 {
+        self.max
+    }
 }
 
 impl Measured for Row {
@@ -128,7 +143,7 @@ fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for file in scenes {
         let scene = Scene::read(&file.path)?;
-        for (scalar, _) in SCALARS {
+        for scalar in scalars(&scene) {
             let expected = reference::checksum(&scene, scalar)?;
             for core in cores {
                 rows.push(measure_one(file, &scene, scalar, core, expected)?);
@@ -318,7 +333,7 @@ mod tests {
         let rows: Vec<Row> = crate::budget::checked_in("insns").expect("the file of figures");
         for scene in ["thesis", "thesis-links"] {
             for core in CORES {
-                for (scalar, _) in SCALARS {
+                for (scalar, _) in trirrr_image::generate::SCALARS {
                     let key = format!("{} {scalar} {scene}", core.name);
                     assert!(rows.iter().any(|row| row.key() == key), "{key}");
                 }

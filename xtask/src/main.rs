@@ -7,6 +7,7 @@ mod client;
 mod cores;
 mod elf;
 mod emulate;
+mod footprints;
 mod fuzz;
 mod image;
 mod insns;
@@ -14,6 +15,7 @@ mod qemu;
 mod reference;
 mod repository;
 mod size;
+mod symbols;
 mod table;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +39,8 @@ enum Chore {
     Emulate(emulate::Arguments),
     /// Play jobs on host-sim device with the Python client, compare its tables
     Client,
+    /// Print the table of scenes against flash, RAM and instructions, from the figures checked in
+    Footprints(footprints::Arguments),
     /// Fuzz the decoder and the service's commands
     Fuzz(fuzz::Arguments),
     /// Everything that CI checks
@@ -47,6 +51,7 @@ fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
         Chore::Insns(arguments) => insns::run(&arguments),
         Chore::Admission(options) => admission::run(&options),
+        Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),

@@ -1,17 +1,19 @@
 //! `cargo xtask size`: flash and RAM, of the tick alone on every target and of the firmware.
 //!
 //! The tick alone (image `core`) is its code and constants in flash and, in RAM, its coefficients,
-//! one setpoint and one outcome. That image does not link if a panic is left in the tick.
+//! one setpoint and one outcome. That image does not link if a panic is left in the tick. The symbols
+//! of the firmware are looked through for what its scene has no use for.
 
 use crate::budget::{Measured, Options};
 use crate::cores::CORES;
 use crate::elf::{Footprint, Memory, check_boot, footprint};
-use crate::image::Image;
+use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
+use crate::symbols;
 use crate::table::table;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use serde::{Deserialize, Serialize};
-use trirrr_image::generate::SCALARS;
+use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
 
 /// The target of the firmware.
@@ -25,7 +27,7 @@ pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
 
 /// One image's footprint, bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Row {
+pub(crate) struct Row {
     /// `core` or `firmware`.
     image: String,
     scene: String,
@@ -33,6 +35,22 @@ struct Row {
     target: String,
     flash: u64,
     ram: u64,
+}
+
+impl Row {
+    /// Whether it is that of this image.
+    pub(crate) fn is(&self, image: &str, scene: &str, scalar: &str, target: &str) -> bool {
+        (self.image.as_str(), self.scene.as_str()) == (image, scene)
+            && (self.scalar.as_str(), self.target.as_str()) == (scalar, target)
+    }
+
+    pub(crate) fn flash(&self) -> u64 {
+        self.flash
+    }
+
+    pub(crate) fn ram(&self) -> u64 {
+        self.ram
+    }
 }
 
 impl Measured for Row {
@@ -52,15 +70,15 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let mut rows = Vec::new();
     for scene in &options.scenes()? {
         // A scene that is refused is better refused here than from within a build script.
-        Scene::read(&scene.path)?;
-        rows.extend(measure(scene)?);
+        rows.extend(measure(scene, &Scene::read(&scene.path)?)?);
     }
     options.print(&rows, text)?;
     hold_order(&rows)?;
+    hold_ceilings(&rows)?;
     options.settle("size", rows, true)
 }
 
-fn measure(scene: &SceneFile) -> Result<Vec<Row>> {
+fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     let mut add = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| {
         rows.push(Row {
@@ -72,7 +90,7 @@ fn measure(scene: &SceneFile) -> Result<Vec<Row>> {
             ram,
         });
     };
-    for (scalar, _) in SCALARS {
+    for scalar in scalars(read) {
         for core in CORES {
             let image = Image {
                 package: "trirrr-insns",
@@ -83,17 +101,23 @@ fn measure(scene: &SceneFile) -> Result<Vec<Row>> {
             };
             add("core", scalar, core.target, footprint(&image.build()?)?);
         }
-        let firmware = Image {
-            package: "trirrr-firmware",
-            binary: "trirrr-firmware",
-            scene,
-            scalar,
-            target: FIRMWARE_TARGET,
-        };
-        let file = firmware.build()?;
-        check_boot(&file, FIRMWARE_MEMORY)?;
-        add("firmware", scalar, FIRMWARE_TARGET, footprint(&file)?);
     }
+    let firmware = Image {
+        package: "trirrr-firmware",
+        binary: "trirrr-firmware",
+        scene,
+        scalar: of_scene(read.number),
+        target: FIRMWARE_TARGET,
+    };
+    let file = firmware.build()?;
+    check_boot(&file, FIRMWARE_MEMORY)?;
+    symbols::check(&file, read)?;
+    add(
+        "firmware",
+        firmware.scalar,
+        FIRMWARE_TARGET,
+        footprint(&file)?,
+    );
     Ok(rows)
 }
 
@@ -110,6 +134,26 @@ fn text(rows: &[Row]) -> String {
     });
     let headings = ["image", "scene", "scalar", "target", "flash", "ram"];
     table(&headings, &cells.collect::<Vec<_>>())
+}
+
+/// Most flash of the tick alone: image, target, scene, bytes.
+const CEILINGS: &[(&str, &str, &str, u64)] =
+    &[("core", "thumbv6m-none-eabi", "pick-stepper", 8 * 1024)];
+
+fn hold_ceilings(rows: &[Row]) -> Result<()> {
+    for (image, target, scene, ceiling) in CEILINGS {
+        let mut of = rows
+            .iter()
+            .filter(|row| row.image == *image && row.target == *target && row.scene == *scene);
+        if let Some(row) = of.find(|row| row.flash > *ceiling) {
+            bail!(
+                "{}: {} bytes of flash, the ceiling is {ceiling}",
+                row.key(),
+                row.flash
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The thesis machine and the same with link masses: what pays for links, and what must not.
@@ -163,6 +207,14 @@ mod tests {
         assert!(hold_order(&[row(WITHOUT_LINKS, 1500, 300), links.clone()]).is_ok());
         assert!(hold_order(&[row(WITHOUT_LINKS, 2000, 300), links.clone()]).is_err());
         assert!(hold_order(&[row(WITHOUT_LINKS, 1500, 400), links]).is_err());
+    }
+
+    #[test]
+    fn the_tick_without_torques_has_a_ceiling() {
+        assert!(hold_ceilings(&[row("pick-stepper", 8192, 0)]).is_ok());
+        let error = hold_ceilings(&[row("pick-stepper", 8193, 0)]).expect_err("above it");
+        assert!(error.to_string().contains("the ceiling is 8192"), "{error}");
+        assert!(hold_ceilings(&[row("thesis", 8193, 0)]).is_ok());
     }
 
     #[test]

@@ -1,0 +1,168 @@
+//! What an image holds, read from its symbols: a scene pays only for what it uses.
+//!
+//! Symbols are mangled as version v0 (`.cargo/config.toml`), so that the name of a function says for
+//! which types it was made: the whole service carries its number type, payload and links, inlined or
+//! not. What has no type of its own is seen by its functions, as far as they are not inlined: float
+//! arithmetic in software and the formatting of floats are, always. Each mark has to be there in an
+//! image that uses it, too: a mark that nothing leaves would show nothing.
+
+use anyhow::{Context, Result, ensure};
+use object::{Object, ObjectSymbol};
+use std::fs;
+use std::path::Path;
+use trirrr_core::machine::{LinksKind, PayloadKind};
+use trirrr_image::generate::{kind, of_scene};
+use trirrr_scene::Scene;
+
+/// Something that an image holds or not.
+struct Mark {
+    /// What it is.
+    what: &'static str,
+    /// What the symbols have that come with it, any of them.
+    names: &'static [&'static str],
+    /// Whether the scene has use for it.
+    used: fn(&Scene) -> bool,
+}
+
+const MARKS: &[Mark] = &[
+    Mark {
+        what: "torques",
+        names: &[
+            "7payload7Centred",
+            "7payload6Offset",
+            "7torques",
+            "7balance7Balance",
+        ],
+        used: |scene| scene.torque,
+    },
+    Mark {
+        what: "an offset payload",
+        names: &["7payload6Offset"],
+        used: |scene| scene.torque && PayloadKind::of(&scene.parameters) == PayloadKind::Offset,
+    },
+    Mark {
+        what: "link inertia",
+        names: &["5links7Massive"],
+        used: |scene| {
+            let links = LinksKind::of(&scene.parameters);
+            scene.torque
+                && matches!(
+                    links,
+                    LinksKind::MassiveHorizontal | LinksKind::MassiveInPlane
+                )
+        },
+    },
+    Mark {
+        what: "gravity on the links",
+        names: &["5links7InPlane"],
+        used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::MassiveInPlane,
+    },
+    Mark {
+        what: "rotor inertia without links",
+        names: &["5links6Rotors"],
+        used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::Rotors,
+    },
+    Mark {
+        what: "fixed point",
+        names: &["5fixed5Fixed"],
+        used: |scene| of_scene(scene.number) == "fixed",
+    },
+    Mark {
+        what: "steppers",
+        names: &["6drives7stepper", "14trirrr_drives7stepper"],
+        used: |scene| kind(scene) == "stepper",
+    },
+    Mark {
+        what: "brushless motors",
+        names: &["6drives4bldc", "14trirrr_drives4bldc"],
+        used: |scene| kind(scene) == "bldc",
+    },
+    Mark {
+        what: "CAN drives",
+        names: &["6drives3can", "14trirrr_drives3can"],
+        used: |scene| matches!(kind(scene), "odrive" | "moteus"),
+    },
+    Mark {
+        what: "floats as text",
+        names: &["7flt2dec", "16float_to_decimal"],
+        used: |_| false,
+    },
+];
+
+/// Checks the image of `scene` in `file`.
+///
+/// # Errors
+/// What it holds without use, with a symbol that says so; what it should hold and nothing shows.
+pub(crate) fn check(file: &Path, scene: &Scene) -> Result<()> {
+    let data = fs::read(file).with_context(|| file.display().to_string())?;
+    let elf = object::File::parse(&*data).with_context(|| file.display().to_string())?;
+    let names: Vec<&str> = elf
+        .symbols()
+        .filter_map(|symbol| symbol.name().ok())
+        .collect();
+    check_names(&names, scene).with_context(|| file.display().to_string())
+}
+
+fn check_names(names: &[&str], scene: &Scene) -> Result<()> {
+    for mark in MARKS {
+        let is_marked = |name: &&&str| mark.names.iter().any(|part| name.contains(part));
+        let found = names.iter().find(is_marked);
+        match (found, (mark.used)(scene)) {
+            (Some(symbol), false) => {
+                anyhow::bail!(
+                    "scene {} has no use for {}: {symbol}",
+                    scene.name,
+                    mark.what
+                )
+            }
+            (found, true) => ensure!(
+                found.is_some(),
+                "scene {} uses {}, which no symbol shows: {}",
+                scene.name,
+                mark.what,
+                mark.names.join(", ")
+            ),
+            (None, false) => {}
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repository::scenes_named;
+
+    fn complaint(scene: &str, names: &[&str]) -> Option<String> {
+        let files = scenes_named(&[scene.into()]).expect("a shipped scene");
+        let scene = Scene::read(&files[0].path).expect("a good scene");
+        check_names(names, &scene)
+            .err()
+            .map(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_held_without_use_is_named_with_its_symbol() {
+        let centred = "_RNv7payload7CentredNtB2_";
+        assert_eq!(complaint("thesis", &[centred]), None);
+        for (symbol, what) in [
+            ("_RNv5links7Massive", "link inertia"),
+            ("_RNv7payload6Offset", "an offset payload"),
+            ("_RNv6number5fixed5Fixed", "fixed point"),
+            ("_RNv14trirrr_drives4bldc", "brushless motors"),
+            ("_RNv4core3num7flt2dec", "floats as text"),
+        ] {
+            let said = complaint("thesis", &[centred, symbol]).expect(what);
+            assert!(said.contains(what) && said.contains(symbol), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_mark_that_nothing_leaves_is_an_error() {
+        let said = complaint("thesis-links", &["_RNv7payload7Centred"]).expect("links");
+        assert!(
+            said.contains("link inertia, which no symbol shows"),
+            "{said}"
+        );
+    }
+}
