@@ -2,9 +2,17 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::{env, fs};
+use std::{env, fs, process};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() {
+    if let Err(error) = build() {
+        // In the error's own words: it is the user's scene that it is about.
+        eprintln!("{error}");
+        process::exit(1);
+    }
+}
+
+fn build() -> Result<(), Box<dyn Error>> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no CARGO_MANIFEST_DIR")?);
     let root = here.join("..");
     trirrr_image::generate::build_script(&root)?;
