@@ -69,17 +69,17 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "steppers",
-        names: &["6drives7stepper", "14trirrr_drives7stepper"],
+        names: &["6drives7stepper5build"],
         used: |scene| kind(scene) == "stepper",
     },
     Mark {
         what: "brushless motors",
-        names: &["6drives4bldc", "14trirrr_drives4bldc"],
+        names: &["6drives4bldc5build"],
         used: |scene| kind(scene) == "bldc",
     },
     Mark {
         what: "CAN drives",
-        names: &["6drives3can", "14trirrr_drives3can"],
+        names: &["6drives3can5build"],
         used: |scene| matches!(kind(scene), "odrive" | "moteus"),
     },
     Mark {
@@ -149,7 +149,7 @@ mod tests {
             ("_RNv5links7Massive", "link inertia"),
             ("_RNv7payload6Offset", "an offset payload"),
             ("_RNv6number5fixed5Fixed", "fixed point"),
-            ("_RNv14trirrr_drives4bldc", "brushless motors"),
+            ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv4core3num7flt2dec", "floats as text"),
         ] {
             let said = complaint("thesis", &[centred, symbol]).expect(what);

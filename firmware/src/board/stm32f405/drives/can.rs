@@ -30,6 +30,8 @@ const SCALES: [RotorScale; 3] = [scale(ROTORS[0]), scale(ROTORS[1]), scale(ROTOR
 pub(crate) type Slot = ();
 
 /// Drives on a bus; in an emulated core there is none.
+// Called once; a function of its own, so that its symbol says that the image holds these drives.
+#[inline(never)]
 pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     let _ = (
         parts.pb8.into_alternate::<9>().internal_pull_up(true),
