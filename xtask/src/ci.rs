@@ -142,6 +142,12 @@ fn steps() -> Vec<Step> {
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
     steps.push(simulator("a batch evaluation", &eval, "extreme.csv"));
     steps.push(step("the Python client", &["xtask", "client"]));
+    for part in ["jobs", "line", "failures"] {
+        steps.push(step(
+            &format!("the emulated board: {part}"),
+            &["xtask", "emulate", "--part", part],
+        ));
+    }
     steps.push(step("fuzzing", &["xtask", "fuzz"]));
     steps
 }

@@ -4,7 +4,8 @@
 //! the one that `host-sim run` writes: what the machine sent, in the bits; what the client computes
 //! itself, to its rounding.
 
-use crate::repository::{cargo, root, target_directory};
+use crate::programs::Programs;
+use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -40,13 +41,10 @@ pub(crate) fn run() -> Result<()> {
         .args(["-m", "unittest", "discover", "-s", "tests"])
         .current_dir(&python);
     succeed(&mut tests, "the client's own tests")?;
-    let mut build = cargo();
-    build.args(["build", "--quiet", "--release", "-p", "trirrr-host-sim"]);
-    succeed(&mut build, "host-sim")?;
+    let host_sim = Programs::build()?.host_sim;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
         let out = target_directory().join("ci/client").join(name);
-        let host_sim = target_directory().join("release/host-sim");
         let mut simulated = Command::new(&host_sim);
         simulated
             .arg("run")

@@ -11,6 +11,7 @@ mod footprints;
 mod fuzz;
 mod image;
 mod insns;
+mod programs;
 mod qemu;
 mod reference;
 mod repository;

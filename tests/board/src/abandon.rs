@@ -88,7 +88,7 @@ pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result
     let mut base = None;
     for job in [vec![back], moves] {
         let mut witness: Option<Witness<N>> = None;
-        let client = conversation.play(expected, job.clone(), |sample, over| {
+        let client = conversation.play(expected, job.clone(), |sample, moment| {
             if sample.state == State::Running && witness.is_none() {
                 let first = *base.get_or_insert(sample.number);
                 witness = Some(Witness::new(
@@ -103,7 +103,7 @@ pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result
                     .see(sample, |setpoint| expected.motors(setpoint))
                     .map_err(|why| anyhow!(why))?;
             }
-            Ok(match over && sample.state == State::Idle {
+            Ok(match moment.over && sample.state == State::Idle {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             })

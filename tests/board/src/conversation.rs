@@ -34,6 +34,17 @@ pub(crate) struct Tally {
     pub(crate) holds: u64,
 }
 
+/// When a sample comes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    /// The client has heard that the job is over.
+    pub(crate) over: bool,
+    /// No byte to the board was under way in the tick whose duration the sample tells. In an emulator
+    /// a request comes as fast as it is read, and the interrupts of a hundred bytes may fall into
+    /// one tick; on a line at 921,600 baud it is one in 1,800 cycles.
+    pub(crate) quiet: bool,
+}
+
 /// The line, over many jobs.
 pub(crate) struct Conversation {
     port: Option<Port>,
@@ -92,7 +103,7 @@ impl Conversation {
         &mut self,
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
-        mut see: impl FnMut(&Telemetry<N>, bool) -> Result<ControlFlow<()>>,
+        mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<Stream<N>> {
         let patience = Patience {
             answer: Duration::from_millis(if self.random.is_some() { 20 } else { 500 }),
@@ -103,6 +114,8 @@ impl Conversation {
         let start = Instant::now();
         let mut over: Option<Instant> = None;
         let mut ticks = 0;
+        // Samples from a request to its answer, and one more, for it tells of the tick before.
+        let mut quiet = 0;
         loop {
             ensure!(
                 start.elapsed() < LONGEST,
@@ -114,6 +127,7 @@ impl Conversation {
                 wait = match client.poll(start.elapsed()) {
                     Action::Send(request) => {
                         self.tally.requests += 1;
+                        quiet = 0;
                         self.to_board.send(&port::frame(&request));
                         self.send()?;
                         continue;
@@ -138,11 +152,21 @@ impl Conversation {
                 self.tally.messages += 1;
                 self.sent_by_board.record(&frame);
                 self.to_client.send(&frame);
-                let Message::Telemetry(sample) = &message else {
-                    continue;
+                let sample = match &message {
+                    Message::Telemetry(sample) => sample,
+                    Message::Reply { .. } => {
+                        quiet = 1;
+                        continue;
+                    }
+                    Message::Event(_) => continue,
                 };
                 ticks += 1;
-                if see(sample, over.is_some())?.is_break() {
+                let moment = Moment {
+                    over: over.is_some(),
+                    quiet: quiet > 1,
+                };
+                quiet += u32::from(quiet > 0);
+                if see(sample, moment)?.is_break() {
                     self.tally.repeated += client.repeated();
                     return Ok(client);
                 }

@@ -1,6 +1,6 @@
 //! The scene's job, with everything that its samples say.
 
-use crate::conversation::Conversation;
+use crate::conversation::{Conversation, Moment};
 use crate::expected::Expected;
 use crate::port::{self, Port};
 use anyhow::{Context, Result, ensure};
@@ -23,21 +23,28 @@ pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result
         next: 0,
         start: 0,
         idle: 0,
+        timed: 0,
         longest: 0,
     };
-    let client = conversation.play(expected, expected.moves(), |sample, over| {
-        player.see(sample, over)
+    let client = conversation.play(expected, expected.moves(), |sample, moment| {
+        player.see(sample, moment)
     })?;
     let status = client.status().context("no status")?;
     ensure!(status.lost == 0, "{} samples were lost", status.lost);
     println!(
-        "{} ticks, {} samples identical in {VALUES} values, {} at rest before them, longest tick {} \
-         counts, {} lost",
+        "{} ticks, {} samples identical in {VALUES} values, {} at rest before them, {} lost; of {} ticks \
+         without an interrupt of the line the longest took {} counts, of all {}",
         expected.scene.ticks(),
         player.next,
         player.idle,
+        status.lost,
+        player.timed,
         player.longest,
-        status.lost
+        status.longest_tick
+    );
+    ensure!(
+        player.timed > u64::from(expected.scene.ticks() / 2),
+        "the line was never quiet"
     );
     Ok(())
 }
@@ -53,16 +60,22 @@ struct Player<'a, N: Transmit> {
     start: u32,
     /// Samples before the job.
     idle: u64,
+    /// Ticks without an interrupt of the line,
+    timed: u64,
+    /// and the longest of them.
     longest: u32,
 }
 
 impl<N: Transmit> Player<'_, N> {
-    fn see(&mut self, sample: &Telemetry<N>, over: bool) -> Result<ControlFlow<()>> {
-        self.longest = self.longest.max(sample.duration);
+    fn see(&mut self, sample: &Telemetry<N>, moment: Moment) -> Result<ControlFlow<()>> {
+        if moment.quiet {
+            self.timed += 1;
+            self.longest = self.longest.max(sample.duration);
+        }
         if self.next == self.job.len() {
             // At rest, until the client has heard that the job is over, too.
             self.compare(sample, &self.job[self.next - 1], self.next)?;
-            return Ok(match over {
+            return Ok(match moment.over {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             });

@@ -30,11 +30,11 @@ pub(crate) fn run<N: Transmit>(
         let mut witness = Witness::new(&job, moves, expected.ramp(), expected.period());
         moves = moves.wrapping_add(job.len() as u32);
         let client = line
-            .play(expected, job, |sample, over| {
+            .play(expected, job, |sample, moment| {
                 witness
                     .see(sample, |setpoint| expected.motors(setpoint))
                     .map_err(|why| anyhow!(why))?;
-                Ok(match over && sample.state == State::Idle {
+                Ok(match moment.over && sample.state == State::Idle {
                     true => ControlFlow::Break(()),
                     false => ControlFlow::Continue(()),
                 })

@@ -4,9 +4,11 @@ use crate::repository::target_directory;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::Read;
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// Virtual time per instruction, 2 to the power of this in ns: 31 million instructions per second,
 /// which an emulator reaches and silicon at 168 MHz exceeds several times. Time passes with
@@ -19,32 +21,39 @@ const TIMER_HZ: f64 = 168e6;
 /// Counts of the tick's timer per instruction.
 pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT) as f64;
 
+/// How long the emulator may take to start.
+const BOOT: Duration = Duration::from_secs(20);
+
 /// A board that runs; it ends with this value.
 pub(super) struct Board {
     child: Child,
     address: String,
     log: PathBuf,
-    unimplemented: PathBuf,
-}
-
-/// What a board leaves behind.
-pub(super) struct Ended {
-    /// What came out of its log's port.
-    pub(super) log: PathBuf,
-    /// Accesses to peripherals that the emulator does not have, in QEMU's words.
-    pub(super) unimplemented: String,
 }
 
 impl Board {
     /// Boots the image. The link, USART2, listens at a port that was free; the log, USART3, goes to
     /// a file.
     pub(super) fn boot(image: &Path) -> Result<Self> {
-        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
-        let folder = target_directory().join("emulate");
-        fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        Self::boot_with(image, &[])
+    }
+
+    /// The same, with a file of accesses to peripherals that the emulator does not have, in QEMU's
+    /// words.
+    pub(super) fn boot_watched(image: &Path) -> Result<(Self, PathBuf)> {
         let name = image.file_name().context("an image has a name")?;
-        let [log, unimplemented] =
-            ["log", "unimplemented"].map(|kind| folder.join(name).with_extension(kind));
+        let accesses = folder()?.join(name).with_extension("accesses");
+        let file = accesses.to_str().context("a path that is text")?;
+        Ok((
+            Self::boot_with(image, &["-d", "unimp", "-D", file])?,
+            accesses,
+        ))
+    }
+
+    fn boot_with(image: &Path, arguments: &[&str]) -> Result<Self> {
+        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        let name = image.file_name().context("an image has a name")?;
+        let log = folder()?.join(name).with_extension("log");
         let child = Command::new("qemu-system-arm")
             .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
             .args(["-icount", &format!("shift={SHIFT}")])
@@ -54,8 +63,7 @@ impl Board {
             ))
             .arg("-serial")
             .arg(format!("file:{}", log.display()))
-            .args(["-d", "unimp", "-D"])
-            .arg(&unimplemented)
+            .args(arguments)
             .arg("-kernel")
             .arg(image)
             .stdin(Stdio::null())
@@ -63,12 +71,27 @@ impl Board {
             .stderr(Stdio::piped())
             .spawn()
             .context("qemu-system-arm (Debian package qemu-system-arm) cannot be started")?;
-        Ok(Self {
+        let board = Self {
             child,
             address: format!("tcp:127.0.0.1:{port}"),
             log,
-            unimplemented,
-        })
+        };
+        board.wait_for_line(port)?;
+        Ok(board)
+    }
+
+    /// Waits until the emulator listens.
+    fn wait_for_line(&self, port: u16) -> Result<()> {
+        let start = Instant::now();
+        while TcpStream::connect(("127.0.0.1", port)).is_err() {
+            ensure!(
+                start.elapsed() < BOOT,
+                "the emulator does not listen at {}",
+                self.address
+            );
+            thread::sleep(Duration::from_millis(20));
+        }
+        Ok(())
     }
 
     /// Where the link is.
@@ -76,8 +99,8 @@ impl Board {
         &self.address
     }
 
-    /// Switches it off.
-    pub(super) fn end(mut self) -> Result<Ended> {
+    /// Switches it off; what came out of its log's port.
+    pub(super) fn end(mut self) -> Result<PathBuf> {
         let early = self.child.try_wait()?;
         self.kill();
         let mut said = String::new();
@@ -85,12 +108,7 @@ impl Board {
             stderr.read_to_string(&mut said)?;
         }
         ensure!(early.is_none(), "the emulator ended by itself: {said}");
-        let unimplemented = fs::read(&self.unimplemented)
-            .with_context(|| self.unimplemented.display().to_string())?;
-        Ok(Ended {
-            log: self.log.clone(),
-            unimplemented: String::from_utf8_lossy(&unimplemented).into_owned(),
-        })
+        Ok(self.log.clone())
     }
 
     fn kill(&mut self) {
@@ -104,4 +122,11 @@ impl Drop for Board {
     fn drop(&mut self) {
         self.kill();
     }
+}
+
+/// Where boards leave their files.
+fn folder() -> Result<PathBuf> {
+    let folder = target_directory().join("emulate");
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    Ok(folder)
 }

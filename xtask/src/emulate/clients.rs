@@ -2,9 +2,10 @@
 
 use super::board::Board;
 use crate::client::{self, rounding};
+use crate::programs::Programs;
 use crate::qemu::wait;
-use crate::repository::{SceneFile, cargo, root, target_directory};
-use anyhow::{Context, Result, ensure};
+use crate::repository::{SceneFile, root, target_directory};
+use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -18,35 +19,20 @@ pub(super) struct Played {
     pub(super) ticks: u64,
     pub(super) samples: u64,
     pub(super) lost: u64,
-    /// Counts of the board's timer.
+    /// The longest tick without an interrupt of the line, counts of the board's timer.
     pub(super) longest: u32,
 }
 
 /// The programs, built.
-pub(super) struct Clients {
-    board_test: PathBuf,
-    host_sim: PathBuf,
-}
+pub(super) struct Clients(Programs);
 
 impl Clients {
     pub(super) fn build() -> Result<Self> {
-        // Each as it is built alone, so that none is built twice.
-        for package in ["trirrr-host-sim", "trirrr-board-tests"] {
-            let status = cargo()
-                .args(["build", "--quiet", "--release", "-p", package])
-                .status()
-                .context("cargo cannot be run")?;
-            ensure!(status.success(), "{package} does not build");
-        }
-        let release = target_directory().join("release");
-        Ok(Self {
-            board_test: release.join("board-test"),
-            host_sim: release.join("host-sim"),
-        })
+        Programs::build().map(Self)
     }
 
     fn board_test(&self, test: &str, scene: &SceneFile, scalar: &str, board: &Board) -> Command {
-        let mut command = Command::new(&self.board_test);
+        let mut command = Command::new(&self.0.board_test);
         command
             .arg(test)
             .arg(&scene.path)
@@ -87,7 +73,7 @@ impl Clients {
     /// The board's log in words; what is no frame of the image's log is an error.
     pub(super) fn read_log(&self, image: &Path, log: &Path) -> Result<String> {
         output(
-            Command::new(&self.board_test)
+            Command::new(&self.0.board_test)
                 .arg("log")
                 .arg(image)
                 .arg(log),
@@ -102,7 +88,7 @@ impl Clients {
     /// The table that `host-sim run` writes.
     pub(super) fn run(&self, scene: &SceneFile, scalar: &str) -> Result<PathBuf> {
         let out = folder(scene, scalar, "run");
-        let mut command = Command::new(&self.host_sim);
+        let mut command = Command::new(&self.0.host_sim);
         command.arg("run").arg(&scene.path);
         command
             .args(["--fast", "--scalar", scalar, "--out"])
@@ -120,7 +106,7 @@ impl Clients {
         expected: &Path,
     ) -> Result<()> {
         let out = folder(scene, scalar, "stream");
-        let mut command = Command::new(&self.host_sim);
+        let mut command = Command::new(&self.0.host_sim);
         command.arg("stream").arg(&scene.path);
         command.args(["--port", board.address(), "--scalar", scalar]);
         command.args(["--telemetry", "1", "--out"]).arg(&out);
@@ -176,7 +162,7 @@ fn played(said: &str) -> Result<Played> {
             ticks: before(" ticks,")?,
             samples: before(" samples identical")?,
             longest: u32::try_from(before(" counts,")?).ok()?,
-            lost: before(" lost")?,
+            lost: before(" lost;")?,
         })
     };
     read().with_context(|| format!("board-test says: {said}"))
@@ -188,8 +174,9 @@ mod tests {
 
     #[test]
     fn the_figures_of_a_job_are_read() {
-        let said = "100 ticks, 102 samples identical in 27 values, 12 at rest before them, \
-                    longest tick 4301 counts, 0 lost\n";
+        let said = "100 ticks, 102 samples identical in 27 values, 12 at rest before them, 0 lost; of \
+                    90 ticks without an interrupt of the line the longest took 4301 counts, of all \
+                    5000\n";
         let played = played(said).expect("well formed");
         assert_eq!((played.ticks, played.samples), (100, 102));
         assert_eq!((played.longest, played.lost), (4301, 0));

@@ -111,6 +111,10 @@ fn known_scalar(name: &str) -> Result<&'static str> {
 fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
     let mut rows = Vec::new();
     for scene in repository::scenes_named(&arguments.scenes)? {
+        if Scene::read(&scene.path)?.homing.is_some() {
+            println!("{}: the emulator has no switches to find", scene.name);
+            continue;
+        }
         let own = match &arguments.scalar {
             Some(name) => known_scalar(name)?,
             None => own_scalar(&scene)?,
@@ -147,9 +151,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     let start = Instant::now();
     let board = Board::boot(image)?;
     let played = clients.play(scene, scalar, &board).with_context(about)?;
-    let log = clients
-        .read_log(image, &board.end()?.log)
-        .with_context(about)?;
+    let log = clients.read_log(image, &board.end()?).with_context(about)?;
     let boot = format!("scene {}, ", scene.name);
     ensure!(
         log.contains(&boot),

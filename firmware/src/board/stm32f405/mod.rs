@@ -64,6 +64,8 @@ mod app {
         } = context.local;
         let device = context.device;
         let start = reset::cause(&device.RCC);
+        #[cfg(feature = "provoke")]
+        crate::provoke::arm(&start);
         let (clock, configuration) = clock::choose(&device.RCC, &device.DBGMCU);
         let (timer_hz, period) = match clock {
             Clock::Slow => (HSI_HZ, const { period(HSI_HZ) }),
