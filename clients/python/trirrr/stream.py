@@ -21,6 +21,7 @@ _NOT_YET = {
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
     "Stop": {"Busy"},
+    "Home": {"Busy"},
 }
 
 
@@ -98,16 +99,36 @@ class Stream:
             self._moves = self._job.moves(identity)
         if not self.survey:
             self.survey = [exchange.ask(question) for question in self._questions]
-        self._look()
-        self._command(Command.Telemetry(every=self._telemetry))
         pause = min(0.1, identity.silence_ticks / identity.tick_rate_hz / 4 or 0.1)
         try:
+            if self._base is None:
+                self.home(pause)
+            self._look()
+            self._command(Command.Telemetry(every=self._telemetry))
             while not self._look():
                 if not self._push():
                     exchange.listen(pause)
         except KeyboardInterrupt:
             self._command(Command.Stop())
             raise JobFailed("stopped by the user") from None
+
+    def home(self, pause: float) -> None:
+        """Homes a machine that does not know where its motors are, and waits until it stands at its
+        start, looking every ``pause`` seconds."""
+        status = self.exchange.ask(Command.Status())
+        if status.state.name not in ("Unhomed", "Homing") or status.fault is not None:
+            return
+        while status.state.name == "Unhomed" and not self._command(Command.Home()):
+            self.exchange.listen(pause)
+            status = self.exchange.ask(Command.Status())
+        status = self.exchange.ask(Command.Status())
+        while status.state.name != "Idle":
+            self.exchange.listen(pause)
+            status = self.exchange.ask(Command.Status())
+            if status.fault is not None:
+                raise JobFailed(f"fault: {status.fault}")
+            if status.state.name in ("Unhomed", "Cleared"):
+                raise JobFailed(f"homing was given up: {status.acting}")
 
     def _push(self) -> bool:
         """Offers a move or starts; whether there was anything to do."""
