@@ -101,11 +101,10 @@ pub struct DeviceArgs {
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
     pub speed: f64,
     /// In a scene with homing, how far the motors are from where the machine counts from when it is
-    /// switched on, rad: three numbers [default: one of its own for each scene]
+    /// switched on, rad [default: one of its own for each scene]
     #[arg(
         long,
-        value_name = "A,B,C",
-        value_delimiter = ',',
+        value_names = ["A", "B", "C"],
         num_args = 3,
         allow_hyphen_values = true
     )]
