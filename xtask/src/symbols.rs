@@ -29,7 +29,7 @@ const MARKS: &[Mark] = &[
         what: "torques",
         names: &[
             "7payload7Centred",
-            "7payload6Offset",
+            "6Offset",
             "7torques",
             "7balance7Balance",
         ],
@@ -37,12 +37,12 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "an offset payload",
-        names: &["7payload6Offset"],
+        names: &["6Offset"],
         used: |scene| scene.torque && PayloadKind::of(&scene.parameters) == PayloadKind::Offset,
     },
     Mark {
         what: "link inertia",
-        names: &["5links7Massive"],
+        names: &["7Massive"],
         used: |scene| {
             let links = LinksKind::of(&scene.parameters);
             scene.torque
@@ -54,17 +54,17 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "gravity on the links",
-        names: &["5links7InPlane"],
+        names: &["7InPlane"],
         used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::MassiveInPlane,
     },
     Mark {
         what: "rotor inertia without links",
-        names: &["5links6Rotors"],
+        names: &["6Rotors"],
         used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::Rotors,
     },
     Mark {
         what: "fixed point",
-        names: &["5fixed5Fixed"],
+        names: &["5Fixed"],
         used: |scene| of_scene(scene.number) == "fixed",
     },
     Mark {
