@@ -27,12 +27,7 @@ struct Mark {
 const MARKS: &[Mark] = &[
     Mark {
         what: "torques",
-        names: &[
-            "7payload7Centred",
-            "6Offset",
-            "7torques",
-            "7balance7Balance",
-        ],
+        names: &["7Centred", "6Offset", "7torques", "7Balance"],
         used: |scene| scene.torque,
     },
     Mark {
