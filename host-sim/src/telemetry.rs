@@ -14,6 +14,8 @@ use trirrr_core::status::Status;
 pub struct Samples<'a, N: Transmit> {
     evaluator: &'a dyn Evaluator<N>,
     units: Units,
+    /// Whether the machine computes torques.
+    torque: bool,
     /// The machine's tick at which the job started.
     start: Option<u32>,
     /// The tick of the last record.
@@ -23,11 +25,13 @@ pub struct Samples<'a, N: Transmit> {
 }
 
 impl<'a, N: Transmit> Samples<'a, N> {
-    /// Of a job on the machine that `evaluator` is the pipeline of, in `units`.
-    pub fn new(evaluator: &'a dyn Evaluator<N>, units: Units) -> Self {
+    /// Of a job on the machine that `evaluator` is the pipeline of, in `units`. `torque`: whether it
+    /// computes torques; the samples of one that does not hold 0 there.
+    pub fn new(evaluator: &'a dyn Evaluator<N>, units: Units, torque: bool) -> Self {
         Self {
             evaluator,
             units,
+            torque,
             start: None,
             last: None,
             missing: 0,
@@ -64,7 +68,12 @@ impl<'a, N: Transmit> Samples<'a, N> {
         }
         self.last = Some(sample.tick);
         let t = f64::from(sample.tick.wrapping_sub(start)) / self.units.tick_rate_hz;
-        let computed = self.evaluator.evaluate(t, &sample.setpoint)?;
+        let mut computed = self.evaluator.evaluate(t, &sample.setpoint)?;
+        if !self.torque {
+            for leg in &mut computed.legs {
+                (leg.torque, leg.power) = (0.0, 0.0);
+            }
+        }
         let mut record = computed;
         let rate = 1.0 / self.units.time_s;
         let torque =

@@ -155,7 +155,7 @@ fn simulate_in<N: Transmit>(
     let recorder = Recorder::create(folder, setpoints)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
-        samples: Samples::new(&*evaluator, units),
+        samples: Samples::new(&*evaluator, units, scene.torque),
         recorder,
         progress: Progress::new(setpoints, expected),
     };

@@ -97,7 +97,7 @@ fn stream<N: Transmit>(
             ),
         ),
         port,
-        samples: Samples::new(&*evaluator, units),
+        samples: Samples::new(&*evaluator, units, scene.torque),
         recorder,
         display,
         before,
