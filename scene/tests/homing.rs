@@ -9,31 +9,13 @@ use trirrr_scene::Scene;
 
 const STEPPER: &str = include_str!("../../scenes/pick-stepper.toml");
 
-/// References 0.3 rad from the start pose, such that the platform hardly turns on the way.
-const HOMING: &str = r#"
-[homing]
-to = "switches"
-angle_rad = [0.376, -2.196, 2.38]
-direction = [1, -1, -1]
-search_rate_rad_s = 0.4
-latch_rate_rad_s = 0.05
-acceleration_rad_s2 = 4.0
-back_off_rad = 0.05
-travel_max_rad = 0.8
-
-[job]"#;
-
-fn scene() -> String {
-    match STEPPER.contains("[homing]") {
-        true => STEPPER.into(),
-        false => edit(STEPPER, "\n[job]", 1, HOMING),
-    }
-}
+/// The same with homing: references 0.3 rad from the start pose.
+const HOMED: &str = include_str!("../../scenes/pick-home.toml");
 
 #[test]
 fn homing_is_read() {
-    let plain = Scene::parse(STEPPER, "plain.toml").expect("shipped");
-    let scene = Scene::parse(&scene(), "homing.toml").expect("it can be homed");
+    let plain = Scene::parse(STEPPER, "pick-stepper.toml").expect("shipped");
+    let scene = Scene::parse(HOMED, "pick-home.toml").expect("it can be homed");
     assert_eq!((plain.homing, &plain.job), (None, &scene.job));
     let homing = scene.homing.expect("the table is there");
     assert_eq!(homing.contact, Contact::Switch);
@@ -66,7 +48,7 @@ fn homing_is_read() {
 #[test]
 fn hard_stops_are_read() {
     let unfelt = edit(
-        &scene(),
+        HOMED,
         "\"switches\"",
         1,
         "\"hard-stops\"\nstall_detection = false",
@@ -78,7 +60,7 @@ fn hard_stops_are_read() {
         Some(Contact::Unfelt)
     );
     let felt = edit(
-        &self::scene(),
+        HOMED,
         "\"switches\"",
         1,
         "\"hard-stops\"\nstall_detection = true\nactive = \"low\"",
@@ -96,12 +78,7 @@ fn hard_stops_are_read() {
 #[test]
 fn sequences_are_driven_in_their_order() {
     // One by one they may move less: the platform is small and turns fast.
-    let near = edit(
-        &scene(),
-        "[0.376, -2.196, 2.38]",
-        1,
-        "[0.136, -1.956, 2.62]",
-    );
+    let near = edit(HOMED, "[0.376, -2.196, 2.38]", 1, "[0.136, -1.956, 2.62]");
     let near = edit(&near, "back_off_rad = 0.05", 1, "back_off_rad = 0.03");
     for order in ["[1, 2, 3]", "[3, 1, 2]", "[2, 2, 1]"] {
         let text = edit(
@@ -191,7 +168,7 @@ fn what_cannot_be_homed_is_refused() {
             "unknown key",
         ),
     ] {
-        let found = problems(&edit(&scene(), from, 1, to));
+        let found = problems(&edit(HOMED, from, 1, to));
         let met = found
             .iter()
             .any(|problem| problem.key == key && problem.reason.contains(reason));
@@ -202,7 +179,7 @@ fn what_cannot_be_homed_is_refused() {
 /// A way that the closed chain cannot go, with the motors' angles where it ends.
 #[test]
 fn a_way_through_a_singularity_is_refused() {
-    let far = edit(&scene(), "[0.376, -2.196, 2.38]", 1, "[1.6, -2.196, 2.38]");
+    let far = edit(HOMED, "[0.376, -2.196, 2.38]", 1, "[1.6, -2.196, 2.38]");
     let far = edit(&far, "travel_max_rad = 0.8", 1, "travel_max_rad = 3");
     let found = problems(&far);
     assert_eq!(found.len(), 1, "{found:?}");
@@ -220,14 +197,14 @@ fn a_way_through_a_singularity_is_refused() {
 fn drives_that_cannot_search_are_refused() {
     let drive = "kind = \"stepper\"\ngear_ratio = 5.0\nsteps_per_rev = 200\nmicrosteps = 16\nstep_rate_limit_hz = 40000.0\n";
     let bldc = "kind = \"bldc\"\nresistance_ohm = 1\ninductance_h = 0.001\ntorque_constant_nm_a = 0.1\nsupply_v = 24\ncurrent_limit_a = 2\n";
-    let text = edit(&edit(&scene(), drive, 1, bldc), "torque = false\n", 1, "");
+    let text = edit(&edit(HOMED, drive, 1, bldc), "torque = false\n", 1, "");
     let found = problems(&text);
     let met = found
         .iter()
         .any(|problem| problem.key == "homing.to" && problem.reason.contains("follows no angle"));
     assert!(met, "{found:?}");
     let slow = edit(
-        &scene(),
+        HOMED,
         "step_rate_limit_hz = 40000.0",
         1,
         "step_rate_limit_hz = 1000.0",

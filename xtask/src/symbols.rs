@@ -78,6 +78,11 @@ const MARKS: &[Mark] = &[
         used: |scene| matches!(kind(scene), "odrive" | "moteus"),
     },
     Mark {
+        what: "homing",
+        names: &["10WithHoming", "5Cycle"],
+        used: |scene| scene.homing.is_some(),
+    },
+    Mark {
         what: "floats as text",
         names: &["7flt2dec", "16float_to_decimal"],
         used: |_| false,
@@ -145,6 +150,7 @@ mod tests {
             ("_RNv7payload6Offset", "an offset payload"),
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
+            ("_RNv6homing12coefficients10WithHoming", "homing"),
             ("_RNv4core3num7flt2dec", "floats as text"),
         ] {
             let said = complaint("thesis", &[centred, symbol]).expect(what);

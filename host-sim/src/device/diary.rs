@@ -76,12 +76,22 @@ impl Diary {
         }
     }
 
-    /// Notes that a motor has found its reference.
+    /// Notes that a motor has found its reference. `errors`: how far the motors are from where they
+    /// are thought to be, rad.
     pub(super) fn referenced(&self, errors: [f64; 3]) {
+        self.motors("a motor is found", errors);
+    }
+
+    /// Notes where the motors are left.
+    pub(super) fn left(&self, errors: [f64; 3]) {
+        self.motors("switched off", errors);
+    }
+
+    fn motors(&self, what: &str, errors: [f64; 3]) {
         let errors = errors.map(|error| format!("{error:.6}"));
         let errors = errors.join(", ");
         self.note(&format!(
-            "a motor is found: the motors are {errors} rad from where they are thought"
+            "{what}: the motors are {errors} rad from where they are thought"
         ));
     }
 

@@ -86,6 +86,9 @@ impl<'a, N: Transmit> Server<'a, N> {
 
     /// The diary, when all is over.
     pub(super) fn end(self) -> Diary {
+        if let Some(motors) = &self.motors {
+            self.diary.left(motors.errors());
+        }
         self.diary
     }
 

@@ -3,6 +3,7 @@
 
 mod common;
 mod faults;
+mod homing;
 mod links;
 mod proxy;
 mod values;
