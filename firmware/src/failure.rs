@@ -22,7 +22,7 @@ fn end(start: &Start) -> ! {
     cortex_m::interrupt::disable();
     board::outputs_off();
     cause::keep(start);
-    cortex_m::peripheral::SCB::sys_reset()
+    board::reset()
 }
 
 // The hard fault's entry. The stack may be what has failed: nothing is done on it, it starts anew

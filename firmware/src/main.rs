@@ -32,6 +32,8 @@ mod provoke;
 #[cfg(target_os = "none")]
 mod pulse;
 mod scene;
+#[cfg(all(target_os = "none", drive = "stepper"))]
+mod slots;
 #[cfg(target_os = "none")]
 mod station;
 #[cfg(target_os = "none")]
@@ -42,7 +44,7 @@ mod tick;
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!(
-        "this image of scene {} ({} ticks per second) is for a board: build it with `cargo fw`",
+        "this image of scene {} ({} ticks per second) is for a board: build it with `cargo fw` or `cargo fw-rp2040`",
         scene::NAME,
         scene::TICK_RATE_HZ
     );

@@ -1,6 +1,13 @@
 //! The sign of life of the tick: as long as it comes, the background feeds the watchdog.
 
+use crate::scene::TICK_RATE_HZ;
 use core::sync::atomic::{AtomicU32, Ordering};
+
+/// Without a tick in time for so long, the board starts anew, ms: four ticks at least.
+pub(crate) const PATIENCE_MS: u32 = {
+    let four = (4000.0 / TICK_RATE_HZ) as u32 + 1;
+    if four > 200 { four } else { 200 }
+};
 
 /// Ticks that were in time. The tick alone writes.
 static TICKS: AtomicU32 = AtomicU32::new(0);

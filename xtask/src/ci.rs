@@ -2,6 +2,7 @@
 
 use crate::cores::CORES;
 use crate::repository::{cargo, root, target_directory};
+use crate::rp2040;
 use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, bail};
 use std::path::Path;
@@ -92,20 +93,16 @@ fn steps() -> Vec<Step> {
         ),
     ];
     for (package, target) in DEVICE_PACKAGES {
-        steps.push(step(
-            &format!("lints of {package}"),
-            &[
-                "clippy",
-                "--quiet",
-                "-p",
-                package,
-                "--target",
-                target,
-                "--",
-                "-Dwarnings",
-            ],
-        ));
+        steps.push(lints(&format!("lints of {package}"), package, target));
     }
+    let mut second = lints(
+        "lints of the firmware for the RP2040",
+        "trirrr-firmware",
+        rp2040::TARGET,
+    );
+    let scene = format!("scenes/{}.toml", rp2040::SCENE);
+    second.command.env("SCENE", scene);
+    steps.push(second);
     steps.push(on_host("tests", "test", &[]));
     steps.push(on_host(
         "admission of ten thousand moves",
@@ -131,6 +128,7 @@ fn steps() -> Vec<Step> {
     ));
     // Builds the firmware too, and checks that it can boot.
     steps.push(step("sizes", &["xtask", "size", "--check"]));
+    steps.push(step("firmware for the RP2040", &["xtask", "rp2040"]));
     let simulator = |name, arguments: &[&str], out: &str| {
         let mut step = step(name, &["run", "--quiet", "--release", "--"]);
         step.command.args(arguments).arg("--out");
@@ -150,6 +148,14 @@ fn steps() -> Vec<Step> {
     }
     steps.push(step("fuzzing", &["xtask", "fuzz"]));
     steps
+}
+
+/// Clippy on a package that is for microcontrollers.
+fn lints(name: &str, package: &str, target: &str) -> Step {
+    let mut step = step(name, &["clippy", "--quiet"]);
+    step.command.args(["-p", package, "--target", target]);
+    step.command.args(["--", "-Dwarnings"]);
+    step
 }
 
 /// Something about every package that is for a host. All at once, so that what they share is compiled

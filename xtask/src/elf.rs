@@ -1,6 +1,7 @@
 //! What an ELF file says about the memory that an image takes, and whether it can boot.
 
 use anyhow::{Context, Result, bail, ensure};
+use crc::{CRC_32_MPEG_2, Crc};
 use object::elf::{PT_LOAD, SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
 use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 use object::{Endianness, Object, ObjectSection};
@@ -46,14 +47,16 @@ pub(crate) fn footprint(file: &Path) -> Result<Footprint> {
 /// What a Cortex-M needs to start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Memory {
+    /// Where the processor looks for the vector table.
+    pub(crate) vectors: u64,
     /// Start and length of the flash.
     pub(crate) flash: (u64, u64),
     /// Start and length of the RAM.
     pub(crate) ram: (u64, u64),
 }
 
-/// Checks that a Cortex-M with this memory starts the image in `file`: a vector table at the
-/// start of the flash, the first stack pointer in RAM, the reset handler in flash and Thumb code,
+/// Checks that a Cortex-M with this memory starts the image in `file`: a vector table where it
+/// looks for it, the first stack pointer in RAM, the reset handler in flash and Thumb code,
 /// and everything to be loaded within flash.
 pub(crate) fn check_boot(file: &Path, memory: Memory) -> Result<()> {
     let data = fs::read(file).with_context(|| file.display().to_string())?;
@@ -85,8 +88,9 @@ fn check_vectors(address: u64, table: &[u8], memory: Memory) -> Result<()> {
     let (flash, flash_length) = memory.flash;
     let (ram, ram_length) = memory.ram;
     ensure!(
-        address == flash,
-        "the vector table is at {address:#010x}, the processor looks at {flash:#010x}"
+        address == memory.vectors,
+        "the vector table is at {address:#010x}, the processor looks at {:#010x}",
+        memory.vectors
     );
     let (Some(stack), Some(reset)) = (word(table, 0), word(table, 1)) else {
         bail!("the vector table has {} bytes", table.len())
@@ -119,6 +123,35 @@ fn check_stack(stack: Option<u64>, variables: Option<u64>) -> Result<()> {
 fn word(table: &[u8], index: usize) -> Option<u64> {
     let bytes = table.get(4 * index..4 * index + 4)?;
     Some(u32::from_le_bytes(bytes.try_into().ok()?).into())
+}
+
+/// Checks that the boot ROM of an RP2040 starts the second stage in `file`: 256 bytes at the start of the
+/// flash, the last four of them the checksum of the others (RP2040 datasheet, 2.8.1.3.1).
+pub(crate) fn check_second_stage(file: &Path, flash: u64) -> Result<()> {
+    let data = fs::read(file).with_context(|| file.display().to_string())?;
+    let check = || -> Result<()> {
+        let elf = parse(&data)?;
+        let stage = elf.section_by_name(".boot2").context("no second stage")?;
+        check_stage(stage.address(), stage.data()?, flash)
+    };
+    check().with_context(|| format!("{} cannot boot", file.display()))
+}
+
+fn check_stage(address: u64, stage: &[u8], flash: u64) -> Result<()> {
+    ensure!(
+        address == flash,
+        "the second stage is at {address:#010x}, the boot ROM looks at {flash:#010x}"
+    );
+    let Some((code, [a, b, c, d])) = stage.split_last_chunk().filter(|_| stage.len() == 256) else {
+        bail!("the second stage has {} bytes, not 256", stage.len())
+    };
+    let computed = Crc::<u32>::new(&CRC_32_MPEG_2).checksum(code);
+    let stored = u32::from_le_bytes([*a, *b, *c, *d]);
+    ensure!(
+        computed == stored,
+        "the second stage's checksum is {stored:#010x}, that of its code {computed:#010x}"
+    );
+    Ok(())
 }
 
 /// `length` bytes that are programmed to `start`.
@@ -161,6 +194,26 @@ mod tests {
         }
         let error = check_vectors(0x0800_0000, &[0; 6], MEMORY).expect_err("too short");
         assert_eq!(error.to_string(), "the vector table has 6 bytes");
+    }
+
+    #[test]
+    fn a_second_stage_has_its_place_its_length_and_its_checksum() {
+        // CRC-32/MPEG-2 of 252 zeros, by polynomial division bit by bit.
+        let remainder = (0..252 * 8).fold(u32::MAX, |rest, _| {
+            (rest << 1) ^ (0x04c1_1db7 & (rest >> 31).wrapping_neg())
+        });
+        let mut stage = [0; 256];
+        stage[252..].copy_from_slice(&remainder.to_le_bytes());
+        let flash = 0x1000_0000;
+        check_stage(flash, &stage, flash).expect("a good one");
+        let refused = |address, stage: &[u8], reason: &str| {
+            let error = check_stage(address, stage, flash).expect_err(reason);
+            assert!(error.to_string().contains(reason), "{error}");
+        };
+        refused(flash + 256, &stage, "the boot ROM looks at");
+        refused(flash, &stage[..252], "252 bytes, not 256");
+        stage[17] ^= 1;
+        refused(flash, &stage, "checksum");
     }
 
     #[test]

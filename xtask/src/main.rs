@@ -15,6 +15,7 @@ mod programs;
 mod qemu;
 mod reference;
 mod repository;
+mod rp2040;
 mod size;
 mod symbols;
 mod table;
@@ -36,6 +37,8 @@ enum Chore {
     Admission(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(budget::Options),
+    /// Build the firmware for the RP2040, check that it can boot, print its size
+    Rp2040,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::Arguments),
     /// Play jobs on host-sim device with the Python client, compare its tables
@@ -54,6 +57,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Admission(options) => admission::run(&options),
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
+        Chore::Rp2040 => rp2040::run(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),

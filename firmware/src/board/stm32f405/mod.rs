@@ -4,10 +4,10 @@
 mod clock;
 mod drives;
 mod registers;
-mod reset;
+mod start;
 mod switches;
 
-pub(crate) use registers::{RAM, fault_status, outputs_off};
+pub(crate) use registers::{RAM, fault_status, outputs_off, reset};
 
 /// The clock of the core, Hz, where the PLL starts.
 pub(crate) const CORE_HZ: u32 = 168_000_000;
@@ -17,11 +17,10 @@ mod app {
     use super::clock::{self, HSI_HZ};
     use super::drives::{self, Drives, Slot};
     use super::switches::{self, Switches};
-    use super::{CORE_HZ, reset};
+    use super::{CORE_HZ, start};
     use crate::background::Background;
     use crate::line::{BAUD, LOG_BAUD, RECEIVED};
-    use crate::pulse::Pulse;
-    use crate::scene::TICK_RATE_HZ;
+    use crate::pulse::{PATIENCE_MS, Pulse};
     use crate::station::{self, Channels};
     use crate::systick::{TickClock, period};
     use crate::tick::Tick;
@@ -32,12 +31,6 @@ mod app {
     use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
     use trirrr_core::message::{Board, Clock};
-
-    /// Without a tick in time for so long, the board starts anew, ms: four ticks at least.
-    const WATCHDOG_MS: u32 = const {
-        let four = (4000.0 / TICK_RATE_HZ) as u32 + 1;
-        if four > 200 { four } else { 200 }
-    };
 
     #[shared]
     struct Shared {}
@@ -63,7 +56,7 @@ mod app {
             channels, bytes, ..
         } = context.local;
         let device = context.device;
-        let start = reset::cause(&device.RCC);
+        let start = start::cause(&device.RCC);
         #[cfg(feature = "provoke")]
         crate::provoke::arm(&start);
         let (clock, configuration) = clock::choose(&device.RCC, &device.DBGMCU);
@@ -106,7 +99,7 @@ mod app {
         let (received, out) = bytes.split();
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
-        watchdog.start(WATCHDOG_MS.millis());
+        watchdog.start(PATIENCE_MS.millis());
         let local = Local {
             receiver,
             received,

@@ -21,6 +21,11 @@ pub(crate) fn outputs_off() {
     });
 }
 
+/// Starts the board anew.
+pub(crate) fn reset() -> ! {
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
 /// CFSR, and the address that the fault was about, or 0.
 pub(crate) fn fault_status() -> (u32, u32) {
     const CFSR: *const u32 = 0xE000_ED28 as *const u32;

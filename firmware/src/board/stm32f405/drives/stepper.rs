@@ -2,8 +2,9 @@
 
 use super::{Angle, Parts};
 use crate::outputs::Outputs;
+use crate::scene::Scalar;
 use crate::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
-use crate::scene::{Scalar, TICK_RATE_HZ};
+use crate::slots::{LINE, PER_TICK, SLOT_HZ};
 use crate::station::Output;
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
@@ -13,20 +14,8 @@ use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
 use trirrr_core::message::DriveFault;
 use trirrr_core::number::Number;
-use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slot_rate_hz, slots_per_tick};
+use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
-
-static LINE: Line = Line::new();
-
-/// The most microsteps of any motor in a tick.
-const MOST: u32 = {
-    let [a, b, c] = MOST_PER_TICK;
-    let most = if a > b { a } else { b };
-    if most > c { most } else { c }
-};
-
-/// Slots per second, rounded up.
-const SLOT_HZ: u32 = slot_rate_hz(MOST, TICK_RATE_HZ) as u32 + 1;
 
 /// Cycles of the core that have to lie between two slots, three times what one takes: else the tick
 /// would starve.
@@ -115,7 +104,7 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
         r3,
     );
     let axes = [axis_1, axis_2, axis_3];
-    let slots = Slots::new(&LINE, axes, enable, slots_per_tick(MOST));
+    let slots = Slots::new(&LINE, axes, enable, PER_TICK);
 
     let mut timer = parts.tim7.counter_hz(rcc);
     let runs = parts.core_hz / SLOT_HZ >= LEAST_CYCLES && timer.start(SLOT_HZ.Hz()).is_ok();
