@@ -1,14 +1,13 @@
-//! Writes the scene's constants, chooses the board by the target, and tells the linker about its
-//! memory.
+//! Writes the scene's constants, names the board, and tells the linker about its memory.
 
 use std::error::Error;
-use std::path::PathBuf;
-use std::{env, fs, process};
+use std::path::{Path, PathBuf};
+use std::{env, process};
 
-/// The boards, by Rust target: each is a directory of `src/board`.
-const BOARDS: [(&str, &str); 2] = [
-    ("thumbv7em-none-eabihf", "stm32f405"),
-    ("thumbv6m-none-eabi", "rp2040"),
+/// The boards: the package that is for one, its Rust target, and its directory in `src/board`.
+const BOARDS: [(&str, &str, &str); 2] = [
+    ("trirrr-firmware", "thumbv7em-none-eabihf", "stm32f405"),
+    ("trirrr-firmware-rp2040", "thumbv6m-none-eabi", "rp2040"),
 ];
 
 fn main() {
@@ -21,26 +20,37 @@ fn main() {
 
 fn build() -> Result<(), Box<dyn Error>> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no CARGO_MANIFEST_DIR")?);
-    trirrr_image::generate::build_script(&here.join(".."))?;
+    let root = above(&here, "scenes")?;
+    trirrr_image::generate::build_script(root)?;
 
-    let names = BOARDS.map(|(_, board)| format!("{board:?}")).join(", ");
+    let names = BOARDS.map(|(_, _, board)| format!("{board:?}")).join(", ");
     println!("cargo:rustc-check-cfg=cfg(board, values({names}))");
     if env::var("CARGO_CFG_TARGET_OS")? == "none" {
-        let target = env::var("TARGET")?;
-        let (_, board) = BOARDS
+        let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);
+        let (_, _, board) = BOARDS
             .iter()
-            .find(|(of, _)| *of == target)
-            .ok_or_else(|| format!("{target}: no board has this target"))?;
+            .find(|(of, on, _)| *of == package && *on == target)
+            .ok_or_else(|| format!("{target}: {package} has no board with this target"))?;
         println!("cargo:rustc-cfg=board={board:?}");
-        // link.x includes memory.x by name: it has to lie where the linker searches, and alone.
-        let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("no OUT_DIR")?);
-        let memory = here.join("src/board").join(board).join("memory.x");
-        fs::copy(&memory, out.join("memory.x"))?;
-        println!("cargo:rerun-if-changed={}", memory.display());
-        println!("cargo:rustc-link-search={}", out.display());
+        // link.x includes memory.x by name, and the linker looks into the workspace's root before it
+        // looks anywhere else: each board's lies there.
+        let memory = above(&here, "memory.x")?;
+        println!(
+            "cargo:rerun-if-changed={}",
+            memory.join("memory.x").display()
+        );
+        println!("cargo:rustc-link-search={}", memory.display());
         for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
             println!("cargo:rustc-link-arg-bins={argument}");
         }
     }
     Ok(())
+}
+
+/// The nearest directory, from `here` upwards, in which there is a `name`.
+fn above<'a>(here: &'a Path, name: &str) -> Result<&'a Path, Box<dyn Error>> {
+    let found = here
+        .ancestors()
+        .find(|directory| directory.join(name).exists());
+    Ok(found.ok_or_else(|| format!("no {name} from {} upwards", here.display()))?)
 }

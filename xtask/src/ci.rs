@@ -95,14 +95,12 @@ fn steps() -> Vec<Step> {
     for (package, target) in DEVICE_PACKAGES {
         steps.push(lints(&format!("lints of {package}"), package, target));
     }
-    let mut second = lints(
-        "lints of the firmware for the RP2040",
-        "trirrr-firmware",
-        rp2040::TARGET,
-    );
-    let scene = format!("scenes/{}.toml", rp2040::SCENE);
-    second.command.env("SCENE", scene);
-    steps.push(second);
+    let mut second = rp2040::on_package("clippy");
+    second.args(["--", "-Dwarnings"]);
+    steps.push(Step {
+        name: "lints of the firmware for the RP2040".into(),
+        command: second,
+    });
     steps.push(on_host("tests", "test", &[]));
     steps.push(on_host(
         "admission of ten thousand moves",

@@ -1,17 +1,17 @@
 //! `cargo xtask rp2040`: builds the firmware for the RP2040, checks that it can boot, prints its size.
+//!
+//! It is a workspace of its own, with a folder of its own for what is built.
 
 use crate::elf::{Footprint, Memory, check_boot, check_second_stage, footprint};
-use crate::image::Image;
-use crate::repository::scenes_named;
-use anyhow::{Result, bail};
-use trirrr_image::generate::of_scene;
-use trirrr_scene::Scene;
-
-/// The target of the firmware for the RP2040.
-pub(crate) const TARGET: &str = "thumbv6m-none-eabi";
+use crate::repository::{cargo, target_directory};
+use anyhow::{Context, Result, ensure};
+use std::process::Command;
 
 /// The scene that is made for a core like this.
-pub(crate) const SCENE: &str = "pick-stepper";
+const SCENE: &str = "scenes/pick-stepper.toml";
+
+/// The target of the firmware for the RP2040.
+const TARGET: &str = "thumbv6m-none-eabi";
 
 /// As in its `memory.x`; the boot ROM goes to the vector table behind the second stage.
 const MEMORY: Memory = Memory {
@@ -21,22 +21,33 @@ const MEMORY: Memory = Memory {
 };
 
 pub(crate) fn run() -> Result<()> {
-    let scenes = scenes_named(&[SCENE.into()])?;
-    let [scene] = scenes.as_slice() else {
-        bail!("no scene {SCENE}");
-    };
-    let read = Scene::read(&scene.path)?;
-    let image = Image {
-        package: "trirrr-firmware",
-        binary: "trirrr-firmware",
-        scene,
-        scalar: of_scene(read.number),
-        target: TARGET,
-    };
-    let file = image.build()?;
+    let mut build = on_package("build");
+    build.args(["--profile", "device"]);
+    let status = build.status().context("cargo cannot be run")?;
+    ensure!(status.success(), "{SCENE} for the RP2040 does not build");
+    let file = target_directory()
+        .join("rp2040")
+        .join(TARGET)
+        .join("device/trirrr-firmware");
     check_second_stage(&file, MEMORY.flash.0)?;
     check_boot(&file, MEMORY)?;
     let Footprint { flash, ram } = footprint(&file)?;
     println!("{SCENE} for the RP2040: {flash} bytes of flash, {ram} of RAM");
     Ok(())
+}
+
+/// Cargo's `command` about the firmware of the RP2040, in quiet.
+pub(crate) fn on_package(command: &str) -> Command {
+    let mut cargo = cargo();
+    cargo
+        .args([command, "--quiet", "--target", TARGET])
+        .args(["--manifest-path", "firmware/rp2040/Cargo.toml"])
+        .arg("--target-dir")
+        .arg(target_directory().join("rp2040"))
+        .env("SCENE", SCENE)
+        // The scene's own number type, and the repository's own flags.
+        .env_remove("TRIRRR_SCALAR")
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    cargo
 }

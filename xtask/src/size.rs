@@ -19,7 +19,7 @@ use trirrr_scene::Scene;
 /// The target of the firmware.
 pub(crate) const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The STM32F405, as in its `memory.x`.
+/// The STM32F405, as in the `memory.x` of the root.
 pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
     vectors: 0x0800_0000,
     flash: (0x0800_0000, 1024 * 1024),
