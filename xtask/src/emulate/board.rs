@@ -3,7 +3,7 @@
 use crate::repository::target_directory;
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -24,11 +24,27 @@ pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT
 /// How long the emulator may take to start.
 const BOOT: Duration = Duration::from_secs(20);
 
+/// The stack, as in `memory.x`: its lowest address and its bytes.
+const STACK: (u32, u32) = (0x2000_0000, 32 * 1024);
+
+/// What the start of the program paints the stack with (cortex-m-rt).
+const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
+
 /// A board that runs; it ends with this value.
 pub(super) struct Board {
     child: Child,
     address: String,
     log: PathBuf,
+    /// Where the emulator takes orders.
+    monitor: u16,
+}
+
+/// What is left of a board that was switched off.
+pub(super) struct Ended {
+    /// What came out of its log's port.
+    pub(super) log: PathBuf,
+    /// Bytes of stack that it has used at most, interrupts included.
+    pub(super) stack: u32,
 }
 
 impl Board {
@@ -51,11 +67,19 @@ impl Board {
     }
 
     fn boot_with(image: &Path, arguments: &[&str]) -> Result<Self> {
-        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        // Both at once, or they might be the same.
+        let (line, orders) = (
+            TcpListener::bind("127.0.0.1:0")?,
+            TcpListener::bind("127.0.0.1:0")?,
+        );
+        let port = line.local_addr()?.port();
+        let monitor = orders.local_addr()?.port();
+        drop((line, orders));
         let name = image.file_name().context("an image has a name")?;
         let log = folder()?.join(name).with_extension("log");
         let child = Command::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
+            .args(["-M", "netduinoplus2", "-nographic", "-monitor"])
+            .arg(format!("tcp:127.0.0.1:{monitor},server=on,wait=off"))
             .args(["-icount", &format!("shift={SHIFT}")])
             .args(["-serial", "null", "-serial"])
             .arg(format!(
@@ -75,6 +99,7 @@ impl Board {
             child,
             address: format!("tcp:127.0.0.1:{port}"),
             log,
+            monitor,
         };
         board.wait_for_line(port)?;
         Ok(board)
@@ -99,16 +124,45 @@ impl Board {
         &self.address
     }
 
-    /// Switches it off; what came out of its log's port.
-    pub(super) fn end(mut self) -> Result<PathBuf> {
+    /// Switches it off.
+    pub(super) fn end(mut self) -> Result<Ended> {
         let early = self.child.try_wait()?;
+        let stack = match early {
+            None => self.used_stack().context("the stack cannot be read")?,
+            Some(_) => 0,
+        };
         self.kill();
         let mut said = String::new();
         if let Some(mut stderr) = self.child.stderr.take() {
             stderr.read_to_string(&mut said)?;
         }
         ensure!(early.is_none(), "the emulator ended by itself: {said}");
-        Ok(self.log.clone())
+        Ok(Ended {
+            log: self.log.clone(),
+            stack,
+        })
+    }
+
+    /// How deep the paint is gone.
+    fn used_stack(&self) -> Result<u32> {
+        let file = self.log.with_extension("stack");
+        // What an earlier board left is not to be taken for this one's.
+        let _ = fs::remove_file(&file);
+        let mut monitor = TcpStream::connect(("127.0.0.1", self.monitor))?;
+        monitor.set_read_timeout(Some(BOOT))?;
+        let (from, bytes) = STACK;
+        writeln!(monitor, "pmemsave {from:#x} {bytes} \"{}\"", file.display())?;
+        // The emulator closes the line once it has done both.
+        writeln!(monitor, "quit")?;
+        let mut said = Vec::new();
+        monitor.read_to_end(&mut said)?;
+        let stack = fs::read(&file).with_context(|| String::from_utf8_lossy(&said).into_owned())?;
+        ensure!(
+            stack.len() == bytes as usize && stack.starts_with(&PAINT),
+            "the stack was not painted, or is used up"
+        );
+        let painted = stack.chunks(4).take_while(|word| *word == PAINT).count();
+        Ok(bytes - 4 * u32::try_from(painted)?)
     }
 
     fn kill(&mut self) {

@@ -67,7 +67,7 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
         })?;
         let (board, accesses) = Board::boot_watched(&elf)?;
         let said = clients.report(scene, scalar, &board)?;
-        let log = clients.read_log(&elf, &board.end()?)?;
+        let log = clients.read_log(&elf, &board.end()?.log)?;
         println!("{failure}:\n{}", said.trim_end());
         let words = expected.iter().chain(&["clock: Emulated", "state: fault"]);
         for words in words {

@@ -133,6 +133,7 @@ fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
         "samples",
         "lost",
         "longest tick",
+        "stack",
         "clients",
         "seconds",
     ];
@@ -151,7 +152,8 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     let start = Instant::now();
     let board = Board::boot(image)?;
     let played = clients.play(scene, scalar, &board).with_context(about)?;
-    let log = clients.read_log(image, &board.end()?).with_context(about)?;
+    let ended = board.end().with_context(about)?;
+    let log = clients.read_log(image, &ended.log).with_context(about)?;
     let boot = format!("scene {}, ", scene.name);
     ensure!(
         log.contains(&boot),
@@ -186,6 +188,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
         played.samples.to_string(),
         played.lost.to_string(),
         instructions.to_string(),
+        ended.stack.to_string(),
         names,
         seconds(start.elapsed()),
     ])
@@ -204,7 +207,8 @@ fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
         let built = Built::new(&scene, scalar)?;
         let board = Board::boot(&built.image)?;
         clients.torture(&scene, scalar, &board, arguments.frames, arguments.seed)?;
-        board.end()?;
+        let stack = board.end()?.stack;
+        println!("{} in {scalar}: {stack} bytes of stack at most", scene.name);
         let board = Board::boot(&built.image)?;
         clients.abandon(&scene, scalar, &board)?;
         board.end()?;
