@@ -314,6 +314,7 @@ fn torques_that_are_left_out_and_asked_for() {
     ]);
     let plant = include_str!("../../scenes/plant-thesis.toml");
     let found = problems(&edit(plant, "tick_rate_hz", 1, none));
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert!(found[0].reason.starts_with("[plant.controller] feed_forward"), "{found:#?}");
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found[0].reason.starts_with("a [[drive]] of kind \"bldc\""), "{found:#?}");
+    assert!(found[1].reason.starts_with("[plant.controller] feed_forward"), "{found:#?}");
 }
