@@ -1,6 +1,7 @@
 //! Builds images for microcontrollers, one per scene, number type and target.
 
 use crate::repository::{SceneFile, cargo, target_directory};
+use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::PathBuf;
@@ -34,7 +35,18 @@ pub(crate) struct Image<'a> {
     pub(crate) target: &'static str,
 }
 
-impl Image<'_> {
+impl<'a> Image<'a> {
+    /// The image of the STM32F405 that is flashed.
+    pub(crate) fn firmware(scene: &'a SceneFile, scalar: &'static str) -> Self {
+        Self {
+            package: "trirrr-firmware",
+            binary: "trirrr-firmware",
+            scene,
+            scalar,
+            target: FIRMWARE_TARGET,
+        }
+    }
+
     /// Builds the image and copies it where the next one does not overwrite it.
     pub(crate) fn build(&self) -> Result<PathBuf> {
         self.build_as("", |_| {})

@@ -103,13 +103,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
             add("core", scalar, core.target, footprint(&image.build()?)?);
         }
     }
-    let firmware = Image {
-        package: "trirrr-firmware",
-        binary: "trirrr-firmware",
-        scene,
-        scalar: of_scene(read.number),
-        target: FIRMWARE_TARGET,
-    };
+    let firmware = Image::firmware(scene, of_scene(read.number));
     let file = firmware.build()?;
     check_boot(&file, FIRMWARE_MEMORY)?;
     symbols::check(&file, read)?;

@@ -2,12 +2,12 @@
 
 use super::board::Board;
 use super::clients::Clients;
-use super::own_scalar;
 use crate::image::Image;
 use crate::repository;
-use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, ensure};
 use std::fs;
+use trirrr_image::generate::of_scene;
+use trirrr_scene::Scene;
 
 /// The scene of the images that fail.
 const SCENE: &str = "engraving";
@@ -51,14 +51,8 @@ const OUTPUTS_OFF: &str =
 pub(super) fn run(clients: &Clients) -> Result<()> {
     let scenes = repository::scenes_named(&[SCENE.to_owned()])?;
     let scene = scenes.first().context("a scene")?;
-    let scalar = own_scalar(scene)?;
-    let image = Image {
-        package: "trirrr-firmware",
-        binary: "trirrr-firmware",
-        scene,
-        scalar,
-        target: FIRMWARE_TARGET,
-    };
+    let scalar = of_scene(Scene::read(&scene.path)?.number);
+    let image = Image::firmware(scene, scalar);
     for (failure, expected) in FAILURES {
         let elf = image.build_as(&format!("-{failure}"), |cargo| {
             cargo

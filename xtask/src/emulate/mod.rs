@@ -6,7 +6,6 @@ mod failures;
 
 use crate::image::Image;
 use crate::repository::{self, SceneFile};
-use crate::size::FIRMWARE_TARGET;
 use crate::table::table;
 use anyhow::{Context, Result, ensure};
 use board::Board;
@@ -14,7 +13,8 @@ use clap::ValueEnum;
 use clients::Clients;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use trirrr_scene::{NumberType, Scene};
+use trirrr_image::generate::{SCALARS, of_scene};
+use trirrr_scene::Scene;
 
 /// What no tick may exceed on the board in f32, instructions: service and drives, from when it was
 /// due until its outputs stood.
@@ -75,34 +75,16 @@ struct Built {
 
 impl Built {
     fn new(scene: &SceneFile, scalar: &'static str) -> Result<Self> {
-        let image = Image {
-            package: "trirrr-firmware",
-            binary: "trirrr-firmware",
-            scene,
-            scalar,
-            target: FIRMWARE_TARGET,
-        };
         Ok(Self {
             scene: scene.clone(),
             scalar,
-            image: image.build()?,
+            image: Image::firmware(scene, scalar).build()?,
         })
     }
 }
 
-/// The number type that a scene's image has where nothing else is asked for.
-fn own_scalar(file: &SceneFile) -> Result<&'static str> {
-    Ok(match Scene::read(&file.path)?.number {
-        // Meant for hosts; no board here has it in hardware.
-        NumberType::F64 | NumberType::F32 => "f32",
-        NumberType::Fixed => "fixed",
-        NumberType::Micromath => "micromath",
-    })
-}
-
 fn known_scalar(name: &str) -> Result<&'static str> {
-    let known = trirrr_image::generate::SCALARS;
-    let found = known.iter().find(|(scalar, _)| *scalar == name);
+    let found = SCALARS.iter().find(|(scalar, _)| *scalar == name);
     found
         .map(|(scalar, _)| *scalar)
         .with_context(|| format!("{name}: no number type of an image"))
@@ -111,13 +93,14 @@ fn known_scalar(name: &str) -> Result<&'static str> {
 fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
     let mut rows = Vec::new();
     for scene in repository::scenes_named(&arguments.scenes)? {
-        if Scene::read(&scene.path)?.homing.is_some() {
+        let read = Scene::read(&scene.path)?;
+        if read.homing.is_some() {
             println!("{}: the emulator has no switches to find", scene.name);
             continue;
         }
         let own = match &arguments.scalar {
             Some(name) => known_scalar(name)?,
-            None => own_scalar(&scene)?,
+            None => of_scene(read.number),
         };
         rows.push(job(clients, &Built::new(&scene, own)?, true)?);
         // In the other number type the samples are what may differ, not the clients.
@@ -202,7 +185,7 @@ fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
     for scene in repository::scenes_named(&names)? {
         let scalar = match &arguments.scalar {
             Some(name) => known_scalar(name)?,
-            None => own_scalar(&scene)?,
+            None => of_scene(Scene::read(&scene.path)?.number),
         };
         let built = Built::new(&scene, scalar)?;
         let board = Board::boot(&built.image)?;
