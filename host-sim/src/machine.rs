@@ -5,15 +5,14 @@ use crate::failure::Failure;
 use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Transmit};
+use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
 use trirrr_core::service::{
-    self, Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, SceneIdentity,
-    ServiceError, Settings, Setup, Take, WithHoming, name,
+    self, Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError,
+    Settings, Setup, Take, WithHoming,
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
-use trirrr_core::units::Units;
 use trirrr_core::wire::schema;
 use trirrr_scene::{Homing, Scene};
 
@@ -56,13 +55,9 @@ pub trait Machine<N: Transmit> {
 pub fn hello<N: Transmit>(scene: &Scene) -> Hello {
     Hello {
         protocol: PROTOCOL,
-        schema: schema_key::<N>(),
+        schema: schema::key::<Request<N>, Message<N>>(),
         scene: scene.key,
     }
-}
-
-fn schema_key<N: Transmit>() -> u64 {
-    schema::key::<Request<N>, Message<N>>()
 }
 
 /// Builds the machine of `scene`, with room for what the scene holds and for nothing else, standing
@@ -100,7 +95,7 @@ fn build<N: Transmit, T>(
         parameters: units.parameters(&scene.parameters),
         limits: units.limits(&scene.limits),
         start: job::pose(&units.pose(&scene.job.start)),
-        settings: settings(scene, &units),
+        settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
                 let parameters = homing
@@ -169,28 +164,6 @@ where
         background,
         inputs: [false; 3],
     }))
-}
-
-fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
-    let service = &scene.service;
-    // Both casts saturate; the reader holds the times to an hour.
-    let ticks = |seconds: f64| (seconds * scene.tick_rate_hz).round().max(1.0);
-    Settings {
-        period: N::factor_from_f64(units.time(scene.period_s())),
-        ramp_ticks: ticks(service.hold_ramp_s) as u16,
-        silence_ticks: ticks(service.silence_timeout_s) as u32,
-        telemetry_every: service.telemetry_ticks as u16,
-        scene: SceneIdentity {
-            schema: schema_key::<N>(),
-            key: scene.key,
-            name: name(&scene.name),
-            tick_rate_hz: scene.tick_rate_hz,
-            length_m: units.length_m(),
-            time_s: units.time_s(),
-            mass_kg: units.of(0, 0, 1),
-        },
-        board: Board::HOST,
-    }
 }
 
 /// Both halves.

@@ -24,6 +24,7 @@ mod range;
 pub mod read;
 mod scene;
 mod service;
+mod settings;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};
@@ -34,4 +35,5 @@ pub use player::JobPlayer;
 pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;
+pub use settings::settings;
 pub use trirrr_core::limits::LimitParameters as Limits;

@@ -6,12 +6,11 @@ use super::{COARSE, FIXED};
 use crate::Move;
 use std::error::Error;
 use std::fmt::Write;
-use trirrr_core::message::{Board, Message, Request, Transmit};
+use trirrr_core::message::Transmit;
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_core::service::{HomingCoefficients, SceneIdentity, Settings, name};
+use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_core::wire::schema;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
@@ -56,7 +55,7 @@ fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn
     let start = Pose::<N>::from_f64(start.position.x, start.position.y, start.angle);
     let start = (constant(&start), "trirrr_core::setpoint::Pose<Scalar>");
     file.constant("START", start.1, start.0);
-    let settings = constant(&settings::<N>(scene, &units));
+    let settings = constant(&trirrr_scene::settings::<N>(scene, &units));
     let service = "trirrr_core::service";
     file.constant(
         "SETTINGS",
@@ -132,29 +131,6 @@ impl File {
     /// and one that has a place, in flash.
     fn global(&mut self, name: &str, of: &str, value: String) {
         self.item("static", name, of, &value);
-    }
-}
-
-/// The settings of the scene's service.
-fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
-    // The cast saturates; the reader holds the time to an hour.
-    let silence = scene.service.silence_timeout_s * scene.tick_rate_hz;
-    Settings {
-        period: N::factor_from_f64(units.time(scene.period_s())),
-        ramp_ticks: scene.ramp_ticks(),
-        silence_ticks: silence.round().max(1.0) as u32,
-        telemetry_every: scene.service.telemetry_ticks as u16,
-        scene: SceneIdentity {
-            schema: schema::key::<Request<N>, Message<N>>(),
-            key: scene.key,
-            name: name(&scene.name),
-            tick_rate_hz: scene.tick_rate_hz,
-            length_m: units.length_m(),
-            time_s: units.time_s(),
-            mass_kg: units.of(0, 0, 1),
-        },
-        // The board puts its own here.
-        board: Board::HOST,
     }
 }
 
