@@ -1,9 +1,9 @@
 //! From a message to its frame.
 
-use super::CRC;
+use super::{CRC, Checksum};
+use cobs::{EncoderState, PushResult};
 use core::fmt;
-use crc::{Digest, Table};
-use postcard::ser_flavors::{Cobs, Flavor, Slice};
+use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 
 /// The buffer does not hold the frame, or the message has no length that is known beforehand.
@@ -32,42 +32,93 @@ where
     T: Serialize + ?Sized,
 {
     let bytes = buffer.len();
-    let refused = |_| BufferTooSmall { bytes };
-    let frame = Frame {
-        cobs: Cobs::try_new(Slice::new(buffer)).map_err(refused)?,
-        checksum: CRC.digest(),
-    };
-    postcard::serialize_with_flavor(message, frame)
-        .map(|frame| &*frame)
-        .map_err(refused)
+    let length = postcard::serialize_with_flavor(message, Frame::new(buffer));
+    length
+        .ok()
+        .and_then(|length| buffer.get(..length))
+        .ok_or(BufferTooSmall { bytes })
 }
 
 /// A frame as it is written: the checksum sees the message's bytes, COBS sees both.
+///
+/// Whether there is room shows at the end, not at each byte: a test behind each field of each
+/// message would be half of what the encoder takes in flash.
 struct Frame<'b> {
-    cobs: Cobs<Slice<'b>>,
-    checksum: Digest<'static, u32, Table<1>>,
+    buffer: &'b mut [u8],
+    /// Bytes of the frame so far, those included for which there was no room.
+    length: usize,
+    cobs: EncoderState,
+    checksum: Checksum,
 }
 
-impl<'b> Flavor for Frame<'b> {
-    type Output = &'b mut [u8];
+impl<'b> Frame<'b> {
+    fn new(buffer: &'b mut [u8]) -> Self {
+        Self {
+            buffer,
+            // COBS begins with the length of its first block, which is not known yet.
+            length: 1,
+            cobs: EncoderState::default(),
+            checksum: CRC.digest(),
+        }
+    }
 
-    // A call for each byte and not its whole code at each field of each message: that is tens of
+    fn write(&mut self, at: usize, byte: u8) {
+        if let Some(place) = self.buffer.get_mut(at) {
+            *place = byte;
+        }
+    }
+
+    fn append(&mut self, byte: u8) {
+        self.write(self.length, byte);
+        self.length = self.length.saturating_add(1);
+    }
+
+    #[inline(never)]
+    fn stuff(&mut self, byte: u8) {
+        match self.cobs.push(byte) {
+            PushResult::AddSingle(byte) => self.append(byte),
+            PushResult::ModifyFromStartAndSkip((block, length)) => {
+                self.write(block, length);
+                self.append(0);
+            }
+            PushResult::ModifyFromStartAndPushAndSkip((block, length, byte)) => {
+                self.write(block, length);
+                self.append(byte);
+                self.append(0);
+            }
+        }
+    }
+
+    // A call for each value and not its whole code at each field of each message: that is tens of
     // KiB of flash.
     #[inline(never)]
+    fn extend(&mut self, bytes: &[u8]) {
+        self.checksum.update(bytes);
+        bytes.iter().for_each(|byte| self.stuff(*byte));
+    }
+}
+
+impl Flavor for Frame<'_> {
+    /// The length of the frame, which may be more than there is room for.
+    type Output = usize;
+
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        self.checksum.update(&[byte]);
-        self.cobs.try_push(byte)
+        self.extend(&[byte]);
+        Ok(())
     }
 
-    #[inline(never)]
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
-        bytes.iter().try_for_each(|byte| self.try_push(*byte))
+        self.extend(bytes);
+        Ok(())
     }
 
-    fn finalize(mut self) -> postcard::Result<Self::Output> {
-        for byte in self.checksum.finalize().to_le_bytes() {
-            self.cobs.try_push(byte)?;
+    fn finalize(mut self) -> postcard::Result<usize> {
+        for byte in self.checksum.clone().finalize().to_le_bytes() {
+            self.stuff(byte);
         }
-        self.cobs.finalize()
+        let (block, length) = self.cobs.clone().finalize();
+        self.write(block, length);
+        self.append(0);
+        Ok(self.length)
     }
 }

@@ -34,11 +34,17 @@ pub use decoder::Decoder;
 pub use encode::{BufferTooSmall, encode};
 pub use error::{Counters, FrameError};
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 
 /// CRC-32/ISO-HDLC, the one of Ethernet and zlib: polynomial 0x04C11DB7, reflected, starting from
 /// and inverted with 0xFFFFFFFF; the check value of "123456789" is 0xCBF43926.
-static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+///
+/// Bit by bit: a table would be a KiB of flash, to save a few dozen instructions a byte in what runs
+/// below the tick and waits for the line anyway.
+static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// A checksum as it is computed.
+type Checksum = Digest<'static, u32, NoTable>;
 
 /// Bytes of the checksum, least significant first.
 const CHECKSUM_BYTES: usize = 4;
