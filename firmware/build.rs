@@ -1,4 +1,4 @@
-//! Writes the scene's constants, names the board, and tells the linker about its memory.
+//! Says what the scene needs, names the board, and tells the linker about its memory.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ fn main() {
 fn build() -> Result<(), Box<dyn Error>> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no CARGO_MANIFEST_DIR")?);
     let root = above(&here, "scenes")?;
-    trirrr_image::generate::build_script(root)?;
+    trirrr_image::generate::kinds_script(root)?;
 
     let names = BOARDS.map(|(_, _, board)| format!("{board:?}")).join(", ");
     println!("cargo:rustc-check-cfg=cfg(board, values({names}))");

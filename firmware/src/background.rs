@@ -1,71 +1,29 @@
-//! What is done below the tick, a bounded slice at a time.
+//! What is done below the tick, and the ports that it goes out by.
 
-use crate::line::{Line, Received};
-use crate::scene::Scalar;
-use crate::{log, station};
+use crate::log;
 use embedded_hal_nb::serial::Write;
-use trirrr_core::message::{Event, Message};
+use trirrr_station as station;
 
-/// The half of the service that talks, the line it talks over, and the port of the log.
+/// The half of the service that talks, the port of its line, and that of the log.
 pub(crate) struct Background<W, L> {
     service: station::Background,
-    line: Line<W>,
+    transmitter: W,
     log: L,
 }
 
 impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
-    pub(crate) fn new(
-        service: station::Background,
-        received: Received,
-        transmitter: W,
-        log: L,
-    ) -> Self {
+    pub(crate) fn new(service: station::Background, transmitter: W, log: L) -> Self {
         Self {
             service,
-            line: Line::new(received, transmitter),
+            transmitter,
             log,
         }
     }
 
-    /// A slice: answers a request or says what there is to say, judges a part of a move, logs.
+    /// A slice of the service, and what the ports take.
     pub(crate) fn step(&mut self) {
-        self.line.send();
-        if self.line.is_free()
-            && let Some(message) = self.message()
-        {
-            self.line.put(&message);
-        }
+        self.service.send(&mut self.transmitter);
         self.service.step();
         log::drain(&mut self.log);
-    }
-
-    /// Replies first, then events, then telemetry.
-    fn message(&mut self) -> Option<Message<Scalar>> {
-        if let Some(request) = self.line.request() {
-            return Some(Message::Reply {
-                sequence: request.sequence,
-                reply: self.service.receive(&request),
-            });
-        }
-        let message = self.service.outgoing()?;
-        if let Message::Event(event) = &message {
-            note(event);
-        }
-        Some(message)
-    }
-}
-
-/// What happened, for the log.
-fn note(event: &Event<Scalar>) {
-    match event {
-        Event::Verdict(verdict) if verdict.violation.is_some() => {
-            defmt::warn!("move {=u32} is not admitted", verdict.number);
-        }
-        Event::Verdict(_) => {}
-        // By their places in docs/wire.md.
-        Event::State { state, done, .. } => {
-            defmt::info!("state {=u8}, {=u32} moves done", *state as u8, done);
-        }
-        Event::Fault(fault) => defmt::error!("fault in tick {=u32}", fault.tick),
     }
 }

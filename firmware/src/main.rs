@@ -2,13 +2,14 @@
 //!
 //! The [`board`] owns pins, clocks and interrupts and calls, in the order of a tick: the line
 //! brings bytes to a queue, the [`background`](background::Background) makes requests of them and
-//! moves of the requests, the tick plays the moves and the [`outputs`] carry them to the drives.
+//! moves of the requests, the tick plays the moves and the [`outputs`] carry them to the drives. The
+//! scene, its service and what it says are in the [station](trirrr_station).
 //!
 //! | priority | what | where |
 //! |---|---|---|
 //! | highest | a byte from the line into a queue | `board` |
-//! | above the background | the tick: [`station`]'s foreground, then the outputs | `board` |
-//! | lowest | requests, admission, telemetry, log | `background` |
+//! | above the background | the tick: the station's foreground, then the outputs | `board` |
+//! | lowest | requests, admission, telemetry, log | `background`, the station |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -22,8 +23,6 @@ mod failure;
 #[cfg(target_os = "none")]
 mod inputs;
 #[cfg(target_os = "none")]
-mod line;
-#[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
 mod outputs;
@@ -31,11 +30,8 @@ mod outputs;
 mod provoke;
 #[cfg(target_os = "none")]
 mod pulse;
-mod scene;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 mod slots;
-#[cfg(target_os = "none")]
-mod station;
 #[cfg(target_os = "none")]
 mod systick;
 #[cfg(target_os = "none")]
@@ -45,8 +41,8 @@ mod tick;
 fn main() {
     eprintln!(
         "this image of scene {} ({} ticks per second) is for a board: build it with `cargo fw` or `cargo fw-rp2040`",
-        scene::NAME,
-        scene::TICK_RATE_HZ
+        trirrr_station::scene::NAME,
+        trirrr_station::scene::TICK_RATE_HZ
     );
     std::process::exit(2);
 }

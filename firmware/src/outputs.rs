@@ -1,9 +1,9 @@
 //! From the tick to the drives.
 
-use crate::scene::Scalar;
-use crate::station::Output;
 use trirrr_core::number::Number;
 use trirrr_drives::Failure;
+use trirrr_station::Output;
+use trirrr_station::scene::Scalar;
 
 type Angle = <Scalar as Number>::Angle;
 

@@ -35,7 +35,8 @@ pub(crate) fn at(tick: u32) {
         "overrun" => {
             ARMED.store(false, Ordering::Relaxed);
             // 1.2 periods at the full clock, more at any other.
-            let period = (crate::board::CORE_HZ as f64 / crate::scene::TICK_RATE_HZ) as u32;
+            let period =
+                (crate::board::CORE_HZ as f64 / trirrr_station::scene::TICK_RATE_HZ) as u32;
             cortex_m::asm::delay(period + period / 5);
         }
         _ => {}

@@ -1,7 +1,7 @@
 //! The sign of life of the tick: as long as it comes, the background feeds the watchdog.
 
-use crate::scene::TICK_RATE_HZ;
 use core::sync::atomic::{AtomicU32, Ordering};
+use trirrr_station::scene::TICK_RATE_HZ;
 
 /// Without a tick in time for so long, the board starts anew, ms: four ticks at least.
 pub(crate) const PATIENCE_MS: u32 = {

@@ -1,8 +1,8 @@
 //! The slots of steppers: how many there are, and what the tick hands them.
 
-use crate::scene::TICK_RATE_HZ;
-use crate::scene::drive::MOST_PER_TICK;
 use trirrr_drives::stepper::{Line, slot_rate_hz, slots_per_tick};
+use trirrr_station::scene::TICK_RATE_HZ;
+use trirrr_station::scene::drive::MOST_PER_TICK;
 
 /// From the tick to the slots.
 pub(crate) static LINE: Line = Line::new();

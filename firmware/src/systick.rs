@@ -1,8 +1,8 @@
 //! SysTick as the clock of the control tick: it counts down to 0 at each tick.
 
-use crate::scene::TICK_RATE_HZ;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
+use trirrr_station::scene::TICK_RATE_HZ;
 
 /// Largest period: 24 bits.
 const LONGEST: f64 = 16_777_216.0;

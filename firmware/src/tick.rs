@@ -3,9 +3,9 @@
 use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::pulse;
-use crate::scene::Scalar;
-use crate::station::Foreground;
 use trirrr_drives::Failure;
+use trirrr_station::Foreground;
+use trirrr_station::scene::Scalar;
 
 /// What runs once per tick.
 pub(crate) struct Tick<I, O> {

@@ -10,7 +10,8 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// The crates that are built for microcontrollers only; a host has nothing to check in them.
-const DEVICE_PACKAGES: [(&str, &str); 2] = [
+const DEVICE_PACKAGES: [(&str, &str); 3] = [
+    ("trirrr-station", FIRMWARE_TARGET),
     ("trirrr-firmware", FIRMWARE_TARGET),
     ("trirrr-insns", FIRMWARE_TARGET),
 ];

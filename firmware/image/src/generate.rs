@@ -43,13 +43,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// type, with the quantity and its range; drives that no board drives; an unknown number type; a file
 /// that cannot be written.
 pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
-    println!("cargo:rerun-if-env-changed=SCENE");
     println!("cargo:rerun-if-env-changed=TRIRRR_SCALAR");
-    let file =
-        env::var_os("SCENE").map_or_else(|| PathBuf::from("scenes/thesis.toml"), PathBuf::from);
-    let file = root.join(file);
-    println!("cargo:rerun-if-changed={}", file.display());
-    let scene = Scene::read(&file)?;
+    let (file, scene) = chosen(root)?;
     let scalar = env::var("TRIRRR_SCALAR").unwrap_or_else(|_| of_scene(scene.number).into());
     let (_, scalar) = SCALARS
         .iter()
@@ -67,7 +62,32 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     let drives = drive(&scene, scalar, &units(&scene, scalar)?)
         .map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
+    say_kinds(&scene);
+    Ok(())
+}
 
+/// For a crate that takes the scene from another, whose build script is [`build_script`]: sets the
+/// `cfg`s alone.
+///
+/// # Errors
+/// A scene that is refused.
+pub fn kinds_script(root: &Path) -> Result<(), Box<dyn Error>> {
+    say_kinds(&chosen(root)?.1);
+    Ok(())
+}
+
+/// The scene that `SCENE` names, and its file.
+fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
+    println!("cargo:rerun-if-env-changed=SCENE");
+    let file =
+        env::var_os("SCENE").map_or_else(|| PathBuf::from("scenes/thesis.toml"), PathBuf::from);
+    let file = root.join(file);
+    println!("cargo:rerun-if-changed={}", file.display());
+    let scene = Scene::read(&file)?;
+    Ok((file, scene))
+}
+
+fn say_kinds(scene: &Scene) {
     let kinds: Vec<String> = drive::KINDS
         .iter()
         .map(|kind| format!("{kind:?}"))
@@ -76,10 +96,9 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         "cargo:rustc-check-cfg=cfg(drive, values({}))",
         kinds.join(", ")
     );
-    println!("cargo:rustc-cfg=drive=\"{}\"", kind(&scene));
+    println!("cargo:rustc-cfg=drive=\"{}\"", kind(scene));
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
     }
-    Ok(())
 }

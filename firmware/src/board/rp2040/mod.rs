@@ -18,9 +18,7 @@ mod app {
     use super::switches::{self, Switches};
     use super::{CORE_HZ, clock, start};
     use crate::background::Background;
-    use crate::line::{BAUD, LOG_BAUD, RECEIVED};
     use crate::pulse::{PATIENCE_MS, Pulse};
-    use crate::station::{self, Channels};
     use crate::systick::{TickClock, period};
     use crate::tick::Tick;
     use embedded_hal_nb::serial::Read;
@@ -36,6 +34,8 @@ mod app {
     };
     use rp2040_hal::{Sio, Watchdog};
     use trirrr_core::message::{Board, Clock};
+    use trirrr_station::{self as station, Channels};
+    use trirrr_station::{BAUD, LOG_BAUD, RECEIVED};
 
     type Transmit<P> = Pin<P, FunctionUart, PullNone>;
     type LinePins = (Transmit<Gpio0>, Pin<Gpio1, FunctionUart, PullUp>);
@@ -108,7 +108,8 @@ mod app {
             clock: Clock::Crystal,
             start,
         };
-        let (foreground, background) = station::build(channels, board);
+        let (received, out) = bytes.split();
+        let (foreground, background) = station::build(channels, board, out);
         let parts = drives::Parts {
             step: (pins.gpio6, pins.gpio7, pins.gpio8),
             direction: (pins.gpio9, pins.gpio10, pins.gpio11),
@@ -118,7 +119,6 @@ mod app {
         };
         let (outputs, slot) = drives::build(parts);
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
-        let (received, out) = bytes.split();
         watchdog.start(PATIENCE_MS.millis());
         let local = Local {
             receiver,
@@ -126,7 +126,7 @@ mod app {
             clock: TickClock::start(context.core.SYST, const { period(CORE_HZ) }),
             tick: Tick::new(foreground, inputs, outputs),
             slot,
-            background: Background::new(background, out, line, log),
+            background: Background::new(background, line, log),
             watchdog,
             pulse: Pulse::default(),
         };

@@ -34,9 +34,9 @@ pub(super) fn build(
 mod pins {
     use super::{Gpio13, Gpio14, Gpio15, Pin};
     use crate::inputs::{Closed, Inputs};
-    use crate::scene::HOMING_ACTIVE_HIGH;
     use embedded_hal::digital::InputPin;
     use rp2040_hal::gpio::{FunctionSioInput, PullUp};
+    use trirrr_station::scene::HOMING_ACTIVE_HIGH;
 
     type Input<P> = Pin<P, FunctionSioInput, PullUp>;
 

@@ -19,9 +19,7 @@ mod app {
     use super::switches::{self, Switches};
     use super::{CORE_HZ, start};
     use crate::background::Background;
-    use crate::line::{BAUD, LOG_BAUD, RECEIVED};
     use crate::pulse::{PATIENCE_MS, Pulse};
-    use crate::station::{self, Channels};
     use crate::systick::{TickClock, period};
     use crate::tick::Tick;
     use embedded_hal_nb::serial::Read;
@@ -31,6 +29,8 @@ mod app {
     use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
     use trirrr_core::message::{Board, Clock};
+    use trirrr_station::{self as station, Channels};
+    use trirrr_station::{BAUD, LOG_BAUD, RECEIVED};
 
     #[shared]
     struct Shared {}
@@ -81,7 +81,8 @@ mod app {
             clock,
             start,
         };
-        let (foreground, background) = station::build(channels, board);
+        let (received, out) = bytes.split();
+        let (foreground, background) = station::build(channels, board, out);
         let parts = drives::Parts {
             pb8: b.pb8,
             pb9: b.pb9,
@@ -96,7 +97,6 @@ mod app {
         };
         let (outputs, slot) = drives::build(parts, &mut rcc);
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
-        let (received, out) = bytes.split();
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(PATIENCE_MS.millis());
@@ -106,7 +106,7 @@ mod app {
             clock: TickClock::start(context.core.SYST, period),
             tick: Tick::new(foreground, inputs, outputs),
             slot,
-            background: Background::new(background, out, line, log),
+            background: Background::new(background, line, log),
             watchdog,
             pulse: Pulse::default(),
         };

@@ -26,8 +26,8 @@ pub(super) fn build(first: PB13, second: PB14, third: PB15) -> Switches {
 #[cfg(homing)]
 mod pins {
     use crate::inputs::{Closed, Inputs};
-    use crate::scene::HOMING_ACTIVE_HIGH;
     use stm32f4xx_hal::gpio::{Input, PartiallyErasedPin};
+    use trirrr_station::scene::HOMING_ACTIVE_HIGH;
 
     /// A switch or a stall output for each motor.
     pub(crate) struct Switches([PartiallyErasedPin<'B', Input>; 3]);

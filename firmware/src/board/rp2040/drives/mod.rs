@@ -23,11 +23,11 @@ compile_error!("drive.kind = \"bldc\": the firmware for the RP2040 drives steppe
 #[cfg(any(drive = "odrive", drive = "moteus"))]
 compile_error!("drive.kind = \"can\": the RP2040 has no CAN controller");
 
-use crate::scene::Scalar;
 use rp2040_hal::gpio::bank0::{Gpio6, Gpio7, Gpio8, Gpio9, Gpio10, Gpio11, Gpio12};
 use rp2040_hal::gpio::{FunctionNull, Pin, PullDown};
 use rp2040_hal::pwm::Slices;
 use trirrr_core::number::Number;
+use trirrr_station::scene::Scalar;
 
 pub(super) type Angle = <Scalar as Number>::Angle;
 

@@ -3,14 +3,14 @@
 use super::{Angle, Parts};
 use crate::board::chosen::CORE_HZ;
 use crate::outputs::Outputs;
-use crate::scene::Scalar;
-use crate::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 use crate::slots::{LINE, PER_TICK, SLOT_HZ};
-use crate::station::Output;
 use rp2040_hal::gpio::{DynPinId, FunctionSioOutput, Pin, PinState, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
+use trirrr_station::Output;
+use trirrr_station::scene::Scalar;
+use trirrr_station::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 
 /// Cycles of the core from one slot to the next.
 const CYCLES: u32 = CORE_HZ / SLOT_HZ;

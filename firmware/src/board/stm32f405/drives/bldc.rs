@@ -2,9 +2,6 @@
 
 use super::Parts;
 use crate::outputs::Outputs;
-use crate::scene::Scalar;
-use crate::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
-use crate::station::Output;
 use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
 use stm32f4xx_hal::pac::TIM3;
 use stm32f4xx_hal::prelude::*;
@@ -13,6 +10,9 @@ use stm32f4xx_hal::timer::ErasedChannel;
 use trirrr_core::drive::bldc::Bldc;
 use trirrr_drives::bldc::{BldcMotor, Bldcs};
 use trirrr_drives::{Active, Enable, Failure};
+use trirrr_station::Output;
+use trirrr_station::scene::Scalar;
+use trirrr_station::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
 
 /// Above hearing; 4,200 counts of duty at 168 MHz.
 const PWM_HZ: u32 = 20_000;

@@ -3,12 +3,12 @@
 use super::Parts;
 use super::controller::Controller;
 use crate::outputs::Outputs;
-use crate::scene::Scalar;
-use crate::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
-use crate::station::Output;
 use stm32f4xx_hal::rcc::Rcc;
 use trirrr_drives::Failure;
 use trirrr_drives::can::{CanDrives, Odrive, RotorScale};
+use trirrr_station::Output;
+use trirrr_station::scene::Scalar;
+use trirrr_station::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
 
 /// The drives, as the tick sees them.
 pub(crate) struct Drives(CanDrives<Scalar, Odrive, Controller>);

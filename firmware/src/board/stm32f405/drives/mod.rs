@@ -35,10 +35,10 @@ compile_error!(
      of classic CAN"
 );
 
-use crate::scene::Scalar;
 use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
 use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
 use trirrr_core::number::Number;
+use trirrr_station::scene::Scalar;
 
 pub(super) type Angle = <Scalar as Number>::Angle;
 

@@ -2,10 +2,7 @@
 
 use super::{Angle, Parts};
 use crate::outputs::Outputs;
-use crate::scene::Scalar;
-use crate::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 use crate::slots::{LINE, PER_TICK, SLOT_HZ};
-use crate::station::Output;
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
 use stm32f4xx_hal::pac::TIM7;
@@ -16,6 +13,9 @@ use trirrr_core::message::DriveFault;
 use trirrr_core::number::Number;
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
+use trirrr_station::Output;
+use trirrr_station::scene::Scalar;
+use trirrr_station::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 
 /// Cycles of the core that have to lie between two slots, three times what one takes: else the tick
 /// would starve.

@@ -7,16 +7,17 @@ use trirrr_core::message::{Message, Request};
 use trirrr_core::wire::schema::longest;
 use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
 
-/// Bits per second on the line, and on that of the log.
-pub(crate) const BAUD: u32 = 921_600;
-pub(crate) const LOG_BAUD: u32 = 115_200;
+/// Bits per second on the line.
+pub const BAUD: u32 = 921_600;
+/// Bits per second on the log's.
+pub const LOG_BAUD: u32 = 115_200;
 
 /// Bytes that may wait between the interrupt and the background, and one place that stays empty:
 /// what 921,600 baud bring in 2.7 ms.
-pub(crate) const RECEIVED: usize = 256;
+pub const RECEIVED: usize = 256;
 
 /// The queue from the interrupt.
-pub(crate) type Received = Consumer<'static, u8>;
+pub type Received = Consumer<'static, u8>;
 
 /// Most bytes of a request with its checksum.
 const REQUEST: usize = decoded_length(longest::<Request<Scalar>>());
@@ -25,22 +26,20 @@ const REQUEST: usize = decoded_length(longest::<Request<Scalar>>());
 const FRAME: usize = frame_length(longest::<Message<Scalar>>());
 
 /// Both directions of the line, above the hardware.
-pub(crate) struct Line<W> {
+pub(crate) struct Line {
     received: Received,
     decoder: Decoder<REQUEST>,
-    transmitter: W,
     frame: [u8; FRAME],
     /// Bytes of the frame that are sent, and all that it has.
     sent: usize,
     length: usize,
 }
 
-impl<W: Write<u8>> Line<W> {
-    pub(crate) fn new(received: Received, transmitter: W) -> Self {
+impl Line {
+    pub(crate) fn new(received: Received) -> Self {
         Self {
             received,
             decoder: Decoder::new(),
-            transmitter,
             frame: [0; FRAME],
             sent: 0,
             length: 0,
@@ -70,14 +69,14 @@ impl<W: Write<u8>> Line<W> {
         self.length = encode(message, &mut self.frame).map_or(0, <[u8]>::len);
     }
 
-    /// Sends what the hardware takes without waiting.
-    pub(crate) fn send(&mut self) {
+    /// Gives the hardware what it takes without waiting.
+    pub(crate) fn send(&mut self, transmitter: &mut impl Write<u8>) {
         while let Some(&byte) = self
             .frame
             .get(self.sent..self.length)
             .and_then(<[u8]>::first)
         {
-            if self.transmitter.write(byte).is_err() {
+            if transmitter.write(byte).is_err() {
                 return;
             }
             self.sent += 1;

@@ -1,5 +1,7 @@
 //! The service of the scene: its types, its memory, and how it is built.
 
+use crate::background;
+use crate::line::Received;
 #[cfg(homing)]
 use crate::scene::HOMING;
 use crate::scene::{
@@ -27,23 +29,27 @@ type Scene = Known;
 type Scene = WithHoming<'static, Scalar, Known>;
 
 /// The memory between the two halves.
-pub(crate) type Channels = service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
+pub type Channels = service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
 
 /// The half that ticks.
-pub(crate) type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
+pub type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
 
 /// The half that talks.
 pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
 
 /// What goes out in a tick.
-pub(crate) type Output = service::Output<Scalar>;
+pub type Output = service::Output<Scalar>;
 
 /// Puts the service of the scene together, the machine standing where its job starts. Every
 /// coefficient is in the image.
 ///
 /// Where the board started because it had failed, that is a fault: the drives stay off until the
 /// host has acknowledged it.
-pub(crate) fn build(channels: &'static mut Channels, board: Board) -> (Foreground, Background) {
+pub fn build(
+    channels: &'static mut Channels,
+    board: Board,
+    received: Received,
+) -> (Foreground, background::Background) {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parameters: &MACHINE,
@@ -64,7 +70,10 @@ pub(crate) fn build(channels: &'static mut Channels, board: Board) -> (Foregroun
     if board.start.is_failure() {
         foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
     }
-    (foreground, background)
+    (
+        foreground,
+        background::Background::new(background, received),
+    )
 }
 
 /// How the board has started, for the log.
