@@ -26,6 +26,8 @@ impl Background {
     }
 
     /// A slice: answers a request or says what there is to say, judges a part of a move.
+    // A call, for the same reason as that of `build`.
+    #[inline(never)]
     pub fn step(&mut self) {
         if self.line.is_free()
             && let Some(message) = self.message()

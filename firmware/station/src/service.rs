@@ -45,6 +45,8 @@ pub type Output = service::Output<Scalar>;
 ///
 /// Where the board started because it had failed, that is a fault: the drives stay off until the
 /// host has acknowledged it.
+// Called once; inlined it would be compiled with its caller, for speed.
+#[inline(never)]
 pub fn build(
     channels: &'static mut Channels,
     board: Board,
@@ -88,8 +90,7 @@ fn note(board: &Board) {
         Start::Power | Start::Reset => {}
         Start::Watchdog => defmt::error!("started by the watchdog"),
         Start::Panic { file, line } => {
-            let file = core::str::from_utf8(file).unwrap_or_default();
-            defmt::error!("started after a panic in {=str}, line {=u32}", file, line);
+            defmt::error!("started after a panic in {=[u8]:a}, line {=u32}", *file, line);
         }
         Start::HardFault(at) => {
             defmt::error!("started after a hard fault at {=u32:#x}", at.pc);
