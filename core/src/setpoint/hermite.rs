@@ -1,6 +1,6 @@
 //! The cubic with given velocities at both ends, so that moves chain without stopping.
 
-use super::between::Nearer;
+use super::nearer::Nearer;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -105,41 +105,27 @@ impl<N: Number> Hermite<N> {
     /// The setpoint at `tick`, counted from the start of the move; beyond the end, the end.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
-        let left = self.ticks.saturating_sub(tick);
-        // Seen from the end, time runs backwards: velocity changes sign, acceleration does not.
-        let (cubic, s, per_duration) = if tick <= left {
-            (
-                &self.forward,
-                N::fraction(tick, &self.count),
-                self.per_duration,
-            )
-        } else {
-            (
-                &self.backward,
-                N::fraction(left, &self.count),
-                -self.per_duration,
-            )
-        };
-        cubic.setpoint(s, per_duration)
+        self.on(Nearer::at(tick, self.ticks, &self.count))
     }
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        let (cubic, s, per_duration) = match Nearer::of(tick, part, self.ticks, &self.count) {
-            Nearer::Start(s) => (&self.forward, s, self.per_duration),
-            Nearer::End(s) => (&self.backward, s, -self.per_duration),
-        };
-        cubic.setpoint(s, per_duration)
+        self.on(Nearer::between(tick, part, self.ticks, &self.count))
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
     #[inline(always)]
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
-        let (cubic, s, per_duration) = if s <= N::HALF {
-            (&self.forward, s, self.per_duration)
-        } else {
-            (&self.backward, N::ONE - s, -self.per_duration)
+        self.on(Nearer::of(s))
+    }
+
+    /// Seen from the end, time runs backwards: velocity changes sign, acceleration does not.
+    #[inline(always)]
+    fn on(&self, instant: Nearer<N>) -> Setpoint<N> {
+        let (cubic, s, per_duration) = match instant {
+            Nearer::Start(s) => (&self.forward, s, self.per_duration),
+            Nearer::End(s) => (&self.backward, s, -self.per_duration),
         };
         cubic.setpoint(s, per_duration)
     }

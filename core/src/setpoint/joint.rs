@@ -1,6 +1,6 @@
 //! Moves in joint space: for machines that stand where the platform's pose says nothing.
 
-use super::between::Nearer;
+use super::nearer::Nearer;
 use crate::number::Number;
 
 /// The three motors, each by itself, from rest to rest in the same time; the cubic of
@@ -72,7 +72,7 @@ impl<N: Number> JointMove<N> {
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     pub fn between(&self, tick: u32, part: N) -> JointSetpoint<N> {
         // The angle is reckoned from the nearer end: both are exact.
-        let (s, base, towards, slope) = match Nearer::of(tick, part, self.ticks, &self.count) {
+        let (s, base, towards, slope) = match Nearer::between(tick, part, self.ticks, &self.count) {
             Nearer::Start(s) => (s, &self.from, N::ONE, N::ONE - (s + s)),
             Nearer::End(s) => (s, &self.to, -N::ONE, (s + s) - N::ONE),
         };

@@ -4,9 +4,9 @@
 //! evaluated from whichever end is nearer, so that the first and the last tick of a move give its
 //! two poses exactly, and a chain of moves neither drifts nor jumps.
 
-mod between;
 mod hermite;
 pub(crate) mod joint;
+mod nearer;
 mod rest_to_rest;
 mod segment;
 mod serial;

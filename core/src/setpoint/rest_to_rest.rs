@@ -1,6 +1,6 @@
 //! The rest-to-rest cubic, thesis (5.1) to (5.10).
 
-use super::between::Nearer;
+use super::nearer::Nearer;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -46,28 +46,24 @@ impl<N: Number> RestToRest<N> {
     /// The setpoint at `tick`, counted from the start of the move; beyond the end, the end.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
-        let left = self.ticks.saturating_sub(tick);
-        if tick <= left {
-            self.after_start(N::fraction(tick, &self.count))
-        } else {
-            self.before_end(N::fraction(left, &self.count))
-        }
+        self.on(Nearer::at(tick, self.ticks, &self.count))
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
     #[inline(always)]
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
-        if s <= N::HALF {
-            self.after_start(s)
-        } else {
-            self.before_end(N::ONE - s)
-        }
+        self.on(Nearer::of(s))
     }
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        match Nearer::of(tick, part, self.ticks, &self.count) {
+        self.on(Nearer::between(tick, part, self.ticks, &self.count))
+    }
+
+    #[inline(always)]
+    fn on(&self, instant: Nearer<N>) -> Setpoint<N> {
+        match instant {
             Nearer::Start(s) => self.after_start(s),
             Nearer::End(s) => self.before_end(s),
         }

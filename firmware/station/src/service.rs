@@ -90,7 +90,11 @@ fn note(board: &Board) {
         Start::Power | Start::Reset => {}
         Start::Watchdog => defmt::error!("started by the watchdog"),
         Start::Panic { file, line } => {
-            defmt::error!("started after a panic in {=[u8]:a}, line {=u32}", *file, line);
+            defmt::error!(
+                "started after a panic in {=[u8]:a}, line {=u32}",
+                *file,
+                line
+            );
         }
         Start::HardFault(at) => {
             defmt::error!("started after a hard fault at {=u32:#x}", at.pc);

@@ -237,16 +237,12 @@ where
                 let Some(planned) = self.moves.peek() else {
                     return Target::Setpoint(Self::standing(self.pose));
                 };
-                // At normal speed the place is a whole tick, and the setpoint the segment's own.
-                if place.part == 0 {
-                    let on_path = planned.segment.at(place.tick);
-                    if stride.is_normal(&self.pace) {
-                        return Target::Setpoint(on_path);
-                    }
-                    return Target::Setpoint(self.scaled(&on_path, stride));
-                }
                 let part = N::fraction(place.part, &self.ramp[1]);
                 let on_path = planned.segment.between(place.tick, part);
+                // At normal speed the place is a whole tick, and the setpoint the segment's own.
+                if place.part == 0 && stride.is_normal(&self.pace) {
+                    return Target::Setpoint(on_path);
+                }
                 Target::Setpoint(self.scaled(&on_path, stride))
             }
             Path::Joints | Path::JointsEnded => {

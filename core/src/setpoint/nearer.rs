@@ -1,4 +1,4 @@
-//! Instants between ticks.
+//! Instants of a move.
 
 use crate::number::Number;
 
@@ -11,11 +11,37 @@ pub(super) enum Nearer<N> {
 }
 
 impl<N: Number> Nearer<N> {
-    /// The instant `part` of a tick, 0 to less than 1, after `tick`, in a move of `ticks`, which is `count`. Whole
-    /// ticks and the part are divided apart, for together they do not fit an integer; that rounds
-    /// twice, so at a whole tick it is not left to this.
+    /// The instant of `tick` in a move of `ticks`, which is `count`; beyond the end, the end.
     #[inline(always)]
-    pub(super) fn of(tick: u32, part: N, ticks: u32, count: &N::Count) -> Self {
+    pub(super) fn at(tick: u32, ticks: u32, count: &N::Count) -> Self {
+        let left = ticks.saturating_sub(tick);
+        let from_start = tick <= left;
+        let s = N::fraction(if from_start { tick } else { left }, count);
+        if from_start {
+            Self::Start(s)
+        } else {
+            Self::End(s)
+        }
+    }
+
+    /// The instant at the fraction `s` of the duration, 0 to 1.
+    #[inline(always)]
+    pub(super) fn of(s: N) -> Self {
+        if s <= N::HALF {
+            Self::Start(s)
+        } else {
+            Self::End(N::ONE - s)
+        }
+    }
+
+    /// The instant `part` of a tick, 0 to less than 1, after `tick`; with 0 that of the tick. Whole ticks
+    /// and the part are divided apart, for together they do not fit an integer; that rounds twice, so
+    /// a whole tick is not left to this.
+    #[inline(always)]
+    pub(super) fn between(tick: u32, part: N, ticks: u32, count: &N::Count) -> Self {
+        if part == N::ZERO {
+            return Self::at(tick, ticks, count);
+        }
         let left = ticks.saturating_sub(tick);
         let rest = part * N::fraction(1, count);
         if tick < left {
