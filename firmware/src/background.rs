@@ -1,8 +1,7 @@
 //! What is done below the tick, and the ports that it goes out by.
 
-use crate::log;
 use embedded_hal_nb::serial::Write;
-use trirrr_station as station;
+use trirrr_station::{self as station, log};
 
 /// The half of the service that talks, the port of its line, and that of the log.
 pub(crate) struct Background<W, L> {

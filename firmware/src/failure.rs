@@ -1,10 +1,11 @@
 //! What happens when the program fails: the outputs go off, the cause is kept, the board starts
-//! anew and [tells](crate::cause) what it was.
+//! anew and [tells](cause) what it was.
 #![allow(unsafe_code)]
 
-use crate::{board, cause};
+use crate::board;
 use core::panic::PanicInfo;
 use trirrr_core::message::{NAME_CAPACITY, Registers, Start};
+use trirrr_station::cause;
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {

@@ -17,13 +17,9 @@ mod background;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
-mod cause;
-#[cfg(target_os = "none")]
 mod failure;
 #[cfg(target_os = "none")]
 mod inputs;
-#[cfg(target_os = "none")]
-mod log;
 #[cfg(target_os = "none")]
 mod outputs;
 #[cfg(all(target_os = "none", feature = "provoke"))]

@@ -23,6 +23,9 @@ pub(crate) fn ticks() -> u32 {
     TICKS.load(Ordering::Relaxed)
 }
 
+// What the log calls the time.
+defmt::timestamp!("{=u32}", ticks());
+
 /// Who feels the pulse.
 #[derive(Default)]
 pub(crate) struct Pulse {

@@ -9,7 +9,11 @@
 #[cfg(target_os = "none")]
 mod background;
 #[cfg(target_os = "none")]
+pub mod cause;
+#[cfg(target_os = "none")]
 mod line;
+#[cfg(target_os = "none")]
+pub mod log;
 pub mod scene;
 #[cfg(target_os = "none")]
 mod service;

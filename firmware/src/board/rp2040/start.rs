@@ -1,8 +1,8 @@
 //! Why the board started.
 
-use crate::cause;
 use rp2040_hal::pac::{VREG_AND_CHIP_RESET, WATCHDOG};
 use trirrr_core::message::Start;
+use trirrr_station::cause;
 
 /// From what the run before has kept and what the chip knows of the reset.
 pub(super) fn cause(watchdog: &WATCHDOG, chip: &VREG_AND_CHIP_RESET) -> Start {

@@ -1,8 +1,8 @@
 //! Why the board started.
 
-use crate::cause;
 use stm32f4xx_hal::pac::RCC;
 use trirrr_core::message::Start;
+use trirrr_station::cause;
 
 /// From what the run before has kept and the flags of the reset, which are cleared.
 pub(super) fn cause(rcc: &RCC) -> Start {

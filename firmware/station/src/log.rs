@@ -102,11 +102,8 @@ unsafe impl defmt::Logger for Logger {
     }
 }
 
-// In ticks that were in time, see `pulse`.
-defmt::timestamp!("{=u32}", crate::pulse::ticks());
-
 /// Sends what `port` takes without waiting.
-pub(crate) fn drain(port: &mut impl Write<u8>) {
+pub fn drain(port: &mut impl Write<u8>) {
     with(|ring| {
         while ring.read != ring.committed {
             let byte = ring.bytes.get(ring.read).copied().unwrap_or(0);

@@ -22,12 +22,14 @@ static mut KEPT: MaybeUninit<Words> = MaybeUninit::uninit();
 
 /// Keeps why the program has failed. The rest of it is over: this is called by a panic or a fault,
 /// right before the reset.
-pub(crate) fn keep(start: &Start) {
+#[inline(never)]
+pub fn keep(start: &Start) {
     write(words(start));
 }
 
 /// What the run before has kept, once.
-pub(crate) fn take() -> Option<Start> {
+#[inline(never)]
+pub fn take() -> Option<Start> {
     let kept = read();
     write([0; WORDS]);
     start(&kept)
