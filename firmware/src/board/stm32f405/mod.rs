@@ -3,6 +3,7 @@
 
 mod clock;
 mod drives;
+mod pins;
 mod registers;
 mod start;
 mod switches;

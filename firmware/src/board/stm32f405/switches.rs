@@ -4,7 +4,7 @@
 use stm32f4xx_hal::gpio::gpiob::{PB13, PB14, PB15};
 
 #[cfg(homing)]
-pub(super) use pins::Switches;
+pub(super) use inputs::Switches;
 
 #[cfg(not(homing))]
 pub(super) use crate::inputs::NoInputs as Switches;
@@ -17,23 +17,23 @@ pub(super) fn build(_: PB13, _: PB14, _: PB15) -> Switches {
 #[cfg(homing)]
 pub(super) fn build(first: PB13, second: PB14, third: PB15) -> Switches {
     Switches::new([
-        first.into_pull_up_input().erase_number(),
-        second.into_pull_up_input().erase_number(),
-        third.into_pull_up_input().erase_number(),
+        first.into_pull_up_input().into(),
+        second.into_pull_up_input().into(),
+        third.into_pull_up_input().into(),
     ])
 }
 
 #[cfg(homing)]
-mod pins {
+mod inputs {
+    use super::super::pins::InputB;
     use crate::inputs::{Closed, Inputs};
-    use stm32f4xx_hal::gpio::{Input, PartiallyErasedPin};
     use trirrr_station::scene::HOMING_ACTIVE_HIGH;
 
     /// A switch or a stall output for each motor.
-    pub(crate) struct Switches([PartiallyErasedPin<'B', Input>; 3]);
+    pub(crate) struct Switches([InputB; 3]);
 
     impl Switches {
-        pub(crate) fn new(pins: [PartiallyErasedPin<'B', Input>; 3]) -> Self {
+        pub(crate) fn new(pins: [InputB; 3]) -> Self {
             Self(pins)
         }
     }

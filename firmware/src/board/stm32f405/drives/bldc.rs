@@ -1,8 +1,9 @@
 //! Brushless motors: TIM3 gives their PWM.
 
+use super::super::pins::OutputC;
 use super::Parts;
 use crate::outputs::Outputs;
-use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
+use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
 use stm32f4xx_hal::pac::TIM3;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -17,10 +18,8 @@ use trirrr_station::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
 /// Above hearing; 4,200 counts of duty at 168 MHz.
 const PWM_HZ: u32 = 20_000;
 
-type DirectionPin = PartiallyErasedPin<'C', Out>;
-
 /// The drives, as the tick sees them.
-pub(crate) struct Drives(Bldcs<Scalar, ErasedChannel<TIM3>, DirectionPin, Pin<'B', 12, Out>>);
+pub(crate) struct Drives(Bldcs<Scalar, ErasedChannel<TIM3>, OutputC, Pin<'B', 12, Out>>);
 
 impl Outputs for Drives {
     #[inline(always)]
@@ -57,9 +56,9 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     let [pwm_1, pwm_2, pwm_3] = pwm;
     let [m1, m2, m3] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
     let [r1, r2, r3] = REVERSED;
-    let direction_1 = c.pc3.into_push_pull_output().erase_number();
-    let direction_2 = c.pc4.into_push_pull_output().erase_number();
-    let direction_3 = c.pc5.into_push_pull_output().erase_number();
+    let direction_1 = c.pc3.into_push_pull_output().into();
+    let direction_2 = c.pc4.into_push_pull_output().into();
+    let direction_3 = c.pc5.into_push_pull_output().into();
     let motors = [
         BldcMotor::new(m1, pwm_1, direction_1, r1),
         BldcMotor::new(m2, pwm_2, direction_2, r2),

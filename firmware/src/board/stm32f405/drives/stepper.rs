@@ -1,10 +1,11 @@
 //! Steppers: TIM7 calls the slots.
 
+use super::super::pins::OutputC;
 use super::{Angle, Parts};
 use crate::outputs::Outputs;
 use crate::slots::{LINE, PER_TICK, SLOT_HZ};
 use stm32f4xx_hal::ClearFlags;
-use stm32f4xx_hal::gpio::{Output as Out, PartiallyErasedPin, Pin, PinState};
+use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
 use stm32f4xx_hal::pac::TIM7;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -57,11 +58,9 @@ fn too_slow() -> Failure<Scalar> {
     }
 }
 
-type StepPin = PartiallyErasedPin<'C', Out>;
-
 /// The slots, as the timer sees them.
 pub(crate) struct Slot {
-    slots: Slots<'static, StepPin, StepPin, Pin<'B', 12, Out>>,
+    slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
     timer: CounterHz<TIM7>,
 }
 
@@ -89,18 +88,18 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     let [r1, r2, r3] = REVERSED;
     let low = PinState::Low;
     let Ok(axis_1) = Axis::new(
-        c.pc0.into_push_pull_output_in_state(low).erase_number(),
-        c.pc3.into_push_pull_output_in_state(low).erase_number(),
+        c.pc0.into_push_pull_output_in_state(low).into(),
+        c.pc3.into_push_pull_output_in_state(low).into(),
         r1,
     );
     let Ok(axis_2) = Axis::new(
-        c.pc1.into_push_pull_output_in_state(low).erase_number(),
-        c.pc4.into_push_pull_output_in_state(low).erase_number(),
+        c.pc1.into_push_pull_output_in_state(low).into(),
+        c.pc4.into_push_pull_output_in_state(low).into(),
         r2,
     );
     let Ok(axis_3) = Axis::new(
-        c.pc2.into_push_pull_output_in_state(low).erase_number(),
-        c.pc5.into_push_pull_output_in_state(low).erase_number(),
+        c.pc2.into_push_pull_output_in_state(low).into(),
+        c.pc5.into_push_pull_output_in_state(low).into(),
         r3,
     );
     let axes = [axis_1, axis_2, axis_3];
