@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
+use trirrr_core::message::scene::Section;
 use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
 use trirrr_core::service::{
     self, Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError,
@@ -13,7 +14,7 @@ use trirrr_core::service::{
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
-use trirrr_core::wire::schema;
+use trirrr_core::wire::{self, schema};
 use trirrr_scene::{Homing, Scene};
 
 /// Moves that can wait, as on a board, and one place that stays empty.
@@ -179,7 +180,7 @@ where
     N: Transmit,
     P: Payload<N>,
     L: Links<N>,
-    S: service::Scene<N, P, L>,
+    S: service::Scene<N, P, L, Replacement = Section>,
     T: Take<Setup<N, P, L>>,
     U: Put<Setup<N, P, L>>,
     H: service::Homing<N, Inputs = [bool; 3]>,
@@ -207,7 +208,9 @@ where
     }
 
     fn receive(&mut self, request: &Request<N>) -> Reply<N> {
-        self.background.receive(request)
+        // Every request has a length that is known beforehand.
+        let checksum = wire::checksum(request).unwrap_or_default();
+        self.background.receive(request, checksum)
     }
 
     fn work(&mut self) -> bool {

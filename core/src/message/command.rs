@@ -5,13 +5,18 @@ use super::scene::{Section, SectionName};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use postcard_schema::Schema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// A command in its frame.
+/// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
+/// [`Unread`](super::scene::Unread) by a machine that takes none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(bound = "N: Transmit")]
-#[postcard(bound = "N: Transmit")]
-pub struct Request<N: Number> {
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+pub struct Request<N: Number, S = Section> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
     /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
     /// sent back and otherwise ignored.
@@ -19,14 +24,17 @@ pub struct Request<N: Number> {
     /// [`Identity`]: super::Identity
     pub sequence: u32,
     /// What to do.
-    pub command: Command<N>,
+    pub command: Command<N, S>,
 }
 
 /// What to do.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(bound = "N: Transmit")]
-#[postcard(bound = "N: Transmit")]
-pub enum Command<N: Number> {
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+pub enum Command<N: Number, S = Section> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
     Hello(Hello),
     /// Asks for the [status](super::Status).
@@ -34,7 +42,7 @@ pub enum Command<N: Number> {
     /// Asks for a part of the scene as it stands.
     Read(SectionName),
     /// Replaces a part of the scene; only in idle with nothing queued.
-    Override(Section),
+    Override(S),
     /// Offers a move, to be admitted and queued behind the last.
     Move(Move<N>),
     /// Plays what is queued.

@@ -1,7 +1,9 @@
+use super::scene::Unread;
 use super::*;
+use crate::limits::LimitParameters;
 use crate::setpoint::{Pose, Setpoint};
-use crate::wire::schema::longest;
-use crate::wire::{Decoder, encode, frame_length};
+use crate::wire::schema::{key, longest};
+use crate::wire::{Decoder, FrameError, encode, frame_length};
 use core::fmt::Debug;
 use nalgebra::Vector3;
 use std::vec;
@@ -47,7 +49,7 @@ impl<T: Serialize + DeserializeOwned + Schema + Debug + PartialEq> Transmitted f
 fn messages_survive_the_line() {
     survives(Message::Telemetry(telemetry::<f32>()));
     survives(Message::Telemetry(telemetry::<f64>()));
-    survives(Request {
+    survives(Request::<f32> {
         sequence: 7,
         command: Command::Move(Move {
             number: 3,
@@ -72,6 +74,51 @@ fn messages_survive_the_line() {
             shortest: Some(150),
         })),
     });
+}
+
+/// A machine that takes no part of a scene has the layout of all others, and reads what a part is as
+/// little as whether it is one.
+#[test]
+fn a_part_that_is_not_read_may_be_anything() {
+    type Short = Request<f32, Unread>;
+    assert_eq!(
+        key::<Request<f32>, Message<f32>>(),
+        key::<Short, Message<f32>>()
+    );
+    assert_eq!(longest::<Request<f32>>(), longest::<Short>());
+    fn heard(content: impl Serialize) -> Result<Short, FrameError> {
+        let mut room = [0; 256];
+        let mut line = encode(&content, &mut room).unwrap();
+        Decoder::<256>::new().take(&mut line).unwrap()
+    }
+    let expected = Request {
+        sequence: 7,
+        command: Command::Override(Unread),
+    };
+    let limits = scene::Limits::from(&LimitParameters::default());
+    let whole = Request::<f32> {
+        sequence: 7,
+        command: Command::Override(scene::Section::Limits(limits)),
+    };
+    assert_eq!(heard(whole), Ok(expected));
+    // By its place in the enum, with nothing and with nonsense behind it.
+    assert_eq!(heard((7u32, 3u32)), Ok(expected));
+    assert_eq!(heard((7u32, 3u32, [0xFFu8; 32])), Ok(expected));
+    // What is not a part of a scene is read as ever.
+    assert_eq!(heard((7u32, 13u32)), Err(FrameError::Message));
+    assert_eq!(heard((7u32, 5u32, 1u8)), Err(FrameError::Trailing));
+    let moved = Recovery {
+        to: Pose::from_f64(0.1, 0.2, 0.3),
+        ticks: 300,
+    };
+    let recover = Request::<f32> {
+        sequence: 8,
+        command: Command::Recover(moved),
+    };
+    let Ok(request) = heard(recover) else {
+        panic!("a recovery is read");
+    };
+    assert_eq!(request.command, Command::Recover(moved));
 }
 
 /// A full telemetry sample in f32 a thousand times a second takes less than 1.5 Mbaud: ten bits on

@@ -9,7 +9,7 @@ use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::Admission;
 use crate::machine::BuildError;
-use crate::message::{Event, Fault, Move, Telemetry};
+use crate::message::{Event, Fault, Move, Request, Telemetry};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::status::Status;
@@ -64,6 +64,9 @@ pub type ForegroundOf<'q, N, P, L, S> = Foreground<
 /// The half that talks, of a service with scene `S`.
 pub type BackgroundOf<'q, N, P, L, S> =
     Background<'q, N, P, L, S, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Put<'q>>;
+
+/// What the half that talks takes, of a service with scene `S`.
+pub type RequestOf<N, P, L, S> = Request<N, <S as Scene<N, P, L>>::Replacement>;
 
 /// Both halves of a service with scene `S`.
 pub type Halves<'q, N, P, L, S> = (ForegroundOf<'q, N, P, L, S>, BackgroundOf<'q, N, P, L, S>);

@@ -41,7 +41,7 @@ mod tests;
 mod tool;
 
 pub use background::Background;
-pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, ServiceError};
+pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, RequestOf, ServiceError};
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};
 pub use homing::{

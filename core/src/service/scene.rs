@@ -11,7 +11,7 @@ use super::settings::Settings;
 use crate::limits::{LimitParameters, Limits};
 use crate::machine::{BuildError, LegParameters, LinksKind, Parameters, PayloadKind};
 use crate::message::Refusal;
-use crate::message::scene::{Leg, Platform, Section, SectionName};
+use crate::message::scene::{Leg, Platform, Replacement, Section, SectionName, Unread};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::tick::Tick;
@@ -36,6 +36,9 @@ pub struct Setup<N: Number, P: Payload<N>, L> {
 pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// Room for a setup on its way to the tick.
     type Slot: Slot<Setup<N, P, L>>;
+
+    /// What is read of a part of the scene in a request: all of it where it can be changed.
+    type Replacement: Replacement;
 
     /// How its machine finds out where its motors are; [`NoHoming`] if it knows.
     type Homing: Homing<N>;
@@ -222,6 +225,7 @@ impl<T> Take<T> for QueueTake<'_, T> {
 
 impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P, L> {
     type Slot = NoSlot;
+    type Replacement = Unread;
     type Homing = NoHoming;
 
     #[inline(always)]
@@ -259,6 +263,7 @@ where
     L: Links<N>,
 {
     type Slot = Queue<Setup<N, P, L>, 2>;
+    type Replacement = Section;
     type Homing = NoHoming;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {

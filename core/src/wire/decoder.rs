@@ -23,6 +23,7 @@ pub struct Decoder<const N: usize> {
     /// The frame is too long: nothing of it counts any more.
     skipping: bool,
     counters: Counters,
+    checksum: u32,
 }
 
 impl<const N: usize> Default for Decoder<N> {
@@ -41,12 +42,18 @@ impl<const N: usize> Decoder<N> {
             started: false,
             skipping: false,
             counters: Counters::ZERO,
+            checksum: 0,
         }
     }
 
     /// What came so far.
     pub fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// Checksum of the message that was taken last; of no meaning after a frame that was none.
+    pub fn checksum(&self) -> u32 {
+        self.checksum
     }
 
     /// Forgets the frame that is being received, as when a line is opened anew. Counters stay.
@@ -115,10 +122,13 @@ impl<const N: usize> Decoder<N> {
         let bytes = self.bytes.get(..self.length).unwrap_or_default();
         match bytes.split_last_chunk::<CHECKSUM_BYTES>() {
             None | Some(([], _)) => Err(FrameError::Truncated),
-            Some((message, checksum)) if CRC.checksum(message) == u32::from_le_bytes(*checksum) => {
-                Ok(message)
+            Some((message, checksum)) => {
+                self.checksum = CRC.checksum(message);
+                match self.checksum == u32::from_le_bytes(*checksum) {
+                    true => Ok(message),
+                    false => Err(FrameError::Checksum),
+                }
             }
-            Some(_) => Err(FrameError::Checksum),
         }
     }
 }

@@ -39,6 +39,31 @@ where
         .ok_or(BufferTooSmall { bytes })
 }
 
+/// The checksum in the frame of `message`, for who hands messages over without a line; none where
+/// the message has no length that is known beforehand.
+pub fn checksum<T>(message: &T) -> Option<u32>
+where
+    T: Serialize + ?Sized,
+{
+    postcard::serialize_with_flavor(message, Sum(CRC.digest())).ok()
+}
+
+/// A message that is written nowhere.
+struct Sum(Checksum);
+
+impl Flavor for Sum {
+    type Output = u32;
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.0.update(&[byte]);
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<u32> {
+        Ok(self.0.finalize())
+    }
+}
+
 /// A frame as it is written: the checksum sees the message's bytes, COBS sees both.
 ///
 /// Whether there is room shows at the end, not at each byte: a test behind each field of each

@@ -31,7 +31,7 @@ pub mod schema;
 mod tests;
 
 pub use decoder::Decoder;
-pub use encode::{BufferTooSmall, encode};
+pub use encode::{BufferTooSmall, checksum, encode};
 pub use error::{Counters, FrameError};
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};

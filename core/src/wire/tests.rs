@@ -65,6 +65,7 @@ proptest! {
         for piece in frame.chunks(pieces) {
             heard.extend(hear(&mut decoder, piece));
         }
+        prop_assert_eq!(Some(decoder.checksum()), checksum(&message));
         prop_assert_eq!(heard, [Ok(message)]);
         prop_assert_eq!(decoder.counters().messages, 1);
         prop_assert_eq!(decoder.counters().errors(), 0);

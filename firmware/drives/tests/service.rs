@@ -115,7 +115,10 @@ impl<'a> Machine<'a> {
 
     fn ask(&mut self, command: Command<Scalar>) {
         let sequence = self.sequence;
-        let reply = self.background.receive(&Request { sequence, command });
+        // None is repeated, so any checksum will do.
+        let reply = self
+            .background
+            .receive(&Request { sequence, command }, sequence);
         assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
         if !matches!(command, Command::Hello(_)) {
             self.sequence += 1;

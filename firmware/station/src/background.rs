@@ -39,10 +39,10 @@ impl Background {
 
     /// Replies first, then events, then telemetry.
     fn message(&mut self) -> Option<Message<Scalar>> {
-        if let Some(request) = self.line.request() {
+        if let Some((request, checksum)) = self.line.request() {
             return Some(Message::Reply {
                 sequence: request.sequence,
-                reply: self.service.receive(&request),
+                reply: self.service.receive(&request, checksum),
             });
         }
         let message = self.service.outgoing()?;

@@ -1,9 +1,10 @@
 //! The line to the host: requests out of bytes, frames out of messages.
 
 use crate::scene::Scalar;
+use crate::service::Request;
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
-use trirrr_core::message::{Message, Request};
+use trirrr_core::message::Message;
 use trirrr_core::wire::schema::longest;
 use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
 
@@ -20,7 +21,7 @@ pub const RECEIVED: usize = 256;
 pub type Received = Consumer<'static, u8>;
 
 /// Most bytes of a request with its checksum.
-const REQUEST: usize = decoded_length(longest::<Request<Scalar>>());
+const REQUEST: usize = decoded_length(longest::<Request>());
 
 /// Most bytes of the frame of a message.
 const FRAME: usize = frame_length(longest::<Message<Scalar>>());
@@ -46,12 +47,12 @@ impl Line {
         }
     }
 
-    /// The next request, from the bytes that have come so far. Damaged frames are dropped: the
-    /// host asks again.
-    pub(crate) fn request(&mut self) -> Option<Request<Scalar>> {
+    /// The next request, from the bytes that have come so far, and its checksum. Damaged frames are
+    /// dropped: the host asks again.
+    pub(crate) fn request(&mut self) -> Option<(Request, u32)> {
         while let Some(byte) = self.received.dequeue() {
             if let Some(Ok(request)) = self.decoder.feed(byte) {
-                return Some(request);
+                return Some((request, self.decoder.checksum()));
             }
         }
         None

@@ -12,7 +12,7 @@ use trirrr_core::message::{Board, Clock, FaultCode, Start};
 use trirrr_core::number::Number;
 #[cfg(homing)]
 use trirrr_core::service::WithHoming;
-use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, Settings};
+use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, RequestOf, Settings};
 
 /// Room for moves, one place stays empty.
 const MOVES: usize = 16;
@@ -36,6 +36,9 @@ pub type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
 
 /// The half that talks.
 pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// What it is asked.
+pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;
 
 /// What goes out in a tick.
 pub type Output = service::Output<Scalar>;

@@ -4,7 +4,7 @@
 use nalgebra::Vector2;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
-use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Request, Telemetry};
+use trirrr_core::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Telemetry};
 use trirrr_core::service::{
     Adjustable, BackgroundOf, Channels, ForegroundOf, Output, SceneIdentity, Settings, name,
 };
@@ -12,7 +12,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::Massless;
 use trirrr_core::torque::payload::Centred;
 use trirrr_core::wire::schema::{key, longest};
-use trirrr_core::wire::{Counters, Decoder, decoded_length, encode, frame_length};
+use trirrr_core::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
 
 /// Ticks per second.
 pub const TICK_RATE_HZ: f64 = 1000.0;
@@ -148,7 +148,7 @@ impl<'q> Device<'q> {
                 continue;
             };
             heard(&request);
-            let reply = self.background.receive(&request);
+            let reply = self.background.receive(&request, self.decoder.checksum());
             answer(&Message::Reply {
                 sequence: request.sequence,
                 reply,
@@ -160,6 +160,12 @@ impl<'q> Device<'q> {
     pub fn counters(&self) -> Counters {
         self.decoder.counters()
     }
+}
+
+/// The answer to a request that comes over no line.
+pub fn answer(device: &mut Device, request: &Request<f64>) -> Reply<f64> {
+    let checksum = checksum(request).expect("a request has a length");
+    device.background.receive(request, checksum)
 }
 
 /// The frame of a request.

@@ -328,7 +328,7 @@ fn same<T: serde::Serialize>(a: &T, b: &T) -> bool {
 mod tests {
     use super::*;
     use crate::device::{
-        Device, DeviceChannels, RAMP_TICKS, TICK_RATE_HZ, hello, home, parameters,
+        Device, DeviceChannels, RAMP_TICKS, TICK_RATE_HZ, answer, hello, home, parameters,
     };
     use crate::faulty_link::Random;
     use crate::job::random_job;
@@ -356,7 +356,7 @@ mod tests {
         let mut ask = |device: &mut Device, command| {
             let request = Request { sequence, command };
             sequence += u32::from(!matches!(command, Command::Hello(_)));
-            let reply = device.background.receive(&request);
+            let reply = answer(device, &request);
             assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
         };
         ask(&mut device, Command::Hello(hello()));

@@ -5,9 +5,10 @@ use crate::scene::{
     COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, MOVES, Payload, SETTINGS, START, Scalar,
 };
 use nalgebra::Vector3;
+use trirrr_core::message::Command;
 use trirrr_core::message::Move;
 use trirrr_core::number::Number;
-use trirrr_core::service::{BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
+use trirrr_core::service::{self, BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 use trirrr_core::setpoint::Pose;
 
 /// The scene of an image that does not change it.
@@ -21,6 +22,10 @@ pub type SceneForeground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
 
 /// The half that talks.
 pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// What it is told.
+pub type SceneCommand =
+    Command<Scalar, <Scene as service::Scene<Scalar, Payload, Links>>::Replacement>;
 
 /// The scene.
 pub fn scene() -> Scene {

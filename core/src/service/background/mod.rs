@@ -13,7 +13,7 @@ use crate::admission::Admission;
 use crate::limits::Limits;
 use crate::machine::Geometry;
 use crate::message::{
-    Acting, Event, Fault, Message, Move, Refusal, Request, State, Status, Telemetry, Verdict,
+    Acting, Event, Fault, Message, Move, Refusal, State, Status, Telemetry, Verdict,
 };
 use crate::number::Number;
 use crate::setpoint::{Pose, Setpoint};
@@ -52,8 +52,8 @@ where
     events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
 
     greeted: bool,
-    /// The last request that counted, and what became of it.
-    last: Option<(Request<N>, Option<Refusal<N>>)>,
+    /// The last request that counted.
+    last: Option<Last<N>>,
     next_sequence: u32,
 
     /// Where the tick stands, as far as known, with what the orders that it has not taken yet will
@@ -81,6 +81,16 @@ where
     refused: Option<Verdict<N>>,
     /// Where the next move has to start; none while that is not known.
     end: Option<End<N>>,
+}
+
+/// A request that counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Last<N: Number> {
+    sequence: u32,
+    /// What tells it from another with its number.
+    checksum: u32,
+    /// Why it was not executed, if it was not.
+    refusal: Option<Refusal<N>>,
 }
 
 /// Where moves end.

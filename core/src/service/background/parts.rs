@@ -6,7 +6,7 @@ use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, End};
 use crate::admission::Admission;
 use crate::forward::Forward;
-use crate::message::scene::Section;
+use crate::message::scene::{Replacement, Section};
 use crate::message::{Refusal, State};
 use crate::number::Number;
 use crate::torque::links::Links;
@@ -26,7 +26,8 @@ where
 {
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
-    pub(super) fn change(&mut self, section: &Section) -> Result<(), Refusal<N>> {
+    pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
+        let section = part.section().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
         let (parameters, limits) = self.scene.changed(section, &units)?;
         self.waits()?;

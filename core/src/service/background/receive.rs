@@ -2,7 +2,7 @@
 
 use super::super::link::count;
 use super::super::scene::{Put, Scene, Setup};
-use super::Background;
+use super::{Background, Last};
 use crate::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
 use crate::number::Number;
 use crate::torque::links::Links;
@@ -17,9 +17,11 @@ where
     U: Put<Setup<N, P, L>>,
 {
     /// Executes a request, unless it was executed already: the answer, to be sent with the request's
-    /// sequence number.
+    /// sequence number. `checksum` is that of its frame
+    /// ([`Decoder::checksum`](crate::wire::Decoder::checksum)), by which one that is repeated is
+    /// told from another with the same number.
     #[inline(never)]
-    pub fn receive(&mut self, request: &Request<N>) -> Reply<N> {
+    pub fn receive(&mut self, request: &Request<N, S::Replacement>, checksum: u32) -> Reply<N> {
         // Whatever it is that comes, the host is there.
         count(&self.shared.heard);
         self.learn();
@@ -29,18 +31,15 @@ where
         if !self.greeted {
             return Reply::Refused(Refusal::HelloFirst);
         }
-        if let Some((last, refusal)) = &self.last
+        if let Some(last) = &self.last
             && last.sequence == request.sequence
         {
-            // A command that holds what is not a number differs from itself. It was refused, by
-            // whatever name.
-            #[allow(clippy::eq_op)]
-            let odd = last.command != last.command;
-            let same = last.command == request.command || odd && refusal.is_some();
-            return match (same, refusal) {
-                (false, _) => Reply::Refused(Refusal::SequenceReused),
-                (true, Some(refusal)) => Reply::Refused(*refusal),
-                (true, None) => self.answer(&request.command),
+            if last.checksum != checksum {
+                return Reply::Refused(Refusal::SequenceReused);
+            }
+            return match last.refusal {
+                Some(refusal) => Reply::Refused(refusal),
+                None => self.answer(&request.command),
             };
         }
         if request.sequence != self.next_sequence {
@@ -49,7 +48,11 @@ where
             });
         }
         let result = self.execute(&request.command);
-        self.last = Some((*request, result.err()));
+        self.last = Some(Last {
+            sequence: request.sequence,
+            checksum,
+            refusal: result.err(),
+        });
         self.next_sequence = request.sequence.wrapping_add(1);
         match result {
             Ok(()) => self.answer(&request.command),
@@ -84,7 +87,7 @@ where
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
-    fn answer(&mut self, command: &Command<N>) -> Reply<N> {
+    fn answer(&mut self, command: &Command<N, S::Replacement>) -> Reply<N> {
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => match self.scene.section(*name, &self.settings.scene.units()) {
@@ -96,7 +99,7 @@ where
     }
 
     #[inline(never)]
-    fn execute(&mut self, command: &Command<N>) -> Result<(), Refusal<N>> {
+    fn execute(&mut self, command: &Command<N, S::Replacement>) -> Result<(), Refusal<N>> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Override(section) => self.change(section),

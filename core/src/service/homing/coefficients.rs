@@ -112,6 +112,7 @@ where
     S: Scene<N, P, L>,
 {
     type Slot = S::Slot;
+    type Replacement = S::Replacement;
     type Homing = Option<Cycle<'a, N>>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {

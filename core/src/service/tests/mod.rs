@@ -13,13 +13,14 @@ use crate::limits::LimitParameters;
 use crate::machine::{Parameters, example};
 use crate::message::{
     Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
-    State, Status, Telemetry,
+    State, Status, Telemetry, Transmit,
 };
 use crate::number::Number;
 use crate::setpoint::Pose;
-use crate::torque::links::Massless;
-use crate::torque::payload::Centred;
+use crate::torque::links::{Links, Massless};
+use crate::torque::payload::{Centred, Payload};
 use crate::units::Units;
+use crate::wire::{Decoder, encode};
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -42,6 +43,25 @@ pub(super) struct Rig<N: Number, S: Scene<N, Centred<N>, Massless> + 'static = A
     pub(super) inputs: InputsOf<N, S>,
     pub(super) telemetry: Vec<Telemetry<N>>,
     pub(super) events: Vec<Event<N>>,
+}
+
+/// What `background` answers to a request that comes over a line.
+pub(super) fn hear<'q, N, P, L, S>(
+    background: &mut BackgroundOf<'q, N, P, L, S>,
+    sequence: u32,
+    command: Command<N>,
+) -> Reply<N>
+where
+    N: Transmit,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L> + 'q,
+{
+    let mut room = [0; 256];
+    let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
+    let mut decoder = Decoder::<256>::new();
+    let request = decoder.take(&mut line).unwrap().unwrap();
+    background.receive(&request, decoder.checksum())
 }
 
 /// Where the thesis's move starts.
@@ -89,7 +109,7 @@ fn settings_in<N: Number>(units: Units) -> Settings<N> {
     }
 }
 
-impl<N: Number> Rig<N> {
+impl<N: Transmit> Rig<N> {
     pub(super) fn new() -> Self {
         Self::with(example(), LimitParameters::default())
     }
@@ -101,7 +121,7 @@ impl<N: Number> Rig<N> {
 
 impl<N, S> Rig<N, S>
 where
-    N: Number,
+    N: Transmit,
     S: Scene<N, Centred<N>, Massless> + 'static,
 {
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
@@ -138,7 +158,7 @@ where
     }
 
     pub(super) fn ask_as(&mut self, sequence: u32, command: Command<N>) -> Reply<N> {
-        self.background.receive(&Request { sequence, command })
+        hear(&mut self.background, sequence, command)
     }
 
     pub(super) fn ask(&mut self, command: Command<N>) -> Reply<N> {

@@ -53,11 +53,20 @@ fn an_image_without_the_code_refuses_overrides() {
         limits,
     };
     let mut rig = Rig::of(scene, home());
-    let section = read(&mut rig, SectionName::Leg(0));
+    let [section, other] = [0, 1].map(|leg| read(&mut rig, SectionName::Leg(leg)));
+    let sequence = rig.sequence;
     assert_eq!(
         rig.refused(Command::Override(section)),
         Refusal::NotAdjustable
     );
+    // It does not read the part, but sees that it is the same, or another.
+    for (section, refusal) in [
+        (section, Refusal::NotAdjustable),
+        (other, Refusal::SequenceReused),
+    ] {
+        let again = rig.ask_as(sequence, Command::Override(section));
+        assert_eq!(again, Reply::Refused(refusal));
+    }
     // Otherwise it does all that others do.
     rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
     rig.done(Command::Start);
@@ -96,7 +105,7 @@ fn a_machine_without_torques_has_no_limit_of_them() {
     let (mut foreground, mut background) = channels.split(scene, home(), settings()).unwrap();
     let mut sequence = 0;
     let mut ask = |command| {
-        let reply = background.receive(&Request { sequence, command });
+        let reply = hear(&mut background, sequence, command);
         sequence += u32::from(!matches!(command, Command::Hello(_)));
         while background.step() {}
         reply

@@ -159,12 +159,7 @@ fn nothing_is_heard_before_a_hello_that_fits() {
     let (_, mut background) = Box::leak(Box::new(channels))
         .split(scene, home(), settings())
         .unwrap();
-    let mut ask = |command| {
-        background.receive(&Request {
-            sequence: 0,
-            command,
-        })
-    };
+    let mut ask = |command| hear(&mut background, 0, command);
     assert_eq!(ask(Command::Status), Reply::Refused(Refusal::HelloFirst));
     let right = Hello {
         protocol: PROTOCOL,

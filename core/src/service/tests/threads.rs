@@ -30,7 +30,7 @@ fn the_halves_need_nothing_but_their_queues() {
         });
         let mut sequence = 0;
         let mut ask = |command, background: &mut Background<f64, Adjustable>| {
-            let reply = background.receive(&Request { sequence, command });
+            let reply = hear(background, sequence, command);
             sequence += 1;
             reply
         };
@@ -39,10 +39,7 @@ fn the_halves_need_nothing_but_their_queues() {
             schema: SCHEMA,
             scene: 0,
         };
-        background.receive(&Request {
-            sequence: 0,
-            command: Command::Hello(hello),
-        });
+        hear(&mut background, 0, Command::Hello(hello));
         for each in &moves {
             assert_eq!(ask(Command::Move(*each), &mut background), Reply::Done);
         }

@@ -2,7 +2,7 @@
 
 use super::bytes::Bytes;
 use super::watch::{self, Reached, Watched, leave};
-use crate::device::{Device, DeviceChannels, hello, home};
+use crate::device::{Device, DeviceChannels, answer, hello, home};
 use trirrr_core::message::scene::{Limits, Platform, Section};
 use trirrr_core::message::{
     Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request,
@@ -114,7 +114,7 @@ impl Session<'_> {
     }
 
     fn request(&mut self, request: &Request<f64>) {
-        let reply = self.watched.device.background.receive(request);
+        let reply = answer(&mut self.watched.device, request);
         let counts = !matches!(
             reply,
             Reply::Hello(_)
@@ -148,7 +148,7 @@ impl Session<'_> {
     /// The last request again: the same answer, unless it was a question.
     fn repeat(&mut self) {
         if let Some((request, reply)) = &self.last {
-            let again = self.watched.device.background.receive(request);
+            let again = answer(&mut self.watched.device, request);
             if matches!(reply, Reply::Done | Reply::Refused(_)) {
                 // As text: what is not a number is not equal to itself.
                 assert_eq!(format!("{again:?}"), format!("{reply:?}"));
@@ -205,7 +205,7 @@ impl Session<'_> {
             sequence: 0,
             command: Command::Hello(hello()),
         };
-        match self.watched.device.background.receive(&hello) {
+        match answer(&mut self.watched.device, &hello) {
             Reply::Hello(identity) => self.sequence = identity.next_sequence,
             other => panic!("a right hello: {other:?}"),
         }

@@ -1,6 +1,6 @@
 //! What has to hold in every tick, whatever was asked.
 
-use crate::device::{Device, home};
+use crate::device::{Device, answer, home};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::message::{Command, Recovery, Reply, Request, State};
 use trirrr_core::service::Output;
@@ -107,7 +107,7 @@ const RECOVERY: u32 = 20_000;
 pub(super) fn leave(watched: &mut Watched, mut sequence: u32) {
     let mut ask = |watched: &mut Watched, command: Command<f64>| {
         let request = Request { sequence, command };
-        let reply = watched.device.background.receive(&request);
+        let reply = answer(&mut watched.device, &request);
         sequence = sequence.wrapping_add(1);
         assert_eq!(reply, Reply::Done, "{command:?}");
     };

@@ -8,7 +8,7 @@ use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
 use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
-    SceneBackground, SceneChannels, Ticking, offered, scene, settings, start, tick,
+    SceneBackground, SceneChannels, SceneCommand, Ticking, offered, scene, settings, start, tick,
 };
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
@@ -38,16 +38,19 @@ struct Host {
 }
 
 impl Host {
-    fn ask(&mut self, command: Command<Scalar>) -> Reply<Scalar> {
+    fn ask(&mut self, command: SceneCommand) -> Reply<Scalar> {
         let sequence = self.sequence;
-        let reply = self.background.receive(&Request { sequence, command });
+        // None is repeated, so any checksum will do.
+        let reply = self
+            .background
+            .receive(&Request { sequence, command }, sequence);
         if !matches!(command, Command::Hello(_)) {
             self.sequence = sequence.wrapping_add(1);
         }
         reply
     }
 
-    fn done(&mut self, command: Command<Scalar>) {
+    fn done(&mut self, command: SceneCommand) {
         let reply = self.ask(command);
         if !matches!(reply, Reply::Done | Reply::Hello(_)) {
             println!("error: {command:?}: {reply:?}");
