@@ -180,9 +180,9 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             return Err(Status::OutOfRange);
         }
         let rotation = Rotation::new(setpoint.pose.angle);
-        let kinematics = |leg| self.kinematics(leg, setpoint, &rotation);
-        let [(leg1, load1), (leg2, load2), (leg3, load3)] =
-            [kinematics(0)?, kinematics(1)?, kinematics(2)?];
+        let (leg1, load1) = self.kinematics(0, setpoint, &rotation)?;
+        let (leg2, load2) = self.kinematics(1, setpoint, &rotation)?;
+        let (leg3, load3) = self.kinematics(2, setpoint, &rotation)?;
         let legs = [leg1, leg2, leg3];
         let loads = [load1, load2, load3];
 
