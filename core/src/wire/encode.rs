@@ -66,6 +66,7 @@ impl Flavor for Sum {
 
 /// A frame as it is written: the checksum sees the message's bytes, COBS sees both.
 ///
+/// All of it is `inline` to be compiled in the crate that sends, which is for size where flash is short.
 /// Whether there is room shows at the end, not at each byte: a test behind each field of each
 /// message would be half of what the encoder takes in flash.
 struct Frame<'b> {
@@ -77,6 +78,7 @@ struct Frame<'b> {
 }
 
 impl<'b> Frame<'b> {
+    #[inline]
     fn new(buffer: &'b mut [u8]) -> Self {
         Self {
             buffer,
@@ -87,18 +89,20 @@ impl<'b> Frame<'b> {
         }
     }
 
+    #[inline]
     fn write(&mut self, at: usize, byte: u8) {
         if let Some(place) = self.buffer.get_mut(at) {
             *place = byte;
         }
     }
 
+    #[inline]
     fn append(&mut self, byte: u8) {
         self.write(self.length, byte);
         self.length = self.length.saturating_add(1);
     }
 
-    #[inline(never)]
+    #[inline]
     fn stuff(&mut self, byte: u8) {
         match self.cobs.push(byte) {
             PushResult::AddSingle(byte) => self.append(byte),
@@ -114,9 +118,7 @@ impl<'b> Frame<'b> {
         }
     }
 
-    // A call for each value and not its whole code at each field of each message: that is tens of
-    // KiB of flash.
-    #[inline(never)]
+    #[inline]
     fn extend(&mut self, bytes: &[u8]) {
         self.checksum.update(bytes);
         bytes.iter().for_each(|byte| self.stuff(*byte));
@@ -127,16 +129,19 @@ impl Flavor for Frame<'_> {
     /// The length of the frame, which may be more than there is room for.
     type Output = usize;
 
+    #[inline]
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
         self.extend(&[byte]);
         Ok(())
     }
 
+    #[inline]
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
         self.extend(bytes);
         Ok(())
     }
 
+    #[inline]
     fn finalize(mut self) -> postcard::Result<usize> {
         for byte in self.checksum.clone().finalize().to_le_bytes() {
             self.stuff(byte);
