@@ -7,7 +7,12 @@ use core::panic::PanicInfo;
 use trirrr_core::message::{NAME_CAPACITY, Registers, Start};
 use trirrr_station::cause;
 
+// As a part of the panic's own function, which is seen then to need no text: so the image holds none of
+// the core's texts for panics, nor any code to format them. Only a function that others link to would lose
+// by it.
 #[panic_handler]
+#[inline(always)]
+#[expect(unused_attributes, reason = "rustc tells LLVM of it all the same")]
 fn panic(info: &PanicInfo) -> ! {
     let (path, line) = info.location().map_or(("", 0), |at| (at.file(), at.line()));
     // The end of the path says more than its beginning.

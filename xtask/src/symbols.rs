@@ -2,8 +2,8 @@
 //!
 //! Symbols are mangled as version v0 (`.cargo/config.toml`), so that the name of a function says for
 //! which types it was made: the whole service carries its number type, payload and links, inlined or
-//! not. What has no type of its own is seen by its functions, as far as they are not inlined: float
-//! arithmetic in software and the formatting of floats are, always. Each mark has to be there in an
+//! not. What has no type of its own is seen by its functions, as far as they are not inlined: the
+//! formatting of values, always. Each mark has to be there in an
 //! image that uses it, too: a mark that nothing leaves would show nothing.
 
 use anyhow::{Context, Result, ensure};
@@ -83,8 +83,8 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.homing.is_some(),
     },
     Mark {
-        what: "floats as text",
-        names: &["7flt2dec", "16float_to_decimal"],
+        what: "values as text",
+        names: &["9Formatter", "7Display3fmt", "5Debug3fmt", "7flt2dec"],
         used: |_| false,
     },
 ];
@@ -151,7 +151,11 @@ mod tests {
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
-            ("_RNv4core3num7flt2dec", "floats as text"),
+            ("_RNv4core3num7flt2dec", "values as text"),
+            (
+                "_RNvXs_NtNtNt4core3fmt3num3impmNtB_7Display3fmt",
+                "values as text",
+            ),
         ] {
             let said = complaint("thesis", &[centred, symbol]).expect(what);
             assert!(said.contains(what) && said.contains(symbol), "{said}");
