@@ -3,8 +3,8 @@
 //! Symbols are mangled as version v0 (`.cargo/config.toml`), so that the name of a function says for
 //! which types it was made: the whole service carries its number type, payload and links, inlined or
 //! not. What has no type of its own is seen by its functions, as far as they are not inlined: the
-//! formatting of values, always. Each mark has to be there in an
-//! image that uses it, too: a mark that nothing leaves would show nothing.
+//! formatting of values. Each mark has to be there in an image that uses it, too: a mark that nothing
+//! leaves would show nothing.
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSymbol};
