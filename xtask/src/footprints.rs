@@ -1,4 +1,4 @@
-//! `cargo xtask footprints`: the table of scenes against flash, RAM and instructions per tick in
+//! `cargo xtask footprints`: the table of scenes against flash, RAM, stack and instructions per tick in
 //! `docs/footprints.md`, from the figures that are checked in.
 
 use crate::budget::checked_in;
@@ -47,9 +47,9 @@ fn table() -> Result<String> {
     let sizes: Vec<size::Row> = checked_in("size")?;
     let counts: Vec<insns::Row> = checked_in("insns")?;
     let mut table = String::from(
-        "| scene | number | torques | drives | image: flash | RAM | tick alone on m4f: flash | \
+        "| scene | number | torques | drives | image: flash | RAM | stack | tick alone on m4f: flash | \
          on m0: flash | instructions per tick on m4f | on m0 |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for scene_file in scenes_named(&[])? {
         let scene = Scene::read(&scene_file.path)?;
@@ -70,6 +70,7 @@ fn table() -> Result<String> {
             kind(&scene).to_owned(),
             image.flash().to_string(),
             image.ram().to_string(),
+            image.stack().context("no stack is checked in")?.to_string(),
             size("core", "thumbv7em-none-eabihf")?.flash().to_string(),
             size("core", "thumbv6m-none-eabi")?.flash().to_string(),
             count("m4f")?.longest().to_string(),

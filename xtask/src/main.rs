@@ -2,6 +2,7 @@
 
 mod admission;
 mod budget;
+mod callgraph;
 mod ci;
 mod client;
 mod cores;
@@ -47,6 +48,8 @@ enum Chore {
     Footprints(footprints::Arguments),
     /// Fuzz the decoder and the service's commands
     Fuzz(fuzz::Arguments),
+    /// Print how deep the stack of an image gets, and on which ways
+    Stack(callgraph::Arguments),
     /// Everything that CI checks
     Ci,
 }
@@ -61,6 +64,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
+        Chore::Stack(arguments) => callgraph::run(&arguments),
         Chore::Ci => ci::run(),
     }
 }

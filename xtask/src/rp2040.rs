@@ -1,7 +1,9 @@
-//! `cargo xtask rp2040`: builds the firmware for the RP2040, checks that it can boot, prints its size.
+//! `cargo xtask rp2040`: builds the firmware for the RP2040, checks that it can boot and that no interrupt
+//! panics, prints its size and how deep its stack gets.
 //!
 //! It is a workspace of its own, with a folder of its own for what is built.
 
+use crate::callgraph::{self, Stack};
 use crate::elf::{Footprint, Memory, check_boot, check_second_stage, footprint};
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
@@ -31,8 +33,11 @@ pub(crate) fn run() -> Result<()> {
         .join("device/trirrr-firmware");
     check_second_stage(&file, MEMORY.flash.0)?;
     check_boot(&file, MEMORY)?;
+    let Stack { most, .. } = callgraph::check(&file)?;
     let Footprint { flash, ram } = footprint(&file)?;
-    println!("{SCENE} for the RP2040: {flash} bytes of flash, {ram} of RAM");
+    println!(
+        "{SCENE} for the RP2040: {flash} bytes of flash, {ram} of RAM, {most} of stack at most"
+    );
     Ok(())
 }
 

@@ -2,16 +2,18 @@
 //!
 //! The tick alone (image `core`) is its code and constants in flash and, in RAM, its coefficients,
 //! one setpoint and one outcome. That image does not link if a panic is left in the tick. The symbols
-//! of the firmware are looked through for what its scene has no use for.
+//! of the firmware are looked through for what its scene has no use for, and its code for how deep the
+//! stack gets and whether an interrupt may panic.
 
 use crate::budget::{Measured, Options};
+use crate::callgraph;
 use crate::cores::CORES;
 use crate::elf::{Footprint, Memory, check_boot, footprint};
 use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
 use crate::symbols;
 use crate::table::table;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
@@ -35,7 +37,11 @@ pub(crate) struct Row {
     scalar: String,
     target: String,
     flash: u64,
+    /// Without the stack.
     ram: u64,
+    /// Most that the stack takes; of the firmware alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stack: Option<u64>,
 }
 
 impl Row {
@@ -52,6 +58,10 @@ impl Row {
     pub(crate) fn ram(&self) -> u64 {
         self.ram
     }
+
+    pub(crate) fn stack(&self) -> Option<u64> {
+        self.stack
+    }
 }
 
 impl Measured for Row {
@@ -63,7 +73,11 @@ impl Measured for Row {
     }
 
     fn figures(&self) -> Vec<(&'static str, f64)> {
-        vec![("flash", self.flash as f64), ("ram", self.ram as f64)]
+        let stack = self.stack.map(|stack| ("stack", stack as f64));
+        [("flash", self.flash as f64), ("ram", self.ram as f64)]
+            .into_iter()
+            .chain(stack)
+            .collect()
     }
 }
 
@@ -81,15 +95,14 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 
 fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
-    let mut add = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| {
-        rows.push(Row {
-            image: image.into(),
-            scene: scene.name.clone(),
-            scalar: scalar.into(),
-            target: target.into(),
-            flash,
-            ram,
-        });
+    let row = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| Row {
+        image: image.into(),
+        scene: scene.name.clone(),
+        scalar: scalar.into(),
+        target: target.into(),
+        flash,
+        ram,
+        stack: None,
     };
     for scalar in scalars(read) {
         for core in CORES {
@@ -100,19 +113,20 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
                 scalar,
                 target: core.target,
             };
-            add("core", scalar, core.target, footprint(&image.build()?)?);
+            let measured = footprint(&image.build()?)?;
+            rows.push(row("core", scalar, core.target, measured));
         }
     }
     let firmware = Image::firmware(scene, of_scene(read.number));
     let file = firmware.build()?;
     check_boot(&file, FIRMWARE_MEMORY)?;
     symbols::check(&file, read)?;
-    add(
-        "firmware",
-        firmware.scalar,
-        FIRMWARE_TARGET,
-        footprint(&file)?,
-    );
+    let stack = callgraph::check(&file)?;
+    let measured = footprint(&file)?;
+    rows.push(Row {
+        stack: Some(stack.most.into()),
+        ..row("firmware", firmware.scalar, FIRMWARE_TARGET, measured)
+    });
     Ok(rows)
 }
 
@@ -125,26 +139,39 @@ fn text(rows: &[Row]) -> String {
             row.target.clone(),
             row.flash.to_string(),
             row.ram.to_string(),
+            row.stack.map_or(String::new(), |stack| stack.to_string()),
         ]
     });
-    let headings = ["image", "scene", "scalar", "target", "flash", "ram"];
+    let headings = [
+        "image", "scene", "scalar", "target", "flash", "ram", "stack",
+    ];
     table(&headings, &cells.collect::<Vec<_>>())
 }
 
-/// Most flash of the tick alone: image, target, scene, bytes.
-const CEILINGS: &[(&str, &str, &str, u64)] =
-    &[("core", "thumbv6m-none-eabi", "pick-stepper", 8 * 1024)];
+/// What a figure may be at most: image, target, scene, figure, bytes.
+const CEILINGS: [(&str, &str, &str, &str, u64); 2] = [
+    (
+        "core",
+        "thumbv6m-none-eabi",
+        "pick-stepper",
+        "flash",
+        8 * 1024,
+    ),
+    ("firmware", FIRMWARE_TARGET, "thesis", "ram", 8 * 1024),
+];
 
 fn hold_ceilings(rows: &[Row]) -> Result<()> {
-    for (image, target, scene, ceiling) in CEILINGS {
-        let mut of = rows
-            .iter()
-            .filter(|row| row.image == *image && row.target == *target && row.scene == *scene);
-        if let Some(row) = of.find(|row| row.flash > *ceiling) {
-            bail!(
-                "{}: {} bytes of flash, the ceiling is {ceiling}",
-                row.key(),
-                row.flash
+    for (image, target, scene, figure, ceiling) in CEILINGS {
+        let of = |row: &&Row| row.image == image && row.target == target && row.scene == scene;
+        for row in rows.iter().filter(of) {
+            let mut figures = row.figures().into_iter();
+            let (_, bytes) = figures
+                .find(|(name, _)| *name == figure)
+                .with_context(|| format!("{}: no {figure}", row.key()))?;
+            ensure!(
+                bytes <= ceiling as f64,
+                "{}: {bytes} bytes of {figure}, the ceiling is {ceiling}",
+                row.key()
             );
         }
     }
@@ -193,6 +220,16 @@ mod tests {
             target: "thumbv6m-none-eabi".into(),
             flash,
             ram,
+            stack: None,
+        }
+    }
+
+    fn firmware(scene: &str, flash: u64, ram: u64, stack: u64) -> Row {
+        Row {
+            image: "firmware".into(),
+            target: FIRMWARE_TARGET.into(),
+            stack: Some(stack),
+            ..row(scene, flash, ram)
         }
     }
 
@@ -205,18 +242,39 @@ mod tests {
     }
 
     #[test]
-    fn the_tick_without_torques_has_a_ceiling() {
+    fn no_figure_is_above_its_ceiling() {
         assert!(hold_ceilings(&[row("pick-stepper", 8192, 0)]).is_ok());
         let error = hold_ceilings(&[row("pick-stepper", 8193, 0)]).expect_err("above it");
-        assert!(error.to_string().contains("the ceiling is 8192"), "{error}");
-        assert!(hold_ceilings(&[row("thesis", 8193, 0)]).is_ok());
+        assert_eq!(
+            error.to_string(),
+            "core thumbv6m-none-eabi f32 pick-stepper: 8193 bytes of flash, the ceiling is 8192"
+        );
+        assert!(hold_ceilings(&[row("thesis", 8193, 8193)]).is_ok());
+        assert!(hold_ceilings(&[firmware("thesis", 0, 8192, 0)]).is_ok());
+        assert!(hold_ceilings(&[firmware("vertical", 0, 8193, 0)]).is_ok());
+        let error = hold_ceilings(&[firmware("thesis", 0, 8193, 0)]).expect_err("above it");
+        assert!(error.to_string().contains("8193 bytes of ram"), "{error}");
+    }
+
+    #[test]
+    fn every_ceiling_is_of_something_that_is_measured() {
+        for (image, target, scene, figure, _) in CEILINGS {
+            let found = crate::repository::scenes_named(&[scene.to_owned()]);
+            assert_eq!(found.expect("a shipped scene").len(), 1);
+            let is_core = CORES.iter().any(|core| core.target == target);
+            assert!(is_core && image == "core" || (image, target) == ("firmware", FIRMWARE_TARGET));
+            let figures = firmware(scene, 1, 1, 1).figures();
+            assert!(figures.iter().any(|(name, _)| *name == figure));
+        }
     }
 
     #[test]
     fn json_is_an_array_of_flat_objects_with_the_contract_s_keys() {
-        let json = serde_json::to_value([row("thesis", 1, 2)]).expect("plain data");
+        let rows = [firmware("thesis", 1, 2, 3), row("thesis", 1, 2)];
+        let json = serde_json::to_value(rows).expect("plain data");
         let object = json[0].as_object().expect("an object");
-        for key in ["scene", "scalar", "target", "flash", "ram"] {
+        assert!(json[1].get("stack").is_none());
+        for key in ["scene", "scalar", "target", "flash", "ram", "stack"] {
             assert!(object.contains_key(key), "{key}");
         }
         assert!(

@@ -1,10 +1,12 @@
 //! An emulated STM32F405 with an image in its flash.
 
+use crate::callgraph;
 use crate::repository::target_directory;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
@@ -24,9 +26,6 @@ pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT
 /// How long the emulator may take to start.
 const BOOT: Duration = Duration::from_secs(20);
 
-/// The stack, as in `memory.x`: its lowest address and its bytes.
-const STACK: (u32, u32) = (0x2000_0000, 32 * 1024);
-
 /// What the start of the program paints the stack with (cortex-m-rt).
 const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
 
@@ -37,6 +36,8 @@ pub(super) struct Board {
     log: PathBuf,
     /// Where the emulator takes orders.
     monitor: u16,
+    /// Where the image has its stack.
+    stack: Range<u32>,
 }
 
 /// What is left of a board that was switched off.
@@ -100,6 +101,7 @@ impl Board {
             address: format!("tcp:127.0.0.1:{port}"),
             log,
             monitor,
+            stack: callgraph::place(image)?,
         };
         board.wait_for_line(port)?;
         Ok(board)
@@ -150,7 +152,7 @@ impl Board {
         let _ = fs::remove_file(&file);
         let mut monitor = TcpStream::connect(("127.0.0.1", self.monitor))?;
         monitor.set_read_timeout(Some(BOOT))?;
-        let (from, bytes) = STACK;
+        let (from, bytes) = (self.stack.start, self.stack.end - self.stack.start);
         writeln!(monitor, "pmemsave {from:#x} {bytes} \"{}\"", file.display())?;
         // The emulator closes the line once it has done both.
         writeln!(monitor, "quit")?;

@@ -2,6 +2,7 @@
 
 use super::board::Board;
 use super::clients::Clients;
+use crate::callgraph;
 use crate::image::Image;
 use crate::repository;
 use anyhow::{Context, Result, ensure};
@@ -40,6 +41,12 @@ const FAILURES: [(&str, &[&str]); 4] = [
     ("overrun", &["start: it was switched on", "fault: a tick"]),
 ];
 
+/// What the check of the code has to say of the images whose failure it can see, or it would see none.
+const REFUSED: [(&str, &str); 2] = [
+    ("panic", "a handler may panic: SysTick > "),
+    ("stack-overflow", "recursion: "),
+];
+
 /// Failures that end in a reset: before it, the outputs go off.
 const WITH_RESET: [&str; 3] = ["panic", "hard-fault", "stack-overflow"];
 
@@ -59,6 +66,17 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
                 .args(["--features", "provoke"])
                 .env("PROVOKE", failure);
         })?;
+        let checked = callgraph::check(&elf).map_err(|error| format!("{error:#}"));
+        match REFUSED.iter().find(|(of, _)| *of == failure) {
+            Some((_, reason)) => {
+                let refusal = checked.err();
+                ensure!(
+                    refusal.as_ref().is_some_and(|said| said.contains(reason)),
+                    "{failure}: {reason:?} is not what the check of its code says: {refusal:?}"
+                );
+            }
+            None => ensure!(checked.is_ok(), "{failure}: {checked:?}"),
+        }
         let (board, accesses) = Board::boot_watched(&elf)?;
         let said = clients.report(scene, scalar, &board)?;
         let log = clients.read_log(&elf, &board.end()?.log)?;

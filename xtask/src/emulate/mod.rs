@@ -4,6 +4,7 @@ mod board;
 mod clients;
 mod failures;
 
+use crate::callgraph;
 use crate::image::Image;
 use crate::repository::{self, SceneFile};
 use crate::table::table;
@@ -11,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use board::Board;
 use clap::ValueEnum;
 use clients::Clients;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::Scene;
@@ -117,6 +118,7 @@ fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
         "lost",
         "longest tick",
         "stack",
+        "at most",
         "clients",
         "seconds",
     ];
@@ -136,6 +138,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     let board = Board::boot(image)?;
     let played = clients.play(scene, scalar, &board).with_context(about)?;
     let ended = board.end().with_context(about)?;
+    let bound = stack_bound(image, ended.stack).with_context(about)?;
     let log = clients.read_log(image, &ended.log).with_context(about)?;
     let boot = format!("scene {}, ", scene.name);
     ensure!(
@@ -172,6 +175,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
         played.lost.to_string(),
         instructions.to_string(),
         ended.stack.to_string(),
+        bound.to_string(),
         names,
         seconds(start.elapsed()),
     ])
@@ -190,13 +194,27 @@ fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
         let built = Built::new(&scene, scalar)?;
         let board = Board::boot(&built.image)?;
         clients.torture(&scene, scalar, &board, arguments.frames, arguments.seed)?;
-        let stack = board.end()?.stack;
-        println!("{} in {scalar}: {stack} bytes of stack at most", scene.name);
+        let used = board.end()?.stack;
+        let bound = stack_bound(&built.image, used)?;
+        println!(
+            "{} in {scalar}: {used} bytes of stack, by its code {bound} at most",
+            scene.name
+        );
         let board = Board::boot(&built.image)?;
         clients.abandon(&scene, scalar, &board)?;
         board.end()?;
     }
     Ok(())
+}
+
+/// How deep the stack gets at most by the code of an image that has `used` so much of it.
+fn stack_bound(image: &Path, used: u32) -> Result<u32> {
+    let most = callgraph::check(image)?.most;
+    ensure!(
+        used <= most,
+        "{used} bytes of stack were used, of which the code says that it takes {most} at most"
+    );
+    Ok(most)
 }
 
 fn seconds(time: Duration) -> String {

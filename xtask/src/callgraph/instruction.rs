@@ -1,0 +1,161 @@
+//! What a Thumb instruction does, as far as the stack and calls go.
+
+/// Numbers of core registers.
+pub(super) type Register = u8;
+pub(super) const SP: Register = 13;
+pub(super) const LR: Register = 14;
+pub(super) const PC: Register = 15;
+
+/// Core registers: bit n is register n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Registers(pub(super) u16);
+
+impl Registers {
+    pub(super) const NONE: Self = Self(0);
+
+    pub(super) fn one(register: Register) -> Self {
+        Self(1 << register)
+    }
+
+    pub(super) fn contains(self, register: Register) -> bool {
+        self.0 & (1 << register) != 0
+    }
+
+    pub(super) fn with(self, register: Register) -> Self {
+        Self(self.0 | 1 << register)
+    }
+
+    /// The lowest of them, if there are any.
+    pub(super) fn first(self) -> Register {
+        self.0.trailing_zeros() as Register
+    }
+
+    /// Bytes of all of them on the stack.
+    pub(super) fn bytes(self) -> i32 {
+        4 * self.0.count_ones() as i32
+    }
+}
+
+/// Where it goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flow {
+    Next,
+    Branch(u32),
+    /// There or on.
+    BranchIf(u32),
+    Call(u32),
+    CallRegister(Register),
+    /// `bx lr` is a return.
+    JumpRegister(Register),
+    /// To the address that it loads from the stack.
+    Return,
+    /// `tbb` and `tbh`: ahead by twice an entry of the table behind it, whose entries have so many bytes.
+    Table(u32),
+    /// `add pc, r`: ahead by a register's value.
+    Ahead(Register),
+    /// The next instructions depend on a condition: so many, and which (bit n: the nth) are executed
+    /// where it holds, the others where it does not.
+    If {
+        condition: u8,
+        count: u8,
+        then: u8,
+    },
+    /// It ends in a fault, on purpose.
+    Trap,
+}
+
+/// What becomes of the stack pointer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stack {
+    Same,
+    /// Bytes that are taken; negative: that are given back.
+    Takes(i32),
+    /// It becomes a register's value plus this.
+    Becomes(Register, i32),
+    /// A register's value is added to it.
+    Adds(Register),
+}
+
+/// What a register gets, where that may be a constant or a place on the stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Value {
+    /// Nothing that is followed.
+    Other,
+    Constant(u32),
+    /// A register's value plus this.
+    Of(Register, i32),
+    /// The upper half, by `movt`.
+    Upper(u16),
+    /// This, plus what the register held.
+    From(u32),
+    /// Twice a register's value.
+    Double(Register),
+    /// The word at this address.
+    Literal(u32),
+    /// So many bytes at a register's value plus this.
+    Load(Register, i32, u32),
+    /// So many bytes at the sum of two registers' values.
+    Element(Register, Register, u32),
+}
+
+/// An instruction, as far as it matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Instruction {
+    /// Bytes: 2 or 4.
+    pub(super) length: u32,
+    pub(super) flow: Flow,
+    pub(super) stack: Stack,
+    /// The registers that it changes, without sp and pc.
+    pub(super) writes: Registers,
+    /// What the one register that it writes gets.
+    pub(super) value: Value,
+    /// Whether it changes the flags that conditions are about, where it depends on one itself. (Where it does
+    /// not, most instructions of 16 bits do.)
+    pub(super) compares: bool,
+}
+
+impl Instruction {
+    /// One that is nothing but a change of these registers.
+    pub(super) fn writing(length: u32, writes: Registers) -> Self {
+        Self {
+            length,
+            flow: Flow::Next,
+            stack: Stack::Same,
+            writes,
+            value: Value::Other,
+            compares: false,
+        }
+    }
+
+    pub(super) fn plain(length: u32) -> Self {
+        Self::writing(length, Registers::NONE)
+    }
+
+    pub(super) fn going(length: u32, flow: Flow) -> Self {
+        Self {
+            flow,
+            ..Self::plain(length)
+        }
+    }
+
+    pub(super) fn comparing(length: u32) -> Self {
+        Self {
+            compares: true,
+            ..Self::plain(length)
+        }
+    }
+
+    pub(super) fn taking(length: u32, bytes: i32) -> Self {
+        Self {
+            stack: Stack::Takes(bytes),
+            ..Self::plain(length)
+        }
+    }
+
+    pub(super) fn giving(length: u32, register: Register, value: Value) -> Self {
+        Self {
+            value,
+            ..Self::writing(length, Registers::one(register))
+        }
+    }
+}
