@@ -9,7 +9,7 @@
 //! it a size above l2_1 l2_2 l2_3 s; an equilateral platform held by links at right angles to its
 //! radii reaches that.
 
-use crate::inverse::Position;
+use crate::inverse::{LegPosition, Position};
 use crate::machine::Parameters;
 use crate::number::{Number, cross};
 use nalgebra::Vector2;
@@ -39,17 +39,26 @@ impl<N: Number> Distances<N> {
     /// Distance of each leg from its serial singularity.
     #[inline]
     pub fn serial(&self, position: &Position<N>) -> [N; 3] {
-        let distance = |leg: usize| {
-            let cross = position.legs[leg].links.r1_cross_r2;
-            cross.scaled(self.serial[leg]).abs()
-        };
+        let distance = |leg: usize| self.serial_of(leg, &position.legs[leg]);
         [distance(0), distance(1), distance(2)]
+    }
+
+    /// Distance of leg `index` from its serial singularity.
+    #[inline]
+    pub(crate) fn serial_of(&self, index: usize, leg: &LegPosition<N>) -> N {
+        leg.links.r1_cross_r2.scaled(self.serial[index]).abs()
     }
 
     /// Distance of the machine from its parallel singularity.
     #[inline]
     pub fn parallel(&self, position: &Position<N>) -> N {
-        det_a(position).scaled(self.parallel).abs()
+        self.parallel_of(position.legs.each_ref())
+    }
+
+    /// The same, of legs that are not together.
+    #[inline]
+    pub(crate) fn parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
+        det_a_of(legs).scaled(self.parallel).abs()
     }
 }
 
@@ -57,8 +66,13 @@ impl<N: Number> Distances<N> {
 /// singularity apart, and a path on which it changes crosses one.
 #[inline]
 pub fn det_a<N: Number>(position: &Position<N>) -> N {
-    let [c1, c2, c3] = position.legs.each_ref().map(|leg| leg.platform_joint);
-    let [d1, d2, d3] = position.legs.each_ref().map(|leg| leg.links.r2);
+    det_a_of(position.legs.each_ref())
+}
+
+#[inline]
+fn det_a_of<N: Number>(legs: [&LegPosition<N>; 3]) -> N {
+    let [c1, c2, c3] = legs.map(|leg| leg.platform_joint);
+    let [d1, d2, d3] = legs.map(|leg| leg.links.r2);
     // Moments about C_1, as in the balance: the determinant is the same about every point.
     N::ab_plus_cd(
         cross(d1, d2),

@@ -55,69 +55,71 @@ impl<N: Number> MotorBounds<N> {
         limits: &Limits<Float<N>>,
         speed: Float<N>,
     ) -> Result<(), Breach<Float<N>>> {
-        let breach = |what, value, limit, ramp| Breach {
+        let squared = speed * speed;
+        let rate = scaled(self.rate, speed);
+        let limit = |limits: Option<[Float<N>; 3]>| limits.map(|limits| limits[index]);
+        let (what, value, limit, ramp) = 'broken: {
+            if let Some(limit) = limit(limits.rate) {
+                let value = rate.magnitude();
+                if !(value <= limit) {
+                    break 'broken (Bounded::Rate, value, limit, false);
+                }
+            }
+            if let Some(limit) = limit(limits.acceleration) {
+                let what = Bounded::Acceleration;
+                let steady = scaled(self.acceleration, squared);
+                let value = steady.magnitude();
+                if !(value <= limit) {
+                    break 'broken (what, value, limit, false);
+                }
+                let value = either_ramp(steady, scaled(self.ramp_acceleration, speed));
+                if !(value <= limit) {
+                    break 'broken (what, value, limit, true);
+                }
+            }
+            let Some(torque) = self.torque.as_ref().filter(|_| S::TORQUES) else {
+                return Ok(());
+            };
+            let at_rest = torque.at_rest;
+            let steady = at_rest + scaled(torque.dynamic, squared);
+            let ramp = scaled(torque.ramp, speed);
+            let greatest = greater(either_ramp(steady, ramp), either_ramp(at_rest, ramp));
+            if let Some(limit) = limit(limits.torque) {
+                let what = Bounded::Torque;
+                let value = greater(steady.magnitude(), at_rest.magnitude());
+                if !(value <= limit) {
+                    break 'broken (what, value, limit, false);
+                }
+                if !(greatest <= limit) {
+                    break 'broken (what, greatest, limit, true);
+                }
+            }
+            if let Some(limit) = limit(limits.power) {
+                let what = Bounded::Power;
+                let value = (rate * steady).magnitude();
+                if !(value <= limit) {
+                    break 'broken (what, value, limit, false);
+                }
+                // The product of the largest rate and the largest torque settles most cases.
+                if !(rate.magnitude() * greatest <= limit) {
+                    let value = greater(
+                        greatest_power(rate, at_rest + ramp, steady + ramp),
+                        greatest_power(rate, at_rest - ramp, steady - ramp),
+                    );
+                    if !(value <= limit) {
+                        break 'broken (what, value, limit, true);
+                    }
+                }
+            }
+            return Ok(());
+        };
+        Err(Breach {
             what,
             index: Some(index as u8),
             value,
             limit,
             ramp,
-        };
-        let squared = speed * speed;
-        let rate = scaled(self.rate, speed);
-        if let Some(limit) = limits.rate {
-            let (value, limit) = (rate.magnitude(), limit[index]);
-            if !(value <= limit) {
-                return Err(breach(Bounded::Rate, value, limit, false));
-            }
-        }
-        if let Some(limit) = limits.acceleration {
-            let limit = limit[index];
-            let steady = scaled(self.acceleration, squared);
-            let ramp = scaled(self.ramp_acceleration, speed);
-            let value = steady.magnitude();
-            if !(value <= limit) {
-                return Err(breach(Bounded::Acceleration, value, limit, false));
-            }
-            let value = either_ramp(steady, ramp);
-            if !(value <= limit) {
-                return Err(breach(Bounded::Acceleration, value, limit, true));
-            }
-        }
-        let Some(torque) = self.torque.as_ref().filter(|_| S::TORQUES) else {
-            return Ok(());
-        };
-        let at_rest = torque.at_rest;
-        let steady = at_rest + scaled(torque.dynamic, squared);
-        let ramp = scaled(torque.ramp, speed);
-        let greatest = greater(either_ramp(steady, ramp), either_ramp(at_rest, ramp));
-        if let Some(limit) = limits.torque {
-            let limit = limit[index];
-            let value = greater(steady.magnitude(), at_rest.magnitude());
-            if !(value <= limit) {
-                return Err(breach(Bounded::Torque, value, limit, false));
-            }
-            if !(greatest <= limit) {
-                return Err(breach(Bounded::Torque, greatest, limit, true));
-            }
-        }
-        if let Some(limit) = limits.power {
-            let limit = limit[index];
-            let value = (rate * steady).magnitude();
-            if !(value <= limit) {
-                return Err(breach(Bounded::Power, value, limit, false));
-            }
-            // The product of the largest rate and the largest torque settles most cases.
-            if !(rate.magnitude() * greatest <= limit) {
-                let value = greater(
-                    greatest_power(rate, at_rest + ramp, steady + ramp),
-                    greatest_power(rate, at_rest - ramp, steady - ramp),
-                );
-                if !(value <= limit) {
-                    return Err(breach(Bounded::Power, value, limit, true));
-                }
-            }
-        }
-        Ok(())
+        })
     }
 }
 

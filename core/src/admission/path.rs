@@ -3,7 +3,7 @@
 use super::Breach;
 use super::bounds::{MotorBounds, TorqueBounds};
 use super::taylor::{Float, TaylorModel};
-use crate::inverse::{LegMotion, LegPosition, Position, Rotation};
+use crate::inverse::{LegMotion, Rotation};
 use crate::limits::Limits;
 use crate::linkage::rrr::{Accelerations, Rates};
 use crate::machine::{BuildError, Parameters};
@@ -94,69 +94,82 @@ where
         segment: &Segment<Model<N>>,
         s: Model<N>,
     ) -> Result<[MotorBounds<N>; 3], Breach<Float<N>>> {
-        let setpoint = segment.at_fraction(s);
+        let mut setpoint = segment.at_fraction(s);
         let rotation = Rotation::new(setpoint.pose.angle);
-        let position = self.position(&setpoint, &rotation)?;
-
-        let velocity = setpoint.velocity;
-        let rates =
-            |leg: usize| self.tick.geometry().legs[leg].rates(&position.legs[leg], &velocity);
-        let rates = [rates(0), rates(1), rates(2)];
-        let steady = self.accelerations(&position.legs, &rates, &setpoint);
-
-        let limited = self.limits.torque.is_some() || self.limits.power.is_some();
-        let torque = if P::Balance::TORQUES && limited {
-            self.torques(&position, &rotation, &rates, &steady, &setpoint)?
-                .map(Some)
-        } else {
-            [None; 3]
-        };
-        let bounds = |motor: usize| MotorBounds {
-            rate: rates[motor].proximal,
-            acceleration: steady[motor].proximal,
-            ramp_acceleration: rates[motor].proximal * self.ramp,
-            torque: torque[motor],
-        };
-        let bounds = [bounds(0), bounds(1), bounds(2)];
+        let mut legs = self
+            .legs(&setpoint, &rotation)
+            .map_err(|status| self.breach(status, &setpoint, &rotation))?;
+        self.keeps_distance(&legs)?;
+        let mut motors = legs.each_ref().map(|leg| MotorBounds {
+            rate: leg.rates.proximal,
+            acceleration: leg.accelerations.proximal,
+            ramp_acceleration: leg.rates.proximal * self.ramp,
+            torque: None,
+        });
+        if P::Balance::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
+            self.add_torques(&mut motors, &mut legs, &mut setpoint, &rotation)
+                .map_err(|status| self.breach(status, &setpoint, &rotation))?;
+        }
         // An acceleration is the last that leaves the range.
-        let sum = bounds.iter().fold(Model::ZERO, |sum, motor| {
+        let sum = motors.iter().fold(Model::ZERO, |sum, motor| {
             let torque = motor.torque.map_or(Model::ZERO, |torque| torque.dynamic);
             sum + motor.acceleration + torque
         });
         if sum.is_finite() {
-            Ok(bounds)
+            Ok(motors)
         } else {
             Err(Breach::out_of_range())
         }
     }
 
-    fn position(
+    fn legs(
         &self,
         setpoint: &Setpoint<Model<N>>,
         rotation: &Rotation<Model<N>>,
-    ) -> Result<Position<Model<N>>, Breach<Float<N>>> {
-        let solve = |leg: usize| {
-            self.tick.geometry().legs[leg]
-                .position(leg, setpoint.pose.position, rotation)
-                .map_err(|status| self.breach(status, setpoint, rotation))
-        };
-        let position = Position {
-            legs: [solve(0)?, solve(1)?, solve(2)?],
-        };
+    ) -> Result<[LegMotion<Model<N>>; 3], Status> {
+        let mut legs = [self.leg(0, setpoint, rotation)?; 3];
+        for (index, leg) in legs.iter_mut().enumerate().skip(1) {
+            *leg = self.leg(index, setpoint, rotation)?;
+        }
+        Ok(legs)
+    }
+
+    #[inline(never)]
+    fn leg(
+        &self,
+        index: usize,
+        setpoint: &Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+    ) -> Result<LegMotion<Model<N>>, Status> {
+        let leg = &self.tick.geometry().legs[index];
+        let position = leg.position(index, setpoint.pose.position, rotation)?;
+        let rates = leg.rates(&position, &setpoint.velocity);
+        let accelerations = leg.accelerations(&position, &rates, setpoint);
+        Ok(LegMotion {
+            position,
+            rates,
+            accelerations,
+        })
+    }
+
+    /// Whether the singularities are as far as the limits ask.
+    #[inline(never)]
+    fn keeps_distance(&self, legs: &[LegMotion<Model<N>>; 3]) -> Result<(), Breach<Float<N>>> {
         let least = self.limits.serial_distance;
-        for (leg, distance) in self.distances.serial(&position).into_iter().enumerate() {
-            let value = distance.least_magnitude();
+        for (index, leg) in legs.iter().enumerate() {
+            let value = self
+                .distances
+                .serial_of(index, &leg.position)
+                .least_magnitude();
             if !(value >= least) {
-                return Err(Breach::distance(
-                    Bounded::SerialDistance,
-                    Some(leg),
-                    value,
-                    least,
-                ));
+                let leg = Some(index);
+                return Err(Breach::distance(Bounded::SerialDistance, leg, value, least));
             }
         }
         let least = self.limits.parallel_distance;
-        let value = self.distances.parallel(&position).least_magnitude();
+        let [leg1, leg2, leg3] = legs;
+        let legs = [&leg1.position, &leg2.position, &leg3.position];
+        let value = self.distances.parallel_of(legs).least_magnitude();
         // Certainly not zero: a change of sign of det A is a crossing.
         if !(value >= least && value > <Float<N>>::ZERO) {
             return Err(Breach::distance(
@@ -166,80 +179,67 @@ where
                 least,
             ));
         }
-        Ok(position)
+        Ok(())
+    }
+
+    /// Three times the dynamics: at normal speed, starting from rest with the ramp's rate, which is
+    /// an acceleration of q' r without any rate, and at rest. `legs` and `setpoint` are given at
+    /// normal speed and left at rest.
+    #[inline(never)]
+    fn add_torques(
+        &self,
+        motors: &mut [MotorBounds<N>; 3],
+        legs: &mut [LegMotion<Model<N>>; 3],
+        setpoint: &mut Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+    ) -> Result<(), Status> {
+        let at_normal_speed = self.torques(legs, setpoint, rotation)?;
+
+        let zero = Vector3::from([Model::ZERO; 3]);
+        setpoint.acceleration = setpoint.velocity * self.ramp;
+        setpoint.velocity = zero;
+        for leg in legs.iter_mut() {
+            leg.accelerations = Accelerations {
+                proximal: leg.rates.proximal * self.ramp,
+                distal: leg.rates.distal * self.ramp,
+            };
+            leg.rates = Rates {
+                proximal: Model::ZERO,
+                distal: Model::ZERO,
+            };
+        }
+        let starting = self.torques(legs, setpoint, rotation)?;
+
+        let mut at_rest = [Model::ZERO; 3];
+        if self.loaded {
+            setpoint.acceleration = zero;
+            for leg in legs.iter_mut() {
+                leg.accelerations = Accelerations {
+                    proximal: Model::ZERO,
+                    distal: Model::ZERO,
+                };
+            }
+            at_rest = self.torques(legs, setpoint, rotation)?;
+        }
+        for (index, motor) in motors.iter_mut().enumerate() {
+            let at_rest = at_rest[index];
+            motor.torque = Some(TorqueBounds {
+                at_rest,
+                dynamic: at_normal_speed[index] - at_rest,
+                ramp: starting[index] - at_rest,
+            });
+        }
+        Ok(())
     }
 
     #[inline(never)]
-    fn accelerations(
-        &self,
-        position: &[LegPosition<Model<N>>; 3],
-        rates: &[Rates<Model<N>>; 3],
-        setpoint: &Setpoint<Model<N>>,
-    ) -> [Accelerations<Model<N>>; 3] {
-        let of = |leg: usize| {
-            self.tick.geometry().legs[leg].accelerations(&position[leg], &rates[leg], setpoint)
-        };
-        [of(0), of(1), of(2)]
-    }
-
-    /// Three times the dynamics: at rest, at normal speed, and starting from rest with the ramp's
-    /// rate, which is an acceleration of q' r without any rate.
     fn torques(
         &self,
-        position: &Position<Model<N>>,
-        rotation: &Rotation<Model<N>>,
-        rates: &[Rates<Model<N>>; 3],
-        steady: &[Accelerations<Model<N>>; 3],
+        legs: &[LegMotion<Model<N>>; 3],
         setpoint: &Setpoint<Model<N>>,
-    ) -> Result<[TorqueBounds<N>; 3], Breach<Float<N>>> {
-        let still = Rates {
-            proximal: Model::ZERO,
-            distal: Model::ZERO,
-        };
-        let unchanged = Accelerations {
-            proximal: Model::ZERO,
-            distal: Model::ZERO,
-        };
-        let zero = Vector3::from([Model::ZERO; 3]);
-        let solve = |rates: &[Rates<Model<N>>; 3],
-                     accelerations: &[Accelerations<Model<N>>; 3],
-                     setpoint: &Setpoint<Model<N>>| {
-            let motion = |leg: usize| LegMotion {
-                position: position.legs[leg],
-                rates: rates[leg],
-                accelerations: accelerations[leg],
-            };
-            self.tick
-                .torques(&[motion(0), motion(1), motion(2)], setpoint, rotation)
-                .map_err(|status| self.breach(status, setpoint, rotation))
-        };
-        let at_normal_speed = solve(rates, steady, setpoint)?;
-        let starting = Setpoint {
-            velocity: zero,
-            acceleration: setpoint.velocity.map(|component| component * self.ramp),
-            ..*setpoint
-        };
-        let ramp = rates.each_ref().map(|rates| Accelerations {
-            proximal: rates.proximal * self.ramp,
-            distal: rates.distal * self.ramp,
-        });
-        let starting = solve(&[still; 3], &ramp, &starting)?;
-        let at_rest = if self.loaded {
-            let standing = Setpoint {
-                velocity: zero,
-                acceleration: zero,
-                ..*setpoint
-            };
-            solve(&[still; 3], &[unchanged; 3], &standing)?
-        } else {
-            [Model::ZERO; 3]
-        };
-        let bounds = |motor: usize| TorqueBounds {
-            at_rest: at_rest[motor],
-            dynamic: at_normal_speed[motor] - at_rest[motor],
-            ramp: starting[motor] - at_rest[motor],
-        };
-        Ok([bounds(0), bounds(1), bounds(2)])
+        rotation: &Rotation<Model<N>>,
+    ) -> Result<[Model<N>; 3], Status> {
+        self.tick.torques(legs, setpoint, rotation)
     }
 
     /// What is broken where the pipeline ends without a value.

@@ -66,16 +66,14 @@ impl<N: Number> Leg<N> {
             N::span(position.x, self.base.x, platform_joint.x),
             N::span(position.y, self.base.y, platform_joint.y),
         );
-        let links = self.dyad.position(span);
-        links
-            .map(|links| LegPosition {
+        match self.dyad.position(span) {
+            Ok(links) => Ok(LegPosition {
                 platform_joint,
                 links,
-            })
-            .map_err(|reason| match reason {
-                OutOfReach::Unreachable => Status::Unreachable { leg: index },
-                OutOfReach::Singular => Status::SerialSingular { leg: index },
-            })
+            }),
+            Err(OutOfReach::Unreachable) => Err(Status::Unreachable { leg: index }),
+            Err(OutOfReach::Singular) => Err(Status::SerialSingular { leg: index }),
+        }
     }
 }
 

@@ -15,6 +15,8 @@
 
 use super::motion::{LinkMotion, PointMotion};
 use super::status::LinkageStatus;
+/// A dyad's configuration: its inner joint B is the corner of its triangle.
+pub use crate::number::Apex as Position;
 pub use crate::number::OutOfReach;
 use crate::number::{Number, Triangle, sum_dot};
 use nalgebra::Vector2;
@@ -32,21 +34,6 @@ pub struct Rrr<N: Number> {
     pub l1_sq: N,
     /// l2^2
     pub l2_sq: N,
-}
-
-/// A dyad's configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N: Number> {
-    /// A -> B.
-    pub r1: Vector2<N>,
-    /// B -> C.
-    pub r2: Vector2<N>,
-    /// r1 x r2 = -sigma S: zero where the dyad is stretched or folded, at most l1 l2 in size.
-    pub r1_cross_r2: N,
-    /// 1 / (r1 x r2).
-    inverse_cross: N::Factor,
-    /// d^2, d = A -> C.
-    distance_sq: N,
 }
 
 /// Angular velocities of the two links, positive counter-clockwise.
@@ -96,14 +83,7 @@ impl<N: Number> Rrr<N> {
     /// The configuration for `d`, the vector A -> C.
     #[inline(always)]
     pub fn position(&self, d: Vector2<N>) -> Result<Position<N>, OutOfReach> {
-        let apex = N::apex(&self.triangle, d)?;
-        Ok(Position {
-            r1: apex.r1,
-            r2: apex.r2,
-            r1_cross_r2: apex.cross,
-            inverse_cross: apex.inverse_cross,
-            distance_sq: apex.base_sq,
-        })
+        N::apex(&self.triangle, d)
     }
 
     /// Direction of A -> B, counter-clockwise from the x axis, in (-pi, pi].
@@ -115,7 +95,7 @@ impl<N: Number> Rrr<N> {
     /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
     #[inline(always)]
     pub fn r1_dot_r2(&self, at: &Position<N>) -> N {
-        N::half_difference(at.distance_sq, self.sum_of_squares)
+        N::half_difference(at.base_sq, self.sum_of_squares)
     }
 
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).

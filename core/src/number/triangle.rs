@@ -37,8 +37,8 @@ pub struct Apex<N: Number> {
     pub r1: Vector2<N>,
     /// From the corner to the end of d.
     pub r2: Vector2<N>,
-    /// r1 x r2 = -sigma S.
-    pub cross: N,
+    /// r1 x r2 = -sigma S: zero where the triangle is flat, at most l1 l2 in size.
+    pub r1_cross_r2: N,
     /// 1 / (r1 x r2).
     pub inverse_cross: N::Factor,
     /// d^2.
@@ -48,7 +48,11 @@ pub struct Apex<N: Number> {
 /// The sides do not make a triangle. In a dyad: the end joints are too far apart or too close, or
 /// exactly so far that the two links lie on one line, where the inner joint has no defined
 /// velocity.
+///
+/// As wide as a number: behind a narrower error the compiler copies the corner, in a [`Result`] that
+/// is not taken apart in registers, from odd addresses, byte by byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum OutOfReach {
     /// d > l1 + l2 or d < |l1 - l2|.
     Unreachable,
@@ -106,7 +110,7 @@ where
     Ok(Apex {
         r1,
         r2: d - r1,
-        cross: -(N::HALF * two_sigma_s),
+        r1_cross_r2: -(N::HALF * two_sigma_s),
         inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
         base_sq,
     })

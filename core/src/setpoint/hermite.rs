@@ -115,7 +115,6 @@ impl<N: Number> Hermite<N> {
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
-    #[inline(always)]
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
         self.on(Nearer::of(s))
     }

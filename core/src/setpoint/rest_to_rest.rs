@@ -49,10 +49,23 @@ impl<N: Number> RestToRest<N> {
         self.on(Nearer::at(tick, self.ticks, &self.count))
     }
 
-    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
-    #[inline(always)]
+    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks. One body
+    /// for both halves, for who does not count cycles.
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
-        self.on(Nearer::of(s))
+        let (from, s, is_late) = match Nearer::of(s) {
+            Nearer::Start(s) => (&self.from, s, false),
+            Nearer::End(s) => (&self.to, s, true),
+        };
+        let mut way = self.displacement * blend(s);
+        let mut slope = N::ONE - (s + s);
+        if is_late {
+            (way, slope) = (-way, -slope);
+        }
+        Setpoint {
+            pose: from.displaced(way),
+            velocity: self.velocity * (s * (N::ONE - s)),
+            acceleration: self.acceleration * slope,
+        }
     }
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.

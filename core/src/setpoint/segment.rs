@@ -23,7 +23,7 @@ impl<N: Number> Segment<N> {
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
-    #[inline(always)]
+    #[inline(never)]
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
         match self {
             Self::RestToRest(segment) => segment.at_fraction(s),

@@ -101,29 +101,16 @@ impl<N: Number> Solve<N> for Balance<N> {
         demand: &Demand<N>,
         loads: &[LegLoad<N>; 3],
     ) -> Result<Forces<N>, Status> {
-        let [c1, c2, c3] = legs.each_ref().map(|leg| leg.position.platform_joint);
-        let [d1, d2, d3] = legs.each_ref().map(|leg| leg.position.links.r2);
+        let c = |leg: usize| legs[leg].position.platform_joint;
+        let d = |leg: usize| legs[leg].position.links.r2;
+        let ([c1, c2, c3], [d1, d2, d3]) = ([c(0), c(1), c(2)], [d(0), d(1), d(2)]);
         let (arm2, arm3) = (c2 - c1, c3 - c1);
 
         let mut moment = demand.moment.widen() - sum_cross(c1, demand.force);
         let mut force = demand.force.map(N::widen);
-        // The forces across the distal links, -q E r2, are known: they go to the other side.
-        for (load, distal, arm) in [
-            (&loads[0], d1, None),
-            (&loads[1], d2, Some(arm2)),
-            (&loads[2], d3, Some(arm3)),
-        ] {
-            if let Some(q) = load.distal_over_l2_sq {
-                let across = perpendicular(distal);
-                force = Vector2::new(
-                    force.x + N::product(across.x, q),
-                    force.y + N::product(across.y, q),
-                );
-                if let Some(arm) = arm {
-                    moment = moment + N::product(dot(arm, distal), q);
-                }
-            }
-        }
+        add_across(&loads[0], d1, None, &mut force, &mut moment);
+        add_across(&loads[1], d2, Some(arm2), &mut force, &mut moment);
+        add_across(&loads[2], d3, Some(arm3), &mut force, &mut moment);
 
         let (force, moment) = (force.map(N::round), N::round(moment));
         let (moment2, moment3) = (cross(arm2, d2), cross(arm3, d3));
@@ -152,6 +139,29 @@ impl<N: Number> Solve<N> for Balance<N> {
             along: [f1, f2, f3],
             det_a,
         })
+    }
+}
+
+/// The force across a distal link, -q E r2, is known: it goes to the other side, with its moment
+/// about C_1 if it has an `arm`. Inlined, so that of links without mass nothing is left.
+#[inline(always)]
+fn add_across<N: Number>(
+    load: &LegLoad<N>,
+    distal: Vector2<N>,
+    arm: Option<Vector2<N>>,
+    force: &mut Vector2<N::Sum>,
+    moment: &mut N::Sum,
+) {
+    let Some(q) = load.distal_over_l2_sq else {
+        return;
+    };
+    let across = perpendicular(distal);
+    *force = Vector2::new(
+        force.x + N::product(across.x, q),
+        force.y + N::product(across.y, q),
+    );
+    if let Some(arm) = arm {
+        *moment = *moment + N::product(dot(arm, distal), q);
     }
 }
 

@@ -30,7 +30,7 @@ impl<N: Number> AngleModel<N> {
 impl<N: Number> Add for AngleModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         let constant = self.constant + other.constant;
         let linear = self.linear + other.linear;
@@ -47,7 +47,7 @@ impl<N: Number> Add for AngleModel<N> {
 impl<N: Number> Neg for AngleModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn neg(self) -> Self {
         Self {
             constant: -self.constant,
@@ -60,7 +60,7 @@ impl<N: Number> Neg for AngleModel<N> {
 impl<N: Number> Sub for AngleModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }

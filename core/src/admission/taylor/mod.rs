@@ -195,7 +195,7 @@ impl<N: Number> Add for TaylorModel<N> {
 impl<N: Number> Neg for TaylorModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn neg(self) -> Self {
         Self {
             constant: -self.constant,
@@ -208,7 +208,7 @@ impl<N: Number> Neg for TaylorModel<N> {
 impl<N: Number> Sub for TaylorModel<N> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -271,7 +271,7 @@ impl<N: Number> MulAssign for TaylorModel<N> {
 
 impl<N: Number> PartialOrd for TaylorModel<N> {
     /// The order that holds at all times; `None` where there is no such order.
-    #[inline(always)]
+    #[inline(never)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let difference = *self - *other;
         let radius = difference.radius();

@@ -117,12 +117,12 @@ impl<N: Number> Number for TaylorModel<N> {
         )
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
         Self::ab_plus_cd(a, b, -c, d)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn div(self, divisor: Self) -> Self {
         self * divisor.inverse()
     }

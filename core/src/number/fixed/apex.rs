@@ -78,7 +78,7 @@ pub(super) fn apex(
             Fixed(d.x.0.wrapping_sub(r1.x)),
             Fixed(d.y.0.wrapping_sub(r1.y)),
         ),
-        cross: Fixed(cross),
+        r1_cross_r2: Fixed(cross),
         inverse_cross: Factor {
             significand,
             // The mask changes nothing, but tells the compiler that the shift is a near one.
