@@ -151,21 +151,23 @@ impl<'de> Flavor<'de> for Bytes<'de> {
     type Remainder = &'de [u8];
     type Source = &'de [u8];
 
-    // Calls, as in `encode`.
-    #[inline(never)]
+    // `inline` to be compiled in the crate that receives, as in `encode`.
+    #[inline]
     fn pop(&mut self) -> postcard::Result<u8> {
         let (first, rest) = self.0.split_first().ok_or(END)?;
         self.0 = rest;
         Ok(*first)
     }
 
-    #[inline(never)]
+    // As a part of whoever calls it, for there the length is known.
+    #[inline(always)]
     fn try_take_n(&mut self, count: usize) -> postcard::Result<&'de [u8]> {
         let (taken, rest) = self.0.split_at_checked(count).ok_or(END)?;
         self.0 = rest;
         Ok(taken)
     }
 
+    #[inline]
     fn finalize(self) -> postcard::Result<Self::Remainder> {
         Ok(self.0)
     }
