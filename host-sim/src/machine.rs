@@ -180,7 +180,7 @@ where
     N: Transmit,
     P: Payload<N>,
     L: Links<N>,
-    S: service::Scene<N, P, L, Replacement = Section>,
+    S: service::Scene<N, P, L, Replacement = Section, Part = Section>,
     T: Take<Setup<N, P, L>>,
     U: Put<Setup<N, P, L>>,
     H: service::Homing<N, Inputs = [bool; 3]>,

@@ -4,7 +4,34 @@
 //! Compared as text: `Debug` writes a float with the digits that tell it from every other one, the
 //! sign of zero included.
 
-use trirrr_core::service::{Coefficients, name};
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::Parameters;
+use trirrr_core::message::scene::Section;
+use trirrr_core::service::{Coefficients, Parts, name};
+use trirrr_core::units::Units;
+
+/// What the parts say, in `units`: all that there is to say of `any` machine.
+fn in_units(parts: &Parts, units: &Units, any: &Parameters) -> (Parameters, LimitParameters) {
+    let section = |bytes| postcard::from_bytes(bytes).expect("a part is whole");
+    let Section::Platform(platform) = section(parts.platform) else {
+        panic!("the platform stands where it belongs");
+    };
+    let mut parameters = platform.put_into(any);
+    for (place, bytes) in parts.legs.iter().enumerate() {
+        let Section::Leg { index, leg } = section(bytes) else {
+            panic!("a leg stands where it belongs");
+        };
+        assert_eq!(usize::from(index), place);
+        parameters.legs[place] = (&leg).into();
+    }
+    let Section::Limits(limits) = section(parts.limits) else {
+        panic!("the limits stand where they belong");
+    };
+    (
+        units.parameters(&parameters),
+        units.limits(&(&limits).into()),
+    )
+}
 
 macro_rules! images {
     ($($image:ident = $file:literal;)*) => {
@@ -22,8 +49,7 @@ macro_rules! images {
                 );
                 let built = built.expect("a shipped scene is good");
                 assert_eq!(format!("{COEFFICIENTS:?}"), format!("{built:?}"));
-                assert_eq!(UNITS.parameters(&MACHINE), PARAMETERS);
-                assert_eq!(UNITS.limits(&MACHINE_LIMITS), LIMITS);
+                assert_eq!(in_units(&PARTS, &UNITS, &PARAMETERS), (PARAMETERS, LIMITS));
                 let first = match MOVES[0] {
                     trirrr_image::Move::RestToRest { from, .. } => from,
                     trirrr_image::Move::Hermite { from, .. } => from,

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
-/// [`Unread`](super::scene::Unread) by a machine that takes none.
+/// [`Unread`](super::Unread) by a machine that takes none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
     serialize = "N: Transmit, S: Serialize",

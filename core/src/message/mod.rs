@@ -15,6 +15,7 @@
 
 mod board;
 mod command;
+mod part;
 mod refusal;
 mod report;
 pub mod scene;
@@ -25,6 +26,7 @@ mod violation;
 
 pub use board::{Board, Clock, Registers, Start};
 pub use command::{Command, Hello, Move, Recovery, Request};
+pub use part::{Replacement, Unread, Written};
 pub use refusal::Refusal;
 pub use report::{Event, Identity, Message, NAME_CAPACITY, Reply, Status, Telemetry, Verdict};
 pub use state::{Acting, State};

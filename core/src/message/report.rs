@@ -9,24 +9,29 @@ use super::violation::{Fault, Violation};
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use postcard_schema::Schema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// Bytes for the name of a scene.
 pub const NAME_CAPACITY: usize = 32;
 
-/// Whatever a machine sends.
+/// Whatever a machine sends. `S` is what a part of the scene in it is: a [`Section`], or
+/// [`Written`](super::Written) by a machine that only passes it on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(bound = "N: Transmit")]
-#[postcard(bound = "N: Transmit")]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
 // A telemetry sample is the largest and the most frequent: boxing it is not an option here.
 #[allow(clippy::large_enum_variant)]
-pub enum Message<N: Number> {
+pub enum Message<N: Number, S = Section> {
     /// The answer to a request.
     Reply {
         /// The request's.
         sequence: u32,
         /// The answer.
-        reply: Reply<N>,
+        reply: Reply<N, S>,
     },
     /// Something happened. Whatever an event says can be read from the [`Status`] too.
     Event(Event<N>),
@@ -36,10 +41,13 @@ pub enum Message<N: Number> {
 
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(bound = "N: Transmit")]
-#[postcard(bound = "N: Transmit")]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
 #[allow(clippy::large_enum_variant)] // as above
-pub enum Reply<N: Number> {
+pub enum Reply<N: Number, S = Section> {
     /// It is done, or will be within the next ticks; a move is offered, its verdict follows.
     Done,
     /// It is not done.
@@ -47,7 +55,7 @@ pub enum Reply<N: Number> {
     /// To a hello.
     Hello(Identity),
     /// To a question for a part of the scene.
-    Section(Section),
+    Section(S),
     /// To a question for the status.
     Status(Status<N>),
 }

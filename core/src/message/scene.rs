@@ -2,11 +2,8 @@
 
 use crate::limits::LimitParameters;
 use crate::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
-use core::fmt;
 use nalgebra::Vector2;
 use postcard_schema::Schema;
-use postcard_schema::schema::NamedType;
-use serde::de::{DeserializeOwned, Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 /// Names a part.
@@ -36,54 +33,21 @@ pub enum Section {
     Limits(Limits),
 }
 
-/// What a part of the scene in a request is read as.
-pub trait Replacement: DeserializeOwned + Schema {
-    /// The part; none where it was not read.
-    fn section(&self) -> Option<&Section>;
-}
-
-impl Replacement for Section {
-    fn section(&self) -> Option<&Section> {
-        Some(self)
-    }
-}
-
-/// A [`Section`] on the line of a machine that takes none: its bytes, which end the message, are left
-/// out whatever they say. So an image that holds no code to change its scene holds none to read a
-/// change either, nor room for one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unread;
-
-impl Replacement for Unread {
-    #[inline(always)]
-    fn section(&self) -> Option<&Section> {
-        None
-    }
-}
-
-impl Schema for Unread {
-    const SCHEMA: &'static NamedType = Section::SCHEMA;
-}
-
-impl<'de> Deserialize<'de> for Unread {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Rest;
-
-        impl<'de> Visitor<'de> for Rest {
-            type Value = Unread;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a part of a scene")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<Unread, A::Error> {
-                // Up to the end of the message, which is an error of no concern.
-                while let Ok(Some(_)) = bytes.next_element::<u8>() {}
-                Ok(Unread)
-            }
-        }
-
-        deserializer.deserialize_tuple(usize::MAX, Rest)
+impl Section {
+    /// The part `name` of a scene that is given in SI units; none where there is no such leg.
+    pub fn of(
+        name: SectionName,
+        parameters: &Parameters,
+        limits: &LimitParameters,
+    ) -> Option<Self> {
+        Some(match name {
+            SectionName::Leg(index) => Self::Leg {
+                index,
+                leg: parameters.legs.get(usize::from(index))?.into(),
+            },
+            SectionName::Platform => Self::Platform(parameters.into()),
+            SectionName::Limits => Self::Limits(limits.into()),
+        })
     }
 }
 

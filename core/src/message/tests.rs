@@ -1,4 +1,3 @@
-use super::scene::Unread;
 use super::*;
 use crate::limits::LimitParameters;
 use crate::setpoint::{Pose, Setpoint};
@@ -47,8 +46,8 @@ impl<T: Serialize + DeserializeOwned + Schema + Debug + PartialEq> Transmitted f
 /// reckons with is enough.
 #[test]
 fn messages_survive_the_line() {
-    survives(Message::Telemetry(telemetry::<f32>()));
-    survives(Message::Telemetry(telemetry::<f64>()));
+    survives(Message::<f32>::Telemetry(telemetry()));
+    survives(Message::<f64>::Telemetry(telemetry()));
     survives(Request::<f32> {
         sequence: 7,
         command: Command::Move(Move {

@@ -41,12 +41,14 @@ mod tests;
 mod tool;
 
 pub use background::Background;
-pub use channels::{BackgroundOf, Channels, ForegroundOf, Halves, RequestOf, ServiceError};
+pub use channels::{
+    BackgroundOf, Channels, ForegroundOf, Halves, MessageOf, RequestOf, ServiceError,
+};
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};
 pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
     HomingTimes, NoHoming, Plan, Progress, WithHoming,
 };
-pub use scene::{Adjustable, Compiled, NoSlot, Put, Scene, Setup, Slot, Take};
+pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take};
 pub use settings::{SceneIdentity, Settings, key, name};

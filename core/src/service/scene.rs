@@ -10,8 +10,8 @@ use super::queue::{Receiver, Sender};
 use super::settings::Settings;
 use crate::limits::{LimitParameters, Limits};
 use crate::machine::{BuildError, LegParameters, LinksKind, Parameters, PayloadKind};
-use crate::message::Refusal;
-use crate::message::scene::{Leg, Platform, Replacement, Section, SectionName, Unread};
+use crate::message::scene::{Section, SectionName};
+use crate::message::{Refusal, Replacement, Unread, Written};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::tick::Tick;
@@ -20,6 +20,7 @@ use crate::torque::links::Links;
 use crate::torque::payload::Payload;
 use crate::units::Units;
 use heapless::spsc::Queue;
+use serde::Serialize;
 
 /// What the tick works with, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,9 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// What is read of a part of the scene in a request: all of it where it can be changed.
     type Replacement: Replacement;
 
+    /// What a part of the scene is in a reply.
+    type Part: Serialize;
+
     /// How its machine finds out where its motors are; [`NoHoming`] if it knows.
     type Homing: Homing<N>;
 
@@ -49,11 +53,8 @@ pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
     /// A machine or a limit that cannot be built.
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError>;
 
-    /// The part `name`, in SI units; the machine is in `units`.
-    ///
-    /// # Errors
-    /// There is no such part.
-    fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>>;
+    /// The part `name`, in SI units; the machine is in `units`. None where there is no such leg.
+    fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
 
     /// Homing, before it has begun.
     fn homing(&self) -> Self::Homing;
@@ -106,15 +107,24 @@ pub trait Take<T> {
 }
 
 /// A scene that stays as it is. Its coefficients may have been built long before, on another
-/// machine: nothing is computed from `parameters` and `limits`, they are only read.
+/// machine; its description is only passed on.
 #[derive(Clone, Copy, Debug)]
 pub struct Compiled<'a, N: Number, P: Payload<N>, L: Links<N>> {
     /// What the service works with, in the machine's units.
     pub coefficients: &'a Coefficients<N, P, L>,
-    /// The machine, in SI units.
-    pub parameters: &'a Parameters,
-    /// Its limits, in SI units.
-    pub limits: &'a LimitParameters,
+    /// Its description.
+    pub parts: Parts<'a>,
+}
+
+/// The parts of a scene, in SI units, each a [`Section`] as the bytes that it is sent as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts<'a> {
+    /// The legs.
+    pub legs: [&'a [u8]; 3],
+    /// The platform and its loads.
+    pub platform: &'a [u8],
+    /// The limits.
+    pub limits: &'a [u8],
 }
 
 /// A scene that can be changed, within what the image's types have room for.
@@ -223,9 +233,10 @@ impl<T> Take<T> for QueueTake<'_, T> {
     }
 }
 
-impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P, L> {
+impl<'a, N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'a, N, P, L> {
     type Slot = NoSlot;
     type Replacement = Unread;
+    type Part = Written<'a>;
     type Homing = NoHoming;
 
     #[inline(always)]
@@ -233,8 +244,12 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'_, N, P
         Ok(*self.coefficients)
     }
 
-    fn section(&self, name: SectionName, _: &Units) -> Result<Section, Refusal<N>> {
-        section(name, self.parameters, self.limits)
+    fn part(&self, name: SectionName, _: &Units) -> Option<Written<'a>> {
+        Some(Written(match name {
+            SectionName::Leg(index) => self.parts.legs.get(usize::from(index))?,
+            SectionName::Platform => self.parts.platform,
+            SectionName::Limits => self.parts.limits,
+        }))
     }
 
     #[inline(always)]
@@ -264,6 +279,7 @@ where
 {
     type Slot = Queue<Setup<N, P, L>, 2>;
     type Replacement = Section;
+    type Part = Section;
     type Homing = NoHoming;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
@@ -271,9 +287,9 @@ where
         Coefficients::build(&self.parameters, &self.limits, settings.ramp_ticks, period)
     }
 
-    fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>> {
+    fn part(&self, name: SectionName, units: &Units) -> Option<Section> {
         let si = units.inverse();
-        section(
+        Section::of(
             name,
             &si.parameters(&self.parameters),
             &si.limits(&self.limits),
@@ -313,23 +329,6 @@ where
 
     fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
         (self.parameters, self.limits) = (parameters, limits);
-    }
-}
-
-/// The part `name` of a scene, given in SI units.
-fn section<N: Number>(
-    name: SectionName,
-    parameters: &Parameters,
-    limits: &LimitParameters,
-) -> Result<Section, Refusal<N>> {
-    match name {
-        SectionName::Leg(index) => {
-            let leg = parameters.legs.get(usize::from(index));
-            let leg = Leg::from(leg.ok_or(Refusal::NoSuchLeg)?);
-            Ok(Section::Leg { index, leg })
-        }
-        SectionName::Platform => Ok(Section::Platform(Platform::from(parameters))),
-        SectionName::Limits => Ok(Section::Limits(limits.into())),
     }
 }
 

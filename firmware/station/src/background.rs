@@ -2,9 +2,9 @@
 
 use crate::line::{Line, Received};
 use crate::scene::Scalar;
-use crate::service;
+use crate::service::{self, Message};
 use embedded_hal_nb::serial::Write;
-use trirrr_core::message::{Event, Message};
+use trirrr_core::message::Event;
 
 /// The half of the service that talks, and the line it talks over.
 pub struct Background {
@@ -38,7 +38,7 @@ impl Background {
     }
 
     /// Replies first, then events, then telemetry.
-    fn message(&mut self) -> Option<Message<Scalar>> {
+    fn message(&mut self) -> Option<Message> {
         if let Some((request, checksum)) = self.line.request() {
             return Some(Message::Reply {
                 sequence: request.sequence,

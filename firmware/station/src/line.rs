@@ -1,10 +1,8 @@
 //! The line to the host: requests out of bytes, frames out of messages.
 
-use crate::scene::Scalar;
-use crate::service::Request;
+use crate::service::{Message, Request};
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
-use trirrr_core::message::Message;
 use trirrr_core::wire::schema::longest;
 use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
 
@@ -24,7 +22,7 @@ pub type Received = Consumer<'static, u8>;
 const REQUEST: usize = decoded_length(longest::<Request>());
 
 /// Most bytes of the frame of a message.
-const FRAME: usize = frame_length(longest::<Message<Scalar>>());
+const FRAME: usize = frame_length(longest::<Message>());
 
 /// Both directions of the line, above the hardware.
 pub(crate) struct Line {
@@ -64,7 +62,7 @@ impl Line {
     }
 
     /// Makes `message` the next to be sent. Only when the line [is free](Line::is_free).
-    pub(crate) fn put(&mut self, message: &Message<Scalar>) {
+    pub(crate) fn put(&mut self, message: &Message) {
         self.sent = 0;
         // The frame has room for any message: its length follows from the type.
         self.length = encode(message, &mut self.frame).map_or(0, <[u8]>::len);

@@ -5,14 +5,15 @@ use crate::line::Received;
 #[cfg(homing)]
 use crate::scene::HOMING;
 use crate::scene::{
-    COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, NAME, Payload, SETTINGS, START, Scalar,
-    TICK_RATE_HZ,
+    COEFFICIENTS, Links, NAME, PARTS, Payload, SETTINGS, START, Scalar, TICK_RATE_HZ,
 };
 use trirrr_core::message::{Board, Clock, FaultCode, Start};
 use trirrr_core::number::Number;
 #[cfg(homing)]
 use trirrr_core::service::WithHoming;
-use trirrr_core::service::{self, BackgroundOf, Compiled, ForegroundOf, RequestOf, Settings};
+use trirrr_core::service::{
+    self, BackgroundOf, Compiled, ForegroundOf, MessageOf, RequestOf, Settings,
+};
 
 /// Room for moves, one place stays empty.
 const MOVES: usize = 16;
@@ -37,6 +38,9 @@ pub type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
 /// The half that talks.
 pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
 
+/// What it says.
+pub(crate) type Message = MessageOf<Scalar, Payload, Links, Scene>;
+
 /// What it is asked.
 pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;
 
@@ -57,8 +61,7 @@ pub fn build(
 ) -> (Foreground, background::Background) {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
-        parameters: &MACHINE,
-        limits: &MACHINE_LIMITS,
+        parts: PARTS,
     };
     #[cfg(homing)]
     let scene = WithHoming {

@@ -187,7 +187,7 @@ fn the_example_frames_are_the_messages() {
             "not-admitted",
             "Move 2 would need 1.25 N m of motor 1, which may give 1 N m, at a half of its way; in \
              640 ticks it would pass.",
-            &Message::Event(Event::Verdict(Verdict {
+            &Message::<f32>::Event(Event::Verdict(Verdict {
                 number: 2,
                 violation: Some(Violation {
                     what: Bounded::Torque,

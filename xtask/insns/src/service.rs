@@ -1,12 +1,10 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
 use crate::drives::Drives;
-use crate::scene::{
-    COEFFICIENTS, Links, MACHINE, MACHINE_LIMITS, MOVES, Payload, SETTINGS, START, Scalar,
-};
+use crate::scene::{COEFFICIENTS, Links, MOVES, PARTS, Payload, SETTINGS, START, Scalar};
 use nalgebra::Vector3;
-use trirrr_core::message::Command;
 use trirrr_core::message::Move;
+use trirrr_core::message::{Command, Reply};
 use trirrr_core::number::Number;
 use trirrr_core::service::{self, BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 use trirrr_core::setpoint::Pose;
@@ -27,12 +25,14 @@ pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
 pub type SceneCommand =
     Command<Scalar, <Scene as service::Scene<Scalar, Payload, Links>>::Replacement>;
 
+/// What it answers.
+pub type SceneReply = Reply<Scalar, <Scene as service::Scene<Scalar, Payload, Links>>::Part>;
+
 /// The scene.
 pub fn scene() -> Scene {
     Compiled {
         coefficients: &COEFFICIENTS,
-        parameters: &MACHINE,
-        limits: &MACHINE_LIMITS,
+        parts: PARTS,
     }
 }
 

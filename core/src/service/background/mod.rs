@@ -199,7 +199,7 @@ where
     }
 
     /// What is to be sent next: events, then telemetry.
-    pub fn outgoing(&mut self) -> Option<Message<N>> {
+    pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
         self.learn();
         if let Some(event) = self.events.1.receive() {
             return Some(Message::Event(event));

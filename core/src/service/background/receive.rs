@@ -21,7 +21,11 @@ where
     /// ([`Decoder::checksum`](crate::wire::Decoder::checksum)), by which one that is repeated is
     /// told from another with the same number.
     #[inline(never)]
-    pub fn receive(&mut self, request: &Request<N, S::Replacement>, checksum: u32) -> Reply<N> {
+    pub fn receive(
+        &mut self,
+        request: &Request<N, S::Replacement>,
+        checksum: u32,
+    ) -> Reply<N, S::Part> {
         // Whatever it is that comes, the host is there.
         count(&self.shared.heard);
         self.learn();
@@ -66,7 +70,7 @@ where
     }
 
     #[inline(never)]
-    fn greet(&mut self, hello: &Hello) -> Reply<N> {
+    fn greet(&mut self, hello: &Hello) -> Reply<N, S::Part> {
         let scene = &self.settings.scene;
         if hello.protocol != PROTOCOL {
             return Reply::Refused(Refusal::Protocol { expected: PROTOCOL });
@@ -87,12 +91,12 @@ where
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
-    fn answer(&mut self, command: &Command<N, S::Replacement>) -> Reply<N> {
+    fn answer(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
         match command {
             Command::Status => Reply::Status(self.status()),
-            Command::Read(name) => match self.scene.section(*name, &self.settings.scene.units()) {
-                Ok(section) => Reply::Section(section),
-                Err(refusal) => Reply::Refused(refusal),
+            Command::Read(name) => match self.scene.part(*name, &self.settings.scene.units()) {
+                Some(part) => Reply::Section(part),
+                None => Reply::Refused(Refusal::NoSuchLeg),
             },
             _ => Reply::Done,
         }

@@ -113,14 +113,15 @@ where
 {
     type Slot = S::Slot;
     type Replacement = S::Replacement;
+    type Part = S::Part;
     type Homing = Option<Cycle<'a, N>>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
         self.scene.coefficients(settings)
     }
 
-    fn section(&self, name: SectionName, units: &Units) -> Result<Section, Refusal<N>> {
-        self.scene.section(name, units)
+    fn part(&self, name: SectionName, units: &Units) -> Option<S::Part> {
+        self.scene.part(name, units)
     }
 
     fn homing(&self) -> Option<Cycle<'a, N>> {

@@ -45,7 +45,7 @@ pub(super) struct Rig<N: Number, S: Scene<N, Centred<N>, Massless> + 'static = A
     pub(super) events: Vec<Event<N>>,
 }
 
-/// What `background` answers to a request that comes over a line.
+/// What `background` answers to a request, both over a line.
 pub(super) fn hear<'q, N, P, L, S>(
     background: &mut BackgroundOf<'q, N, P, L, S>,
     sequence: u32,
@@ -61,7 +61,10 @@ where
     let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
     let mut decoder = Decoder::<256>::new();
     let request = decoder.take(&mut line).unwrap().unwrap();
-    background.receive(&request, decoder.checksum())
+    let reply = background.receive(&request, decoder.checksum());
+    let mut room = [0; 256];
+    let mut line = encode(&reply, &mut room).unwrap();
+    decoder.take(&mut line).unwrap().unwrap()
 }
 
 /// Where the thesis's move starts.

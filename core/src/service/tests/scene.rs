@@ -47,12 +47,35 @@ fn an_image_without_the_code_refuses_overrides() {
     let parameters = Box::leak(Box::new(example()));
     let limits = Box::leak(Box::new(LimitParameters::default()));
     let coefficients = Coefficients::build(parameters, limits, RAMP, PERIOD_S).unwrap();
+    let part = |name| {
+        let section = Section::of(name, parameters, limits).unwrap();
+        let mut room = [0; 256];
+        &*postcard::to_slice(&section, &mut room)
+            .unwrap()
+            .to_vec()
+            .leak()
+    };
     let scene = Compiled {
         coefficients: Box::leak(Box::new(coefficients)),
-        parameters,
-        limits,
+        parts: Parts {
+            legs: [0, 1, 2].map(|leg| part(SectionName::Leg(leg))),
+            platform: part(SectionName::Platform),
+            limits: part(SectionName::Limits),
+        },
     };
     let mut rig = Rig::of(scene, home());
+    for name in [
+        SectionName::Leg(2),
+        SectionName::Platform,
+        SectionName::Limits,
+    ] {
+        let section = Section::of(name, parameters, limits);
+        assert_eq!(Some(read(&mut rig, name)), section);
+    }
+    assert_eq!(
+        rig.refused(Command::Read(SectionName::Leg(3))),
+        Refusal::NoSuchLeg
+    );
     let [section, other] = [0, 1].map(|leg| read(&mut rig, SectionName::Leg(leg)));
     let sequence = rig.sequence;
     assert_eq!(

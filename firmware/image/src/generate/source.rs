@@ -7,10 +7,12 @@ use crate::Move;
 use std::error::Error;
 use std::fmt::Write;
 use trirrr_core::message::Transmit;
+use trirrr_core::message::scene::{Section, SectionName};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
+use trirrr_core::wire::schema::longest;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
@@ -68,8 +70,7 @@ fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn
         "trirrr_core::machine::Parameters",
         "trirrr_core::limits::LimitParameters",
     );
-    file.global("MACHINE", parameters_type, constant(&scene.parameters));
-    file.global("MACHINE_LIMITS", limits_type, constant(&scene.limits));
+    file.constant("PARTS", &format!("{service}::Parts"), parts(scene)?);
 
     if let Some(homing) = &scene.homing {
         let parameters = homing.parameters(scene, &units)?;
@@ -106,6 +107,26 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
         true => units_of_scene(scene),
         false => Ok(Units::SI),
     }
+}
+
+/// The parts of the scene, as the bytes that they are sent as.
+fn parts(scene: &Scene) -> Result<String, Box<dyn Error>> {
+    let part = |name| {
+        let section = Section::of(name, &scene.parameters, &scene.limits);
+        let section = section.ok_or("a machine has three legs")?;
+        let mut room = [0; longest::<Section>()];
+        let bytes = postcard::to_slice(&section, &mut room)?;
+        Ok::<_, Box<dyn Error>>(format!("&{bytes:?}"))
+    };
+    let [a, b, c] = [0, 1, 2].map(|leg| part(SectionName::Leg(leg)));
+    Ok(format!(
+        "trirrr_core::service::Parts {{ legs: [{}, {}, {}], platform: {}, limits: {} }}",
+        a?,
+        b?,
+        c?,
+        part(SectionName::Platform)?,
+        part(SectionName::Limits)?,
+    ))
 }
 
 /// The text so far.

@@ -8,7 +8,8 @@ use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
 use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
-    SceneBackground, SceneChannels, SceneCommand, Ticking, offered, scene, settings, start, tick,
+    SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered, scene, settings,
+    start, tick,
 };
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
@@ -38,7 +39,7 @@ struct Host {
 }
 
 impl Host {
-    fn ask(&mut self, command: SceneCommand) -> Reply<Scalar> {
+    fn ask(&mut self, command: SceneCommand) -> SceneReply {
         let sequence = self.sequence;
         // None is repeated, so any checksum will do.
         let reply = self
