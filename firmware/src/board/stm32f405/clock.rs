@@ -1,15 +1,15 @@
 //! The clock: a crystal and the PLL if they start, else what there is. Nothing here waits without
 //! bound, so a dead crystal is a slower or less exact board and not a dead one.
+//!
+//! The HAL's own start waits for ever, panics, and looks for the PLL's factors at run time. Here they are
+//! constants, and so are the clocks that follow: the HAL, which takes them for those of the reset, is
+//! overruled by [`dividers`](super::dividers) where it works something out from them.
 
-use stm32f4xx_hal::pac::{DBGMCU, RCC};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC};
 use trirrr_core::message::Clock;
 
-use super::CORE_HZ;
-
 /// The internal oscillator, Hz.
-pub(super) const HSI_HZ: u32 = 16_000_000;
+const HSI_HZ: u32 = 16_000_000;
 
 /// Looks at a ready flag, at 16 MHz some 10 cycles each: 100 ms. A crystal takes a few ms, the PLL
 /// a third of one.
@@ -24,29 +24,87 @@ const CRYSTAL_MHZ: u32 = match option_env!("CRYSTAL_MHZ") {
     },
 };
 
-/// What will start, tried out, and the clock configuration made of it.
-pub(super) fn choose(rcc: &RCC, debug: &DBGMCU) -> (Clock, Config) {
+/// What runs how fast, Hz.
+#[derive(Clone, Copy)]
+pub(super) struct Clocks {
+    /// Core and memories.
+    pub(super) core: u32,
+    /// Serial ports and CAN controller, on APB1.
+    pub(super) apb1: u32,
+    /// Timers on APB1, which run twice as fast as their bus where that is slower than the core.
+    // Only some drives have one.
+    #[allow(dead_code)]
+    pub(super) timers: u32,
+}
+
+/// With the PLL: APB1 at its limit of 42 MHz.
+pub(super) const FAST: Clocks = Clocks {
+    core: 168_000_000,
+    apb1: 42_000_000,
+    timers: 84_000_000,
+};
+
+/// Without: as after a reset.
+pub(super) const SLOW: Clocks = Clocks {
+    core: HSI_HZ,
+    apb1: HSI_HZ,
+    timers: HSI_HZ,
+};
+
+/// Starts what there is.
+pub(super) fn start(rcc: &RCC, flash: &FLASH, debug: &DBGMCU) -> (Clock, Clocks) {
     rcc.cr().modify(|_, w| w.hseon().set_bit());
     let crystal = becomes(|| rcc.cr().read().hserdy().bit_is_set());
     if !crystal {
         rcc.cr().modify(|_, w| w.hseon().clear_bit());
     }
-    // Any setting will do to see it lock; then it is off again, for its settings are taken while it
-    // is.
-    rcc.cr().modify(|_, w| w.pllon().set_bit());
-    let pll = becomes(|| rcc.cr().read().pllrdy().bit_is_set());
-    rcc.cr().modify(|_, w| w.pllon().clear_bit());
-    let off = becomes(|| rcc.cr().read().pllrdy().bit_is_clear());
-    match (crystal, pll && off) {
-        (true, true) => (
-            Clock::Crystal,
-            Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_HZ.Hz()),
-        ),
-        (false, true) => (Clock::Internal, Config::hsi().sysclk(CORE_HZ.Hz())),
+    match (crystal, start_pll(rcc, flash, crystal)) {
+        (true, true) => (Clock::Crystal, FAST),
+        (false, true) => (Clock::Internal, FAST),
         // Only an emulator has no identity: its core runs at full speed, whatever it is told.
-        (_, false) if debug.idcode().read().bits() == 0 => (Clock::Emulated, Config::hsi()),
-        (_, false) => (Clock::Slow, Config::hsi()),
+        (_, false) if debug.idcode().read().bits() == 0 => (Clock::Emulated, FAST),
+        (_, false) => (Clock::Slow, SLOW),
     }
+}
+
+/// Runs the core from the PLL, fed by the crystal or the internal oscillator (RM0090, 7.2.3 and 3.5.1): from
+/// 1 MHz by 336 and then through 2. Whether it locks; if not, everything is as before.
+fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
+    const TIMES: u16 = (FAST.core / 1_000_000 * 2) as u16;
+    let source_mhz = if crystal {
+        CRYSTAL_MHZ
+    } else {
+        HSI_HZ / 1_000_000
+    };
+    // The reset leaves it off: its settings are taken while it is. 7 makes 48 MHz, which nobody here uses.
+    // SAFETY: 4 to 26 through the first divider and 336 times are within the fields and what they allow.
+    #[allow(unsafe_code)]
+    rcc.pllcfgr().write(|w| unsafe {
+        w.pllsrc().bit(crystal);
+        w.pllm().bits(source_mhz as u8);
+        w.plln().bits(TIMES);
+        w.pllp().div2();
+        w.pllq().bits(7)
+    });
+    rcc.cr().modify(|_, w| w.pllon().set_bit());
+    if !becomes(|| rcc.cr().read().pllrdy().bit_is_set()) {
+        rcc.cr().modify(|_, w| w.pllon().clear_bit());
+        return false;
+    }
+    // At 168 MHz and 2.7 to 3.6 V the flash takes 5 cycles longer. Slower first, then the clock.
+    flash.acr().modify(|_, w| {
+        w.latency().ws5();
+        w.prften().set_bit();
+        w.icen().set_bit();
+        w.dcen().set_bit()
+    });
+    rcc.cfgr().modify(|_, w| {
+        w.ppre1().div4();
+        w.ppre2().div2()
+    });
+    // A PLL that has locked is taken within a few cycles.
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    true
 }
 
 /// Whether it is so before long.

@@ -2,6 +2,7 @@
 //! SysTick.
 
 mod clock;
+mod dividers;
 mod drives;
 mod pins;
 mod registers;
@@ -11,14 +12,16 @@ mod switches;
 pub(crate) use registers::{RAM, fault_status, outputs_off, reset};
 
 /// The clock of the core, Hz, where the PLL starts.
-pub(crate) const CORE_HZ: u32 = 168_000_000;
+#[cfg(feature = "provoke")]
+pub(crate) const CORE_HZ: u32 = clock::FAST.core;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use super::clock::{self, HSI_HZ};
+    use super::clock::{self, FAST, SLOW};
+    use super::dividers::set_bauds;
     use super::drives::{self, Drives, Slot};
+    use super::start;
     use super::switches::{self, Switches};
-    use super::{CORE_HZ, start};
     use crate::background::Background;
     use crate::pulse::{PATIENCE_MS, Pulse};
     use crate::systick::{TickClock, period};
@@ -60,12 +63,12 @@ mod app {
         let start = start::cause(&device.RCC);
         #[cfg(feature = "provoke")]
         crate::provoke::arm(&start);
-        let (clock, configuration) = clock::choose(&device.RCC, &device.DBGMCU);
-        let (timer_hz, period) = match clock {
-            Clock::Slow => (HSI_HZ, const { period(HSI_HZ) }),
-            _ => (CORE_HZ, const { period(CORE_HZ) }),
+        let (clock, clocks) = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU);
+        let period = match clock {
+            Clock::Slow => const { period(SLOW.core) },
+            _ => const { period(FAST.core) },
         };
-        let mut rcc = device.RCC.freeze(configuration);
+        let mut rcc = device.RCC.constrain();
 
         let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
         let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
@@ -74,11 +77,12 @@ mod app {
         let (Ok(line), Ok(log)) = (line, log) else {
             panic!("the slowest clock does not divide into the baud rates");
         };
+        set_bauds(clocks.apb1, BAUD, LOG_BAUD);
         let (line, mut receiver) = line.split();
         receiver.listen();
 
         let board = Board {
-            timer_hz,
+            timer_hz: clocks.core,
             clock,
             start,
         };
@@ -92,7 +96,7 @@ mod app {
             tim3: device.TIM3,
             tim7: device.TIM7,
             can1: device.CAN1,
-            core_hz: timer_hz,
+            clocks,
             is_emulated: clock == Clock::Emulated,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };

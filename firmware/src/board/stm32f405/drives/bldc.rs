@@ -1,5 +1,6 @@
 //! Brushless motors: TIM3 gives their PWM.
 
+use super::super::dividers::set_pwm;
 use super::super::pins::OutputC;
 use super::Parts;
 use crate::outputs::Outputs;
@@ -44,6 +45,7 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     let Ok(enable) = Enable::new(enable, active);
 
     let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(PWM_HZ.Hz(), rcc);
+    set_pwm(parts.clocks.timers, PWM_HZ);
     let mut pwm = [
         pwm_1.with(c.pc6).erase(),
         pwm_2.with(c.pc7).erase(),

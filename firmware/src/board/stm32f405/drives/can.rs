@@ -5,7 +5,7 @@ use super::controller::Controller;
 use crate::outputs::Outputs;
 use stm32f4xx_hal::rcc::Rcc;
 use trirrr_drives::Failure;
-use trirrr_drives::can::{CanDrives, Odrive, RotorScale};
+use trirrr_drives::can::{BitTiming, CanDrives, Odrive, RotorScale};
 use trirrr_station::Output;
 use trirrr_station::scene::Scalar;
 use trirrr_station::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
@@ -39,7 +39,11 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     );
     let controller = match parts.is_emulated {
         true => Controller::absent(parts.can1),
-        false => Controller::start(parts.can1, rcc, BIT_RATE_HZ),
+        false => Controller::start(
+            parts.can1,
+            rcc,
+            BitTiming::new(parts.clocks.apb1, BIT_RATE_HZ),
+        ),
     };
     let drives = CanDrives::new(Odrive, controller, NODES, SCALES, parts.angles);
     (Drives(drives), ())

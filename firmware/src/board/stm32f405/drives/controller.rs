@@ -47,11 +47,11 @@ impl Controller {
         }
     }
 
-    /// Starts at `bit_rate_hz`. It takes part once it has seen the bus idle.
-    pub(super) fn start(can: CAN1, rcc: &mut Rcc, bit_rate_hz: u32) -> Self {
+    /// Starts with this bit timing, if there is one. It takes part once it has seen the bus idle.
+    pub(super) fn start(can: CAN1, rcc: &mut Rcc, timing: Option<BitTiming>) -> Self {
         CAN1::enable(rcc);
         CAN1::reset(rcc);
-        let started = configure(&can, BitTiming::new(rcc.clocks.pclk1().raw(), bit_rate_hz));
+        let started = configure(&can, timing);
         let state = match started {
             true => State::Running,
             false => State::Failed,

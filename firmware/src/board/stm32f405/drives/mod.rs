@@ -35,6 +35,7 @@ compile_error!(
      of classic CAN"
 );
 
+use super::clock::Clocks;
 use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
 use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
 use trirrr_core::number::Number;
@@ -52,8 +53,8 @@ pub(super) struct Parts {
     pub(super) tim3: TIM3,
     pub(super) tim7: TIM7,
     pub(super) can1: CAN1,
-    /// The clock of the core, Hz.
-    pub(super) core_hz: u32,
+    /// What runs how fast.
+    pub(super) clocks: Clocks,
     /// Whether the core is an emulated one.
     pub(super) is_emulated: bool,
     /// Where the joints are taken to stand.

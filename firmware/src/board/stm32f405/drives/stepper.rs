@@ -1,15 +1,14 @@
 //! Steppers: TIM7 calls the slots.
 
+use super::super::dividers;
 use super::super::pins::OutputC;
 use super::{Angle, Parts};
 use crate::outputs::Outputs;
 use crate::slots::{LINE, PER_TICK, SLOT_HZ};
-use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
 use stm32f4xx_hal::pac::TIM7;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
+use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
 use trirrr_core::message::DriveFault;
 use trirrr_core::number::Number;
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
@@ -61,7 +60,7 @@ fn too_slow() -> Failure<Scalar> {
 /// The slots, as the timer sees them.
 pub(crate) struct Slot {
     slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
-    timer: CounterHz<TIM7>,
+    timer: TIM7,
 }
 
 impl Slot {
@@ -69,7 +68,7 @@ impl Slot {
     #[inline(always)]
     pub(crate) fn run(&mut self) {
         // First, so that it has gone through by the time the interrupt returns.
-        self.timer.clear_flags(Flag::Update);
+        dividers::clear(&self.timer);
         let Ok(()) = self.slots.slot();
     }
 }
@@ -105,15 +104,17 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
     let axes = [axis_1, axis_2, axis_3];
     let slots = Slots::new(&LINE, axes, enable, PER_TICK);
 
-    let mut timer = parts.tim7.counter_hz(rcc);
-    let runs = parts.core_hz / SLOT_HZ >= LEAST_CYCLES && timer.start(SLOT_HZ.Hz()).is_ok();
+    let (timer, clocks) = (parts.tim7, parts.clocks);
+    TIM7::enable(rcc);
+    TIM7::reset(rcc);
+    let runs = clocks.core / SLOT_HZ >= LEAST_CYCLES;
     if runs {
-        timer.listen(Event::Update);
+        dividers::start(&timer, clocks.timers, SLOT_HZ);
     } else {
         defmt::error!(
             "{=u32} slots per second are too many for {=u32} Hz",
             SLOT_HZ,
-            parts.core_hz
+            clocks.core
         );
     }
     let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
