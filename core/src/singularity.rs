@@ -71,14 +71,16 @@ pub fn det_a<N: Number>(position: &Position<N>) -> N {
 
 #[inline]
 fn det_a_of<N: Number>(legs: [&LegPosition<N>; 3]) -> N {
-    let [c1, c2, c3] = legs.map(|leg| leg.platform_joint);
-    let [d1, d2, d3] = legs.map(|leg| leg.links.r2);
+    let [leg1, leg2, leg3] = legs;
+    let c1 = leg1.platform_joint;
+    let (arm2, arm3) = (leg2.platform_joint - c1, leg3.platform_joint - c1);
+    let (d1, d2, d3) = (leg1.links.r2, leg2.links.r2, leg3.links.r2);
     // Moments about C_1, as in the balance: the determinant is the same about every point.
     N::ab_plus_cd(
         cross(d1, d2),
-        cross(c3 - c1, d3),
+        cross(arm3, d3),
         cross(d3, d1),
-        cross(c2 - c1, d2),
+        cross(arm2, d2),
     )
 }
 

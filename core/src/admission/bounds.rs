@@ -46,6 +46,14 @@ pub(super) struct TorqueBounds<N: Number> {
 }
 
 impl<N: Number> MotorBounds<N> {
+    /// To be filled in.
+    pub(super) const UNMEASURED: Self = Self {
+        rate: TaylorModel::ZERO,
+        acceleration: TaylorModel::ZERO,
+        ramp_acceleration: TaylorModel::ZERO,
+        torque: None,
+    };
+
     /// Whether motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1:
     /// what it breaks otherwise. A larger `speed` never breaks less: the speeds and ramps of a
     /// slower move are among those of a faster one. `S` says whether there are torques to look at.

@@ -121,8 +121,8 @@ impl<N: Number> Ends<N> {
         if self.rest_to_rest {
             return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
         }
-        let [start, end] = [self.start_velocity, self.end_velocity]
-            .map(|velocity| Vector3::from(velocity.map(TaylorModel::of)));
+        let velocity = |velocity: [N; 3]| Vector3::from(velocity.map(TaylorModel::of));
+        let (start, end) = (velocity(self.start_velocity), velocity(self.end_velocity));
         Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
     }
 }

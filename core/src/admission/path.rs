@@ -3,12 +3,12 @@
 use super::Breach;
 use super::bounds::{MotorBounds, TorqueBounds};
 use super::taylor::{Float, TaylorModel};
-use crate::inverse::{LegMotion, Rotation};
+use crate::inverse::{LegMotion, LegPosition, Rotation};
 use crate::limits::Limits;
 use crate::linkage::rrr::{Accelerations, Rates};
 use crate::machine::{BuildError, Parameters};
 use crate::message::Bounded;
-use crate::number::{Number, dot};
+use crate::number::{Apex, Number, dot};
 use crate::setpoint::{Segment, Setpoint};
 use crate::singularity::Distances;
 use crate::status::Status;
@@ -16,7 +16,7 @@ use crate::tick::Tick;
 use crate::torque::balance::Solve;
 use crate::torque::links::Links;
 use crate::torque::payload::Payload;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
 /// admission.
@@ -79,77 +79,66 @@ where
         segment: &Segment<Model<N>>,
         s: Model<N>,
     ) -> Result<(), Breach<Float<N>>> {
-        let motors = self.measure(segment, s)?;
+        let mut motors = [MotorBounds::UNMEASURED; 3];
+        self.measure(segment, s, &mut motors)?;
         for (index, motor) in motors.iter().enumerate() {
             motor.check::<P::Balance>(index, &self.limits, <Float<N>>::ONE)?;
         }
         Ok(())
     }
 
-    /// What the motors do while the fraction `s` of `segment` has passed, if the interval is within
+    /// What the `motors` do while the fraction `s` of `segment` has passed, if the interval is within
     /// reach and away from singularities for certain.
     #[inline(never)]
     pub(super) fn measure(
         &self,
         segment: &Segment<Model<N>>,
         s: Model<N>,
-    ) -> Result<[MotorBounds<N>; 3], Breach<Float<N>>> {
+        motors: &mut [MotorBounds<N>; 3],
+    ) -> Result<(), Breach<Float<N>>> {
         let mut setpoint = segment.at_fraction(s);
         let rotation = Rotation::new(setpoint.pose.angle);
-        let mut legs = self
-            .legs(&setpoint, &rotation)
+        let mut legs = [unsolved(); 3];
+        self.solve(&setpoint, &rotation, &mut legs)
             .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         self.keeps_distance(&legs)?;
-        let mut motors = legs.each_ref().map(|leg| MotorBounds {
-            rate: leg.rates.proximal,
-            acceleration: leg.accelerations.proximal,
-            ramp_acceleration: leg.rates.proximal * self.ramp,
-            torque: None,
-        });
+        for (motor, leg) in motors.iter_mut().zip(&legs) {
+            motor.rate = leg.rates.proximal;
+            motor.acceleration = leg.accelerations.proximal;
+            motor.ramp_acceleration = leg.rates.proximal * self.ramp;
+        }
         if P::Balance::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
-            self.add_torques(&mut motors, &mut legs, &mut setpoint, &rotation)
+            self.add_torques(motors, &mut legs, &mut setpoint, &rotation)
                 .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         }
         // An acceleration is the last that leaves the range.
-        let sum = motors.iter().fold(Model::ZERO, |sum, motor| {
-            let torque = motor.torque.map_or(Model::ZERO, |torque| torque.dynamic);
-            sum + motor.acceleration + torque
-        });
+        let mut sum = Model::ZERO;
+        for motor in motors {
+            sum += motor.acceleration;
+            if let Some(torque) = &motor.torque {
+                sum += torque.dynamic;
+            }
+        }
         if sum.is_finite() {
-            Ok(motors)
+            Ok(())
         } else {
             Err(Breach::out_of_range())
         }
     }
 
-    fn legs(
+    fn solve(
         &self,
         setpoint: &Setpoint<Model<N>>,
         rotation: &Rotation<Model<N>>,
-    ) -> Result<[LegMotion<Model<N>>; 3], Status> {
-        let mut legs = [self.leg(0, setpoint, rotation)?; 3];
-        for (index, leg) in legs.iter_mut().enumerate().skip(1) {
-            *leg = self.leg(index, setpoint, rotation)?;
+        legs: &mut [LegMotion<Model<N>>; 3],
+    ) -> Result<(), Status> {
+        for (index, motion) in legs.iter_mut().enumerate() {
+            let leg = &self.tick.geometry().legs[index];
+            motion.position = leg.position(index, setpoint.pose.position, rotation)?;
+            motion.rates = leg.rates(&motion.position, &setpoint.velocity);
+            motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
         }
-        Ok(legs)
-    }
-
-    #[inline(never)]
-    fn leg(
-        &self,
-        index: usize,
-        setpoint: &Setpoint<Model<N>>,
-        rotation: &Rotation<Model<N>>,
-    ) -> Result<LegMotion<Model<N>>, Status> {
-        let leg = &self.tick.geometry().legs[index];
-        let position = leg.position(index, setpoint.pose.position, rotation)?;
-        let rates = leg.rates(&position, &setpoint.velocity);
-        let accelerations = leg.accelerations(&position, &rates, setpoint);
-        Ok(LegMotion {
-            position,
-            rates,
-            accelerations,
-        })
+        Ok(())
     }
 
     /// Whether the singularities are as far as the limits ask.
@@ -199,10 +188,8 @@ where
         setpoint.acceleration = setpoint.velocity * self.ramp;
         setpoint.velocity = zero;
         for leg in legs.iter_mut() {
-            leg.accelerations = Accelerations {
-                proximal: leg.rates.proximal * self.ramp,
-                distal: leg.rates.distal * self.ramp,
-            };
+            leg.accelerations.proximal = leg.rates.proximal * self.ramp;
+            leg.accelerations.distal = leg.rates.distal * self.ramp;
             leg.rates = Rates {
                 proximal: Model::ZERO,
                 distal: Model::ZERO,
@@ -285,5 +272,30 @@ where
             ),
             Status::OutOfRange => Breach::out_of_range(),
         }
+    }
+}
+
+/// A leg to be filled in. No constant, which would take its place in an image.
+fn unsolved<N: Number>() -> LegMotion<Model<N>> {
+    let zero = Vector2::new(Model::ZERO, Model::ZERO);
+    LegMotion {
+        position: LegPosition {
+            platform_joint: zero,
+            links: Apex {
+                r1: zero,
+                r2: zero,
+                r1_cross_r2: Model::ZERO,
+                inverse_cross: Model::ZERO,
+                base_sq: Model::ZERO,
+            },
+        },
+        rates: Rates {
+            proximal: Model::ZERO,
+            distal: Model::ZERO,
+        },
+        accelerations: Accelerations {
+            proximal: Model::ZERO,
+            distal: Model::ZERO,
+        },
     }
 }

@@ -1,6 +1,7 @@
 //! The shortest duration at which a move would pass.
 
 use super::Ends;
+use super::bounds::MotorBounds;
 use super::path::Path;
 use super::scan::{Scan, Scanned};
 use super::taylor::{Float, TaylorModel};
@@ -81,7 +82,9 @@ impl<N: Number> Search<N> {
         match &mut self.stage {
             Stage::Survey { speed } => {
                 // What is not certain about reach or singularities is left to the trials.
-                if let Ok(motors) = path.measure(&self.segment, self.scan.interval()) {
+                let mut motors = [MotorBounds::UNMEASURED; 3];
+                let interval = self.scan.interval();
+                if path.measure(&self.segment, interval, &mut motors).is_ok() {
                     let keeps = |speed: Float<N>| {
                         motors.iter().enumerate().all(|(index, motor)| {
                             motor

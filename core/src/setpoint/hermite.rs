@@ -86,8 +86,8 @@ impl<N: Number> Hermite<N> {
     ) -> Self {
         let h = from.displacement(&to);
         let duration = N::quotient(ticks, 1) * period;
-        let [t_v0, t_v1] =
-            [from_velocity, to_velocity].map(|velocity| velocity.map(|v| v.scaled(duration)));
+        let scaled = |velocity: Vector3<N>| velocity.map(|v| v.scaled(duration));
+        let (t_v0, t_v1) = (scaled(from_velocity), scaled(to_velocity));
         Self {
             forward: Cubic::new(from, h, t_v0, t_v1),
             backward: Cubic::new(to, -h, -t_v1, -t_v0),

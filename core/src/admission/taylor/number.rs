@@ -53,7 +53,7 @@ impl<N: Number> Number for TaylorModel<N> {
         <Float<N>>::angle_to_f64(angle.constant)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn angle(radians: Self) -> Self::Angle {
         AngleModel {
             constant: <Float<N>>::angle(radians.constant),
@@ -62,7 +62,7 @@ impl<N: Number> Number for TaylorModel<N> {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn radians(angle: Self::Angle) -> Self {
         let constant = <Float<N>>::radians(angle.constant);
         let size = constant.abs() + angle.linear.abs();
