@@ -21,13 +21,14 @@
 //! Why not from the debug information: what it says of frames ends at the frame pointer, and the compiler keeps
 //! one. Why no disassembler: that of yaxpeax-arm knows no floating-point instruction, which every
 //! function here may have; what has to be known of each is where it goes, what it does to the stack and which
-//! registers it changes, and that is two small files.
+//! registers it changes, and that is three small files.
 
 mod condition;
 #[cfg(test)]
 mod encodings;
 mod graph;
 mod instruction;
+mod memory;
 mod program;
 mod state;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Thumb instructions of 32 bits (ARMv7-M Architecture Reference Manual, A5.3, and with floating point A6).
 
 use super::instruction::{Flow, Instruction, PC, Register, Registers, SP, Stack, Value};
+use super::memory;
 use super::thumb::{ahead, beside, field, register, signed};
 
 pub(super) fn decode(address: u32, first: u16, second: u16) -> Option<Instruction> {
@@ -10,12 +11,13 @@ pub(super) fn decode(address: u32, first: u16, second: u16) -> Option<Instructio
     }
     match (field(first, 11, 2), field(second, 15, 1)) {
         (0b01, _) if field(first, 9, 1) == 1 => by_register(first, second),
-        (0b01, _) if field(first, 6, 1) == 1 => two_words(first, second),
-        (0b01, _) => several(first, second),
+        (0b01, _) if field(first, 6, 1) == 1 => memory::two_words(first, second),
+        (0b01, _) => memory::several(first, second),
         (0b10, 0) if field(first, 9, 1) == 0 => by_constant(first, second),
         (0b10, 0) => by_binary(address, first, second),
         (0b10, _) => branch(address, first, second),
-        (0b11, _) => one_word(address, first, second),
+        (0b11, _) if field(first, 9, 1) == 1 => between(first, second),
+        (0b11, _) => memory::one_word(address, first, second),
         _ => None,
     }
 }
@@ -30,76 +32,6 @@ fn set(to: Register, value: Value) -> Option<Instruction> {
         },
         (SP | PC, _) => return None,
         _ => Instruction::giving(4, to, value),
-    })
-}
-
-/// Changes `base` by `offset` if it `writes` it back, besides what `instruction` does.
-fn with_base(instruction: Instruction, base: Register, writes: bool, offset: i32) -> Instruction {
-    match (writes, base) {
-        (false, _) => instruction,
-        (true, SP) => Instruction {
-            stack: Stack::Takes(-offset),
-            ..instruction
-        },
-        (true, _) => Instruction {
-            writes: instruction.writes.with(base),
-            value: Value::Other,
-            ..instruction
-        },
-    }
-}
-
-/// ldm, stm, push, pop.
-fn several(first: u16, second: u16) -> Option<Instruction> {
-    let base = register(first, 0);
-    let (loads, writes_back) = (field(first, 4, 1) == 1, field(first, 5, 1) == 1);
-    let list = Registers(second);
-    let offset = match field(first, 7, 2) {
-        0b01 => list.bytes(),
-        0b10 => -list.bytes(),
-        _ => return None,
-    };
-    let instruction = match (loads, list.contains(PC)) {
-        (true, true) if base == SP => Instruction {
-            flow: Flow::Return,
-            ..Instruction::writing(4, Registers(second & 0x5fff))
-        },
-        (_, true) => return None,
-        (true, false) => Instruction::writing(4, list),
-        (false, false) => Instruction::plain(4),
-    };
-    Some(with_base(instruction, base, writes_back, offset))
-}
-
-/// ldrd, strd, exclusive access, table branch.
-fn two_words(first: u16, second: u16) -> Option<Instruction> {
-    let (base, loads) = (register(first, 0), field(first, 4, 1) == 1);
-    let (index, writes_back) = (field(first, 8, 1) == 1, field(first, 5, 1) == 1);
-    if index || writes_back {
-        let bytes = 4 * i32::from(field(second, 0, 8));
-        let offset = if field(first, 7, 1) == 1 {
-            bytes
-        } else {
-            -bytes
-        };
-        let instruction = match loads {
-            true => {
-                let pair = Registers::one(register(second, 12)).with(register(second, 8));
-                Instruction::writing(4, pair)
-            }
-            false => Instruction::plain(4),
-        };
-        return Some(with_base(instruction, base, writes_back, offset));
-    }
-    let target = Registers::one(register(second, 12));
-    Some(match (field(first, 7, 1), loads, field(second, 4, 4)) {
-        (0, false, _) => Instruction::writing(4, Registers::one(register(second, 8))),
-        (0, true, _) => Instruction::writing(4, target),
-        (_, false, 0b0100 | 0b0101) => Instruction::writing(4, Registers::one(register(second, 0))),
-        (_, true, 0b0100 | 0b0101) => Instruction::writing(4, target),
-        (_, true, 0b0000) if base == PC => Instruction::going(4, Flow::Table(1)),
-        (_, true, 0b0001) if base == PC => Instruction::going(4, Flow::Table(2)),
-        _ => return None,
     })
 }
 
@@ -217,61 +149,24 @@ fn branch(address: u32, first: u16, second: u16) -> Option<Instruction> {
     })
 }
 
-/// Loads and stores of one word, halfword or byte; arithmetic between registers.
-fn one_word(address: u32, first: u16, second: u16) -> Option<Instruction> {
-    match (field(first, 9, 2), field(first, 7, 3)) {
-        (0b00, _) => {}
+/// Arithmetic between registers: what is neither load nor store where those of one word are.
+fn between(first: u16, second: u16) -> Option<Instruction> {
+    let to = register(second, 8);
+    match field(first, 7, 3) {
         // Multiplication: short; long, and division, which has ones in the upper field.
-        (_, 0b110) => return set(register(second, 8), Value::Other),
-        (_, 0b111) => {
+        0b110 => set(to, Value::Other),
+        0b111 => {
             let upper = Registers::one(register(second, 12)).0 & !(1 << PC);
-            let writes = Registers(upper).with(register(second, 8));
-            return Some(Instruction::writing(4, writes));
+            Some(Instruction::writing(4, Registers(upper).with(to)))
         }
-        (0b01, _) => {
-            let flags = field(first, 4, 1) == 1;
-            let instruction = set(register(second, 8), Value::Other)?;
-            return Some(with_flags(instruction, flags));
+        _ => {
+            let instruction = set(to, Value::Other)?;
+            Some(with_flags(instruction, field(first, 4, 1) == 1))
         }
-        _ => return None,
     }
-    let (base, target) = (register(first, 0), register(second, 12));
-    let (size, loads) = (field(first, 5, 2), field(first, 4, 1) == 1);
-    let is_long = field(first, 7, 1) == 1;
-    let (offset, writes_back, is_direct) = match (is_long || base == PC, field(second, 11, 1)) {
-        (true, _) if base == PC && !is_long => (-i32::from(field(second, 0, 12)), false, true),
-        (true, _) => (field(second, 0, 12).into(), false, true),
-        (false, 0) => (0, false, false),
-        (false, _) => {
-            let bytes = i32::from(field(second, 0, 8));
-            let offset = if field(second, 9, 1) == 1 {
-                bytes
-            } else {
-                -bytes
-            };
-            // What is written back may be added after the access: then it is at the base itself.
-            (offset, field(second, 8, 1) == 1, field(second, 10, 1) == 1)
-        }
-    };
-    let value = match (size, is_direct && !writes_back) {
-        (0b10, true) if base == PC => Value::Literal(beside(address, offset)),
-        (0b10, true) => Value::Load(base, offset, 4),
-        _ => Value::Other,
-    };
-    let instruction = match (size, loads, target) {
-        (0b11, ..) => return None,
-        (_, false, _) => Instruction::plain(4),
-        (0b10, true, PC) if base == SP && writes_back => Instruction::going(4, Flow::Return),
-        (0b10, true, PC) => return None,
-        // Preloads.
-        (_, true, PC) => return Some(Instruction::plain(4)),
-        (_, true, SP) => return None,
-        (_, true, _) => Instruction::giving(4, target, value),
-    };
-    Some(with_base(instruction, base, writes_back, offset))
 }
 
-/// Floating point: loads and stores, arithmetic, moves between it and the core.
+/// Floating point: arithmetic, loads and stores, moves between it and the core.
 fn coprocessor(first: u16, second: u16) -> Option<Instruction> {
     let target = register(second, 12);
     let to_core = field(first, 4, 1) == 1;
@@ -289,20 +184,6 @@ fn coprocessor(first: u16, second: u16) -> Option<Instruction> {
             true => Instruction::writing(4, Registers::one(target).with(register(first, 0))),
             false => Instruction::plain(4),
         }),
-        _ => {
-            let bytes = 4 * i32::from(field(second, 0, 8));
-            let offset = if field(first, 7, 1) == 1 {
-                bytes
-            } else {
-                -bytes
-            };
-            let writes_back = field(first, 5, 1) == 1;
-            Some(with_base(
-                Instruction::plain(4),
-                register(first, 0),
-                writes_back,
-                offset,
-            ))
-        }
+        _ => Some(memory::floats(first, second)),
     }
 }
