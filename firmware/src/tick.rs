@@ -12,6 +12,8 @@ pub(crate) struct Tick<I, O> {
     foreground: Foreground,
     inputs: I,
     outputs: O,
+    #[cfg(feature = "switches")]
+    switches: crate::inputs::Ruled,
 }
 
 impl<I: Inputs, O: Outputs> Tick<I, O> {
@@ -20,6 +22,8 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             foreground,
             inputs,
             outputs,
+            #[cfg(feature = "switches")]
+            switches: crate::inputs::ruled(),
         }
     }
 
@@ -28,11 +32,20 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     pub(crate) fn run(&mut self) {
         #[cfg(feature = "provoke")]
         crate::provoke::at(pulse::ticks());
-        // Without homing the inputs are nothing, and said so.
-        #[allow(clippy::unit_arg)]
-        self.foreground.tick_with(self.inputs.read());
+        // Without homing they are nothing.
+        #[allow(clippy::let_unit_value)]
+        let inputs = self.inputs.read();
+        #[cfg(feature = "switches")]
+        let inputs = {
+            // The pins say nothing in an emulator, but they are read.
+            core::hint::black_box(inputs);
+            self.switches.closed(&self.foreground.output().motors)
+        };
+        self.foreground.tick_with(inputs);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
+            #[cfg(feature = "switches")]
+            self.switches.shift(by);
         }
         if let Err(failure) = self.outputs.apply(self.foreground.output()) {
             self.fail(&failure);

@@ -12,6 +12,7 @@ use trirrr_core::service::{
     Settings, Setup, Take, WithHoming,
 };
 use trirrr_core::setpoint::Pose;
+use trirrr_core::tick::Motor;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_core::wire::{self, schema};
@@ -32,11 +33,11 @@ pub trait Machine<N: Transmit> {
     /// What the inputs of homing say from now on.
     fn inputs(&mut self, closed: [bool; 3]);
 
-    /// The joint angles that the motors are commanded to, rad.
-    fn angles(&self) -> [f64; 3];
+    /// What the motors were commanded in the last tick.
+    fn motors(&self) -> &[Motor<N>; 3];
 
-    /// What the last tick has added to them without moving the motors.
-    fn shift(&self) -> Option<[f64; 3]>;
+    /// What the last tick has added to their angles without moving them.
+    fn shift(&self) -> Option<[N::Angle; 3]>;
 
     /// Says how long the last tick took, ns. It is told on and is no fault, however long: a host
     /// keeps no deadlines.
@@ -193,14 +194,12 @@ where
         self.inputs = closed;
     }
 
-    fn angles(&self) -> [f64; 3] {
-        let motors = self.foreground.output().motors.each_ref();
-        motors.map(|motor| N::angle_to_f64(motor.angle))
+    fn motors(&self) -> &[Motor<N>; 3] {
+        &self.foreground.output().motors
     }
 
-    fn shift(&self) -> Option<[f64; 3]> {
-        let shift = self.foreground.shift()?;
-        Some(shift.map(N::angle_to_f64))
+    fn shift(&self) -> Option<[N::Angle; 3]> {
+        self.foreground.shift()
     }
 
     fn took(&mut self, duration_ns: u32) {

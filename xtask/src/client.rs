@@ -13,7 +13,21 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 /// Scenes that are played, how much faster than in real time, and their number type.
-const SCENES: [(&str, &str, &str); 2] = [("thesis", "2", "f64"), ("engraving", "4", "f32")];
+const SCENES: [(&str, &str, &str); 4] = [
+    ("thesis", "2", "f64"),
+    ("engraving", "4", "f32"),
+    // Homed first, to switches and to hard stops.
+    ("pick-home", "5", "fixed"),
+    ("plotter", "5", "f32"),
+];
+
+/// A scene whose second motor may search 0.8 rad, where its motors stand so that it would have to
+/// search further, and what the client then has to say.
+const IN_VAIN: (&str, [&str; 3], &str) = (
+    "pick-home",
+    ["0", "0.6", "0"],
+    "homing: motor 2 has not found its switch or stop within 0.8 rad",
+);
 
 /// Roundings that the columns which the client computes may be from the core's, of the largest value
 /// of the column: closing the triangle takes some twenty operations on either side, with what
@@ -52,15 +66,11 @@ pub(crate) fn run() -> Result<()> {
             .args(["--fast", "--out"])
             .arg(out.join("run"));
         succeed(simulated.stdout(Stdio::null()), "host-sim run")?;
-        let device = Device::start(&host_sim, &scene, speed)?;
-        let mut client = Command::new("python3");
-        client
-            .args(["-m", "trirrr"])
-            .arg(&scene)
-            .args(["--port", &device.address, "--out"])
-            .arg(out.join("streamed"))
-            .current_dir(&python);
-        succeed(&mut client, "the client")?;
+        let device = Device::start(&host_sim, &scene, speed, &[])?;
+        succeed(
+            &mut client(&scene, &device, &out.join("streamed")),
+            "the client",
+        )?;
         drop(device);
         let [expected, found] = ["run", "streamed"].map(|run| out.join(run).join("ticks.csv"));
         compare(&expected, &found, rounding(scalar)).with_context(|| format!("scene {name}"))?;
@@ -70,6 +80,46 @@ pub(crate) fn run() -> Result<()> {
             "the client drew nothing"
         );
     }
+    in_vain(&host_sim)
+}
+
+/// The client, to play `scene` on `device`.
+fn client(scene: &Path, device: &Device, out: &Path) -> Command {
+    let mut client = Command::new("python3");
+    client
+        .args(["-m", "trirrr"])
+        .arg(scene)
+        .args(["--port", &device.address, "--out"])
+        .arg(out)
+        .current_dir(root().join("clients/python"));
+    client
+}
+
+/// A machine that cannot be homed: the client says why, and plays nothing.
+fn in_vain(host_sim: &Path) -> Result<()> {
+    let (name, offsets, expected) = IN_VAIN;
+    let scene = root().join("scenes").join(format!("{name}.toml"));
+    let out = target_directory().join("ci/client/in-vain");
+    let device = Device::start(
+        host_sim,
+        &scene,
+        "5",
+        &[&["--offset-rad"], offsets.as_slice()].concat(),
+    )?;
+    let output = client(&scene, &device, &out)
+        .output()
+        .context("the client cannot be started")?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(
+        output.status.code() == Some(1) && said.contains(expected),
+        "a machine whose homing fails: the client ended with {}: {said}",
+        output.status
+    );
+    ensure!(
+        !out.join("ticks.csv").exists(),
+        "the client has played a job on a machine that is not homed"
+    );
+    println!("{name}: {}", said.trim_end());
     Ok(())
 }
 
@@ -88,11 +138,12 @@ struct Device {
 }
 
 impl Device {
-    fn start(host_sim: &Path, scene: &Path, speed: &str) -> Result<Self> {
+    fn start(host_sim: &Path, scene: &Path, speed: &str, more: &[&str]) -> Result<Self> {
         let mut child = Command::new(host_sim)
             .arg("device")
             .arg(scene)
             .args(["--listen", "tcp:127.0.0.1:0", "--speed", speed])
+            .args(more)
             .stdout(Stdio::piped())
             .spawn()
             .context("host-sim device cannot be started")?;

@@ -24,6 +24,9 @@ struct Mark {
     used: fn(&Scene) -> bool,
 }
 
+/// What only images for an emulator hold, with the feature `switches`.
+const RULED_SWITCHES: &str = "13RuledSwitches";
+
 const MARKS: &[Mark] = &[
     Mark {
         what: "torques",
@@ -83,6 +86,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.homing.is_some(),
     },
     Mark {
+        what: "switches that close by rule",
+        names: &[RULED_SWITCHES],
+        used: |_| false,
+    },
+    Mark {
         what: "values as text",
         names: &["9Formatter", "7Display3fmt", "5Debug3fmt", "7flt2dec"],
         used: |_| false,
@@ -101,6 +109,23 @@ pub(crate) fn check(file: &Path, scene: &Scene) -> Result<()> {
         .filter_map(|symbol| symbol.name().ok())
         .collect();
     check_names(&names, scene).with_context(|| file.display().to_string())
+}
+
+/// Checks that the image in `file` has switches that close by rule, and that they would be seen in one
+/// that should not have them.
+///
+/// # Errors
+/// No symbol shows them.
+pub(crate) fn check_ruled_switches(file: &Path) -> Result<()> {
+    let data = fs::read(file).with_context(|| file.display().to_string())?;
+    let elf = object::File::parse(&*data).with_context(|| file.display().to_string())?;
+    let mut names = elf.symbols().filter_map(|symbol| symbol.name().ok());
+    ensure!(
+        names.any(|name| name.contains(RULED_SWITCHES)),
+        "{}: no symbol shows {RULED_SWITCHES}",
+        file.display()
+    );
+    Ok(())
 }
 
 fn check_names(names: &[&str], scene: &Scene) -> Result<()> {
@@ -151,6 +176,10 @@ mod tests {
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
+            (
+                "_RNv8switches13RuledSwitches6closed",
+                "switches that close by rule",
+            ),
             ("_RNv4core3num7flt2dec", "values as text"),
             (
                 "_RNvXs_NtNtNt4core3fmt3num3impmNtB_7Display3fmt",

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from . import words
 from .exchange import Exchange, Refused, Silent
 from .jobs import Job
 from .messages import NUMBERS, Command
@@ -125,10 +126,14 @@ class Stream:
         while status.state.name != "Idle":
             self.exchange.listen(pause)
             status = self.exchange.ask(Command.Status())
-            if status.fault is not None:
-                raise JobFailed(f"fault: {status.fault}")
+            self._raise_fault(status)
             if status.state.name in ("Unhomed", "Cleared"):
                 raise JobFailed(f"homing was given up: {status.acting}")
+
+    def _raise_fault(self, status: Any) -> None:
+        """``JobFailed`` where a fault is latched."""
+        if status.fault is not None:
+            raise JobFailed(words.fault(status.fault, self.exchange.identity))
 
     def _push(self) -> bool:
         """Offers a move or starts; whether there was anything to do."""
@@ -167,8 +172,7 @@ class Stream:
         before, self.status = self.status, self.exchange.ask(Command.Status())
         status = self.status
         state = status.state.name
-        if status.fault is not None:
-            raise JobFailed(f"fault: {status.fault}")
+        self._raise_fault(status)
         if self._base is None:
             if state != "Idle" or status.next != status.done:
                 raise JobFailed(f"the machine is not free: {state}, or with moves of another job")

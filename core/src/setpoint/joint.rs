@@ -98,8 +98,8 @@ fn half_turn<N: Number>() -> N {
     N::radians(N::direction(-N::ONE, N::ZERO, &N::length_from_f64(1.0)))
 }
 
-/// A difference of two angles in (-pi, pi], the shorter way round.
-pub(crate) fn shorter_way<N: Number>(way: N::Angle) -> N {
+/// A difference of two angles in (-pi, pi], the shorter way round, rad in (-pi, pi].
+pub fn shorter_way<N: Number>(way: N::Angle) -> N {
     // Wrapped as an angle: twice a turn in radians is beyond fixed point.
     N::radians(wrapped::<N>(way))
 }

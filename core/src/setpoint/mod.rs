@@ -12,7 +12,7 @@ mod segment;
 mod serial;
 
 pub use hermite::Hermite;
-pub use joint::{JointMove, JointSetpoint};
+pub use joint::{JointMove, JointSetpoint, shorter_way};
 pub use rest_to_rest::RestToRest;
 pub use segment::Segment;
 

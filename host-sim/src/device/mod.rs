@@ -83,7 +83,7 @@ impl Device<'_> {
             .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
         let played = machine::with_machine_switched_on::<N, _>(scene, |machine| {
             let motors = scene.homing.map(|homing| {
-                let commanded = machine.angles();
+                let commanded = motors::angles(machine.motors());
                 let offset =
                     offset.unwrap_or_else(|| Motors::some_offset(&homing, scene.key, commanded));
                 Motors::new(scene, homing, commanded, offset)

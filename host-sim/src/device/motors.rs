@@ -2,8 +2,15 @@
 //! close, and nobody but these know where the motors are.
 
 use core::f64::consts::{PI, TAU};
+use trirrr_core::number::Number;
 use trirrr_core::service::Contact;
+use trirrr_core::tick::Motor;
 use trirrr_scene::{DriveKind, Homing, Scene};
+
+/// The joint angles that motors are commanded to, rad.
+pub(super) fn angles<N: Number>(motors: &[Motor<N>; 3]) -> [f64; 3] {
+    motors.each_ref().map(|motor| N::angle_to_f64(motor.angle))
+}
 
 /// Motors, and the switches or stops that they meet.
 pub(super) struct Motors {

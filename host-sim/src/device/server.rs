@@ -2,7 +2,7 @@
 
 use super::client::Client;
 use super::diary::Diary;
-use super::motors::Motors;
+use super::motors::{self, Motors};
 use crate::link::Listener;
 use crate::machine::Machine;
 use std::io;
@@ -54,7 +54,8 @@ impl<'a, N: Transmit> Server<'a, N> {
         self.machine.tick();
         if let Some(motors) = &mut self.motors {
             let shift = self.machine.shift();
-            motors.follow(self.machine.angles(), shift);
+            let shift = shift.map(|by| by.map(N::angle_to_f64));
+            motors.follow(motors::angles(self.machine.motors()), shift);
             if shift.is_some() {
                 self.diary.referenced(motors.errors());
             }

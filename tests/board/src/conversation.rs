@@ -5,8 +5,8 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Message, Move, Telemetry, Transmit};
-use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
+use trirrr_core::message::{Message, Move, Reply, Telemetry, Transmit};
+use trirrr_host_sim::client::{Action, Ask, Failure, Patience, Stream};
 use trirrr_host_sim::link::Frames;
 use trirrr_rig::faulty_link::{FaultyLink, Random};
 use trirrr_rig::sent::Sent;
@@ -22,6 +22,39 @@ const LONGEST: Duration = Duration::from_secs(300);
 
 /// Of so many ticks, in one the user holds the job or resumes it.
 const HOLD_EVERY: u64 = 400;
+
+/// Samples that may wait on a board and be sent after an answer although they are older, one that comes
+/// about with the answer, and one more, for a sample tells how long the tick before it took.
+const WAITING: u32 = 9;
+
+/// Whether bytes to the board may be in what the next sample tells of.
+#[derive(Clone, Copy, Debug)]
+enum Noise {
+    /// A request is not answered yet.
+    Asked,
+    /// It was answered in this tick.
+    Until(u32),
+    /// It was answered so many samples ago, at least.
+    Samples(u32),
+}
+
+impl Noise {
+    /// Whether it is over by the sample of `tick`, which is the next one.
+    fn is_over(&mut self, tick: u32) -> bool {
+        match self {
+            Self::Asked => false,
+            // Ticks only go forwards, and wrap.
+            Self::Until(answered) => (2..1 << 31).contains(&tick.wrapping_sub(*answered)),
+            Self::Samples(left) => {
+                *left = left.saturating_sub(1);
+                *left == 0
+            }
+        }
+    }
+}
+
+/// How a client says that its job has ended.
+pub(crate) type End<N> = Result<(), Failure<N>>;
 
 /// What happened on the line.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,8 +136,24 @@ impl Conversation {
         &mut self,
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
-        mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
+        see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<Stream<N>> {
+        let (client, result) = self.converse(expected, moves, see)?;
+        result.map_err(|failure| anyhow!(client.describe(&failure)))?;
+        Ok(client)
+    }
+
+    /// As [`Conversation::play`], with how the client says that the job has ended: well too where `see`
+    /// breaks off before.
+    ///
+    /// # Errors
+    /// The job does not end, or `see` complains.
+    pub(crate) fn converse<N: Transmit>(
+        &mut self,
+        expected: &Expected<N>,
+        moves: Vec<Move<N>>,
+        mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
+    ) -> Result<(Stream<N>, End<N>)> {
         let patience = Patience {
             answer: Duration::from_millis(if self.random.is_some() { 20 } else { 500 }),
             attempts: 7,
@@ -112,10 +161,9 @@ impl Conversation {
         self.number = self.number.wrapping_add(1000);
         let mut client = Stream::new(moves, expected.hello, 1, patience, self.number);
         let start = Instant::now();
-        let mut over: Option<Instant> = None;
+        let mut over: Option<(Instant, End<N>)> = None;
         let mut ticks = 0;
-        // Samples from a request to its answer, and one more, for it tells of the tick before.
-        let mut quiet = 0;
+        let mut noise = Noise::Asked;
         loop {
             ensure!(
                 start.elapsed() < LONGEST,
@@ -127,7 +175,7 @@ impl Conversation {
                 wait = match client.poll(start.elapsed()) {
                     Action::Send(request) => {
                         self.tally.requests += 1;
-                        quiet = 0;
+                        noise = Noise::Asked;
                         self.to_board.send(&port::frame(&request));
                         self.send()?;
                         continue;
@@ -139,8 +187,7 @@ impl Conversation {
                         continue;
                     }
                     Action::Finished(result) => {
-                        result.map_err(|failure| anyhow!(client.describe(&failure)))?;
-                        over = Some(Instant::now());
+                        over = Some((Instant::now(), result));
                         continue;
                     }
                 };
@@ -154,8 +201,11 @@ impl Conversation {
                 self.to_client.send(&frame);
                 let sample = match &message {
                     Message::Telemetry(sample) => sample,
-                    Message::Reply { .. } => {
-                        quiet = 1;
+                    Message::Reply { reply, .. } => {
+                        noise = match reply {
+                            Reply::Status(status) => Noise::Until(status.tick),
+                            _ => Noise::Samples(WAITING),
+                        };
                         continue;
                     }
                     Message::Event(_) => continue,
@@ -163,19 +213,21 @@ impl Conversation {
                 ticks += 1;
                 let moment = Moment {
                     over: over.is_some(),
-                    quiet: quiet > 1,
+                    quiet: noise.is_over(sample.tick),
                 };
-                quiet += u32::from(quiet > 0);
                 if see(sample, moment)?.is_break() {
                     self.tally.repeated += client.repeated();
-                    return Ok(client);
+                    return Ok((client, over.map_or(Ok(()), |(_, result)| result)));
                 }
             }
             for _ in 0..std::mem::take(&mut ticks) {
                 self.ask_for_holds(&mut client);
             }
             self.hear(&mut client, start.elapsed())?;
-            if over.is_some_and(|over| over.elapsed() > LAST_SAMPLES) {
+            if let Some((end, result)) = over
+                && end.elapsed() > LAST_SAMPLES
+            {
+                result.map_err(|failure| anyhow!(client.describe(&failure)))?;
                 bail!("the samples of the job's end do not come");
             }
         }

@@ -1,15 +1,21 @@
 //! What the host computes for a scene: its machine, and its own service playing the job.
 
-use anyhow::{Result, anyhow, bail, ensure};
-use trirrr_core::message::{Command, Hello, Message, Move, Reply, Request, Telemetry, Transmit};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use trirrr_core::message::{
+    Command, Hello, Message, Move, Reply, Request, State, Telemetry, Transmit,
+};
+use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
 use trirrr_host_sim::evaluator::{self, Evaluator};
 use trirrr_host_sim::job;
 use trirrr_host_sim::machine::{self, Machine};
-use trirrr_host_sim::telemetry::is_of_a_job;
+use trirrr_image::RuledSwitches;
 use trirrr_scene::Scene;
+
+/// Ticks after which the host's own machine is taken for one that does not come to an end.
+const LONGEST: usize = 1_000_000;
 
 /// A scene in the number type `N`.
 pub(crate) struct Expected<N: Transmit> {
@@ -53,12 +59,25 @@ impl<N: Transmit> Expected<N> {
             .max(1.0) as u16
     }
 
-    /// The samples of every tick of the scene's job, and of the idle tick after it, from the
-    /// service on the host. The first idle one, before the job, comes first.
-    pub(crate) fn samples(&self) -> Result<Vec<Telemetry<N>>> {
-        machine::with_machine::<N, _>(&self.scene, |machine| {
+    /// What a board that has just been switched on does, from the service on the host: its homing,
+    /// where the scene has one, then its job, unless homing has failed.
+    pub(crate) fn stretches(&self, inputs: Inputs) -> Result<Vec<Stretch<N>>> {
+        let homing = match &self.scene.homing {
+            Some(homing) => {
+                let parameters = homing.parameters(&self.scene, &self.units);
+                let parameters = parameters.map_err(|status| anyhow!("{status}"))?;
+                let period = self.units.time(self.scene.period_s());
+                Some(HomingCoefficients::build(&parameters, period))
+            }
+            None => None,
+        };
+        machine::with_machine_switched_on::<N, _>(&self.scene, |machine| {
             Host {
                 machine,
+                switches: match inputs {
+                    Inputs::Switches => homing.as_ref().map(RuledSwitches::new),
+                    Inputs::Open => None,
+                },
                 sequence: 0,
                 moves: self.moves(),
                 offered: 0,
@@ -68,40 +87,90 @@ impl<N: Transmit> Expected<N> {
     }
 }
 
+/// What the board's inputs of homing do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Inputs {
+    /// They close by rule, as in an image with the feature `switches`
+    Switches,
+    /// They never close
+    Open,
+}
+
+/// Ticks of a board that follow from one command, and what it does until then.
+pub(crate) struct Stretch<N: Transmit> {
+    /// The sample of any tick before.
+    pub(crate) standing: Telemetry<N>,
+    /// The samples of every tick, and of the first one in which it stands again.
+    pub(crate) samples: Vec<Telemetry<N>>,
+}
+
 /// The host's own machine and its client.
 struct Host<'a, N: Transmit> {
     machine: &'a mut dyn Machine<N>,
+    switches: Option<RuledSwitches<'a, N>>,
     sequence: u32,
     moves: Vec<Move<N>>,
     offered: usize,
 }
 
 impl<N: Transmit> Host<'_, N> {
-    fn play(mut self, hello: Hello) -> Result<Vec<Telemetry<N>>> {
+    fn play(mut self, hello: Hello) -> Result<Vec<Stretch<N>>> {
         self.ask(Command::Hello(hello));
         self.sequence = 0;
         ensure!(
             self.ask(Command::Telemetry { every: 1 }) == Reply::Done,
             "the host's own machine refuses telemetry"
         );
-        self.machine.tick();
-        let mut samples = self.samples();
-        samples.truncate(1);
-        self.feed();
-        ensure!(
-            self.ask(Command::Start) == Reply::Done,
-            "the host's own machine does not start"
-        );
-        // The first tick takes the start.
-        for _ in 0..=u64::from(self.moves.iter().map(|each| each.ticks).sum::<u32>()) + 1 {
-            self.machine.tick();
-            samples.append(&mut self.samples());
+        let mut standing = self.tick()?;
+        let mut stretches = Vec::new();
+        if standing.state == State::Unhomed {
+            let homing = self.stretch(standing, Command::Home)?;
+            standing = *homing.samples.last().context("a stretch has an end")?;
+            stretches.push(homing);
+        }
+        if standing.state == State::Idle {
             self.feed();
-            if samples.len() > 2 && samples.last().is_some_and(|last| !is_of_a_job(last.state)) {
-                return Ok(samples);
+            stretches.push(self.stretch(standing, Command::Start)?);
+        }
+        Ok(stretches)
+    }
+
+    /// The ticks that follow from `command`.
+    fn stretch(&mut self, standing: Telemetry<N>, command: Command<N>) -> Result<Stretch<N>> {
+        let reply = self.ask(command);
+        ensure!(
+            reply == Reply::Done,
+            "the host's own machine does not obey {command:?}: {reply:?}"
+        );
+        let mut samples = Vec::new();
+        while samples.len() < LONGEST {
+            let sample = self.tick()?;
+            samples.push(sample);
+            if sample.state.is_at_rest() {
+                return Ok(Stretch { standing, samples });
+            }
+            self.feed();
+        }
+        bail!("the host's own machine does not end what follows from {command:?}")
+    }
+
+    /// One tick of the machine, with its motors and switches; its sample.
+    fn tick(&mut self) -> Result<Telemetry<N>> {
+        if let Some(switches) = &self.switches {
+            let closed = switches.closed(self.machine.motors());
+            self.machine.inputs(closed);
+        }
+        self.machine.tick();
+        if let (Some(switches), Some(by)) = (&mut self.switches, self.machine.shift()) {
+            switches.shift(by);
+        }
+        let mut sample = None;
+        while let Some(message) = self.machine.outgoing() {
+            if let Message::Telemetry(telemetry) = message {
+                sample = Some(telemetry);
             }
         }
-        bail!("the host's own machine does not end the job")
+        sample.context("the host's own machine has sent no sample")
     }
 
     /// Offers as many moves as there is room for, has them judged, and is heard.
@@ -114,16 +183,6 @@ impl<N: Transmit> Host<'_, N> {
         while self.machine.work() {}
         // A host that says nothing is taken for lost.
         self.ask(Command::Status);
-    }
-
-    fn samples(&mut self) -> Vec<Telemetry<N>> {
-        let mut samples = Vec::new();
-        while let Some(message) = self.machine.outgoing() {
-            if let Message::Telemetry(sample) = message {
-                samples.push(sample);
-            }
-        }
-        samples
     }
 
     fn ask(&mut self, command: Command<N>) -> Reply<N> {

@@ -17,7 +17,7 @@ mod torture;
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
-use expected::Expected;
+use expected::{Expected, Inputs};
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_core::message::Transmit;
@@ -35,8 +35,15 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Test {
-    /// Play the scene's job with a sample of every tick, and compare all that the samples say
-    Play(Board),
+    /// Home the board where the scene has homing and play the scene's job, with a sample of every
+    /// tick, and compare all that the samples say
+    Play {
+        #[command(flatten)]
+        board: Board,
+        /// What its inputs of homing do
+        #[arg(long, value_enum, default_value_t = Inputs::Switches)]
+        inputs: Inputs,
+    },
     /// Play random jobs over a line that damages frames in both directions
     Torture {
         #[command(flatten)]
@@ -85,7 +92,7 @@ struct Board {
 fn main() -> Result<()> {
     let Cli { test } = Cli::parse();
     let board = match &test {
-        Test::Play(board)
+        Test::Play { board, .. }
         | Test::Torture { board, .. }
         | Test::Abandon(board)
         | Test::Report(board) => board,
@@ -108,7 +115,7 @@ fn run<N: Transmit>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
         Duration::from_secs_f64(board.patience),
     )?;
     match test {
-        Test::Play(_) => play::run(&expected, port),
+        Test::Play { inputs, .. } => play::run(&expected, port, *inputs),
         Test::Abandon(_) => abandon::run(&expected, port),
         Test::Report(_) => report::run(&expected, port, Duration::from_secs_f64(board.patience)),
         Test::Torture {

@@ -1,41 +1,62 @@
-//! The scene's job, with everything that its samples say.
+//! The scene's homing and its job, with everything that their samples say.
 
 use crate::conversation::{Conversation, Moment};
-use crate::expected::Expected;
+use crate::expected::{Expected, Inputs, Stretch};
 use crate::port::{self, Port};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
-use trirrr_core::message::{Telemetry, Transmit};
-use trirrr_host_sim::telemetry::is_of_a_job;
+use trirrr_core::message::{State, Telemetry, Transmit};
+use trirrr_host_sim::client::Failure;
 
 /// Numbers in a sample that are compared: state, acting, move, place (2), setpoint (9), motors
 /// (12), tool.
 const VALUES: usize = 27;
 
-pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result<()> {
-    let samples = expected.samples()?;
-    let (standing, job) = samples.split_first().context("no samples")?;
+pub(crate) fn run<N: Transmit>(
+    expected: &Expected<N>,
+    mut port: Port,
+    inputs: Inputs,
+) -> Result<()> {
+    let stretches = expected.stretches(inputs)?;
+    let last = stretches.last().context("nothing is expected")?;
+    let end = last.samples.last().context("a stretch has an end")?.state;
     port.wait_for_board::<N>()?;
     let mut conversation = Conversation::undisturbed(port);
     let mut player = Player {
-        standing,
-        job,
+        stretches: &stretches,
+        stretch: 0,
         next: 0,
         start: 0,
+        compared: 0,
         idle: 0,
         timed: 0,
         longest: 0,
     };
-    let client = conversation.play(expected, expected.moves(), |sample, moment| {
-        player.see(sample, moment)
-    })?;
+    let (client, result) =
+        conversation.converse(expected, expected.moves(), |sample, moment| {
+            player.see(sample, moment)
+        })?;
+    match (result, end) {
+        (Ok(()), State::Idle) => {}
+        (Err(Failure::Fault(fault)), State::Fault) => {
+            println!(
+                "as on the host: {}",
+                client.describe(&Failure::Fault(fault))
+            );
+        }
+        (Err(failure), _) => bail!(client.describe(&failure)),
+        (Ok(()), end) => bail!("the job is played, on the host it ends in {end:?}"),
+    }
     let status = client.status().context("no status")?;
     ensure!(status.lost == 0, "{} samples were lost", status.lost);
+    let ticks = match end {
+        State::Idle => expected.scene.ticks(),
+        _ => 0,
+    };
     println!(
-        "{} ticks, {} samples identical in {VALUES} values, {} at rest before them, {} lost; of {} ticks \
+        "{ticks} ticks, {} samples identical in {VALUES} values, {} at rest before them, {} lost; of {} ticks \
          without an interrupt of the line the longest took {} counts, of all {}",
-        expected.scene.ticks(),
-        player.next,
+        player.compared,
         player.idle,
         status.lost,
         player.timed,
@@ -43,7 +64,7 @@ pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result
         status.longest_tick
     );
     ensure!(
-        player.timed > u64::from(expected.scene.ticks() / 10),
+        player.timed > player.compared / 10,
         "the line was never quiet"
     );
     Ok(())
@@ -51,14 +72,16 @@ pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result
 
 /// Compares sample by sample.
 struct Player<'a, N: Transmit> {
-    /// Before the job.
-    standing: &'a Telemetry<N>,
-    /// The job, and the first tick after it.
-    job: &'a [Telemetry<N>],
+    stretches: &'a [Stretch<N>],
+    /// Of these the one under way,
+    stretch: usize,
+    /// and its next sample.
     next: usize,
-    /// The board's tick at the first sample of the job.
+    /// The board's tick at the first sample of the stretch, less what the host counts there.
     start: u32,
-    /// Samples before the job.
+    /// Samples of stretches.
+    compared: u64,
+    /// Samples before a stretch.
     idle: u64,
     /// Ticks without an interrupt of the line,
     timed: u64,
@@ -72,20 +95,21 @@ impl<N: Transmit> Player<'_, N> {
             self.timed += 1;
             self.longest = self.longest.max(sample.duration);
         }
-        if self.next == self.job.len() {
+        let Some(stretch) = self.stretches.get(self.stretch) else {
             // At rest, until the client has heard that the job is over, too.
-            self.compare(sample, &self.job[self.next - 1], self.next)?;
+            let last = self.stretches.last().and_then(|last| last.samples.last());
+            self.compare(sample, last.context("a stretch has an end")?)?;
             return Ok(match moment.over {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             });
-        }
-        if self.next == 0 && !is_of_a_job(sample.state) {
+        };
+        if self.next == 0 && sample.state == stretch.standing.state {
             self.idle += 1;
-            self.compare(sample, self.standing, 0)?;
+            self.compare(sample, &stretch.standing)?;
             return Ok(ControlFlow::Continue(()));
         }
-        let expected = &self.job[self.next];
+        let expected = &stretch.samples[self.next];
         if self.next == 0 {
             self.start = sample.tick.wrapping_sub(expected.tick);
         }
@@ -96,14 +120,18 @@ impl<N: Transmit> Player<'_, N> {
             self.next,
             expected.tick
         );
-        self.compare(sample, expected, self.next)?;
+        self.compare(sample, expected)?;
+        self.compared += 1;
         self.next += 1;
+        if self.next == stretch.samples.len() {
+            (self.stretch, self.next) = (self.stretch + 1, 0);
+        }
         Ok(ControlFlow::Continue(()))
     }
 
     /// All but the board's own time: its ticks are counted from its start, and each takes as long as
     /// it takes there.
-    fn compare(&self, found: &Telemetry<N>, expected: &Telemetry<N>, index: usize) -> Result<()> {
+    fn compare(&self, found: &Telemetry<N>, expected: &Telemetry<N>) -> Result<()> {
         let found = Telemetry {
             tick: expected.tick,
             duration: expected.duration,
@@ -111,7 +139,9 @@ impl<N: Transmit> Player<'_, N> {
         };
         ensure!(
             port::frame(&found) == port::frame(expected),
-            "sample {index} of the job: {found:?}\nthe host computes {expected:?}"
+            "sample {} of stretch {}: {found:?}\nthe host computes {expected:?}",
+            self.next,
+            self.stretch
         );
         Ok(())
     }

@@ -12,10 +12,10 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Virtual time per instruction, 2 to the power of this in ns: 31 million instructions per second,
+/// Virtual time per instruction, 2 to the power of this in ns: 62 million instructions per second,
 /// which an emulator reaches and silicon at 168 MHz exceeds several times. Time passes with
 /// instructions, so a host that is busy slows the board down and makes no tick late.
-const SHIFT: u32 = 5;
+const SHIFT: u32 = 4;
 
 /// What QEMU clocks the core's timer with, whatever the program sets, Hz.
 const TIMER_HZ: f64 = 168e6;

@@ -5,7 +5,7 @@ use crate::client::{self, rounding};
 use crate::programs::Programs;
 use crate::qemu::wait;
 use crate::repository::{SceneFile, root, target_directory};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -14,6 +14,9 @@ use std::time::Duration;
 /// than silicon.
 const TIME_LIMIT: Duration = Duration::from_secs(400);
 
+/// What a client says of the first motor's switch, which is never found.
+const NOT_FOUND: &str = "homing: motor 1 has not found its switch or stop within";
+
 /// What `board-test play` saw.
 pub(super) struct Played {
     pub(super) ticks: u64,
@@ -21,6 +24,26 @@ pub(super) struct Played {
     pub(super) lost: u64,
     /// The longest tick without an interrupt of the line, counts of the board's timer.
     pub(super) longest: u32,
+}
+
+/// What the board's inputs of homing do.
+#[derive(Clone, Copy)]
+pub(super) enum Inputs {
+    /// They never close: in an emulator they are low, and a switch that is closed when low is in no
+    /// scene that ships.
+    Open,
+    /// They close by rule, in images that are built with them.
+    Switches,
+}
+
+impl Inputs {
+    /// As `board-test` calls them.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Switches => "switches",
+        }
+    }
 }
 
 /// The programs, built.
@@ -40,9 +63,19 @@ impl Clients {
         command
     }
 
-    /// The job, every value of every sample compared.
-    pub(super) fn play(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<Played> {
-        let said = output(&mut self.board_test("play", scene, scalar, board))?;
+    /// Homing and job, every value of every sample compared.
+    pub(super) fn play(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+        inputs: Option<Inputs>,
+    ) -> Result<Played> {
+        let mut command = self.board_test("play", scene, scalar, board);
+        if let Some(inputs) = inputs {
+            command.args(["--inputs", inputs.name()]);
+        }
+        let said = output(&mut command)?;
         println!("{} in {scalar}: {}", scene.name, said.trim_end());
         played(&said)
     }
@@ -105,11 +138,7 @@ impl Clients {
         board: &Board,
         expected: &Path,
     ) -> Result<()> {
-        let out = folder(scene, scalar, "stream");
-        let mut command = Command::new(&self.0.host_sim);
-        command.arg("stream").arg(&scene.path);
-        command.args(["--port", board.address(), "--scalar", scalar]);
-        command.args(["--telemetry", "1", "--out"]).arg(&out);
+        let (mut command, out) = self.stream_command(scene, scalar, board);
         output(&mut command)?;
         // What the board sends, and what the same core computes from it: all in the bits.
         client::compare(expected, &out.join("ticks.csv"), 0.0).context("host-sim stream")
@@ -123,16 +152,61 @@ impl Clients {
         board: &Board,
         expected: &Path,
     ) -> Result<()> {
-        let out = folder(scene, scalar, "python");
-        let mut command = Command::new("python3");
-        command.args(["-m", "trirrr"]).arg(&scene.path);
-        command.args(["--port", board.address(), "--scalar", scalar]);
-        command.args(["--quiet", "--out"]).arg(&out);
-        command.current_dir(root().join("clients/python"));
+        let (mut command, out) = python_command(scene, scalar, board);
         output(&mut command)?;
         client::compare(expected, &out.join("ticks.csv"), rounding(scalar))
             .context("the Python client")
     }
+
+    /// `host-sim stream` on a board whose homing fails: it has to say so.
+    pub(super) fn stream_in_vain(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+    ) -> Result<()> {
+        let (command, _) = self.stream_command(scene, scalar, board);
+        in_vain(command)
+    }
+
+    /// The same of the Python client.
+    pub(super) fn python_in_vain(
+        &self,
+        scene: &SceneFile,
+        scalar: &str,
+        board: &Board,
+    ) -> Result<()> {
+        in_vain(python_command(scene, scalar, board).0)
+    }
+
+    fn stream_command(&self, scene: &SceneFile, scalar: &str, board: &Board) -> (Command, PathBuf) {
+        let out = folder(scene, scalar, "stream");
+        let mut command = Command::new(&self.0.host_sim);
+        command.arg("stream").arg(&scene.path);
+        command.args(["--port", board.address(), "--scalar", scalar]);
+        command.args(["--telemetry", "1", "--out"]).arg(&out);
+        (command, out)
+    }
+}
+
+fn python_command(scene: &SceneFile, scalar: &str, board: &Board) -> (Command, PathBuf) {
+    let out = folder(scene, scalar, "python");
+    let mut command = Command::new("python3");
+    command.args(["-m", "trirrr"]).arg(&scene.path);
+    command.args(["--port", board.address(), "--scalar", scalar]);
+    command.args(["--quiet", "--out"]).arg(&out);
+    command.current_dir(root().join("clients/python"));
+    (command, out)
+}
+
+/// Runs a client whose machine does not find the switch of its first motor.
+fn in_vain(mut command: Command) -> Result<()> {
+    let Err(error) = output(&mut command) else {
+        bail!("{command:?} says nothing of homing that fails");
+    };
+    let said = format!("{error:#}");
+    ensure!(said.contains(NOT_FOUND), "{said}");
+    Ok(())
 }
 
 fn folder(scene: &SceneFile, scalar: &str, client: &str) -> PathBuf {

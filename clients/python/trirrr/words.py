@@ -1,0 +1,65 @@
+"""Faults in words and SI units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+#: What is bounded, of which part (counted from 1), and the powers of the machine's units of
+#: length, time and mass that its values are in, with the SI unit.
+_BOUNDED = {
+    "Reach": ("span", "leg", (1, 0, 0), " m"),
+    "SerialDistance": ("distance from the serial singularity", "leg", (0, 0, 0), ""),
+    "ParallelDistance": ("distance from the parallel singularity", "leg", (0, 0, 0), ""),
+    "Rate": ("rate", "motor", (0, -1, 0), " rad/s"),
+    "Acceleration": ("acceleration", "motor", (0, -2, 0), " rad/s^2"),
+    "Torque": ("torque", "motor", (2, -2, 1), " N m"),
+    "Power": ("power", "motor", (2, -3, 1), " W"),
+    "Range": ("range of the number type", "leg", (0, 0, 0), ""),
+}
+
+_CODES = {
+    "Unreachable": "leg {number} is out of reach",
+    "SerialSingular": "leg {number} is stretched or folded",
+    "ParallelSingular": "parallel singular: the torques are not defined",
+    "OutOfRange": "a result was out of the range of the number type",
+    "Overrun": "a tick took {value:.4g} of its period",
+    "Board": "the board reports its code {value:.4g}",
+    # Angles are radians in any units.
+    "HomingNotFound": "homing: motor {number} has not found its switch or stop within {limit:.4g} rad",
+    "HomingNotReleased": "homing: the switch of motor {number} is still closed {limit:.4g} rad back from it",
+    "HomingClosedAtStart": "homing: the switch of motor {number} was closed at the start, and is still "
+    "closed {limit:.4g} rad away",
+}
+
+_DRIVE = {
+    "StepRate": "drive {number} would have to step {value:.4g} times as fast as it can",
+    "Range": "a command to drive {number} is beyond what its frames can hold",
+    "BusBusy": "the bus did not carry the command to drive {number} in a tick",
+    "BusOff": "the bus failed: too many errors on it",
+    "Reported": "drive {number} reports its code {value:.4g}",
+}
+
+
+def fault(found: Any, identity: Any) -> str:
+    """A latched fault of the machine that ``identity`` describes."""
+    number = "?" if found.index is None else found.index + 1
+    name, what = found.code.name, found.code.content
+    if name == "Limit":
+        text = _limit(what.name, found, identity)
+    elif name == "Board" and found.value == 1:
+        text = "the board has started anew because it had failed"
+    else:
+        text = _DRIVE[what.name] if name == "Drive" else _CODES[name]
+        text = text.format(number=number, value=found.value, limit=found.limit)
+    return f"{text} (tick {found.tick})"
+
+
+def _limit(what: str, found: Any, identity: Any) -> str:
+    subject, part, (length, time, mass), si = _BOUNDED[what]
+    if found.index is not None:
+        subject += f" of {part} {found.index + 1}"
+    if what == "Range":
+        return f"a result was beyond the {subject}"
+    unit = identity.length_m**length * identity.time_s**time * identity.mass_kg**mass
+    bound = "least" if what.endswith("Distance") else "most"
+    return f"{subject} was {found.value * unit:.6g}{si}, the {bound} allowed is {found.limit * unit:.4g}{si}"
