@@ -3,9 +3,19 @@
 use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::pulse;
+use trirrr_core::message::{FaultCode, Start};
+use trirrr_core::number::Number;
 use trirrr_drives::Failure;
 use trirrr_station::Foreground;
 use trirrr_station::scene::Scalar;
+
+/// Where the board started because it had failed, that is a fault: the drives stay off until the
+/// host has acknowledged it. Said here, where the tick's own code for faults is.
+pub(crate) fn heed(start: &Start, foreground: &mut Foreground) {
+    if start.is_failure() {
+        foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
+    }
+}
 
 /// What runs once per tick.
 pub(crate) struct Tick<I, O> {

@@ -7,8 +7,7 @@ use crate::scene::HOMING;
 use crate::scene::{
     COEFFICIENTS, Links, NAME, PARTS, Payload, SETTINGS, START, Scalar, TICK_RATE_HZ,
 };
-use trirrr_core::message::{Board, Clock, FaultCode, Start};
-use trirrr_core::number::Number;
+use trirrr_core::message::{Board, Clock, Start};
 #[cfg(homing)]
 use trirrr_core::service::WithHoming;
 use trirrr_core::service::{
@@ -49,9 +48,6 @@ pub type Output = service::Output<Scalar>;
 
 /// Puts the service of the scene together, the machine standing where its job starts. Every
 /// coefficient is in the image.
-///
-/// Where the board started because it had failed, that is a fault: the drives stay off until the
-/// host has acknowledged it.
 // Called once; inlined it would be compiled with its caller, for speed.
 #[inline(never)]
 pub fn build(
@@ -70,14 +66,10 @@ pub fn build(
     };
     note(&board);
     // The error is not formatted: that would bring floats as text into the image.
-    let Ok((mut foreground, background)) =
-        channels.split(scene, START, Settings { board, ..SETTINGS })
+    let Ok((foreground, background)) = channels.split(scene, START, Settings { board, ..SETTINGS })
     else {
         panic!("the reader of the scene let a start pass in which the machine cannot stand");
     };
-    if board.start.is_failure() {
-        foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
-    }
     (
         foreground,
         background::Background::new(background, received),

@@ -109,7 +109,8 @@ mod app {
             start,
         };
         let (received, out) = bytes.split();
-        let (foreground, background) = station::build(channels, board, out);
+        let (mut foreground, background) = station::build(channels, board, out);
+        crate::tick::heed(&board.start, &mut foreground);
         let parts = drives::Parts {
             step: (pins.gpio6, pins.gpio7, pins.gpio8),
             direction: (pins.gpio9, pins.gpio10, pins.gpio11),

@@ -87,7 +87,8 @@ mod app {
             start,
         };
         let (received, out) = bytes.split();
-        let (foreground, background) = station::build(channels, board, out);
+        let (mut foreground, background) = station::build(channels, board, out);
+        crate::tick::heed(&board.start, &mut foreground);
         let parts = drives::Parts {
             pb8: b.pb8,
             pb9: b.pb9,
