@@ -26,7 +26,7 @@ where
         if self.state != State::Idle {
             return Err(Refusal::State(self.state));
         }
-        let undecided = self.offered.0.len() > 0;
+        let undecided = self.offered.1.peek().is_some();
         // In idle nothing is under way: what is left is all that is admitted.
         let left = self.ahead.left(self.played);
         if left == 0 {
@@ -144,7 +144,8 @@ where
         if ticks == 0 {
             return Err(Refusal::Duration { longest: u32::MAX });
         }
-        let position = self.clear_position(pose).map_err(Refusal::Recovery)?;
+        let position = self.geometry.position(pose).map_err(no_motion)?;
+        self.keeps_clear(&position)?;
         let angles = self.geometry.motor_angles(&position);
         let path = JointMove::new(from, angles, ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();
@@ -164,7 +165,7 @@ where
 
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn waits(&self) -> Result<(), Refusal<N>> {
-        let empty = self.offered.0.len() == 0 && self.ahead.left(self.played) == 0;
+        let empty = self.offered.1.peek().is_none() && self.ahead.left(self.played) == 0;
         if self.state == State::Idle && empty {
             Ok(())
         } else {
@@ -172,38 +173,44 @@ where
         }
     }
 
-    /// Where the joints are at `pose`, which must be clear of the singularities.
-    pub(super) fn clear_position(&self, pose: &Pose<N>) -> Result<Position<N>, Violation<N>> {
-        let violation = |what, index, value, limit| Violation {
-            what,
-            index,
-            at: N::ONE,
-            value,
-            limit,
-            ramp: false,
-            shortest: None,
-        };
-        let position = self.geometry.position(pose).map_err(|status: Status| {
-            let (code, leg) = FaultCode::of(status);
-            let what = code.bounded().unwrap_or(Bounded::Range);
-            violation(what, leg, N::ZERO, N::ZERO)
-        })?;
+    /// Refuses a recovery that ends nearer to a singularity than the limits allow.
+    fn keeps_clear(&self, position: &Position<N>) -> Result<(), Refusal<N>> {
         let least = self.limits.serial_distance;
-        for (leg, distance) in self.distances.serial(&position).into_iter().enumerate() {
+        for (leg, distance) in self.distances.serial(position).into_iter().enumerate() {
             if !(distance >= least) {
                 let leg = Some(leg as u8);
-                return Err(violation(Bounded::SerialDistance, leg, distance, least));
+                return Err(ends_at(Bounded::SerialDistance, leg, distance, least));
             }
         }
         let (distance, least) = (
-            self.distances.parallel(&position),
+            self.distances.parallel(position),
             self.limits.parallel_distance,
         );
         if !(distance >= least) || !(distance > N::ZERO) {
-            return Err(violation(Bounded::ParallelDistance, None, distance, least));
+            return Err(ends_at(Bounded::ParallelDistance, None, distance, least));
         }
-        Ok(position)
+        Ok(())
     }
+}
+
+/// What a recovery to a pose without a motion is refused with.
+fn no_motion<N: Number>(status: Status) -> Refusal<N> {
+    let (code, leg) = FaultCode::of(status);
+    let what = code.bounded().unwrap_or(Bounded::Range);
+    ends_at(what, leg, N::ZERO, N::ZERO)
+}
+
+/// What a recovery breaks at its end.
+fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> Refusal<N> {
+    Refusal::Recovery(Violation {
+        what,
+        index,
+        at: N::ONE,
+        value,
+        limit,
+        ramp: false,
+        shortest: None,
+    })
 }
 
 /// What joint rates or accelerations break; `ramp`: those of a stop are in them.
