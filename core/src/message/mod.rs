@@ -28,7 +28,9 @@ pub use board::{Board, Clock, Registers, Start};
 pub use command::{Command, Hello, Move, Recovery, Request};
 pub use part::{Replacement, Unread, Written};
 pub use refusal::Refusal;
-pub use report::{Event, Identity, Message, NAME_CAPACITY, Reply, Status, Telemetry, Verdict};
+pub use report::{
+    Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
+};
 pub use state::{Acting, State};
 pub use violation::{Bounded, DriveFault, Fault, FaultCode, Violation};
 

@@ -39,6 +39,23 @@ pub enum Message<N: Number, S = Section> {
     Telemetry(Telemetry<N>),
 }
 
+/// A [`Message`] around what lies elsewhere, with the same bytes on the line.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(bound = "N: Transmit, S: Serialize")]
+pub enum MessageRef<'a, N: Number, S = Section> {
+    /// As [`Message::Reply`].
+    Reply {
+        /// The request's.
+        sequence: u32,
+        /// The answer.
+        reply: &'a Reply<N, S>,
+    },
+    /// As [`Message::Event`].
+    Event(&'a Event<N>),
+    /// As [`Message::Telemetry`].
+    Telemetry(&'a Telemetry<N>),
+}
+
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(

@@ -120,6 +120,33 @@ fn a_part_that_is_not_read_may_be_anything() {
     assert_eq!(request.command, Command::Recover(moved));
 }
 
+/// What lies elsewhere is sent as it would be sent from a message.
+#[test]
+fn a_message_around_what_lies_elsewhere_has_the_same_bytes() {
+    fn same(message: &Message<f32>) {
+        let around = match message {
+            Message::Reply { sequence, reply } => MessageRef::Reply {
+                sequence: *sequence,
+                reply,
+            },
+            Message::Event(event) => MessageRef::Event(event),
+            Message::Telemetry(sample) => MessageRef::Telemetry(sample),
+        };
+        let (mut one, mut other) = ([0; 256], [0; 256]);
+        assert_eq!(encode(&around, &mut one), encode(message, &mut other));
+    }
+    same(&Message::Telemetry(telemetry()));
+    same(&Message::Event(Event::State {
+        state: State::Slowing,
+        acting: Acting::Hold,
+        done: 700,
+    }));
+    same(&Message::Reply {
+        sequence: 70_000,
+        reply: Reply::Refused(Refusal::Busy),
+    });
+}
+
 /// A full telemetry sample in f32 a thousand times a second takes less than 1.5 Mbaud: ten bits on
 /// the line for each byte.
 #[test]

@@ -9,7 +9,7 @@ use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::Admission;
 use crate::machine::BuildError;
-use crate::message::{Event, Fault, Message, Move, Request, Telemetry};
+use crate::message::{Event, Fault, Message, MessageRef, Move, Request, Telemetry};
 use crate::number::Number;
 use crate::setpoint::Pose;
 use crate::status::Status;
@@ -70,6 +70,9 @@ pub type RequestOf<N, P, L, S> = Request<N, <S as Scene<N, P, L>>::Replacement>;
 
 /// What it says.
 pub type MessageOf<N, P, L, S> = Message<N, <S as Scene<N, P, L>>::Part>;
+
+/// The same where it lies.
+pub type MessageRefOf<'m, N, P, L, S> = MessageRef<'m, N, <S as Scene<N, P, L>>::Part>;
 
 /// Both halves of a service with scene `S`.
 pub type Halves<'q, N, P, L, S> = (ForegroundOf<'q, N, P, L, S>, BackgroundOf<'q, N, P, L, S>);

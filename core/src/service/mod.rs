@@ -42,7 +42,7 @@ mod tool;
 
 pub use background::Background;
 pub use channels::{
-    BackgroundOf, Channels, ForegroundOf, Halves, MessageOf, RequestOf, ServiceError,
+    BackgroundOf, Channels, ForegroundOf, Halves, MessageOf, MessageRefOf, RequestOf, ServiceError,
 };
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};

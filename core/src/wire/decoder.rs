@@ -137,10 +137,10 @@ impl<const N: usize> Decoder<N> {
 #[inline(never)]
 fn message<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
     let mut bytes = Deserializer::from_flavor(Bytes(bytes));
-    match (T::deserialize(&mut bytes), bytes.finalize()) {
-        (Ok(message), Ok([])) => Ok(message),
-        (Ok(_), _) => Err(FrameError::Trailing),
-        (Err(_), _) => Err(FrameError::Message),
+    let message = T::deserialize(&mut bytes).map_err(|_| FrameError::Message)?;
+    match bytes.finalize() {
+        Ok([]) => Ok(message),
+        _ => Err(FrameError::Trailing),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::line::{Line, Received};
 use crate::scene::Scalar;
-use crate::service::{self, Message};
+use crate::service::{self, MessageRef};
 use embedded_hal_nb::serial::Write;
 use trirrr_core::message::Event;
 
@@ -29,29 +29,30 @@ impl Background {
     // A call, for the same reason as that of `build`.
     #[inline(never)]
     pub fn step(&mut self) {
-        if self.line.is_free()
-            && let Some(message) = self.message()
-        {
-            self.line.put(&message);
+        if self.line.is_free() {
+            self.speak();
         }
         self.service.step();
     }
 
     /// Replies first, then events, then telemetry.
-    fn message(&mut self) -> Option<Message> {
+    fn speak(&mut self) {
         if let Some((request, checksum)) = self.line.request() {
-            return Some(Message::Reply {
+            self.line.put(&MessageRef::Reply {
                 sequence: request.sequence,
-                reply: self.service.receive(&request, checksum),
+                reply: &self.service.receive(&request, checksum),
             });
+            return;
         }
-        let message = self.service.outgoing()?;
-        if let Message::Event(event) = &message {
-            note(event);
-        }
-        Some(message)
+        self.service.send_next(|message| {
+            if let MessageRef::Event(event) = message {
+                note(event);
+            }
+            self.line.put(message);
+        });
     }
 }
+
 /// What happened, for the log.
 fn note(event: &Event<Scalar>) {
     match event {

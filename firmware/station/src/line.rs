@@ -1,6 +1,6 @@
 //! The line to the host: requests out of bytes, frames out of messages.
 
-use crate::service::{Message, Request};
+use crate::service::{Message, MessageRef, Request};
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
 use trirrr_core::wire::schema::longest;
@@ -62,7 +62,7 @@ impl Line {
     }
 
     /// Makes `message` the next to be sent. Only when the line [is free](Line::is_free).
-    pub(crate) fn put(&mut self, message: &Message) {
+    pub(crate) fn put(&mut self, message: &MessageRef) {
         self.sent = 0;
         // The frame has room for any message: its length follows from the type.
         self.length = encode(message, &mut self.frame).map_or(0, <[u8]>::len);

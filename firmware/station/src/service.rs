@@ -11,7 +11,7 @@ use trirrr_core::message::{Board, Clock, Start};
 #[cfg(homing)]
 use trirrr_core::service::WithHoming;
 use trirrr_core::service::{
-    self, BackgroundOf, Compiled, ForegroundOf, MessageOf, RequestOf, Settings,
+    self, BackgroundOf, Compiled, ForegroundOf, MessageOf, MessageRefOf, RequestOf, Settings,
 };
 
 /// Room for moves, one place stays empty.
@@ -39,6 +39,9 @@ pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene
 
 /// What it says.
 pub(crate) type Message = MessageOf<Scalar, Payload, Links, Scene>;
+
+/// The same where it lies.
+pub(crate) type MessageRef<'m> = MessageRefOf<'m, Scalar, Payload, Links, Scene>;
 
 /// What it is asked.
 pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;

@@ -13,7 +13,7 @@ use crate::admission::Admission;
 use crate::limits::Limits;
 use crate::machine::Geometry;
 use crate::message::{
-    Acting, Event, Fault, Message, Move, Refusal, State, Status, Telemetry, Verdict,
+    Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry, Verdict,
 };
 use crate::number::Number;
 use crate::setpoint::{Pose, Setpoint};
@@ -207,6 +207,22 @@ where
         self.samples.receive().map(Message::Telemetry)
     }
 
+    /// Hands on what is to be sent next, as [`Background::outgoing`], from where it lies: a sample is
+    /// not copied. Whether there was anything.
+    pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, S::Part>)) -> bool {
+        self.learn();
+        if let Some(event) = self.events.1.peek() {
+            send(&MessageRef::Event(event));
+            self.events.1.discard();
+        } else if let Some(sample) = self.samples.peek() {
+            send(&MessageRef::Telemetry(sample));
+            self.samples.discard();
+        } else {
+            return false;
+        }
+        true
+    }
+
     /// The next event. [`Background::outgoing`] has them too; for who sends the two kinds in
     /// different ways.
     pub fn event(&mut self) -> Option<Event<N>> {
@@ -245,38 +261,43 @@ where
     /// Takes in what the tick reported.
     fn learn(&mut self) {
         while let Some(report) = self.reports.receive() {
-            self.orders_taken = report.orders;
-            self.begun = report.begun;
-            self.played = report.played;
-            self.angles = report.angles;
-            let over = report.generation != self.generation;
-            if over {
-                self.start_over(&report);
+            self.heed(&report);
+        }
+    }
+
+    #[inline(never)]
+    fn heed(&mut self, report: &Report<N>) {
+        self.orders_taken = report.orders;
+        self.begun = report.begun;
+        self.played = report.played;
+        self.angles = report.angles;
+        let over = report.generation != self.generation;
+        if over {
+            self.start_over(report);
+        }
+        if report.state == State::Fault {
+            if let Some(fault) = self.faults.receive() {
+                self.fault = Some(fault);
+                self.tell(Event::Fault(fault));
             }
-            if report.state == State::Fault {
-                if let Some(fault) = self.faults.receive() {
-                    self.fault = Some(fault);
-                    self.tell(Event::Fault(fault));
-                }
-            } else {
-                self.fault = None;
-            }
-            self.done = report.done;
-            let told = (report.state, report.acting, report.done);
-            if self.told != told {
-                self.told = told;
-                self.tell(Event::State {
-                    state: report.state,
-                    acting: report.acting,
-                    done: report.done,
-                });
-            }
-            // What an order under way will change is not known better by an older report.
-            if over || self.orders_taken == self.orders_sent {
-                (self.state, self.acting) = (report.state, report.acting);
-                if self.end.is_none() && self.state == State::Idle {
-                    self.end = Some(End::at_rest(report.pose));
-                }
+        } else {
+            self.fault = None;
+        }
+        self.done = report.done;
+        let told = (report.state, report.acting, report.done);
+        if self.told != told {
+            self.told = told;
+            self.tell(Event::State {
+                state: report.state,
+                acting: report.acting,
+                done: report.done,
+            });
+        }
+        // What an order under way will change is not known better by an older report.
+        if over || self.orders_taken == self.orders_sent {
+            (self.state, self.acting) = (report.state, report.acting);
+            if self.end.is_none() && self.state == State::Idle {
+                self.end = Some(End::at_rest(report.pose));
             }
         }
     }

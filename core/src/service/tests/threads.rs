@@ -2,6 +2,7 @@
 
 use super::path::{chain, expected};
 use super::*;
+use crate::message::MessageRef;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
@@ -47,11 +48,11 @@ fn the_halves_need_nothing_but_their_queues() {
         assert_eq!(ask(Command::Start, &mut background), Reply::Done);
         let mut samples = Vec::new();
         loop {
-            while let Some(message) = background.outgoing() {
-                if let Message::Telemetry(sample) = message {
-                    samples.push(sample);
+            while background.send_next(|message| {
+                if let MessageRef::Telemetry(sample) = message {
+                    samples.push(**sample);
                 }
-            }
+            }) {}
             let status = background.status();
             if status.done == 6 && status.state == State::Idle {
                 break;
