@@ -20,7 +20,7 @@ use crate::number::Number;
 use nalgebra::{Vector2, Vector3};
 
 /// Position of the platform's reference point D and orientation of the platform.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Pose<N: Number> {
     /// D in the fixed frame.
     pub position: Vector2<N>,
@@ -37,6 +37,15 @@ pub struct Setpoint<N: Number> {
     pub velocity: Vector3<N>,
     /// (ax, ay, alphaddot).
     pub acceleration: Vector3<N>,
+}
+
+// As three numbers: nalgebra compares vectors by iterators, which are more code than all of this.
+impl<N: Number> PartialEq for Pose<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.position.x == other.position.x
+            && self.position.y == other.position.y
+            && self.angle == other.angle
+    }
 }
 
 impl<N: Number> Pose<N> {
