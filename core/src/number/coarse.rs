@@ -101,6 +101,10 @@ impl Number for Coarse {
         angle.0.into()
     }
     #[inline(always)]
+    fn half_turn() -> Self {
+        Self(core::f32::consts::PI)
+    }
+    #[inline(always)]
     fn angle(radians: Self) -> Self {
         radians
     }

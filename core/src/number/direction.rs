@@ -54,6 +54,19 @@ direction!(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::number::{Coarse, Fixed, Number};
+
+    #[test]
+    fn half_a_turn_is_the_direction_of_the_negative_axis() {
+        fn is_half_a_turn<N: Number>() {
+            let one = N::length_from_f64(1.0);
+            assert_eq!(N::direction(-N::ONE, N::ZERO, &one), N::half_turn());
+        }
+        is_half_a_turn::<f32>();
+        is_half_a_turn::<f64>();
+        is_half_a_turn::<Fixed>();
+        is_half_a_turn::<Coarse>();
+    }
 
     /// Points of the circle of radius `length` at a million angles around it, near the axes and
     /// the diagonals as well as between; every point's own angle is the reference.

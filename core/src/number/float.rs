@@ -52,6 +52,10 @@ macro_rules! float {
                 angle as f64
             }
             #[inline(always)]
+            fn half_turn() -> Self {
+                core::$float::consts::PI
+            }
+            #[inline(always)]
             fn angle(radians: Self) -> Self {
                 radians
             }

@@ -140,6 +140,8 @@ pub trait Number:
     /// The angle in radians.
     fn angle_to_f64(angle: Self::Angle) -> f64;
 
+    /// pi.
+    fn half_turn() -> Self::Angle;
     /// The angle of `radians`, as precise as `Self` is.
     fn angle(radians: Self) -> Self::Angle;
     /// An angle, or a difference of angles, in radians.

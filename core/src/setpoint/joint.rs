@@ -93,11 +93,6 @@ impl<N: Number> JointMove<N> {
     }
 }
 
-/// pi.
-fn half_turn<N: Number>() -> N {
-    N::radians(N::direction(-N::ONE, N::ZERO, &N::length_from_f64(1.0)))
-}
-
 /// A difference of two angles in (-pi, pi], the shorter way round, rad in (-pi, pi].
 pub fn shorter_way<N: Number>(way: N::Angle) -> N {
     // Wrapped as an angle: twice a turn in radians is beyond fixed point.
@@ -106,7 +101,7 @@ pub fn shorter_way<N: Number>(way: N::Angle) -> N {
 
 /// `angle`, less than a turn beyond (-pi, pi], within.
 pub(crate) fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
-    let half = half_turn::<N>();
+    let half = N::radians(N::half_turn());
     let radians = N::radians(angle);
     let turn = N::angle(half) + N::angle(half);
     if radians > half {

@@ -53,6 +53,10 @@ impl<N: Number> Number for TaylorModel<N> {
         <Float<N>>::angle_to_f64(angle.constant)
     }
 
+    fn half_turn() -> Self::Angle {
+        AngleModel::of(N::half_turn())
+    }
+
     #[inline(never)]
     fn angle(radians: Self) -> Self::Angle {
         AngleModel {

@@ -217,8 +217,17 @@ impl Number for Fixed {
         angle.0 as f32 * TURN
     }
 
+    /// As [`from_f64`](Number::from_f64), by what every step leaves exact in binary32.
     fn from_bound(bound: f32) -> Self {
-        Self::from_f64(bound.into())
+        if bound.is_nan() {
+            return Self(i32::MIN);
+        }
+        let scaled = bound * (1u32 << FRACTION) as f32;
+        // The conversion saturates.
+        let whole = scaled as i32;
+        let rest = scaled - whole as f32;
+        let away = i32::from(rest >= 0.5) - i32::from(rest <= -0.5);
+        Self(whole.saturating_add(away))
     }
 
     /// The unit and the float's own.
@@ -246,6 +255,11 @@ impl Number for Fixed {
 
     fn angle_to_f64(angle: Turns) -> f64 {
         angle.to_radians()
+    }
+
+    #[inline(always)]
+    fn half_turn() -> Turns {
+        Turns(1 << 31)
     }
 
     #[inline(always)]
