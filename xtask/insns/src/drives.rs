@@ -55,6 +55,11 @@ mod kind {
         pub fn apply(&mut self, _: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
             Ok(())
         }
+
+        /// Nothing either.
+        #[cfg(homing)]
+        #[inline(always)]
+        pub fn shift(&mut self, _: [Angle; 3]) {}
     }
 }
 
@@ -77,6 +82,13 @@ mod kind {
         /// Motors that stand at `angles`.
         pub fn new(angles: [Angle; 3]) -> Self {
             Self(Steppers::new(PER_TURN, MOST_PER_TICK, angles, &LINE))
+        }
+
+        /// What homing has found out.
+        #[cfg(homing)]
+        #[inline(always)]
+        pub fn shift(&mut self, by: [Angle; 3]) {
+            self.0.shift(by);
         }
 
         /// Their part of a tick.

@@ -9,8 +9,15 @@ use trirrr_core::number::Number;
 use trirrr_core::service::{self, BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 use trirrr_core::setpoint::Pose;
 
+type Known = Compiled<'static, Scalar, Payload, Links>;
+
 /// The scene of an image that does not change it.
-pub type Scene = Compiled<'static, Scalar, Payload, Links>;
+#[cfg(not(homing))]
+pub type Scene = Known;
+
+/// The same, of a machine that is homed.
+#[cfg(homing)]
+pub type Scene = service::WithHoming<'static, Scalar, Known>;
 
 /// Sixteen moves and samples less one each.
 pub type SceneChannels = Channels<Scalar, Payload, Links, Scene, 16, 16>;
@@ -30,10 +37,16 @@ pub type SceneReply = Reply<Scalar, <Scene as service::Scene<Scalar, Payload, Li
 
 /// The scene.
 pub fn scene() -> Scene {
-    Compiled {
+    let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
-    }
+    };
+    #[cfg(homing)]
+    let scene = service::WithHoming {
+        scene,
+        homing: Some(&crate::scene::HOMING),
+    };
+    scene
 }
 
 /// Where the job starts.
@@ -87,8 +100,11 @@ pub fn offered(index: usize, number: u32) -> Move<Scalar> {
 pub struct Ticking {
     /// The service,
     pub foreground: SceneForeground,
-    /// and what its output goes to.
+    /// what its output goes to,
     pub drives: Drives,
+    /// and what its switches say.
+    #[cfg(homing)]
+    pub closed: [bool; 3],
 }
 
 impl Ticking {
@@ -98,6 +114,8 @@ impl Ticking {
         Self {
             foreground,
             drives: Drives::new(angles),
+            #[cfg(homing)]
+            closed: [false; 3],
         }
     }
 }
@@ -105,8 +123,25 @@ impl Ticking {
 /// One tick of the service and the drives: whatever there is to do in it.
 #[inline(never)]
 pub fn tick(ticking: &mut Ticking) {
+    #[cfg(not(homing))]
     let Ticking { foreground, drives } = ticking;
-    if let Err(failure) = drives.apply(foreground.tick()) {
+    #[cfg(not(homing))]
+    let output = foreground.tick();
+    #[cfg(homing)]
+    let Ticking {
+        foreground,
+        drives,
+        closed,
+    } = ticking;
+    #[cfg(homing)]
+    let output = {
+        foreground.tick_with(*closed);
+        if let Some(by) = foreground.shift() {
+            drives.shift(by);
+        }
+        foreground.output()
+    };
+    if let Err(failure) = drives.apply(output) {
         foreground.raise(failure.code(), failure.drive, failure.value, failure.limit);
     }
 }

@@ -16,6 +16,8 @@ pub(super) struct Service {
     pub(super) job: Spread,
     /// The job with holds and resumes all along.
     pub(super) held: Spread,
+    /// Homing before it, where the scene has one.
+    pub(super) homing: Option<Spread>,
 }
 
 /// Links the tick without a panic in it, then counts it under QEMU. `bits`: checksum of the job's
@@ -41,10 +43,10 @@ pub(super) fn measure(
         .with_context(|| format!("service: {} {scalar} {}", core.name, scene.name))
 }
 
-/// Reads `empty E`, then `tick T` and `held T` per tick, then `bits HEX`.
+/// Reads `empty E`, then `homing T`, `tick T` and `held T` per tick, then `bits HEX`.
 fn parse(printed: &str, units: f64, bits: u64) -> Result<Service> {
     let mut empty = None;
-    let (mut job, mut held) = (Vec::new(), Vec::new());
+    let (mut homing, mut job, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let mut found = None;
     for line in printed.lines() {
         let (kind, value) = line.split_once(' ').unwrap_or((line, ""));
@@ -59,6 +61,7 @@ fn parse(printed: &str, units: f64, bits: u64) -> Result<Service> {
         };
         match kind {
             "empty" => empty = Some(count()?),
+            "homing" => homing.push(less(count()?)?),
             "tick" => job.push(less(count()?)?),
             "held" => held.push(less(count()?)?),
             "bits" => {
@@ -77,6 +80,10 @@ fn parse(printed: &str, units: f64, bits: u64) -> Result<Service> {
     Ok(Service {
         job: Spread::of(&job)?,
         held: Spread::of(&held)?,
+        homing: match homing.as_slice() {
+            [] => None,
+            homing => Some(Spread::of(homing)?),
+        },
     })
 }
 
@@ -90,6 +97,12 @@ mod tests {
         let service = parse(printed, 6.4, 255).expect("well formed");
         assert_eq!((service.job.min, service.job.max), (90.0, 100.0));
         assert_eq!(service.held.max, 190.0);
+        assert!(service.homing.is_none());
+        let homed = printed.replace("tick 704", "homing 1344\nhoming 704\ntick 704");
+        let service = parse(&homed, 6.4, 255).expect("well formed");
+        let homing = service.homing.expect("two ticks of it");
+        assert_eq!((homing.min, homing.max), (100.0, 200.0));
+        assert_eq!((service.job.min, service.job.max), (90.0, 100.0));
         let error = parse(printed, 6.4, 254).err().expect("other bits");
         assert!(error.to_string().contains("without a service"), "{error}");
         assert!(parse("error: no room\n", 6.4, 0).is_err());

@@ -6,6 +6,10 @@ use semihosting::{println, process};
 use trirrr_core::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
 use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
+#[cfg(homing)]
+use trirrr_image::RuledSwitches;
+#[cfg(homing)]
+use trirrr_insns::scene::HOMING;
 use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
     SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered, scene, settings,
@@ -59,6 +63,14 @@ impl Host {
         }
     }
 
+    /// Gives a sign of life, and takes what there is to hear.
+    #[cfg(homing)]
+    fn listen(&mut self) {
+        self.ask(Command::Status);
+        while self.background.step() {}
+        while self.background.outgoing().is_some() {}
+    }
+
     /// Gives a sign of life, offers what there is room for, and lets it be judged.
     fn feed(&mut self) {
         self.ask(Command::Status);
@@ -73,6 +85,30 @@ impl Host {
             process::exit(1)
         }
         while self.background.outgoing().is_some() {}
+    }
+}
+
+/// Homes the machine, every tick counted, with switches that close by rule.
+#[cfg(homing)]
+fn home(ticking: &mut Ticking, host: &mut Host) {
+    let mut switches = RuledSwitches::new(&HOMING);
+    host.done(Command::Home);
+    loop {
+        ticking.closed = switches.closed(&ticking.foreground.output().motors);
+        let counted = count(black_box(tick), ticking);
+        if let Some(by) = ticking.foreground.shift() {
+            switches.shift(by);
+        }
+        println!("homing {counted}");
+        host.listen();
+        match ticking.foreground.state() {
+            State::Homing | State::Recovering => {}
+            State::Idle => return,
+            state => {
+                println!("error: {state:?} in the end of homing");
+                process::exit(1)
+            }
+        }
     }
 }
 
@@ -106,6 +142,8 @@ pub(crate) fn run() -> ! {
     }));
     println!("empty {}", count(black_box(empty), &mut ticking));
 
+    #[cfg(homing)]
+    home(&mut ticking, &mut host);
     let mut checksum = Checksum::default();
     host.feed();
     host.done(Command::Start);
