@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 from trirrr import words
 from trirrr.exchange import Refused
-from trirrr.jobs import Job
+from trirrr.jobs import Job, Step
 from trirrr.messages import Acting, Bounded, Command, DriveFault, Fault, FaultCode, Refusal, State
 from trirrr.stream import JobFailed, Stream
 
 #: A machine in units of its own: 0.5 m, 0.25 s, 2 kg.
-IDENTITY = SimpleNamespace(length_m=0.5, time_s=0.25, mass_kg=2.0)
+IDENTITY = SimpleNamespace(length_m=0.5, time_s=0.25, mass_kg=2.0, tick_rate_hz=100.0)
 
 
 def status(state: str, fault=None, acting=None) -> SimpleNamespace:
@@ -31,6 +31,7 @@ class Machine:
         if command.name == "Status":
             return self.says.pop(0) if len(self.says) > 1 else self.says[0]
         self.heard.append(command.name)
+        self.last = command
         if self.refusals and (refusal := self.refusals.pop(0)) is not None:
             raise Refused(command, refusal)
         return None
@@ -39,10 +40,21 @@ class Machine:
         self.pauses.append(seconds)
 
 
-def home(machine: Machine) -> None:
-    stream = Stream(lambda: None, Job([]), lambda message: None)
+def stream(machine: Machine) -> Stream:
+    """A job of 10 mm in 1 s, on this machine."""
+    step = Step((0.2, 0.2, 0.1), (0.21, 0.2, 0.1), (0.0,) * 3, (0.0,) * 3, 1.0)
+    stream = Stream(lambda: None, Job([step]), lambda message: None)
     stream.exchange = machine
-    stream.home(0.05)
+    stream._moves = stream._job.moves(IDENTITY)
+    return stream
+
+
+def home(machine: Machine) -> None:
+    stream(machine).home(0.05)
+
+
+def recover(machine: Machine) -> None:
+    stream(machine).recover(2.0, 0.05)
 
 
 class Homing(unittest.TestCase):
@@ -62,7 +74,7 @@ class Homing(unittest.TestCase):
             self.assertEqual((machine.heard, machine.pauses), ([], []))
 
     def test_a_busy_machine_is_asked_again(self):
-        says = [status(state) for state in ("Unhomed", "Unhomed", "Homing", "Idle")]
+        says = [status(state) for state in ("Unhomed", "Homing", "Idle")]
         machine = Machine(*says, refusals=[Refusal.Busy(), None])
         home(machine)
         self.assertEqual(machine.heard, ["Home", "Home"])
@@ -84,6 +96,38 @@ class Homing(unittest.TestCase):
         machine = Machine(status("Unhomed"), status("Homing"), status("Unhomed", acting=Acting.Silence()))
         with self.assertRaisesRegex(JobFailed, "homing was given up: Silence"):
             home(machine)
+
+
+class Recovering(unittest.TestCase):
+    FAULT = Fault(FaultCode.Overrun(), None, 1.5, 1.0, 7)
+
+    def test_a_fault_is_acknowledged_and_the_motors_are_moved_to_the_start(self):
+        says = [status("Fault", self.FAULT), status("Fault", self.FAULT)]
+        says += [status(state) for state in ("Cleared", "Recovering", "Recovering", "Idle")]
+        machine = Machine(*says)
+        recover(machine)
+        self.assertEqual(machine.heard, ["ClearFault", "Recover"])
+        recovery = machine.last.content
+        # 2 s at 100 Hz; 0.2 m in units of 0.5 m.
+        self.assertEqual((recovery.ticks, recovery.to.x, recovery.to.alpha), (200, 0.4, 0.1))
+
+    def test_a_machine_that_stands_elsewhere_is_moved_to_the_start(self):
+        machine = Machine(*[status(state) for state in ("Idle", "Recovering", "Idle")])
+        recover(machine)
+        self.assertEqual(machine.heard, ["Recover"])
+
+    def test_a_machine_with_homing_is_left_to_it(self):
+        machine = Machine(status("Fault", self.FAULT), status("Unhomed"))
+        recover(machine)
+        self.assertEqual(machine.heard, ["ClearFault"])
+
+    def test_a_recovery_that_does_not_end_at_the_start_is_an_error(self):
+        machine = Machine(status("Cleared"), status("Recovering"), status("Cleared", acting=Acting.Stop()))
+        with self.assertRaisesRegex(JobFailed, "the recovery was given up: Stop"):
+            recover(machine)
+        machine = Machine(status("Cleared"), status("Recovering"), status("Fault", self.FAULT))
+        with self.assertRaisesRegex(JobFailed, "a tick took 1.5 of its period"):
+            recover(machine)
 
 
 class Words(unittest.TestCase):

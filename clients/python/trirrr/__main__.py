@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import math
 import sys
 from pathlib import Path
 
@@ -26,9 +27,23 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--every", type=int, default=1, help="ticks from one sample to the next")
     parser.add_argument("--any-scene", action="store_true", help="do not compare the machine's scene")
     parser.add_argument("--scalar", choices=list(NUMBERS), help="number type of the machine's image (the job's)")
+    parser.add_argument(
+        "--recover",
+        type=positive,
+        metavar="SECONDS",
+        help="acknowledge a fault, and take so long to bring the machine to where the job starts",
+    )
     parser.add_argument("--answer", type=float, default=0.2, help="seconds to wait for an answer")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
+
+
+def positive(text: str) -> float:
+    """A number of seconds."""
+    value = float(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text}: must be greater than 0")
+    return value
 
 
 def main() -> int:
@@ -55,6 +70,7 @@ def main() -> int:
         options.every,
         options.any_scene,
         answer_s=options.answer,
+        recover_s=options.recover,
         survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
     )
     try:

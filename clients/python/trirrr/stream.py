@@ -10,7 +10,7 @@ from typing import Any
 from . import words
 from .exchange import Exchange, Refused, Silent
 from .jobs import Job
-from .messages import NUMBERS, Command
+from .messages import NUMBERS, Command, Recovery
 from .ports import Port, PortError
 from .postcard import Value
 
@@ -23,6 +23,8 @@ _NOT_YET = {
     "Telemetry": {"Busy"},
     "Stop": {"Busy"},
     "Home": {"Busy"},
+    "ClearFault": {"Busy"},
+    "Recover": {"Busy"},
 }
 
 
@@ -35,6 +37,8 @@ class Stream:
 
     ``heard`` gets events and telemetry, ``progress`` the moves done, their number and the state.
     ``survey``: what to ask before the job starts; the answers are in the attribute of that name.
+    ``recover_s``: before the job, bring the machine to where the job starts, within so many seconds; a
+    latched fault is acknowledged for it.
     """
 
     def __init__(
@@ -48,6 +52,7 @@ class Stream:
         reconnects: int = 3,
         answer_s: float = 0.2,
         survey: Sequence[Value] = (),
+        recover_s: float | None = None,
     ) -> None:
         self._connect = connect
         self._job = job
@@ -58,6 +63,7 @@ class Stream:
         self._reconnects = reconnects
         self._answer_s = answer_s
         self._questions = survey
+        self._recover_s = recover_s
         self.survey: list[Any] = []
         self._moves: list[Any] = []
         self._base: int | None = None
@@ -103,6 +109,8 @@ class Stream:
         pause = min(0.1, identity.silence_ticks / identity.tick_rate_hz / 4 or 0.1)
         try:
             if self._base is None:
+                if self._recover_s is not None:
+                    self.recover(self._recover_s, pause)
                 self.home(pause)
             self._look()
             self._command(Command.Telemetry(every=self._telemetry))
@@ -113,22 +121,49 @@ class Stream:
             self._command(Command.Stop())
             raise JobFailed("stopped by the user") from None
 
+    def recover(self, seconds: float, pause: float) -> None:
+        """Acknowledges a latched fault, and takes ``seconds`` to move the motors to where they are at
+        the start of the job. A machine that is not homed after that is left to be homed. Looks every
+        ``pause`` seconds."""
+        status = self.exchange.ask(Command.Status())
+        if status.fault is not None:
+            self._insist(Command.ClearFault(), pause)
+            status = self._wait_while(("Fault",), pause)
+        if status.state.name in ("Idle", "Cleared"):
+            ticks = max(1, round(seconds * self.exchange.identity.tick_rate_hz))
+            self._insist(Command.Recover(Recovery(to=self._moves[0].from_, ticks=ticks)), pause)
+            self._wait_for_idle("the recovery", pause)
+
     def home(self, pause: float) -> None:
         """Homes a machine that does not know where its motors are, and waits until it stands at its
         start, looking every ``pause`` seconds."""
         status = self.exchange.ask(Command.Status())
         if status.state.name not in ("Unhomed", "Homing") or status.fault is not None:
             return
-        while status.state.name == "Unhomed" and not self._command(Command.Home()):
+        if status.state.name == "Unhomed":
+            self._insist(Command.Home(), pause)
+        self._wait_for_idle("homing", pause)
+
+    def _insist(self, command: Value, pause: float) -> None:
+        """Asks until it is done."""
+        while not self._command(command):
             self.exchange.listen(pause)
-            status = self.exchange.ask(Command.Status())
+
+    def _wait_while(self, states: Sequence[str], pause: float) -> Any:
+        """Looks until the machine is in none of ``states``; the last status."""
         status = self.exchange.ask(Command.Status())
-        while status.state.name != "Idle":
+        while status.state.name in states:
             self.exchange.listen(pause)
             status = self.exchange.ask(Command.Status())
-            self._raise_fault(status)
-            if status.state.name in ("Unhomed", "Cleared"):
-                raise JobFailed(f"homing was given up: {status.acting}")
+        return status
+
+    def _wait_for_idle(self, what: str, pause: float) -> None:
+        """Looks until the machine stands at the end of ``what``. ``JobFailed`` where it does not come
+        to it."""
+        status = self._wait_while(("Homing", "Recovering", "Stopping"), pause)
+        self._raise_fault(status)
+        if status.state.name != "Idle":
+            raise JobFailed(f"{what} was given up: {status.acting}")
 
     def _raise_fault(self, status: Any) -> None:
         """``JobFailed`` where a fault is latched."""
