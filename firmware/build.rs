@@ -40,7 +40,7 @@ fn build() -> Result<(), Box<dyn Error>> {
             memory.join("memory.x").display()
         );
         println!("cargo:rustc-link-search={}", memory.display());
-        for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+        for argument in ["--nmagic", "--icf=all", "-Tlink.x", "-Tdefmt.x"] {
             println!("cargo:rustc-link-arg-bins={argument}");
         }
     }

@@ -330,6 +330,7 @@ where
     }
 
     /// Drops everything that is queued: it is of a generation that is over.
+    #[inline(never)]
     fn drop_queue(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;

@@ -210,7 +210,6 @@ where
     }
 
     /// The move under way is over.
-    #[inline]
     fn leave(&mut self) {
         let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
         self.played = self.played.wrapping_add(ticks);
@@ -219,7 +218,9 @@ where
     }
 
     /// The next move takes the place of the one that ended.
-    #[inline]
+    // A call, as what else happens at the ends of moves and of states: several sites have it, and no tick
+    // but few.
+    #[inline(never)]
     fn take_next(&mut self) {
         self.leave();
         if let Some(next) = self.moves.peek() {
@@ -290,6 +291,7 @@ where
     }
 
     /// The speed along the path is 0 from now on, until something is done about it.
+    #[inline(never)]
     fn come_to_rest(&mut self) {
         match self.state {
             State::Slowing => self.become_(State::Holding, self.acting),
