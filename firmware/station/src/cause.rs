@@ -55,7 +55,9 @@ fn words(start: &Start) -> Words {
         // The reset flags tell these.
         Start::Power | Start::Reset | Start::Watchdog => {}
     }
-    seal(&mut words);
+    if let Some((sum, content)) = words.split_last_mut() {
+        *sum = checksum(content);
+    }
     words
 }
 
@@ -68,10 +70,9 @@ fn registers(at: &Registers) -> [u32; 5] {
 }
 
 fn start(kept: &Words) -> Option<Start> {
-    let mut sealed = *kept;
-    seal(&mut sealed);
+    let (sum, content) = kept.split_last()?;
     let [mark, kind, a, b, c, d, e, ..] = *kept;
-    if sealed != *kept || mark != MARK {
+    if *sum != checksum(content) || mark != MARK {
         return None;
     }
     let registers = Registers {
@@ -95,13 +96,11 @@ fn start(kept: &Words) -> Option<Start> {
     }
 }
 
-/// Makes the last word the checksum of the others: FNV-1a, word by word.
-fn seal(words: &mut Words) {
-    if let Some((checksum, content)) = words.split_last_mut() {
-        *checksum = content.iter().fold(0x811c_9dc5, |sum: u32, word| {
-            (sum ^ word).wrapping_mul(0x0100_0193)
-        });
-    }
+/// FNV-1a, word by word.
+fn checksum(content: &[u32]) -> u32 {
+    content.iter().fold(0x811c_9dc5, |sum: u32, word| {
+        (sum ^ word).wrapping_mul(0x0100_0193)
+    })
 }
 
 fn write(words: Words) {
