@@ -1,6 +1,6 @@
 //! From bytes to messages.
 
-use super::{CHECKSUM_BYTES, CRC, Counters, FrameError};
+use super::{CHECKSUM_BYTES, Counters, FrameError, checksum_behind};
 use cobs::{DecodeResult, DecoderState};
 use postcard::Deserializer;
 use postcard::de_flavors::Flavor;
@@ -123,7 +123,7 @@ impl<const N: usize> Decoder<N> {
         match bytes.split_last_chunk::<CHECKSUM_BYTES>() {
             None | Some(([], _)) => Err(FrameError::Truncated),
             Some((message, checksum)) => {
-                self.checksum = CRC.checksum(message);
+                self.checksum = checksum_behind(0, message);
                 match self.checksum == u32::from_le_bytes(*checksum) {
                     true => Ok(message),
                     false => Err(FrameError::Checksum),
@@ -137,10 +137,10 @@ impl<const N: usize> Decoder<N> {
 #[inline(never)]
 fn message<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
     let mut bytes = Deserializer::from_flavor(Bytes(bytes));
-    let message = T::deserialize(&mut bytes).map_err(|_| FrameError::Message)?;
-    match bytes.finalize() {
-        Ok([]) => Ok(message),
-        _ => Err(FrameError::Trailing),
+    match (T::deserialize(&mut bytes), bytes.finalize()) {
+        (Ok(message), Ok([])) => Ok(message),
+        (Ok(_), _) => Err(FrameError::Trailing),
+        (Err(_), _) => Err(FrameError::Message),
     }
 }
 

@@ -1,6 +1,6 @@
 //! From a message to its frame.
 
-use super::{CRC, Checksum};
+use super::checksum_behind;
 use cobs::{EncoderState, PushResult};
 use core::fmt;
 use postcard::ser_flavors::Flavor;
@@ -45,22 +45,22 @@ pub fn checksum<T>(message: &T) -> Option<u32>
 where
     T: Serialize + ?Sized,
 {
-    postcard::serialize_with_flavor(message, Sum(CRC.digest())).ok()
+    postcard::serialize_with_flavor(message, Sum(0)).ok()
 }
 
 /// A message that is written nowhere.
-struct Sum(Checksum);
+struct Sum(u32);
 
 impl Flavor for Sum {
     type Output = u32;
 
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        self.0.update(&[byte]);
+        self.0 = checksum_behind(self.0, &[byte]);
         Ok(())
     }
 
     fn finalize(self) -> postcard::Result<u32> {
-        Ok(self.0.finalize())
+        Ok(self.0)
     }
 }
 
@@ -74,7 +74,7 @@ struct Frame<'b> {
     /// Bytes of the frame so far, those included for which there was no room.
     length: usize,
     cobs: EncoderState,
-    checksum: Checksum,
+    checksum: u32,
 }
 
 impl<'b> Frame<'b> {
@@ -85,7 +85,7 @@ impl<'b> Frame<'b> {
             // COBS begins with the length of its first block, which is not known yet.
             length: 1,
             cobs: EncoderState::default(),
-            checksum: CRC.digest(),
+            checksum: 0,
         }
     }
 
@@ -120,7 +120,7 @@ impl<'b> Frame<'b> {
 
     #[inline]
     fn extend(&mut self, bytes: &[u8]) {
-        self.checksum.update(bytes);
+        self.checksum = checksum_behind(self.checksum, bytes);
         bytes.iter().for_each(|byte| self.stuff(*byte));
     }
 }
@@ -143,7 +143,7 @@ impl Flavor for Frame<'_> {
 
     #[inline]
     fn finalize(mut self) -> postcard::Result<usize> {
-        for byte in self.checksum.clone().finalize().to_le_bytes() {
+        for byte in self.checksum.to_le_bytes() {
             self.stuff(byte);
         }
         let (block, length) = self.cobs.clone().finalize();

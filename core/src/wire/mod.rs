@@ -34,7 +34,7 @@ pub use decoder::Decoder;
 pub use encode::{BufferTooSmall, checksum, encode};
 pub use error::{Counters, FrameError};
 
-use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 /// CRC-32/ISO-HDLC, the one of Ethernet and zlib: polynomial 0x04C11DB7, reflected, starting from
 /// and inverted with 0xFFFFFFFF; the check value of "123456789" is 0xCBF43926.
@@ -43,8 +43,15 @@ use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 /// below the tick and waits for the line anyway.
 static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
-/// A checksum as it is computed.
-type Checksum = Digest<'static, u32, NoTable>;
+/// The checksum of the bytes whose checksum is `before` and of `bytes` behind them; that of no bytes is
+/// 0. So a checksum under way is a number, and the algorithm a constant of the code.
+#[inline]
+fn checksum_behind(before: u32, bytes: &[u8]) -> u32 {
+    // What a checksum starts from is neither inverted nor reflected.
+    let mut digest = CRC.digest_with_initial((!before).reverse_bits());
+    digest.update(bytes);
+    digest.finalize()
+}
 
 /// Bytes of the checksum, least significant first.
 const CHECKSUM_BYTES: usize = 4;
