@@ -23,8 +23,8 @@ where
     U: Put<Setup<N, P, L>>,
 {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
-        if self.state != State::Idle {
-            return Err(Refusal::State(self.state));
+        if self.status.state != State::Idle {
+            return Err(Refusal::State(self.status.state));
         }
         let undecided = self.offered.1.peek().is_some();
         // In idle nothing is under way: what is left is all that is admitted.
@@ -48,30 +48,30 @@ where
     }
 
     pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
-        match self.state {
+        match self.status.state {
             State::Running => self.order(Order::Hold, State::Slowing),
-            State::Slowing | State::Holding => self.order(Order::Hold, self.state),
+            State::Slowing | State::Holding => self.order(Order::Hold, self.status.state),
             state => Err(Refusal::State(state)),
         }
     }
 
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
-        match self.state {
-            State::Slowing | State::Holding => self.order(Order::Resume, self.state),
+        match self.status.state {
+            State::Slowing | State::Holding => self.order(Order::Resume, self.status.state),
             state => Err(Refusal::State(state)),
         }
     }
 
     /// In every state: it never makes a machine move.
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
-        match self.state {
+        match self.status.state {
             State::Fault | State::Cleared | State::Unhomed => Ok(()),
             _ => self.order(Order::Stop, State::Stopping),
         }
     }
 
     pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
-        match self.state {
+        match self.status.state {
             State::Fault => {
                 let state = match self.scene.plan().is_some() {
                     true => State::Unhomed,
@@ -84,11 +84,11 @@ where
     }
 
     pub(super) fn set_telemetry(&mut self, every: u16) -> Result<(), Refusal<N>> {
-        self.order(Order::Telemetry { every }, self.state)
+        self.order(Order::Telemetry { every }, self.status.state)
     }
 
     pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {
-        if self.state != State::Cleared {
+        if self.status.state != State::Cleared {
             self.waits()?;
         }
         let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
@@ -100,7 +100,7 @@ where
         let Some(plan) = self.scene.plan() else {
             return Err(Refusal::NoHoming);
         };
-        if !matches!(self.state, State::Unhomed | State::Cleared) {
+        if !matches!(self.status.state, State::Unhomed | State::Cleared) {
             self.waits()?;
         }
         let limits = &self.limits;
@@ -126,7 +126,7 @@ where
             return Err(Refusal::Busy);
         }
         self.order(order, state)?;
-        self.end = None;
+        self.status.end = None;
         Ok(())
     }
 
@@ -166,10 +166,10 @@ where
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn waits(&self) -> Result<(), Refusal<N>> {
         let empty = self.offered.1.peek().is_none() && self.ahead.left(self.played) == 0;
-        if self.state == State::Idle && empty {
+        if self.status.state == State::Idle && empty {
             Ok(())
         } else {
-            Err(Refusal::State(self.state))
+            Err(Refusal::State(self.status.state))
         }
     }
 

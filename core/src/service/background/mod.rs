@@ -13,7 +13,7 @@ use crate::admission::Admission;
 use crate::limits::Limits;
 use crate::machine::Geometry;
 use crate::message::{
-    Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry, Verdict,
+    Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry,
 };
 use crate::number::Number;
 use crate::setpoint::{Pose, Setpoint};
@@ -56,31 +56,21 @@ where
     last: Option<Last<N>>,
     next_sequence: u32,
 
-    /// Where the tick stands, as far as known, with what the orders that it has not taken yet will
-    /// make of it.
-    state: State,
-    acting: Acting,
-    fault: Option<Fault<N>>,
+    /// What the host is told, kept as it is sent. The state is the tick's, as far as known, with what
+    /// the orders that it has not taken yet will make of it; the tick's counters and the room are
+    /// those of the last time that somebody asked.
+    status: Status<N>,
     /// The last state event.
     told: (State, Acting, u32),
     generation: u8,
     begun: u32,
-    done: u32,
     played: u32,
     angles: [N::Angle; 3],
     orders_sent: u8,
     orders_taken: u8,
-
-    /// Number of the next move to offer,
-    next: u32,
-    /// and of the first that is not admitted.
-    admitted: u32,
     ahead: Ahead,
     /// The oldest of the offered moves is with the admission.
     judging: bool,
-    refused: Option<Verdict<N>>,
-    /// Where the next move has to start; none while that is not known.
-    end: Option<End<N>>,
 }
 
 /// A request that counted.
@@ -93,19 +83,17 @@ struct Last<N: Number> {
     refusal: Option<Refusal<N>>,
 }
 
-/// Where moves end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct End<N: Number> {
-    pose: Pose<N>,
-    velocity: [N; 3],
+/// A pose at which moves end, at rest.
+fn at_rest<N: Number>(pose: Pose<N>) -> Setpoint<N> {
+    ends(pose, [N::ZERO; 3])
 }
 
-impl<N: Number> End<N> {
-    fn at_rest(pose: Pose<N>) -> Self {
-        Self {
-            pose,
-            velocity: [N::ZERO; 3],
-        }
+/// A pose at which moves end, with its velocity. There is no acceleration to go on from.
+fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3]) -> Setpoint<N> {
+    Setpoint {
+        pose,
+        velocity: Vector3::from(velocity),
+        acceleration: Vector3::new(N::ZERO, N::ZERO, N::ZERO),
     }
 }
 
@@ -171,23 +159,29 @@ where
             greeted: false,
             last: None,
             next_sequence: 0,
-            state,
-            acting: Acting::Nothing,
-            fault: None,
+            status: Status {
+                tick: 0,
+                state,
+                acting: Acting::Nothing,
+                fault: None,
+                next: 0,
+                admitted: 0,
+                done: 0,
+                room: 0,
+                refused: None,
+                end: (state == State::Idle).then(|| at_rest(stand.pose)),
+                lost: 0,
+                longest_tick: 0,
+            },
             told: (state, Acting::Nothing, 0),
             generation: 0,
             begun: 0,
-            done: 0,
             played: 0,
             angles,
             orders_sent: 0,
             orders_taken: 0,
-            next: 0,
-            admitted: 0,
             ahead: Ahead::NOTHING,
             judging: false,
-            refused: None,
-            end: (state == State::Idle).then_some(End::at_rest(stand.pose)),
         }
     }
 
@@ -238,24 +232,11 @@ where
     /// Where everything stands.
     pub fn status(&mut self) -> Status<N> {
         self.learn();
-        Status {
-            tick: self.shared.tick.load(Ordering::Relaxed),
-            state: self.state,
-            acting: self.acting,
-            fault: self.fault,
-            next: self.next,
-            admitted: self.admitted,
-            done: self.done,
-            room: self.room(),
-            refused: self.refused,
-            end: self.end.map(|end| Setpoint {
-                pose: end.pose,
-                velocity: Vector3::from(end.velocity),
-                acceleration: Vector3::new(N::ZERO, N::ZERO, N::ZERO),
-            }),
-            lost: self.shared.lost.load(Ordering::Relaxed),
-            longest_tick: self.shared.longest.load(Ordering::Relaxed),
-        }
+        self.status.tick = self.shared.tick.load(Ordering::Relaxed);
+        self.status.room = self.room();
+        self.status.lost = self.shared.lost.load(Ordering::Relaxed);
+        self.status.longest_tick = self.shared.longest.load(Ordering::Relaxed);
+        self.status
     }
 
     /// Takes in what the tick reported.
@@ -277,13 +258,13 @@ where
         }
         if report.state == State::Fault {
             if let Some(fault) = self.faults.receive() {
-                self.fault = Some(fault);
+                self.status.fault = Some(fault);
                 self.tell(Event::Fault(fault));
             }
         } else {
-            self.fault = None;
+            self.status.fault = None;
         }
-        self.done = report.done;
+        self.status.done = report.done;
         let told = (report.state, report.acting, report.done);
         if self.told != told {
             self.told = told;
@@ -295,9 +276,9 @@ where
         }
         // What an order under way will change is not known better by an older report.
         if over || self.orders_taken == self.orders_sent {
-            (self.state, self.acting) = (report.state, report.acting);
-            if self.end.is_none() && self.state == State::Idle {
-                self.end = Some(End::at_rest(report.pose));
+            (self.status.state, self.status.acting) = (report.state, report.acting);
+            if self.status.end.is_none() && self.status.state == State::Idle {
+                self.status.end = Some(at_rest(report.pose));
             }
         }
     }
@@ -307,11 +288,11 @@ where
         self.generation = report.generation;
         while self.offered.1.receive().is_some() {}
         self.judging = false;
-        self.next = report.begun;
-        self.admitted = report.begun;
+        self.status.next = report.begun;
+        self.status.admitted = report.begun;
         self.ahead = Ahead::NOTHING;
         self.shared.set_ahead(self.ahead);
-        self.end = None;
+        self.status.end = None;
     }
 
     /// An event on its way to the host. Where there is no room it is dropped: the status has it.
@@ -325,7 +306,7 @@ where
             return Err(Refusal::Busy);
         }
         self.orders_sent = self.orders_sent.wrapping_add(1);
-        self.state = state;
+        self.status.state = state;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use super::super::link::Planned;
 use super::super::scene::{Put, Scene, Setup};
 use super::super::tool::Tool;
-use super::{Background, End};
+use super::{Background, ends};
 use crate::admission;
 use crate::message::{Event, Move, Refusal, State, Verdict};
 use crate::number::Number;
@@ -35,18 +35,18 @@ where
     /// Takes a move to be judged.
     #[inline(never)]
     pub(super) fn offer(&mut self, offered: &Move<N>) -> Result<(), Refusal<N>> {
-        match self.state {
+        match self.status.state {
             State::Idle | State::Running | State::Slowing | State::Holding => {}
             state => return Err(Refusal::State(state)),
         }
         // Not known for the moment in which the tick drops its queue.
-        let end = self.end.ok_or(Refusal::State(self.state))?;
+        let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         if !is_finite(offered) {
             return Err(Refusal::NotFinite);
         }
-        if offered.number != self.next {
+        if offered.number != self.status.next {
             return Err(Refusal::MoveNumber {
-                expected: self.next,
+                expected: self.status.next,
             });
         }
         if offered.ticks == 0 || offered.ticks > self.longest() {
@@ -57,7 +57,7 @@ where
         if offered.from != end.pose {
             return Err(Refusal::StartPose);
         }
-        if offered.start_velocity != end.velocity {
+        if offered.start_velocity != <[N; 3]>::from(end.velocity) {
             return Err(Refusal::StartVelocity);
         }
         if !Tool::is_one(offered) {
@@ -66,12 +66,9 @@ where
         if self.room() == 0 || !self.offered.0.send(*offered) {
             return Err(Refusal::QueueFull);
         }
-        self.refused = None;
-        self.next = self.next.wrapping_add(1);
-        self.end = Some(End {
-            pose: offered.to,
-            velocity: offered.end_velocity,
-        });
+        self.status.refused = None;
+        self.status.next = self.status.next.wrapping_add(1);
+        self.status.end = Some(ends(offered.to, offered.end_velocity));
         Ok(())
     }
 
@@ -125,7 +122,7 @@ where
         }
         self.ahead = self.ahead.and(offered.ticks, offered.ends_at_rest());
         self.shared.set_ahead(self.ahead);
-        self.admitted = offered.number.wrapping_add(1);
+        self.status.admitted = offered.number.wrapping_add(1);
         self.tell(Event::Verdict(Verdict {
             number: offered.number,
             violation: None,
@@ -140,16 +137,13 @@ where
         };
         while self.offered.1.receive().is_some() {}
         self.judging = false;
-        self.next = offered.number;
-        self.end = Some(End {
-            pose: offered.from,
-            velocity: offered.start_velocity,
-        });
+        self.status.next = offered.number;
+        self.status.end = Some(ends(offered.from, offered.start_velocity));
         let verdict = Verdict {
             number: offered.number,
             violation: Some(violation),
         };
-        self.refused = Some(verdict);
+        self.status.refused = Some(verdict);
         self.tell(Event::Verdict(verdict));
     }
 }

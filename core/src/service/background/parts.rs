@@ -3,7 +3,7 @@
 use super::super::coefficients::Coefficients;
 use super::super::link::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
-use super::{Background, End};
+use super::{Background, at_rest};
 use crate::admission::Admission;
 use crate::forward::Forward;
 use crate::message::scene::Section;
@@ -31,7 +31,7 @@ where
         let units = self.settings.scene.units();
         let (parameters, limits) = self.scene.changed(section, &units)?;
         self.waits()?;
-        let end = self.end.ok_or(Refusal::State(self.state))?;
+        let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
         let ramp = self.settings.ramp_ticks;
         let built = Coefficients::<N, P, L>::build(&parameters, &limits, ramp, period);
@@ -58,7 +58,7 @@ where
         self.scene.adopt(parameters, limits);
         (self.geometry, self.limits) = (geometry, built.limits);
         (self.distances, self.admission) = (built.distances, Admission::over(built.path));
-        self.end = Some(End::at_rest(pose));
+        self.status.end = Some(at_rest(pose));
         Ok(())
     }
 }
