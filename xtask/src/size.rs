@@ -1,4 +1,4 @@
-//! `cargo xtask size`: flash and RAM, of the tick alone on every target and of the firmware.
+//! `cargo xtask size`: flash and RAM, of the tick alone on every target and of the firmware, for the RP2040 too.
 //!
 //! The tick alone (image `core`) is its code and constants in flash and, in RAM, its coefficients,
 //! one setpoint and one outcome. That image does not link if a panic is left in the tick. The symbols
@@ -11,6 +11,7 @@ use crate::cores::CORES;
 use crate::elf::{Footprint, Memory, check_boot, footprint};
 use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
+use crate::rp2040;
 use crate::symbols;
 use crate::table::table;
 use anyhow::{Context, Result, ensure};
@@ -127,6 +128,13 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
         stack: Some(stack.most.into()),
         ..row("firmware", firmware.scalar, FIRMWARE_TARGET, measured)
     });
+    if rp2040::is_for(scene) {
+        let (measured, stack) = rp2040::measure()?;
+        rows.push(Row {
+            stack: Some(stack.into()),
+            ..row("firmware", firmware.scalar, rp2040::TARGET, measured)
+        });
+    }
     Ok(rows)
 }
 
