@@ -1,5 +1,5 @@
 //! `cargo xtask rp2040`: builds the firmware for the RP2040, checks that it can boot, that no interrupt
-//! panics and that it holds what its scene uses, prints its size and how deep its stack gets.
+//! panics and that it holds what its scene uses and no binary64, prints its size and how deep its stack gets.
 //!
 //! It is a workspace of its own, with a folder of its own for what is built.
 
@@ -51,6 +51,7 @@ pub(crate) fn measure() -> Result<(Footprint, u32)> {
     check_second_stage(&file, MEMORY.flash.0)?;
     check_boot(&file, MEMORY)?;
     symbols::check(&file, &Scene::read(root().join(SCENE))?)?;
+    symbols::check_arithmetic(&file, false)?;
     let Stack { most, .. } = callgraph::check(&file)?;
     Ok((footprint(&file)?, most))
 }

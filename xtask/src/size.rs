@@ -122,6 +122,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
     let file = firmware.build()?;
     check_boot(&file, FIRMWARE_MEMORY)?;
     symbols::check(&file, read)?;
+    symbols::check_arithmetic(&file, true)?;
     let stack = callgraph::check(&file)?;
     let measured = footprint(&file)?;
     rows.push(Row {

@@ -3,8 +3,8 @@
 //! Symbols are mangled as version v0 (`.cargo/config.toml`), so that the name of a function says for
 //! which types it was made: the whole service carries its number type, payload and links, inlined or
 //! not. What has no type of its own is seen by its functions, as far as they are not inlined: the
-//! formatting of values. Each mark has to be there in an image that uses it, too: a mark that nothing
-//! leaves would show nothing.
+//! formatting of values, and floats that are computed in software. Each mark has to be there in an image
+//! that uses it, too: a mark that nothing leaves would show nothing.
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSymbol};
@@ -97,18 +97,65 @@ const MARKS: &[Mark] = &[
     },
 ];
 
+/// Routines for binary64, by their names in the run-time ABI for Arm: arithmetic, comparisons and
+/// conversions.
+const DOUBLE_PRECISION: &[&str] = &[
+    "__aeabi_d",
+    "__aeabi_f2d",
+    "__aeabi_i2d",
+    "__aeabi_ui2d",
+    "__aeabi_l2d",
+    "__aeabi_ul2d",
+];
+
+/// The same for binary32, but for conversions of 64-bit integers, which no FPU has.
+const SINGLE_PRECISION: &[&str] = &["__aeabi_f", "__aeabi_i2f", "__aeabi_ui2f"];
+
 /// Checks the image of `scene` in `file`.
 ///
 /// # Errors
 /// What it holds without use, with a symbol that says so; what it should hold and nothing shows.
 pub(crate) fn check(file: &Path, scene: &Scene) -> Result<()> {
+    with_names(file, |names| check_names(names, scene))
+}
+
+/// Checks the arithmetic of the image in `file`: no floats in software, but binary32 where there is no
+/// FPU (`has_fpu`), in which moves are admitted there.
+///
+/// # Errors
+/// What it computes so, with a symbol that says so; binary32 without an FPU and nothing shows.
+pub(crate) fn check_arithmetic(file: &Path, has_fpu: bool) -> Result<()> {
+    with_names(file, |names| check_routines(names, has_fpu))
+}
+
+fn with_names(file: &Path, check: impl Fn(&[&str]) -> Result<()>) -> Result<()> {
     let data = fs::read(file).with_context(|| file.display().to_string())?;
     let elf = object::File::parse(&*data).with_context(|| file.display().to_string())?;
     let names: Vec<&str> = elf
         .symbols()
         .filter_map(|symbol| symbol.name().ok())
         .collect();
-    check_names(&names, scene).with_context(|| file.display().to_string())
+    check(&names).with_context(|| file.display().to_string())
+}
+
+fn check_routines(names: &[&str], has_fpu: bool) -> Result<()> {
+    let found = |routines: &[&str]| {
+        let is_one = |name: &&&str| routines.iter().any(|part| name.starts_with(part));
+        names.iter().find(is_one)
+    };
+    if let Some(symbol) = found(DOUBLE_PRECISION) {
+        anyhow::bail!("no board computes in binary64: {symbol}");
+    }
+    match (found(SINGLE_PRECISION), has_fpu) {
+        (Some(symbol), true) => {
+            anyhow::bail!("there is an FPU, and binary32 is computed in software: {symbol}")
+        }
+        (None, false) => anyhow::bail!(
+            "there is no FPU, and no symbol shows binary32: {}",
+            SINGLE_PRECISION.join(", ")
+        ),
+        (Some(_), false) | (None, true) => Ok(()),
+    }
 }
 
 /// Checks that the image in `file` has switches that close by rule, and that they would be seen in one
@@ -117,15 +164,13 @@ pub(crate) fn check(file: &Path, scene: &Scene) -> Result<()> {
 /// # Errors
 /// No symbol shows them.
 pub(crate) fn check_ruled_switches(file: &Path) -> Result<()> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    let elf = object::File::parse(&*data).with_context(|| file.display().to_string())?;
-    let mut names = elf.symbols().filter_map(|symbol| symbol.name().ok());
-    ensure!(
-        names.any(|name| name.contains(RULED_SWITCHES)),
-        "{}: no symbol shows {RULED_SWITCHES}",
-        file.display()
-    );
-    Ok(())
+    with_names(file, |names| {
+        ensure!(
+            names.iter().any(|name| name.contains(RULED_SWITCHES)),
+            "no symbol shows {RULED_SWITCHES}"
+        );
+        Ok(())
+    })
 }
 
 fn check_names(names: &[&str], scene: &Scene) -> Result<()> {
@@ -188,6 +233,37 @@ mod tests {
         ] {
             let said = complaint("thesis", &[centred, symbol]).expect(what);
             assert!(said.contains(what) && said.contains(symbol), "{said}");
+        }
+    }
+
+    #[test]
+    fn floats_in_software_are_named_by_their_routine() {
+        let complaint = |names: &[&str], has_fpu| {
+            let found = check_routines(names, has_fpu).err();
+            found.map(|error| error.to_string())
+        };
+        let other = [
+            "__aeabi_memcpy4",
+            "__aeabi_lmul",
+            "__aeabi_l2f",
+            "_R6offset",
+        ];
+        assert_eq!(complaint(&other, true), None);
+        assert!(complaint(&other, false).is_some());
+        for single in ["__aeabi_fmul", "__aeabi_fcmpge", "__aeabi_ui2f"] {
+            let names = [other[0], single];
+            assert_eq!(complaint(&names, false), None);
+            let said = complaint(&names, true).expect(single);
+            assert!(said.contains("binary32") && said.contains(single), "{said}");
+        }
+        for double in [
+            "__aeabi_dcmplt",
+            "__aeabi_f2d",
+            "__aeabi_l2d",
+            "__aeabi_ddiv",
+        ] {
+            let said = complaint(&["__aeabi_fadd", double], false).expect(double);
+            assert!(said.contains("binary64") && said.contains(double), "{said}");
         }
     }
 
