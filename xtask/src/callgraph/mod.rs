@@ -196,11 +196,13 @@ impl<'a> Image<'a> {
 
     /// Checks that no handler can panic.
     fn check_panics(&self) -> Result<()> {
-        let is_panic = |function: u32| {
+        // Identical functions may be one: then it has the names of all.
+        let is_named = |function: u32, name: &str| {
             let function = self.program.functions.get(&function);
             let mut names = function.into_iter().flat_map(|function| &function.names);
-            names.any(|name| PANICS.iter().any(|panic| name.contains(panic)))
+            names.any(|of_function| of_function.contains(name))
         };
+        let is_panic = |function: u32| PANICS.iter().any(|name| is_named(function, name));
         // Without one, or without a tick, there would be nothing to find.
         ensure!(
             self.graph.bodies.keys().any(|function| is_panic(*function)),
@@ -209,7 +211,7 @@ impl<'a> Image<'a> {
         );
         let tick = self.program.vectors.get(TICK);
         ensure!(
-            tick.is_some_and(|tick| self.program.place(tick & !1) == "SysTick"),
+            tick.is_some_and(|tick| is_named(tick & !1, "SysTick")),
             "the tick is not in the vector table"
         );
         for handler in &self.handlers {
