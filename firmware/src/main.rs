@@ -21,6 +21,8 @@ mod failure;
 #[cfg(target_os = "none")]
 mod inputs;
 #[cfg(target_os = "none")]
+mod memory;
+#[cfg(target_os = "none")]
 mod outputs;
 #[cfg(all(target_os = "none", feature = "provoke"))]
 mod provoke;
