@@ -146,6 +146,10 @@ pub struct StreamArgs {
     /// Seconds without an answer, or without the port, after which the stream gives up
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
     pub patience: f64,
+    /// Acknowledge a latched fault, and bring the machine to where the job starts: one that is not
+    /// homed by homing it, any other by moving its motors there in so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = factor)]
+    pub recover: Option<f64>,
     /// Do not home a machine that is not homed: the stream ends instead
     #[arg(long)]
     pub no_homing: bool,

@@ -102,7 +102,8 @@ class Recovering(unittest.TestCase):
     FAULT = Fault(FaultCode.Overrun(), None, 1.5, 1.0, 7)
 
     def test_a_fault_is_acknowledged_and_the_motors_are_moved_to_the_start(self):
-        says = [status("Fault", self.FAULT), status("Fault", self.FAULT)]
+        # What the tick has not heard of is still there.
+        says = [status("Fault", self.FAULT), status("Cleared", self.FAULT)]
         says += [status(state) for state in ("Cleared", "Recovering", "Recovering", "Idle")]
         machine = Machine(*says)
         recover(machine)
@@ -113,6 +114,11 @@ class Recovering(unittest.TestCase):
 
     def test_a_machine_that_stands_elsewhere_is_moved_to_the_start(self):
         machine = Machine(*[status(state) for state in ("Idle", "Recovering", "Idle")])
+        recover(machine)
+        self.assertEqual(machine.heard, ["Recover"])
+
+    def test_a_machine_that_is_being_stopped_is_waited_for(self):
+        machine = Machine(*[status(state) for state in ("Stopping", "Stopping", "Idle", "Recovering", "Idle")])
         recover(machine)
         self.assertEqual(machine.heard, ["Recover"])
 

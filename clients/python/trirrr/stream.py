@@ -28,6 +28,11 @@ _NOT_YET = {
 }
 
 
+def _is_on_the_way(status: Any) -> bool:
+    """Whether the machine is in a state that passes by itself and is no job's."""
+    return status.state.name in ("Homing", "Recovering", "Stopping")
+
+
 class JobFailed(Exception):
     """The job was not played to its end, and why."""
 
@@ -125,10 +130,11 @@ class Stream:
         """Acknowledges a latched fault, and takes ``seconds`` to move the motors to where they are at
         the start of the job. A machine that is not homed after that is left to be homed. Looks every
         ``pause`` seconds."""
-        status = self.exchange.ask(Command.Status())
+        status = self._wait_while(_is_on_the_way, pause)
         if status.fault is not None:
             self._insist(Command.ClearFault(), pause)
-            status = self._wait_while(("Fault",), pause)
+            # The tick has to hear of it.
+            status = self._wait_while(lambda status: status.fault is not None, pause)
         if status.state.name in ("Idle", "Cleared"):
             ticks = max(1, round(seconds * self.exchange.identity.tick_rate_hz))
             self._insist(Command.Recover(Recovery(to=self._moves[0].from_, ticks=ticks)), pause)
@@ -149,10 +155,10 @@ class Stream:
         while not self._command(command):
             self.exchange.listen(pause)
 
-    def _wait_while(self, states: Sequence[str], pause: float) -> Any:
-        """Looks until the machine is in none of ``states``; the last status."""
+    def _wait_while(self, holds: Callable[[Any], bool], pause: float) -> Any:
+        """Looks until ``holds`` does not hold of the status any more; the last one."""
         status = self.exchange.ask(Command.Status())
-        while status.state.name in states:
+        while holds(status):
             self.exchange.listen(pause)
             status = self.exchange.ask(Command.Status())
         return status
@@ -160,7 +166,7 @@ class Stream:
     def _wait_for_idle(self, what: str, pause: float) -> None:
         """Looks until the machine stands at the end of ``what``. ``JobFailed`` where it does not come
         to it."""
-        status = self._wait_while(("Homing", "Recovering", "Stopping"), pause)
+        status = self._wait_while(_is_on_the_way, pause)
         self._raise_fault(status)
         if status.state.name != "Idle":
             raise JobFailed(f"{what} was given up: {status.acting}")

@@ -6,8 +6,8 @@ use crate::words::Units;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_core::message::{
-    Acting, Command, Event, Hello, Identity, Message, Move, Refusal, Reply, Request, State, Status,
-    Transmit,
+    Acting, Command, Event, Hello, Identity, Message, Move, Recovery, Refusal, Reply, Request,
+    State, Status, Transmit,
 };
 
 /// From one status to the next while nothing else is to be said.
@@ -52,6 +52,10 @@ enum Phase<N: Transmit> {
     Homing,
     /// and then to see it stand at its start.
     Awaiting,
+    /// A fault is latched, from before the job: the next thing is to acknowledge it.
+    Acknowledging,
+    /// The machine may stand anywhere: the next thing is to move it to the start of the job.
+    Recovering,
     /// The next thing is the telemetry rate.
     Preparing,
     /// Moves, start, status.
@@ -82,6 +86,11 @@ pub struct Stream<N: Transmit> {
     stop_asked: bool,
     /// A machine that is not homed is homed.
     homes: bool,
+    /// Before the job the machine is brought to where that starts, in so many seconds; none once it
+    /// is on its way.
+    recovery_s: Option<f64>,
+    /// A fault was acknowledged.
+    acknowledged: bool,
     /// When to look at the status again.
     look: Duration,
     /// Neither moves nor a start before this.
@@ -113,6 +122,8 @@ impl<N: Transmit> Stream<N> {
             asked: VecDeque::new(),
             stop_asked: false,
             homes: true,
+            recovery_s: None,
+            acknowledged: false,
             look: Duration::ZERO,
             pause: Duration::ZERO,
         }
@@ -123,6 +134,16 @@ impl<N: Transmit> Stream<N> {
     pub fn without_homing(self) -> Self {
         Self {
             homes: false,
+            ..self
+        }
+    }
+
+    /// Before the job, acknowledges a fault that is latched and brings the machine to where the job
+    /// starts: by homing one that is not homed, any other by moving its motors there in `seconds`.
+    #[must_use]
+    pub fn with_recovery(self, seconds: f64) -> Self {
+        Self {
+            recovery_s: Some(seconds),
             ..self
         }
     }
@@ -191,6 +212,8 @@ impl<N: Transmit> Stream<N> {
                 | Phase::Surveying
                 | Phase::Homing
                 | Phase::Awaiting
+                | Phase::Acknowledging
+                | Phase::Recovering
                 | Phase::Preparing
         ) {
             self.phase = Phase::Greeting;
@@ -224,6 +247,8 @@ impl<N: Transmit> Stream<N> {
             Phase::Greeting => return Some(Command::Hello(self.hello)),
             Phase::Surveying => return Some(Command::Status),
             Phase::Homing => return Some(Command::Home),
+            Phase::Acknowledging => return Some(Command::ClearFault),
+            Phase::Recovering => return self.recovery(),
             Phase::Preparing => {
                 return Some(Command::Telemetry {
                     every: self.telemetry,
@@ -255,6 +280,17 @@ impl<N: Transmit> Stream<N> {
             }));
         }
         self.is_ready().then_some(Command::Start)
+    }
+
+    /// The way to the start of the job.
+    fn recovery(&self) -> Option<Command<N>> {
+        let (identity, seconds) = (self.identity.as_ref()?, self.recovery_s?);
+        let ticks = (seconds * identity.tick_rate_hz).round().max(1.0);
+        Some(Command::Recover(Recovery {
+            to: self.moves.first()?.from,
+            // Saturates, and is refused then.
+            ticks: ticks as u32,
+        }))
     }
 
     /// Whether the machine stands, with everything judged that it has taken, and has moves to play.
@@ -313,8 +349,21 @@ impl<N: Transmit> Stream<N> {
         let base = *self.base.get_or_insert(status.next);
         let taken = status.next.wrapping_sub(base);
         let standing = matches!(status.state, State::Idle);
-        if let Some(fault) = status.fault {
+        // One that was acknowledged is told of until the tick has heard of it.
+        let latched = !self.acknowledged || status.state == State::Fault;
+        if let Some(fault) = status.fault
+            && latched
+        {
+            if self.phase == Phase::Surveying && self.status.is_none() && self.recovery_s.is_some()
+            {
+                self.phase = Phase::Acknowledging;
+            }
             self.status = Some(status);
+            if self.phase == Phase::Acknowledging {
+                // What the moves are counted from is known afterwards.
+                self.base = None;
+                return;
+            }
             return self.finish(Err(Failure::Fault(fault)));
         }
         if let Some(verdict) = status.refused
@@ -325,7 +374,7 @@ impl<N: Transmit> Stream<N> {
             return self.end(Failure::Inadmissible { index, violation });
         }
         let before = self.status.replace(status);
-        if first && self.offered == 0 && !self.is_homed(&status, before.is_none()) {
+        if first && self.offered == 0 && !self.is_at_start(&status, before.is_none()) {
             return;
         }
         // Ticks only go forwards.
@@ -362,15 +411,25 @@ impl<N: Transmit> Stream<N> {
         }
     }
 
-    /// Whether the machine stands where its job may start, as far as homing goes; else, what is to be
-    /// done about it. `anew`: nothing was known of it before.
-    fn is_homed(&mut self, status: &Status<N>, anew: bool) -> bool {
+    /// Whether the machine stands where its job may start, as far as homing and recovering go; else,
+    /// what is to be done about it. `anew`: nothing was known of it before.
+    fn is_at_start(&mut self, status: &Status<N>, anew: bool) -> bool {
         match status.state {
-            State::Unhomed if self.phase == Phase::Surveying && self.homes => {
+            State::Unhomed
+                if self.homes && (self.phase == Phase::Surveying || self.recovery_s.is_some()) =>
+            {
                 self.phase = Phase::Homing;
             }
+            // But not one that has moves of another job.
+            State::Idle | State::Cleared
+                if self.recovery_s.is_some() && status.next == status.done =>
+            {
+                self.phase = Phase::Recovering;
+            }
             // On its way, for this client unless another one is there.
-            State::Homing | State::Recovering | State::Stopping if !anew => {
+            State::Homing | State::Recovering | State::Stopping
+                if !anew || self.recovery_s.is_some() =>
+            {
                 self.phase = Phase::Awaiting;
             }
             State::Unhomed | State::Cleared if self.phase == Phase::Awaiting => {
@@ -401,6 +460,16 @@ impl<N: Transmit> Stream<N> {
         match command {
             Command::Telemetry { .. } => self.phase = Phase::Streaming,
             Command::Home => {
+                self.recovery_s = None;
+                self.phase = Phase::Awaiting;
+                self.look = now;
+            }
+            Command::ClearFault => {
+                self.acknowledged = true;
+                self.phase = Phase::Surveying;
+            }
+            Command::Recover(_) => {
+                self.recovery_s = None;
                 self.phase = Phase::Awaiting;
                 self.look = now;
             }

@@ -86,8 +86,8 @@ fn stream<N: Transmit>(
     };
     let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1)?;
     let mut session = Session {
-        stream: homing(
-            args.no_homing,
+        stream: to_start(
+            args,
             Stream::new(
                 moves,
                 machine::hello::<N>(scene),
@@ -188,11 +188,15 @@ fn patience(total: Duration) -> Patience {
     }
 }
 
-/// The stream, which homes the machine unless it is told not to.
-fn homing<N: Transmit>(not: bool, stream: Stream<N>) -> Stream<N> {
-    match not {
+/// The stream, which brings the machine to the start of its job as the user wants it.
+fn to_start<N: Transmit>(args: &StreamArgs, stream: Stream<N>) -> Stream<N> {
+    let stream = match args.no_homing {
         true => stream.without_homing(),
         false => stream,
+    };
+    match args.recover {
+        Some(seconds) => stream.with_recovery(seconds),
+        None => stream,
     }
 }
 

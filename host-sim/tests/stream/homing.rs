@@ -86,4 +86,15 @@ fn a_switch_that_is_never_found_is_named_with_its_motor() {
     let fault = "homing: motor 2 has not found its switch or stop within 0.8 rad";
     assert!(message.contains(fault), "{message}");
     device.lines.wait_for(fault);
+
+    // The fault stays, until it is acknowledged; then the machine is homed from where it is.
+    let output = stream(&folder, &device.address, &[]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains(fault), "{message}");
+    let output = stream(&folder, &device.address, &["--recover", "1"]);
+    let summary = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(summary.contains("4 of 4 moves done\n"), "{summary}");
+    assert_eq!(ticks(&folder.path().join("out")), run(&folder));
 }

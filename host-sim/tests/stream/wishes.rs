@@ -1,6 +1,6 @@
 //! What a user asks for while the job runs.
 
-use crate::common::{Device, Streaming, run, scene, ticks};
+use crate::common::{Device, Streaming, run, scene, stream, text, ticks};
 use std::io::Write;
 
 fn say(streaming: &mut Streaming, word: &str) {
@@ -61,6 +61,26 @@ fn a_stop_ends_the_job_on_its_path() {
     streaming.lines.wait_for("stopping (stop)");
     device.lines.wait_for("idle");
     assert_eq!(streaming.process.code(), Some(0));
+}
+
+/// A machine that was stopped stands where no job starts.
+#[test]
+fn a_machine_that_was_stopped_is_brought_back_to_the_start() {
+    let folder = scene("thesis", &[]);
+    let mut device = Device::start(&folder, &[]);
+    let mut streaming = Streaming::start(&folder, &device.address, &["--keys"]);
+    streaming.lines.wait_for("running");
+    say(&mut streaming, "stop");
+    streaming.lines.wait_for("stopping (stop)");
+    device.lines.wait_for("idle");
+    assert_eq!(streaming.process.code(), Some(0));
+
+    let output = stream(&folder, &device.address, &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stdout));
+    let output = stream(&folder, &device.address, &["--recover", "1"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    device.lines.wait_for("recovering");
+    assert_eq!(ticks(&folder.path().join("out")), run(&folder));
 }
 
 #[cfg(unix)]
