@@ -68,10 +68,11 @@ pub fn build(
         homing: Some(&HOMING),
     };
     note(&board);
-    // The error is not formatted: that would bring floats as text into the image.
+    // The reader of the scene lets no start pass in which the machine cannot stand. Nothing is formatted: that
+    // would bring floats as text into the image.
     let Ok((foreground, background)) = channels.split(scene, START, Settings { board, ..SETTINGS })
     else {
-        panic!("the reader of the scene let a start pass in which the machine cannot stand");
+        panic!("the start is out of reach");
     };
     (
         foreground,
