@@ -132,6 +132,7 @@ impl<N: Number> MotorBounds<N> {
 }
 
 /// `model` times `factor`, which is not negative.
+#[inline(never)]
 fn scaled<N: Number>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
     TaylorModel {
         constant: model.constant * factor,
@@ -141,6 +142,7 @@ fn scaled<N: Number>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> 
 }
 
 /// Largest size on a ramp up or down.
+#[inline(never)]
 fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float<N> {
     greater((steady + ramp).magnitude(), (steady - ramp).magnitude())
 }

@@ -6,7 +6,7 @@ use super::taylor::{Float, TaylorModel};
 use crate::inverse::{LegMotion, LegPosition, Rotation};
 use crate::limits::Limits;
 use crate::linkage::rrr::{Accelerations, Rates};
-use crate::machine::{BuildError, Parameters};
+use crate::machine::{BuildError, Leg, Parameters};
 use crate::message::Bounded;
 use crate::number::{Apex, Number, dot};
 use crate::setpoint::{Segment, Setpoint};
@@ -130,13 +130,11 @@ where
         &self,
         setpoint: &Setpoint<Model<N>>,
         rotation: &Rotation<Model<N>>,
-        legs: &mut [LegMotion<Model<N>>; 3],
+        motions: &mut [LegMotion<Model<N>>; 3],
     ) -> Result<(), Status> {
-        for (index, motion) in legs.iter_mut().enumerate() {
-            let leg = &self.tick.geometry().legs[index];
-            motion.position = leg.position(index, setpoint.pose.position, rotation)?;
-            motion.rates = leg.rates(&motion.position, &setpoint.velocity);
-            motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
+        let legs = &self.tick.geometry().legs;
+        for (index, (leg, motion)) in legs.iter().zip(motions).enumerate() {
+            solve(index, leg, setpoint, rotation, motion)?;
         }
         Ok(())
     }
@@ -298,4 +296,19 @@ fn unsolved<N: Number>() -> LegMotion<Model<N>> {
             distal: Model::ZERO,
         },
     }
+}
+
+/// The motion of leg `index`.
+#[inline(never)]
+fn solve<N: Number>(
+    index: usize,
+    leg: &Leg<Model<N>>,
+    setpoint: &Setpoint<Model<N>>,
+    rotation: &Rotation<Model<N>>,
+    motion: &mut LegMotion<Model<N>>,
+) -> Result<(), Status> {
+    motion.position = leg.position(index, setpoint.pose.position, rotation)?;
+    motion.rates = leg.rates(&motion.position, &setpoint.velocity);
+    motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
+    Ok(())
 }

@@ -58,7 +58,7 @@ impl<N: Number> Pose<N> {
     }
 
     /// `self` moved by (dx, dy, dalpha).
-    #[inline(always)]
+    #[inline]
     pub(crate) fn displaced(&self, by: Vector3<N>) -> Self {
         Self {
             position: self.position + by.xy(),

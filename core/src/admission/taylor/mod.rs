@@ -80,13 +80,13 @@ impl<N: Number> TaylorModel<N> {
     }
 
     /// Largest size.
-    #[inline(always)]
+    #[inline(never)]
     pub fn magnitude(self) -> Float<N> {
         self.constant.abs() + self.radius()
     }
 
     /// Least size; negative where the quantity may change its sign.
-    #[inline(always)]
+    #[inline(never)]
     pub fn least_magnitude(self) -> Float<N> {
         self.constant.abs() - self.radius()
     }
