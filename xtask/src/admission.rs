@@ -1,4 +1,6 @@
 //! `cargo xtask admission`: what it costs a board to judge a move, from QEMU.
+//!
+//! It is counted as it is compiled in the firmware, for size.
 
 use crate::budget::{Measured, Options};
 use crate::cores::{self, Core};
@@ -13,6 +15,9 @@ use trirrr_scene::Scene;
 /// The core that admission is counted on, and the number type.
 const CORE: &str = "m4f";
 const SCALAR: &str = "f32";
+
+/// The image's own code as that of the station.
+const FOR_SIZE: &str = r#"profile.device.package.trirrr-insns.opt-level="z""#;
 
 /// Figures of one scene's moves, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,7 +75,11 @@ fn measure(file: &SceneFile, core: &Core) -> Result<[Row; 2]> {
         scalar: SCALAR,
         target: core.target,
     };
-    let printed = qemu::run(core, &image.build()?)?;
+    // As in the firmware, whose background is compiled for size: `[profile.device]`.
+    let built = image.build_as("", |cargo| {
+        cargo.args(["--config", FOR_SIZE]);
+    })?;
+    let printed = qemu::run(core, &built)?;
     let moves = parse(&printed, core.units_per_instruction).with_context(|| file.name.clone())?;
     let count = Scene::read(&file.path)?.job.moves.len();
     ensure!(
