@@ -1,8 +1,8 @@
 //! Copying and clearing memory, as the compiler calls it (run-time ABI for the Arm architecture, 4.3.4).
 //!
-//! What the compiler brings is unrolled for speed and has a function for each alignment: 1.4 KB. Only
-//! what runs below the tick calls it, so here is what does the same in 0.1 KB, a word at a time where
-//! all is aligned, and else byte by byte.
+//! What the compiler brings is unrolled for speed and has a function for each alignment, which is more
+//! than a KiB of flash. Only what runs below the tick calls it, so here is the least that does the same: a
+//! word at a time where all is aligned, and else byte by byte.
 
 #![allow(unsafe_code)]
 
