@@ -1,10 +1,12 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
 use crate::cores::CORES;
+use crate::programs::Programs;
 use crate::repository::{cargo, root, target_directory};
 use crate::rp2040;
 use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, bail};
+use std::iter;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -96,8 +98,9 @@ fn steps() -> Vec<Step> {
     for (package, target) in DEVICE_PACKAGES {
         steps.push(lints(&format!("lints of {package}"), package, target));
     }
+    // In the profile of the image, which then finds the build script's crates compiled.
     let mut second = rp2040::on_package("clippy");
-    second.args(["--", "-Dwarnings"]);
+    second.args(["--profile", "device", "--", "-Dwarnings"]);
     steps.push(Step {
         name: "lints of the firmware for the RP2040".into(),
         command: second,
@@ -127,11 +130,19 @@ fn steps() -> Vec<Step> {
     ));
     // Builds the firmware too, for both boards, and checks that it can boot.
     steps.push(step("sizes", &["xtask", "size", "--check"]));
-    let simulator = |name, arguments: &[&str], out: &str| {
-        let mut step = step(name, &["run", "--quiet", "--release", "--"]);
-        step.command.args(arguments).arg("--out");
-        step.command.arg(target_directory().join("ci").join(out));
-        step
+    // All that are needed at once, as the steps below need them: `cargo run` would compile them another time.
+    steps.push(Step {
+        name: "the host programs".into(),
+        command: Programs::builder(),
+    });
+    let simulator = |name: &str, arguments: &[&str], out: &str| {
+        let mut command = Command::new(Programs::built().host_sim);
+        command.current_dir(root()).args(arguments).arg("--out");
+        command.arg(target_directory().join("ci").join(out));
+        Step {
+            name: name.into(),
+            command,
+        }
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     steps.push(simulator("a scene run", &run, "thesis"));
@@ -178,11 +189,15 @@ fn step(name: &str, arguments: &[&str]) -> Step {
 
 /// The command as one would type it in the root.
 fn line(command: &Command) -> String {
-    let arguments: Vec<_> = command
-        .get_args()
+    // Cargo is called by its path.
+    let program = Path::new(command.get_program())
+        .file_name()
+        .unwrap_or_default();
+    let words: Vec<_> = iter::once(program)
+        .chain(command.get_args())
         .map(|word| word.to_string_lossy())
         .collect();
-    format!("cargo {} (in {})", arguments.join(" "), root().display())
+    format!("{} (in {})", words.join(" "), root().display())
 }
 
 fn seconds(time: Duration) -> String {

@@ -3,6 +3,7 @@
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
+use std::process::Command;
 
 /// Host programs, built.
 pub(crate) struct Programs {
@@ -14,16 +15,29 @@ impl Programs {
     /// Builds them in one go: one by one, they ask for different features of what they share, which
     /// would be compiled twice.
     pub(crate) fn build() -> Result<Self> {
-        let status = cargo()
-            .args(["build", "--quiet", "--release"])
-            .args(["-p", "trirrr-host-sim", "-p", "trirrr-board-tests"])
-            .status()
-            .context("cargo cannot be run")?;
+        let status = Self::builder().status().context("cargo cannot be run")?;
         ensure!(status.success(), "the host programs do not build");
+        Ok(Self::built())
+    }
+
+    /// Cargo, to build them.
+    pub(crate) fn builder() -> Command {
+        let mut cargo = cargo();
+        cargo.args(["build", "--quiet", "--release"]).args([
+            "-p",
+            "trirrr-host-sim",
+            "-p",
+            "trirrr-board-tests",
+        ]);
+        cargo
+    }
+
+    /// Where they are once they are built.
+    pub(crate) fn built() -> Self {
         let release = target_directory().join("release");
-        Ok(Self {
+        Self {
             host_sim: release.join("host-sim"),
             board_test: release.join("board-test"),
-        })
+        }
     }
 }
