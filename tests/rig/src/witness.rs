@@ -241,10 +241,8 @@ impl<N: Transmit> Witness<N> {
         level: u32,
         slope: i64,
     ) -> Setpoint<N> {
-        let on_path = match sample.part {
-            0 => segment.at(sample.at),
-            part => segment.between(sample.at, N::fraction(part, &self.ramp_counts[1])),
-        };
+        let part = N::fraction(sample.part, &self.ramp_counts[1]);
+        let on_path = segment.between(sample.at, part);
         if sample.part == 0 && level == self.ramp && slope == 0 {
             return on_path;
         }
