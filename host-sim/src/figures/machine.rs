@@ -1,12 +1,12 @@
 //! The machine drawn to scale at several instants, with the path of the tool.
 
-use plotters::prelude::{RGBColor, WHITE};
+use trirrr_figures::style::{RGBColor, WHITE};
 
-use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
-use super::panel::{axis_title, range};
-use super::scale::{Axis, Margin, seconds};
-use super::style::{BLUE, FRAME, GREEN, GRID, INK, PURPLE, VERMILLION, faded};
 use crate::record::Record;
+use trirrr_figures::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use trirrr_figures::panel::{axis_title, range};
+use trirrr_figures::scale::{Axis, Margin, seconds};
+use trirrr_figures::style::{BLUE, FRAME, GREEN, GRID, INK, PURPLE, VERMILLION, faded};
 
 const LEFT: f64 = 72.0;
 const TOP: f64 = 56.0;

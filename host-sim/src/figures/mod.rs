@@ -1,15 +1,9 @@
 //! Figures of a run as SVG: the thesis's figures 5.1 to 5.4 against time, and the machine drawn
 //! to scale with the path of its tool.
 
-pub(crate) mod canvas;
 mod catalogue;
-mod decimate;
-pub(crate) mod loglog;
 mod machine;
-pub(crate) mod panel;
 mod plant;
-pub(crate) mod scale;
-pub(crate) mod style;
 mod traces;
 
 pub use plant::PlantTraces;
@@ -30,7 +24,7 @@ pub fn write_all(
     mut traces: Traces,
 ) -> Result<Vec<PathBuf>, FigureError> {
     let mut written = Vec::new();
-    let mut save = |file: &str, drawn: canvas::Drawn| {
+    let mut save = |file: &str, drawn: trirrr_figures::canvas::Drawn| {
         let path = folder.join(file);
         drawn
             .map_err(|error| io::Error::other(error.to_string()))
@@ -43,7 +37,10 @@ pub fn write_all(
         Ok(())
     };
     for (file, title, panels) in traces.panels() {
-        save(file, panel::draw(&format!("{heading}: {title}"), &panels))?;
+        save(
+            file,
+            trirrr_figures::panel::draw(&format!("{heading}: {title}"), &panels),
+        )?;
     }
     let title = format!("{heading}: the machine and its path");
     save("machine.svg", machine::draw(&title, &traces.scenery()))?;

@@ -1,10 +1,10 @@
 //! What the figures need of a run, gathered tick by tick in bounded memory.
 
 use super::catalogue::{FIGURES, Source, sources};
-use super::decimate::Decimator;
 use super::machine::Scenery;
-use super::panel::{Curve, Panel};
 use crate::record::Record;
+use trirrr_figures::decimate::Decimator;
+use trirrr_figures::panel::{Curve, Panel};
 
 /// The machine is drawn at its start, its end and each of these fractions of the job.
 const INSTANTS: [(u64, u64); 3] = [(1, 4), (1, 2), (3, 4)];

@@ -6,10 +6,10 @@
 
 use super::table::Table;
 use crate::failure::Failure;
-use crate::figures::canvas::Drawn;
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
+use trirrr_figures::canvas::Drawn;
 
 /// The report in one folder.
 pub(crate) struct Page<'a> {

@@ -3,10 +3,10 @@
 use super::super::description::{FRAME, JointKind, Linkage};
 use super::super::solve::Position;
 use super::super::track::Track;
-use crate::figures::canvas::Drawn;
-use crate::figures::panel::{Curve, Panel, draw_over};
-use crate::figures::scale::{Axis, Margin};
-use crate::figures::style::CURVES;
+use trirrr_figures::canvas::Drawn;
+use trirrr_figures::panel::{Curve, Panel, draw_over};
+use trirrr_figures::scale::{Axis, Margin};
+use trirrr_figures::style::CURVES;
 
 /// The axis below: the first drive where it runs evenly, otherwise time.
 struct Input {

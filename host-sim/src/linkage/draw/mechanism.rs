@@ -4,11 +4,11 @@ use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
 use super::super::solve::Position;
 use super::super::state::unit;
 use super::super::track::Track;
-use super::view::View;
 use super::{GROUND, colour, inputs, joint_points};
-use crate::figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
-use crate::figures::style::{FRAME as GREY, INK, faded};
-use plotters::prelude::{RGBColor, WHITE};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::plane::View;
+use trirrr_figures::style::{FRAME as GREY, INK, faded};
+use trirrr_figures::style::{RGBColor, WHITE};
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;

@@ -4,13 +4,12 @@
 mod curves;
 mod mechanism;
 mod polygon;
-mod view;
 
 use super::description::{FRAME, Linkage, PointRef};
 use super::track::Track;
-use crate::figures::canvas::Drawn;
-use crate::figures::style::CURVES;
-use plotters::prelude::RGBColor;
+use trirrr_figures::canvas::Drawn;
+use trirrr_figures::style::CURVES;
+use trirrr_figures::style::RGBColor;
 
 /// The frame and what is fixed to it.
 const GROUND: RGBColor = RGBColor(80, 80, 80);

@@ -8,12 +8,12 @@
 use super::super::description::{FRAME, Joint, Linkage, PointRef};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::view::View;
 use super::{colour, inputs, joint_points};
-use crate::figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
-use crate::figures::style::{INK, faded};
 use nalgebra::Vector2;
-use plotters::prelude::{RGBColor, WHITE};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::plane::View;
+use trirrr_figures::style::{INK, faded};
+use trirrr_figures::style::{RGBColor, WHITE};
 
 const LEFT: f64 = 88.0;
 const TOP: f64 = 84.0;

@@ -10,11 +10,11 @@ use super::page::Page;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
 use crate::failure::Failure;
-use crate::figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
 use crate::scalar::Scalar;
 use counts::{CORES, Count};
 use error::{Errors, SceneErrors, Stage};
 use trirrr_core::number::{Coarse, Fixed, Number};
+use trirrr_figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
 use trirrr_scene::Scene;
 
 /// The scenes whose ticks are counted and timed: massless links, and links with masses.
@@ -344,7 +344,7 @@ fn on_cores(
     counts: &[Count],
     scene: &str,
     title: &str,
-) -> crate::figures::canvas::Drawn {
+) -> trirrr_figures::canvas::Drawn {
     let series = cloud(measured, counts, scene, |each| {
         let errors = each.of_scene(scenes, scene)?;
         errors.stages.last().map(|errors| errors.worst_relative)
@@ -363,7 +363,7 @@ fn tool_on_cores(
     scenes: &[Scene],
     measured: &[Measured],
     counts: &[Count],
-) -> crate::figures::canvas::Drawn {
+) -> trirrr_figures::canvas::Drawn {
     let series = cloud(measured, counts, TIMED[0], |each| {
         let errors = each.of_scene(scenes, TIMED[0])?;
         Some(errors.tool[0].worst * 1e6)
@@ -378,7 +378,7 @@ fn tool_on_cores(
     })
 }
 
-fn on_host(scenes: &[Scene], measured: &[Measured]) -> crate::figures::canvas::Drawn {
+fn on_host(scenes: &[Scene], measured: &[Measured]) -> trirrr_figures::canvas::Drawn {
     let series: Vec<Series> = measured
         .iter()
         .map(|each| {

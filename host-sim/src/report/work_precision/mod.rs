@@ -12,10 +12,10 @@ mod trial;
 use super::page::Page;
 use super::table::{Table, two_digits};
 use crate::failure::Failure;
-use crate::figures::loglog::{LogLog, Point, Series, draw};
 use cases::{CASES, Case};
 use trial::FOLLOWED;
 pub use trial::{COMPARED_S, Trial};
+use trirrr_figures::loglog::{LogLog, Point, Series, draw};
 use trirrr_integrate as integrate;
 use trirrr_scene::{Method, Scene};
 

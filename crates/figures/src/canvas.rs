@@ -13,29 +13,32 @@ use plotters::style::{Color, FontStyle, TextStyle};
 /// own has curves without steps.
 const SUBPIXELS: f64 = 8.0;
 
-/// Drawing into memory fails only where plotters itself does.
-pub(crate) type Draw = Result<(), Box<dyn std::error::Error + Send + Sync>>;
+/// Result of one drawing step. Drawing into memory fails only if plotters itself fails.
+pub type Draw = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 
-/// What drawing a figure gives: the SVG document.
-pub(crate) type Drawn = Result<String, Box<dyn std::error::Error + Send + Sync>>;
+/// Result of drawing a figure: the SVG document.
+pub type Drawn = Result<String, Box<dyn std::error::Error + Send + Sync>>;
 
-/// Where a text hangs on its point, across and down.
-pub(crate) type Anchor = (HPos, VPos);
+/// Place of a text relative to its point, across and down.
+pub type Anchor = (HPos, VPos);
 
 /// Text over the middle of its point.
-pub(crate) const CENTRED: Anchor = (HPos::Center, VPos::Center);
+pub const CENTRED: Anchor = (HPos::Center, VPos::Center);
 /// Text to the right of its point.
-pub(crate) const RIGHT_OF: Anchor = (HPos::Left, VPos::Center);
+pub const RIGHT_OF: Anchor = (HPos::Left, VPos::Center);
 /// Text to the left of its point.
-pub(crate) const LEFT_OF: Anchor = (HPos::Right, VPos::Center);
+pub const LEFT_OF: Anchor = (HPos::Right, VPos::Center);
 /// Text below its point.
-pub(crate) const BELOW: Anchor = (HPos::Center, VPos::Top);
+pub const BELOW: Anchor = (HPos::Center, VPos::Top);
 
 /// Size of a text in logical pixels.
 #[derive(Clone, Copy)]
-pub(crate) enum Size {
+pub enum Size {
+    /// Bold title of a figure.
     Title,
+    /// Axis title or legend entry.
     Label,
+    /// Value beside a tick.
     Tick,
 }
 
@@ -48,19 +51,19 @@ impl Size {
         }
     }
 
-    /// A generous width of `text`: the viewer's font is not known here.
-    pub(crate) fn width(self, text: &str) -> f64 {
+    /// Upper estimate of the width of `text` in logical pixels; the viewer chooses the font.
+    pub fn width(self, text: &str) -> f64 {
         0.6 * self.pixels() * text.chars().count() as f64
     }
 }
 
 /// One figure while it is drawn. Positions are logical pixels from the upper left corner.
-pub(crate) struct Canvas<'a> {
+pub struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
 /// Draws a figure of `width` x `height` logical pixels with `draw`.
-pub(crate) fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Draw) -> Drawn {
+pub fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Draw) -> Drawn {
     let size = ((width * SUBPIXELS) as u32, (height * SUBPIXELS) as u32);
     let mut svg = String::new();
     {
@@ -81,7 +84,7 @@ pub(crate) fn page(width: f64, height: f64, draw: impl FnOnce(&Canvas<'_>) -> Dr
 
 impl Canvas<'_> {
     /// A line through `points`; a single point becomes a dot.
-    pub(crate) fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
+    pub fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
         match points {
             [] => Ok(()),
             [point] => self.dot(*point, 1.5 * width, colour),
@@ -95,7 +98,7 @@ impl Canvas<'_> {
     }
 
     /// A dashed straight line.
-    pub(crate) fn dashed(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Draw {
+    pub fn dashed(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Draw {
         const PERIOD: f64 = 9.0;
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let dashes = (dx.hypot(dy) / PERIOD).max(1.0);
@@ -108,13 +111,13 @@ impl Canvas<'_> {
     }
 
     /// A filled polygon.
-    pub(crate) fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Draw {
+    pub fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Draw {
         let corners: Vec<_> = corners.iter().copied().map(subpixel).collect();
         Ok(self.area.draw(&Polygon::new(corners, colour.filled()))?)
     }
 
     /// A filled disc.
-    pub(crate) fn dot(&self, centre: (f64, f64), radius: f64, colour: RGBColor) -> Draw {
+    pub fn dot(&self, centre: (f64, f64), radius: f64, colour: RGBColor) -> Draw {
         let radius = (radius * SUBPIXELS).round() as i32;
         Ok(self
             .area
@@ -122,13 +125,13 @@ impl Canvas<'_> {
     }
 
     /// A revolute joint: a white disc with a rim.
-    pub(crate) fn joint(&self, centre: (f64, f64), radius: f64, rim: RGBColor) -> Draw {
+    pub fn joint(&self, centre: (f64, f64), radius: f64, rim: RGBColor) -> Draw {
         self.dot(centre, radius, rim)?;
         self.dot(centre, radius - 1.4, WHITE)
     }
 
     /// A horizontal text; titles are bold.
-    pub(crate) fn text(
+    pub fn text(
         &self,
         text: &str,
         at: (f64, f64),
@@ -140,7 +143,7 @@ impl Canvas<'_> {
     }
 
     /// A text that reads upwards, centred on its point.
-    pub(crate) fn upright(&self, text: &str, at: (f64, f64), size: Size, colour: RGBColor) -> Draw {
+    pub fn upright(&self, text: &str, at: (f64, f64), size: Size, colour: RGBColor) -> Draw {
         self.styled(text, at, size, CENTRED, colour, FontTransform::Rotate270)
     }
 

@@ -6,44 +6,49 @@ use super::style::{CURVES, FRAME, GRID, INK};
 use plotters::prelude::RGBColor;
 
 /// One curve or cloud of points in one colour.
-pub(crate) struct Series {
-    /// What the legend says.
-    pub(crate) label: String,
-    /// Whether the points are joined, in their order.
-    pub(crate) joined: bool,
-    /// The points. What is not positive and finite has no place on the axes and is left out.
-    pub(crate) points: Vec<Point>,
+pub struct Series {
+    /// Legend entry.
+    pub label: String,
+    /// `true` joins the points by lines, in their order.
+    pub joined: bool,
+    /// The points. Those with a coordinate that is not positive and finite are left out.
+    pub points: Vec<Point>,
 }
 
 /// One point.
-pub(crate) struct Point {
-    pub(crate) x: f64,
-    pub(crate) y: f64,
-    /// Its shape: one of the figure's marks, by index.
-    pub(crate) mark: usize,
+pub struct Point {
+    /// Value on the horizontal axis.
+    pub x: f64,
+    /// Value on the vertical axis.
+    pub y: f64,
+    /// Shape: index among the marks of the figure.
+    pub mark: usize,
 }
 
 /// A staircase between points that none beats in both coordinates.
-pub(crate) struct Front {
-    /// What the legend says; nothing if empty.
-    pub(crate) label: String,
-    /// Whether it is drawn in ink, or in grey.
-    pub(crate) strong: bool,
+pub struct Front {
+    /// Legend entry; none if empty.
+    pub label: String,
+    /// `true` draws the front in ink, `false` in grey.
+    pub strong: bool,
     /// Its corners, from left to right.
-    pub(crate) points: Vec<(f64, f64)>,
+    pub points: Vec<(f64, f64)>,
 }
 
 /// A figure.
-pub(crate) struct LogLog<'a> {
-    pub(crate) title: &'a str,
-    /// What the axes show, with units: `instructions per tick`, `error (m)`.
-    pub(crate) x: &'a str,
-    pub(crate) y: &'a str,
-    pub(crate) series: &'a [Series],
-    /// What the shapes of the points stand for, in order; empty where there is but one.
-    pub(crate) marks: &'a [&'a str],
+pub struct LogLog<'a> {
+    /// Title of the figure.
+    pub title: &'a str,
+    /// Title of the horizontal axis, with the unit: `instructions per tick`.
+    pub x: &'a str,
+    /// Title of the vertical axis, with the unit: `error (m)`.
+    pub y: &'a str,
+    /// Clouds and curves, each in one colour.
+    pub series: &'a [Series],
+    /// Meanings of the shapes of the points, in order; empty if there is one shape.
+    pub marks: &'a [&'a str],
     /// Pareto fronts, drawn dashed behind the points.
-    pub(crate) fronts: &'a [Front],
+    pub fronts: &'a [Front],
 }
 
 const WIDTH: f64 = 900.0;
@@ -53,7 +58,7 @@ const BOTTOM: f64 = 64.0;
 const LEFT: f64 = 84.0;
 
 /// The points of `points` that no other one beats in both coordinates, from left to right.
-pub(crate) fn pareto_front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+pub fn pareto_front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut points: Vec<_> = points.filter(|&(x, y)| is_drawn(x, y)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut front: Vec<(f64, f64)> = Vec::new();
@@ -70,7 +75,7 @@ fn is_drawn(x: f64, y: f64) -> bool {
 }
 
 /// Draws the figure.
-pub(crate) fn draw(figure: &LogLog<'_>) -> Drawn {
+pub fn draw(figure: &LogLog<'_>) -> Drawn {
     let labels = figure.series.iter().map(|series| series.label.as_str());
     let widest = labels
         .chain(figure.marks.iter().copied())

@@ -5,23 +5,25 @@ use super::scale::{Axis, Margin};
 use super::style::{CURVES, FRAME, GRID, INK};
 use std::borrow::Cow;
 
-/// One curve: what its legend says and its points (t in s or what the axis shows, value in
-/// the panel's unit).
-pub(crate) struct Curve {
-    pub(crate) label: Cow<'static, str>,
-    pub(crate) points: Vec<(f64, f64)>,
+/// One curve of a panel.
+pub struct Curve {
+    /// Legend entry.
+    pub label: Cow<'static, str>,
+    /// Points: the quantity of the horizontal axis (time in s, unless the figure has another)
+    /// and the value in the panel's unit.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// One panel: curves of one unit.
-pub(crate) struct Panel {
-    /// What the vertical axis shows, such as `motor torque`.
-    pub(crate) quantity: &'static str,
+pub struct Panel {
+    /// Quantity of the vertical axis, such as `motor torque`.
+    pub quantity: &'static str,
     /// SI unit of the points; empty if they have none.
-    pub(crate) unit: &'static str,
-    /// Whether zero is shown whatever the values.
-    pub(crate) from_zero: bool,
+    pub unit: &'static str,
+    /// `true` includes zero in the vertical axis, regardless of the values.
+    pub from_zero: bool,
     /// At most as many as there are colours.
-    pub(crate) curves: Vec<Curve>,
+    pub curves: Vec<Curve>,
 }
 
 const WIDTH: f64 = 900.0;
@@ -30,12 +32,12 @@ const BOTTOM: f64 = 58.0;
 const GAP: f64 = 26.0;
 
 /// Draws panels over time under one title. Panels without points are empty frames.
-pub(crate) fn draw(title: &str, panels: &[Panel]) -> Drawn {
+pub fn draw(title: &str, panels: &[Panel]) -> Drawn {
     draw_over(title, "time", &time_axis(panels), panels)
 }
 
 /// Draws panels under one title over the axis of `quantity`.
-pub(crate) fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> Drawn {
+pub fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> Drawn {
     let height = if panels.len() == 1 { 360.0 } else { 230.0 };
     let axes: Vec<Axis> = panels
         .iter()
@@ -99,8 +101,8 @@ fn time_axis(panels: &[Panel]) -> Axis {
     Axis::time(start, end)
 }
 
-/// Least and greatest; (0, 0) of nothing.
-pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+/// Least and greatest of `values`; (0, 0) if there are none.
+pub fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values
         .fold(None, |range, value| match range {
             None => Some((value, value)),
@@ -109,8 +111,8 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         .unwrap_or((0.0, 0.0))
 }
 
-/// `quantity (unit)`.
-pub(crate) fn axis_title(quantity: &str, unit: &str) -> String {
+/// Formats an axis title, `quantity (unit)`.
+pub fn axis_title(quantity: &str, unit: &str) -> String {
     if unit.is_empty() {
         quantity.into()
     } else {

@@ -1,32 +1,31 @@
-//! A map from a plane to logical pixels, the same scale both ways, with its grid.
+//! Window on a plane, with the same scale in both directions and a grid.
 
-use crate::figures::canvas::{BELOW, Canvas, Draw, LEFT_OF, Size};
-use crate::figures::panel::{axis_title, range};
-use crate::figures::scale::{Axis, Margin};
-use crate::figures::style::{FRAME, GRID, INK};
+use crate::canvas::{BELOW, Canvas, Draw, LEFT_OF, Size};
+use crate::panel::{axis_title, range};
+use crate::scale::{Axis, Margin};
+use crate::style::{FRAME, GRID, INK};
 
 /// Distance of the grid's lines, about, in logical pixels.
 const INTERVAL: f64 = 80.0;
 
-/// A window on the plane.
-pub(super) struct View {
+/// Maps points of a plane to logical pixels.
+pub struct View {
     x: Axis,
     y: Axis,
     left: f64,
     top: f64,
-    pub(super) width: f64,
-    pub(super) height: f64,
+    /// Width in logical pixels.
+    pub width: f64,
+    /// Height in logical pixels.
+    pub height: f64,
 }
 
 impl View {
-    /// A window on `points`, in `unit`, with its upper left corner at `left`, `top`; it fits into
-    /// a square of `side` and is at least a third of it wide and high.
-    pub(super) fn around(
-        points: &[[f64; 2]],
-        unit: &str,
-        (left, top): (f64, f64),
-        side: f64,
-    ) -> Self {
+    /// Returns a window that shows all `points`, given in `unit`.
+    ///
+    /// `(left, top)` is the upper left corner in logical pixels. The window fits into a square of
+    /// `side` pixels, and is at least a third of `side` wide and high.
+    pub fn around(points: &[[f64; 2]], unit: &str, (left, top): (f64, f64), side: f64) -> Self {
         let (x_low, x_high) = range(points.iter().map(|p| p[0]));
         let (y_low, y_high) = range(points.iter().map(|p| p[1]));
         let span = f64::max(x_high - x_low, y_high - y_low);
@@ -50,21 +49,24 @@ impl View {
         }
     }
 
-    /// Where a point is on the page.
-    pub(super) fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+    /// Returns the place of a point on the page.
+    pub fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         (
             self.left + self.x.fraction(x) * self.width,
             self.top + (1.0 - self.y.fraction(y)) * self.height,
         )
     }
 
-    /// Its upper left corner.
-    pub(super) fn corner(&self) -> (f64, f64) {
+    /// Returns the upper left corner.
+    pub fn corner(&self) -> (f64, f64) {
         (self.left, self.top)
     }
 
-    /// Grid, frame, ticks and the axes' titles.
-    pub(super) fn grid(&self, canvas: &Canvas<'_>, titles: [&str; 2]) -> Draw {
+    /// Draws grid, frame, ticks and the titles of the axes.
+    ///
+    /// # Errors
+    /// Failures of plotters.
+    pub fn grid(&self, canvas: &Canvas<'_>, titles: [&str; 2]) -> Draw {
         let (left, top) = (self.left, self.top);
         let (right, bottom) = (left + self.width, top + self.height);
         for (value, label) in &self.x.ticks {

@@ -9,7 +9,7 @@ const STRETCHES: u64 = 1000;
 /// Up to 2000 points are kept as they are; beyond, first, last, least and greatest of each
 /// stretch of equal length.
 #[derive(Clone, Debug)]
-pub(super) struct Decimator<const K: usize> {
+pub struct Decimator<const K: usize> {
     /// Ticks per stretch.
     stretch: u64,
     kept: Vec<(f64, [f64; K])>,
@@ -19,7 +19,7 @@ pub(super) struct Decimator<const K: usize> {
 
 impl<const K: usize> Decimator<K> {
     /// A decimator for a series of about `expected` points.
-    pub(super) fn new(expected: u64) -> Self {
+    pub fn new(expected: u64) -> Self {
         let stretch = if expected <= 2 * STRETCHES {
             1
         } else {
@@ -34,7 +34,7 @@ impl<const K: usize> Decimator<K> {
     }
 
     /// Adds the next point.
-    pub(super) fn push(&mut self, key: f64, values: [f64; K]) {
+    pub fn push(&mut self, key: f64, values: [f64; K]) {
         // `open` holds first, (least, greatest) of each value, last.
         if self.open.is_empty() {
             self.open = vec![(key, values); 2 + 2 * K];
@@ -61,7 +61,7 @@ impl<const K: usize> Decimator<K> {
     }
 
     /// The points kept, in order of their keys.
-    pub(super) fn finish(mut self) -> Vec<(f64, [f64; K])> {
+    pub fn finish(mut self) -> Vec<(f64, [f64; K])> {
         self.close();
         self.kept
     }

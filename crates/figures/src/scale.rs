@@ -1,22 +1,21 @@
 //! Axes: round ticks that carry no float noise, and engineering prefixes.
 
-use crate::record::number;
-
 /// One axis of a figure: its range, its ticks and the unit that they are counted in.
 #[derive(Clone, Debug)]
-pub(crate) struct Axis {
-    /// The range shown, in the data's own unit.
-    pub(crate) low: f64,
-    pub(crate) high: f64,
-    /// Where the ticks stand, in the data's own unit, and what is written there.
-    pub(crate) ticks: Vec<(f64, String)>,
-    /// The unit that the ticks are counted in, such as `mN m`.
-    pub(crate) unit: String,
+pub struct Axis {
+    /// Low end of the range shown, in the unit of the data.
+    pub low: f64,
+    /// High end of the range shown, in the unit of the data.
+    pub high: f64,
+    /// Ticks: position in the unit of the data, and label.
+    pub ticks: Vec<(f64, String)>,
+    /// Unit of the tick labels, such as `mN m`.
+    pub unit: String,
 }
 
-/// How an axis treats the ends of the data's range.
+/// Extent of an axis beyond the range of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Margin {
+pub enum Margin {
     /// The range is shown as it is.
     Exact,
     /// A twentieth of the range is added at both ends.
@@ -28,7 +27,7 @@ const NOISE: f64 = 1e-12;
 
 impl Axis {
     /// An axis over `low..=high` (finite, in `unit`) with about `intervals` ticks.
-    pub(crate) fn new(low: f64, high: f64, unit: &str, margin: Margin, intervals: f64) -> Self {
+    pub fn new(low: f64, high: f64, unit: &str, margin: Margin, intervals: f64) -> Self {
         let exponent = engineering_exponent(low.abs().max(high.abs()));
         Self::scaled(
             low,
@@ -41,7 +40,7 @@ impl Axis {
     }
 
     /// A time axis over `0..=end` seconds, in minutes or hours where seconds would be unwieldy.
-    pub(crate) fn time(start: f64, end: f64) -> Self {
+    pub fn time(start: f64, end: f64) -> Self {
         let (factor, unit) = match end {
             _ if end >= 7200.0 => (3600.0, "h"),
             _ if end >= 600.0 => (60.0, "min"),
@@ -82,8 +81,8 @@ impl Axis {
         }
     }
 
-    /// Where `value` lies on the axis: 0 at its low end, 1 at its high end.
-    pub(crate) fn fraction(&self, value: f64) -> f64 {
+    /// Relative position of `value` on the axis: 0 at the low end, 1 at the high end.
+    pub fn fraction(&self, value: f64) -> f64 {
         // Halved: the span of a range as wide as the format would overflow.
         let fraction = (value / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0);
         // A tick at the very end may be a rounding outside.
@@ -197,15 +196,17 @@ fn superscript(digit: char) -> char {
     }
 }
 
-/// A time in few digits.
-pub(crate) fn seconds(t: f64) -> String {
+/// Formats a time, given in s, with few digits.
+pub fn seconds(t: f64) -> String {
     if t == 0.0 {
         return "0 s".into();
     }
     let decimals = (3 - t.abs().log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{t:.decimals$}");
     // Through the number again, which drops trailing zeros.
-    let text = text.parse().map_or(text, number);
+    let text = text
+        .parse::<f64>()
+        .map_or(text, |value| format!("{value:?}"));
     format!("{} s", text.strip_suffix(".0").unwrap_or(&text))
 }
 

@@ -1,0 +1,10 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+pub mod canvas;
+pub mod decimate;
+pub mod loglog;
+pub mod panel;
+pub mod plane;
+pub mod scale;
+pub mod style;
