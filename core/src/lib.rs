@@ -78,20 +78,16 @@
 //! | numbers | [`number`]: the trait, and kernels with the same bits on every machine |
 //! | parts | [`setpoint`], [`linkage`] |
 //! | machine | [`machine`] |
-//! | what is said to it and by it | [`message`] |
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
-//! | drives | [`drive`]: torques to currents, duties and steps |
-//! | before a move is played | [`admission`] against [`limits`] |
-//! | the line | [`wire`]: messages as frames of bytes |
-//! | on top | [`service`]: commands in, motion and telemetry out, states, faults |
+//! | what results must keep | [`limits`] |
 //! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
 //! # What it will not do
 //! It does not clip, project or repair a setpoint: one that has no motion ends in a
-//! [`status::Status`]. The pipeline holds no state from one tick to the next; only the [`service`]
-//! does. It knows no device and no clock.
+//! [`status::Status`]. The pipeline holds no state from one tick to the next; only
+//! the service built on this crate does. It knows no device and no clock.
 #![no_std]
 #![forbid(unsafe_op_in_unsafe_fn)]
 // A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a
@@ -101,22 +97,17 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod admission;
-pub mod drive;
 pub mod forward;
 pub mod inverse;
 pub mod limits;
 pub mod linkage;
 pub mod machine;
-pub mod message;
 pub mod number;
 pub mod reaction;
 pub mod relatives;
-pub mod service;
 pub mod setpoint;
 pub mod singularity;
 pub mod status;
 pub mod tick;
 pub mod torque;
 pub mod units;
-pub mod wire;

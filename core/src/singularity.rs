@@ -45,7 +45,7 @@ impl<N: Number> Distances<N> {
 
     /// Distance of leg `index` from its serial singularity.
     #[inline]
-    pub(crate) fn serial_of(&self, index: usize, leg: &LegPosition<N>) -> N {
+    pub fn serial_of(&self, index: usize, leg: &LegPosition<N>) -> N {
         leg.links.r1_cross_r2.scaled(self.serial[index]).abs()
     }
 
@@ -57,7 +57,7 @@ impl<N: Number> Distances<N> {
 
     /// The same, of legs that are not together.
     #[inline]
-    pub(crate) fn parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
+    pub fn parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
         det_a_of(legs).scaled(self.parallel).abs()
     }
 }

@@ -134,7 +134,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     ///
     /// # Errors
     /// [`Status::ParallelSingular`].
-    pub(crate) fn torques(
+    pub fn torques(
         &self,
         legs: &[LegMotion<N>; 3],
         setpoint: &Setpoint<N>,

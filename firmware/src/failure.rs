@@ -4,7 +4,7 @@
 
 use crate::board;
 use core::panic::PanicInfo;
-use trirrr_core::message::{NAME_CAPACITY, Registers, Start};
+use trirrr_protocol::message::{NAME_CAPACITY, Registers, Start};
 use trirrr_station::cause;
 
 // As a part of the panic's own function, which is seen then to need no text: so the image holds none of

@@ -4,7 +4,7 @@
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicBool, Ordering};
-use trirrr_core::message::Start;
+use trirrr_protocol::message::Start;
 
 /// What is provoked: `PROVOKE` when the image is built.
 const WHAT: &str = match option_env!("PROVOKE") {

@@ -3,9 +3,9 @@
 use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::pulse;
-use trirrr_core::message::{FaultCode, Start};
 use trirrr_core::number::Number;
 use trirrr_drives::Failure;
+use trirrr_protocol::message::{FaultCode, Start};
 use trirrr_station::Foreground;
 use trirrr_station::scene::Scalar;
 

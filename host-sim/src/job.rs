@@ -1,8 +1,8 @@
 //! A scene's job as the moves that a client offers to a machine.
 
-use trirrr_core::message::{Move, Transmit};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
+use trirrr_protocol::message::{Move, Transmit};
 use trirrr_scene::{self as scene, Scene};
 
 /// The moves of a scene's job in the number type `N` and in `units`, numbered from 0.

@@ -5,18 +5,18 @@ use crate::failure::Failure;
 use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::message::scene::Section;
-use trirrr_core::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
-use trirrr_core::service::{
-    self, Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError,
-    Settings, Setup, Take, WithHoming,
-};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Motor;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
-use trirrr_core::wire::{self, schema};
+use trirrr_protocol::message::scene::Section;
+use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
+use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::{Homing, Scene};
+use trirrr_service::{
+    Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError, Settings,
+    Setup, Take, WithHoming,
+};
 
 /// Moves that can wait, as on a board, and one place that stays empty.
 const MOVES: usize = 16 + 1;
@@ -181,10 +181,10 @@ where
     N: Transmit,
     P: Payload<N>,
     L: Links<N>,
-    S: service::Scene<N, P, L, Replacement = Section, Part = Section>,
+    S: trirrr_service::Scene<N, P, L, Replacement = Section, Part = Section>,
     T: Take<Setup<N, P, L>>,
     U: Put<Setup<N, P, L>>,
-    H: service::Homing<N, Inputs = [bool; 3]>,
+    H: trirrr_service::Homing<N, Inputs = [bool; 3]>,
 {
     fn tick(&mut self) {
         self.foreground.tick_with(self.inputs);

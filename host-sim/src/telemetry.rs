@@ -3,8 +3,8 @@
 use crate::evaluator::Evaluator;
 use crate::record::Record;
 use crate::words::Units;
-use trirrr_core::message::{State, Telemetry, Transmit};
 use trirrr_core::status::Status;
+use trirrr_protocol::message::{State, Telemetry, Transmit};
 
 /// Turns the samples of one job into records.
 ///

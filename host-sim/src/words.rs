@@ -2,7 +2,7 @@
 
 pub mod board;
 
-use trirrr_core::message::{
+use trirrr_protocol::message::{
     Acting, Bounded, DriveFault, Fault, FaultCode, Identity, Refusal, State, Transmit, Violation,
 };
 use trirrr_scene::Scene;
@@ -250,7 +250,7 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::HelloFirst => "the board has had no hello since it was switched on".into(),
         Refusal::Protocol { expected } => format!(
             "the board speaks version {expected} of the protocol, this program version {}",
-            trirrr_core::message::PROTOCOL
+            trirrr_protocol::message::PROTOCOL
         ),
         Refusal::Schema { expected } => format!(
             "the board's messages have another layout (schema key {expected:#010x}): it was built \

@@ -1,13 +1,13 @@
 //! Ten million ticks through the service in one run: the engraving job and the way back, over and
 //! over, held and resumed in between. Every tick is where whole numbers say it is.
 
-use trirrr_core::message::{
-    Acting, Command, Message, Move, Refusal, Reply, Request, State, Telemetry,
-};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::units::Units;
 use trirrr_host_sim::job;
 use trirrr_host_sim::machine::{self, Machine};
+use trirrr_protocol::message::{
+    Acting, Command, Message, Move, Refusal, Reply, Request, State, Telemetry,
+};
 use trirrr_scene::{self as scene, JobPlayer, Scene};
 
 const TICKS: u64 = 10_000_000;

@@ -3,9 +3,9 @@
 
 use std::fs;
 use std::path::PathBuf;
-use trirrr_core::message::State;
-use trirrr_rig::faulty_link::Random;
-use trirrr_rig::targets::{ALL, Target, play};
+use trirrr_bench::faulty_link::Random;
+use trirrr_bench::targets::{ALL, Target, play};
+use trirrr_protocol::message::State;
 
 /// Mutations of each target's corpus, in all.
 const MUTATIONS: u64 = 2_000;
@@ -15,7 +15,7 @@ const LONGEST: usize = 512;
 
 fn corpus(name: &str) -> Vec<Vec<u8>> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../fuzz/corpus")
+        .join("fuzz/corpus")
         .join(name);
     let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{folder:?}: {error}"));
     let mut paths: Vec<_> = entries

@@ -6,9 +6,9 @@
 
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
-use trirrr_core::message::scene::Section;
-use trirrr_core::service::{Coefficients, Parts, name};
 use trirrr_core::units::Units;
+use trirrr_protocol::message::scene::Section;
+use trirrr_service::{Coefficients, Parts, name};
 
 /// What the parts say, in `units`: all that there is to say of `any` machine.
 fn in_units(parts: &Parts, units: &Units, any: &Parameters) -> (Parameters, LimitParameters) {

@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let fuzz = root().join("fuzz");
+    let fuzz = root().join("tests/fuzz");
     let known = targets()?;
     for target in &arguments.targets {
         ensure!(
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             "--quiet",
             "--release",
             "--manifest-path",
-            "fuzz/Cargo.toml",
+            "tests/fuzz/Cargo.toml",
         ])
         .args(["--target", &host])
         .arg("--target-dir")
@@ -129,7 +129,7 @@ fn merge(
 
 /// The targets, by their files.
 fn targets() -> Result<Vec<String>> {
-    let folder = root().join("fuzz/fuzz_targets");
+    let folder = root().join("tests/fuzz/fuzz_targets");
     let mut names = Vec::new();
     for entry in fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
         let path = entry?.path();
@@ -161,7 +161,7 @@ mod tests {
         let targets = targets().unwrap();
         assert!(targets.len() >= 2);
         for target in targets {
-            let corpus = root().join("fuzz/corpus").join(&target);
+            let corpus = root().join("tests/fuzz/corpus").join(&target);
             assert!(fs::read_dir(&corpus).unwrap().count() >= 10, "{target}");
         }
     }

@@ -30,14 +30,14 @@ impl<N: Number> LegMotion<N> {
     /// Whether what the next stages form of this motion stays in range. A rate fits if its square
     /// does.
     #[inline(always)]
-    pub(crate) fn fits(&self) -> bool {
+    pub fn fits(&self) -> bool {
         self.joints_fit() && N::fit([self.accelerations.distal])
     }
 
     /// The same for who forms no torques: the distal link's acceleration is not looked at, and so
     /// need not be computed.
     #[inline(always)]
-    pub(crate) fn joints_fit(&self) -> bool {
+    pub fn joints_fit(&self) -> bool {
         let (rates, acc) = (&self.rates, &self.accelerations);
         N::fit([
             rates.proximal * rates.proximal,

@@ -10,7 +10,6 @@ mod parameters;
 pub use error::{BuildError, Quantity};
 pub use geometry::{Geometry, Leg};
 pub use kinds::{LinksKind, PayloadKind};
-pub use parameters::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
-
-#[cfg(test)]
-pub(crate) use parameters::example;
+pub use parameters::{
+    Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters, example,
+};

@@ -109,9 +109,8 @@ impl Parameters {
     }
 }
 
-/// The thesis's machine, for the tests of this crate.
-#[cfg(test)]
-pub(crate) fn example() -> Parameters {
+/// Returns the thesis machine, SI units: the example of documentation and tests.
+pub fn example() -> Parameters {
     let leg = |x: f64, y: f64, joint_angle_rad: f64| LegParameters {
         base_m: Vector2::new(x, y),
         proximal_m: 0.2,

@@ -22,10 +22,12 @@ mod polynomial;
 mod reduction;
 #[cfg(test)]
 mod reference;
-pub(crate) mod simple;
+#[doc(hidden)]
+pub mod simple;
 mod sin_cos;
 mod sqrt;
-pub(crate) mod triangle;
+#[doc(hidden)]
+pub mod triangle;
 mod vector;
 
 mod float;

@@ -1,7 +1,9 @@
 //! What a number type needs that rounds every step and whose quotients are divisions: it is its own
 //! sum of products and its own factor.
 
-/// The items of [`Number`](super::Number) for such a type.
+/// Defines the items of [`Number`](super::Number) for such a type.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! rounds_every_step {
     () => {
         type Sum = Self;
@@ -92,4 +94,4 @@ macro_rules! rounds_every_step {
         }
     };
 }
-pub(crate) use rounds_every_step;
+pub use rounds_every_step;

@@ -81,10 +81,7 @@ impl<N: Number> Triangle<N> {
 
 /// The corner by one root and two divisions, for the floats.
 #[inline(always)]
-pub(crate) fn apex_by_division<N>(
-    triangle: &Triangle<N>,
-    d: Vector2<N>,
-) -> Result<Apex<N>, OutOfReach>
+pub fn apex_by_division<N>(triangle: &Triangle<N>, d: Vector2<N>) -> Result<Apex<N>, OutOfReach>
 where
     N: Number<Sum = N, Factor = N>,
 {

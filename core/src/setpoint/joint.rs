@@ -100,7 +100,7 @@ pub fn shorter_way<N: Number>(way: N::Angle) -> N {
 }
 
 /// `angle`, less than a turn beyond (-pi, pi], within.
-pub(crate) fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
+pub fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
     let half = N::radians(N::half_turn());
     let radians = N::radians(angle);
     let turn = N::angle(half) + N::angle(half);

@@ -5,14 +5,14 @@
 //! two poses exactly, and a chain of moves neither drifts nor jumps.
 
 mod hermite;
-pub(crate) mod joint;
+mod joint;
 mod nearer;
 mod rest_to_rest;
 mod segment;
 mod serial;
 
 pub use hermite::Hermite;
-pub use joint::{JointMove, JointSetpoint, shorter_way};
+pub use joint::{JointMove, JointSetpoint, shorter_way, wrapped};
 pub use rest_to_rest::RestToRest;
 pub use segment::Segment;
 
@@ -59,7 +59,7 @@ impl<N: Number> Pose<N> {
 
     /// `self` moved by (dx, dy, dalpha).
     #[inline]
-    pub(crate) fn displaced(&self, by: Vector3<N>) -> Self {
+    pub fn displaced(&self, by: Vector3<N>) -> Self {
         Self {
             position: self.position + by.xy(),
             angle: self.angle + N::angle(by.z),

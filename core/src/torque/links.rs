@@ -22,7 +22,7 @@ pub struct LegLoad<N> {
 impl<N: Number> LegLoad<N> {
     /// Whether the load [fits](Number::fit).
     #[inline(always)]
-    pub(crate) fn fits(&self) -> bool {
+    pub fn fits(&self) -> bool {
         let fits = |load: Option<N>| load.is_none_or(|load| N::fit([load]));
         fits(self.at_motor) && fits(self.distal_over_l2_sq)
     }

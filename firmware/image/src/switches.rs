@@ -1,9 +1,9 @@
 //! Switches where there are none: in an emulator, and in images that count instructions.
 
 use trirrr_core::number::Number;
-use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::shorter_way;
 use trirrr_core::tick::Motor;
+use trirrr_service::HomingCoefficients;
 
 /// How far the motors stand from where they are counted from when the machine is switched on, rad:
 /// neither alike nor in one direction, and small enough for whatever way a scene leaves.
@@ -55,7 +55,7 @@ impl<'a, N: Number> RuledSwitches<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_core::service::{Contact, HomingMotor, HomingParameters, HomingTimes};
+    use trirrr_service::{Contact, HomingMotor, HomingParameters, HomingTimes};
 
     fn coefficients() -> HomingCoefficients<f64> {
         let motor = |angle_rad, positive| HomingMotor {

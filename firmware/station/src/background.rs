@@ -4,7 +4,7 @@ use crate::line::{Line, Received};
 use crate::scene::Scalar;
 use crate::service::{self, MessageRef};
 use embedded_hal_nb::serial::Write;
-use trirrr_core::message::Event;
+use trirrr_protocol::message::Event;
 
 /// The half of the service that talks, and the line it talks over.
 pub struct Background {

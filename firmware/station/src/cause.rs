@@ -4,7 +4,7 @@
 
 use core::mem::MaybeUninit;
 use core::ptr::{read_volatile, write_volatile};
-use trirrr_core::message::{NAME_CAPACITY, Registers, Start};
+use trirrr_protocol::message::{NAME_CAPACITY, Registers, Start};
 
 /// "TRIR": RAM after power-on hardly has it, and the checksum too.
 const MARK: u32 = 0x5452_4952;

@@ -3,8 +3,8 @@
 use crate::service::{Message, MessageRef, Request};
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
-use trirrr_core::wire::schema::longest;
-use trirrr_core::wire::{Decoder, decoded_length, encode, frame_length};
+use trirrr_protocol::wire::schema::longest;
+use trirrr_protocol::wire::{Decoder, decoded_length, encode, frame_length};
 
 /// Bits per second on the line.
 pub const BAUD: u32 = 921_600;

@@ -7,10 +7,10 @@ use crate::scene::HOMING;
 use crate::scene::{
     COEFFICIENTS, Links, NAME, PARTS, Payload, SETTINGS, START, Scalar, TICK_RATE_HZ,
 };
-use trirrr_core::message::{Board, Clock, Start};
+use trirrr_protocol::message::{Board, Clock, Start};
 #[cfg(homing)]
-use trirrr_core::service::WithHoming;
-use trirrr_core::service::{
+use trirrr_service::WithHoming;
+use trirrr_service::{
     self, BackgroundOf, Compiled, ForegroundOf, MessageOf, MessageRefOf, RequestOf, Settings,
 };
 
@@ -29,7 +29,7 @@ type Scene = Known;
 type Scene = WithHoming<'static, Scalar, Known>;
 
 /// The memory between the two halves.
-pub type Channels = service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
+pub type Channels = trirrr_service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
 
 /// The half that ticks.
 pub type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
@@ -47,7 +47,7 @@ pub(crate) type MessageRef<'m> = MessageRefOf<'m, Scalar, Payload, Links, Scene>
 pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;
 
 /// What goes out in a tick.
-pub type Output = service::Output<Scalar>;
+pub type Output = trirrr_service::Output<Scalar>;
 
 /// Puts the service of the scene together, the machine standing where its job starts. Every
 /// coefficient is in the image.

@@ -5,7 +5,7 @@
 //! or it is not known whether it was, which the next hello and status tell.
 
 use std::time::Duration;
-use trirrr_core::message::{Command, Hello, Message, Reply, Request, Transmit};
+use trirrr_protocol::message::{Command, Hello, Message, Reply, Request, Transmit};
 
 /// How long to wait for an answer, and how often to ask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

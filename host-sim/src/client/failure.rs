@@ -1,7 +1,7 @@
 //! How a job ends when it does not end at its end.
 
 use crate::words::{self, Units};
-use trirrr_core::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
+use trirrr_protocol::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
 
 /// Why a job was not played to its end. Moves are counted from 0 here and from 1 in messages.
 #[derive(Clone, Copy, Debug, PartialEq)]

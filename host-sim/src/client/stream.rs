@@ -5,7 +5,7 @@ use super::exchange::{Exchange, Patience, Turn};
 use crate::words::Units;
 use std::collections::VecDeque;
 use std::time::Duration;
-use trirrr_core::message::{
+use trirrr_protocol::message::{
     Acting, Command, Event, Hello, Identity, Message, Move, Recovery, Refusal, Reply, Request,
     State, Status, Transmit,
 };

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Message, Request, Transmit};
+use trirrr_protocol::message::{Message, Request, Transmit};
 
 /// Bytes that may wait for a client. Beyond this it gets no telemetry; what a client asked for
 /// waits in any case.

@@ -5,7 +5,7 @@ use super::client::Client;
 use crate::words::{self, Units};
 use std::io::{self, Write};
 use std::net::SocketAddr;
-use trirrr_core::message::{Command, Event, Message, Reply, Request, Transmit};
+use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
 
 /// The diary of one device.
 pub(super) struct Diary {

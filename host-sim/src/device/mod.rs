@@ -19,8 +19,8 @@ use server::Server;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use trirrr_core::message::Transmit;
 use trirrr_core::number::{Coarse, Fixed};
+use trirrr_protocol::message::Transmit;
 use trirrr_scene::Scene;
 
 /// From one look at the link to the next, while no tick is due.

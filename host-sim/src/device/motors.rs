@@ -3,9 +3,9 @@
 
 use core::f64::consts::{PI, TAU};
 use trirrr_core::number::Number;
-use trirrr_core::service::Contact;
 use trirrr_core::tick::Motor;
 use trirrr_scene::{DriveKind, Homing, Scene};
+use trirrr_service::Contact;
 
 /// The joint angles that motors are commanded to, rad.
 pub(super) fn angles<N: Number>(motors: &[Motor<N>; 3]) -> [f64; 3] {

@@ -7,7 +7,7 @@ use crate::link::Listener;
 use crate::machine::Machine;
 use std::io;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Message, Transmit};
+use trirrr_protocol::message::{Message, Transmit};
 
 /// Slices of background work between two looks at the link.
 const SLICES: u32 = 64;

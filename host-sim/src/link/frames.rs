@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use trirrr_core::message::{Message, Request};
-use trirrr_core::wire::schema::longest;
-use trirrr_core::wire::{Counters, Decoder, decoded_length, encode, frame_length};
+use trirrr_protocol::message::{Message, Request};
+use trirrr_protocol::wire::schema::longest;
+use trirrr_protocol::wire::{Counters, Decoder, decoded_length, encode, frame_length};
 
 /// Most bytes of a message of either side: no number type takes more than binary64.
 const MESSAGE_BYTES: usize = {

@@ -6,7 +6,7 @@ use super::motor::{Motor, Winding, wrapped};
 use super::path::JobPath;
 use super::refusal::Refusal;
 use crate::evaluator::{self, Evaluator};
-use trirrr_core::drive::bldc::DriveLimit;
+use trirrr_drives::command::bldc::DriveLimit;
 use trirrr_scene::{Controller, Scene};
 
 /// What is measured of a motor.

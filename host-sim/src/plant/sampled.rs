@@ -5,11 +5,11 @@ use super::control::{Commands, Measured, SampledController};
 use super::refusal::Refusal;
 use super::source::TickSource;
 use std::f64::consts::TAU;
-use trirrr_core::drive::bldc::{Bldc, BldcParameters};
-use trirrr_core::drive::count::Countable;
-use trirrr_core::drive::joint::{Loop, Reference};
-use trirrr_core::drive::stepper::{Schedule, StepMotor, StepsPerTurn};
 use trirrr_core::number::Number;
+use trirrr_drives::command::bldc::{Bldc, BldcParameters};
+use trirrr_drives::command::count::Countable;
+use trirrr_drives::command::joint::{Loop, Reference};
+use trirrr_drives::command::stepper::{Schedule, StepMotor, StepsPerTurn};
 use trirrr_scene::{DriveKind, Scene, Timing};
 
 /// The controllers of the three joints in the number type `N`.

@@ -4,8 +4,8 @@ use super::refusal::Refusal;
 use crate::evaluator::{self, Evaluator};
 use crate::record::Record;
 use nalgebra::Vector3;
-use trirrr_core::drive::joint::Reference;
 use trirrr_core::number::Number;
+use trirrr_drives::command::joint::Reference;
 use trirrr_scene::{JobPlayer, Scene};
 
 /// What each joint is to do at a tick.

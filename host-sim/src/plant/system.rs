@@ -6,7 +6,7 @@ use super::model::{Control, Plant};
 use super::motor::{Motor, wrapped};
 use super::refusal::Refusal;
 use super::watch::{Cause, Ending, Watch};
-use trirrr_core::drive::bldc::DriveLimit;
+use trirrr_drives::command::bldc::DriveLimit;
 use trirrr_integrate::{Action, Direction, System};
 
 impl<const N: usize> System<N> for Plant<N> {

@@ -27,8 +27,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
-use trirrr_core::message::{Telemetry, Transmit};
 use trirrr_core::number::{Coarse, Fixed};
+use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
 
 /// Samples that may wait for the recorder before a tick has to.

@@ -10,7 +10,7 @@ use crate::words::{self, Units};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{
+use trirrr_protocol::message::{
     Command, Message, Move, Refusal, Reply, Request, Status, Telemetry, Transmit, Violation,
 };
 use trirrr_scene::Scene;

@@ -11,8 +11,8 @@ use crate::plant::source::{JointReferences, Pipeline, TickSource};
 use crate::words::Units;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
-use trirrr_core::drive::joint::Reference;
-use trirrr_core::message::{Telemetry, Transmit};
+use trirrr_drives::command::joint::Reference;
+use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
 
 /// Ticks that the service may be ahead of the drives.

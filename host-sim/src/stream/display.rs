@@ -6,7 +6,7 @@ use crate::words;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Acting, State};
+use trirrr_protocol::message::{Acting, State};
 
 /// Without a terminal, values come at most this often.
 const LINES: Duration = Duration::from_secs(5);

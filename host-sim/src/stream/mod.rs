@@ -25,10 +25,10 @@ use session::Session;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use trirrr_core::message::{Telemetry, Transmit};
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_core::wire::frame_length;
-use trirrr_core::wire::schema::longest;
+use trirrr_protocol::message::{Telemetry, Transmit};
+use trirrr_protocol::wire::frame_length;
+use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::Scene;
 
 /// Of the bytes that a serial port carries, this part may be telemetry.

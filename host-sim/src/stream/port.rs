@@ -4,7 +4,7 @@ use crate::link::{self, Address, Frames, Link, OpenError};
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Message, Request, Transmit};
+use trirrr_protocol::message::{Message, Request, Transmit};
 
 /// From one attempt to open a port to the next.
 const ATTEMPTS_EVERY: Duration = Duration::from_millis(100);

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Event, Message, Telemetry, Transmit};
+use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
 
 /// Longest wait for the board before the user is looked after.
 const LOOK: Duration = Duration::from_millis(20);

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 use crate::words;
 use std::io::{self, Write};
 use std::path::Path;
-use trirrr_core::message::Identity;
+use trirrr_protocol::message::Identity;
 use trirrr_scene::Scene;
 
 /// What there is to say.

@@ -1,6 +1,6 @@
 //! What a board tells of itself, in words.
 
-use trirrr_core::message::{Clock, Registers, Start};
+use trirrr_protocol::message::{Clock, Registers, Start};
 
 /// What is wrong with the board's clock, if anything is.
 pub fn clock(clock: Clock) -> Option<&'static str> {
@@ -49,7 +49,7 @@ fn at(registers: &Registers) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_core::message::NAME_CAPACITY;
+    use trirrr_protocol::message::NAME_CAPACITY;
 
     #[test]
     fn a_panic_names_its_place() {

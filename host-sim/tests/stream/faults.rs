@@ -2,9 +2,9 @@
 
 use crate::common::{Device, host_sim, scene, stream, text};
 use std::time::Duration;
-use trirrr_core::message::{Command, Hello, Message, PROTOCOL, Refusal, Reply, Request};
 use trirrr_host_sim::link::{self, Frames};
 use trirrr_host_sim::machine;
+use trirrr_protocol::message::{Command, Hello, Message, PROTOCOL, Refusal, Reply, Request};
 use trirrr_scene::Scene;
 
 /// A job that breaks a limit is refused when its scene is read, by the run and by the device.

@@ -6,8 +6,8 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Acting, Message, Move, State, Telemetry, Transmit};
-use trirrr_rig::witness::Witness;
+use trirrr_bench::witness::Witness;
+use trirrr_protocol::message::{Acting, Message, Move, State, Telemetry, Transmit};
 
 /// Ticks of the way back to the start of the job, in seconds of the machine.
 const BACK_S: f64 = 2.0;

@@ -5,11 +5,11 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Message, Move, Reply, Telemetry, Transmit};
+use trirrr_bench::faulty_link::{FaultyLink, Random};
+use trirrr_bench::sent::Sent;
 use trirrr_host_sim::client::{Action, Ask, Failure, Patience, Stream};
 use trirrr_host_sim::link::Frames;
-use trirrr_rig::faulty_link::{FaultyLink, Random};
-use trirrr_rig::sent::Sent;
+use trirrr_protocol::message::{Message, Move, Reply, Telemetry, Transmit};
 
 /// Longest look at the line while there is something else to do.
 const LOOK: Duration = Duration::from_millis(2);

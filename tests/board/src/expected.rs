@@ -1,10 +1,6 @@
 //! What the host computes for a scene: its machine, and its own service playing the job.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use trirrr_core::message::{
-    Command, Hello, Message, Move, Reply, Request, State, Telemetry, Transmit,
-};
-use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
@@ -12,7 +8,11 @@ use trirrr_host_sim::evaluator::{self, Evaluator};
 use trirrr_host_sim::job;
 use trirrr_host_sim::machine::{self, Machine};
 use trirrr_image::RuledSwitches;
+use trirrr_protocol::message::{
+    Command, Hello, Message, Move, Reply, Request, State, Telemetry, Transmit,
+};
 use trirrr_scene::Scene;
+use trirrr_service::HomingCoefficients;
 
 /// Ticks after which the host's own machine is taken for one that does not come to an end.
 const LONGEST: usize = 1_000_000;

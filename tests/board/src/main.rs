@@ -20,10 +20,10 @@ use clap::{Args, Parser, Subcommand};
 use expected::{Expected, Inputs};
 use std::path::PathBuf;
 use std::time::Duration;
-use trirrr_core::message::Transmit;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_host_sim::link::Address;
 use trirrr_host_sim::scalar::Scalar;
+use trirrr_protocol::message::Transmit;
 use trirrr_scene::Scene;
 
 #[derive(Parser)]

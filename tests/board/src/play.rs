@@ -5,8 +5,8 @@ use crate::expected::{Expected, Inputs, Stretch};
 use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
-use trirrr_core::message::{State, Telemetry, Transmit};
 use trirrr_host_sim::client::Failure;
+use trirrr_protocol::message::{State, Telemetry, Transmit};
 
 /// Numbers in a sample that are compared: state, acting, move, place (2), setpoint (9), motors
 /// (12), tool.

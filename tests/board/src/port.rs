@@ -3,8 +3,8 @@
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Command, Message, Request, Transmit};
 use trirrr_host_sim::link::{self, Address, Frames, Link};
+use trirrr_protocol::message::{Command, Message, Request, Transmit};
 
 /// From one attempt to be heard to the next.
 const ATTEMPTS_EVERY: Duration = Duration::from_millis(200);

@@ -4,8 +4,8 @@ use crate::expected::Expected;
 use crate::port::{self, Port};
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
-use trirrr_core::message::{Command, Identity, Message, Reply, Request, Status, Transmit};
 use trirrr_host_sim::words::{self, Units};
+use trirrr_protocol::message::{Command, Identity, Message, Reply, Request, Status, Transmit};
 
 /// From one look at the board to the next, while nothing has happened.
 const LOOK: Duration = Duration::from_millis(100);

@@ -5,11 +5,11 @@ use crate::expected::Expected;
 use crate::port::Port;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::ops::ControlFlow;
-use trirrr_core::message::{Move, State, Transmit};
+use trirrr_bench::faulty_link::{Fault, Random};
+use trirrr_bench::job::random_job;
+use trirrr_bench::witness::Witness;
 use trirrr_host_sim::job;
-use trirrr_rig::faulty_link::{Fault, Random};
-use trirrr_rig::job::random_job;
-use trirrr_rig::witness::Witness;
+use trirrr_protocol::message::{Move, State, Transmit};
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
 const DEVIATIONS: f64 = 6.0;

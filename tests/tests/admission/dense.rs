@@ -4,13 +4,13 @@
 use crate::judge::Setting;
 use nalgebra::Vector3;
 use trirrr_core::machine::{LinksKind, PayloadKind};
-use trirrr_core::message::Move;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_protocol::message::Move;
 
 /// How closely a move is looked at.
 #[derive(Clone, Copy, Debug)]

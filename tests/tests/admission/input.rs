@@ -3,9 +3,9 @@
 use crate::judge::{Judged, Setting, judge};
 use crate::thesis_move;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::{Bounded, Move};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::{Bounded, Move};
 use trirrr_tests::machines::thesis;
 
 fn setting() -> Setting {

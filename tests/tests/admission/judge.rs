@@ -1,12 +1,12 @@
 //! Admission of a move on any machine, with the types that it calls for.
 
-use trirrr_core::admission::{Admission, Verdict};
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::message::{Move, Violation};
 use trirrr_core::number::Number;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_protocol::message::{Move, Violation};
+use trirrr_service::admission::{Admission, Verdict};
 
 /// A machine with what it has to keep.
 #[derive(Clone, Copy, Debug)]

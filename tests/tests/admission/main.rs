@@ -12,9 +12,9 @@ mod singular;
 mod study;
 mod types;
 
-use trirrr_core::message::Move;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::Move;
 
 /// The thesis's move in `ticks` ticks.
 fn thesis_move<N: Number>(ticks: u32) -> Move<N> {

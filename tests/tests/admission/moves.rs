@@ -6,9 +6,9 @@ use core::f64::consts::TAU;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::Move;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::Move;
 use trirrr_tests::random::{Case, case};
 
 /// A move on a machine with limits.

@@ -6,8 +6,8 @@ use crate::moves::in_type;
 use std::fs;
 use std::path::Path;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::{Bounded, Move};
 use trirrr_core::number::{Fixed, Number};
+use trirrr_protocol::message::{Bounded, Move};
 use trirrr_scene::{Scene, units};
 
 fn scenes() -> Vec<Scene> {

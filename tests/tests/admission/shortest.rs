@@ -4,7 +4,7 @@ use crate::dense::{Density, extremes};
 use crate::judge::{Setting, judge};
 use crate::moves::{Draw, machines, random_move, within_a_turn};
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::{Bounded, Move};
+use trirrr_protocol::message::{Bounded, Move};
 
 const DENSITY: Density = Density {
     samples: 500,

@@ -2,9 +2,9 @@
 
 use crate::judge::{Setting, judge};
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::{Bounded, Move};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::{Bounded, Move};
 use trirrr_tests::machines::thesis;
 
 /// Where det A = 0 at (0.245, 0.25) m on the thesis machine, from the reference data.

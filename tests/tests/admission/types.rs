@@ -3,7 +3,7 @@
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
 use crate::moves::{Draw, in_type, machines, offer, within_a_turn};
-use trirrr_core::message::Move;
+use trirrr_protocol::message::Move;
 
 const DENSITY: Density = Density {
     samples: 300,

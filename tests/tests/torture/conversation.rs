@@ -1,22 +1,22 @@
 //! One job between a client and a machine, with a bad line in between.
 
 use std::time::Duration;
+use trirrr_bench::device::{
+    Device, DeviceChannels, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
+    parameters, request_frame,
+};
+use trirrr_bench::faulty_link::{FaultyLink, Random};
+use trirrr_bench::job::random_job;
+use trirrr_bench::sent::Sent;
+use trirrr_bench::witness::Witness;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::message::Message;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::Massless;
 use trirrr_core::torque::payload::Centred;
-use trirrr_core::wire::Counters;
 use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
-use trirrr_rig::device::{
-    Device, DeviceChannels, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
-    parameters, request_frame,
-};
-use trirrr_rig::faulty_link::{FaultyLink, Random};
-use trirrr_rig::job::random_job;
-use trirrr_rig::sent::Sent;
-use trirrr_rig::witness::Witness;
+use trirrr_protocol::message::Message;
+use trirrr_protocol::wire::Counters;
 
 /// Of 100 frames, how many are damaged.
 const PERCENT: u64 = 20;

@@ -6,13 +6,13 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 use std::fmt::Write;
-use trirrr_core::message::{
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_protocol::message::{
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NAME_CAPACITY,
     PROTOCOL, Refusal, Reply, Request, Start, State, Telemetry, Transmit, Verdict, Violation,
 };
-use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_core::wire::schema::key;
-use trirrr_core::wire::{Decoder, encode};
+use trirrr_protocol::wire::schema::key;
+use trirrr_protocol::wire::{Decoder, encode};
 
 /// An example's section in the document. Its frame is decoded on the way.
 fn section<T>(name: &str, what: &str, message: &T) -> String

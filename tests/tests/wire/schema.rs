@@ -4,9 +4,9 @@ use super::document;
 use postcard_schema::Schema;
 use postcard_schema::schema::{DataModelType, DataModelVariant, NamedType, NamedValue};
 use std::collections::BTreeMap;
-use trirrr_core::message::{Message, Request, Transmit};
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_core::wire::schema::key;
+use trirrr_protocol::message::{Message, Request, Transmit};
+use trirrr_protocol::wire::schema::key;
 
 /// Types whose parts are given in a table of their own, with the numbers.
 const COMPOSED: [&str; 2] = ["Pose", "Setpoint"];

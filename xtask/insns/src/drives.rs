@@ -6,8 +6,8 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 use embedded_hal::digital::OutputPin;
 use trirrr_core::number::Number;
-use trirrr_core::service::Output;
 use trirrr_drives::Failure;
+use trirrr_service::Output;
 
 type Angle = <Scalar as Number>::Angle;
 
@@ -110,8 +110,8 @@ mod kind {
     use super::{Angle, Failure, Infallible, Ordering, Output, Pin, REGISTER, Scalar};
     use crate::scene::drive::{MOTORS, REVERSED};
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-    use trirrr_core::drive::bldc::Bldc;
     use trirrr_drives::bldc::{BldcMotor, Bldcs};
+    use trirrr_drives::command::bldc::Bldc;
     use trirrr_drives::{Active, Enable};
 
     /// A PWM output of 4,200 counts.

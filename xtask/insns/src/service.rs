@@ -3,11 +3,11 @@
 use crate::drives::Drives;
 use crate::scene::{COEFFICIENTS, Links, MOVES, PARTS, Payload, SETTINGS, START, Scalar};
 use nalgebra::Vector3;
-use trirrr_core::message::Move;
-use trirrr_core::message::{Command, Reply};
 use trirrr_core::number::Number;
-use trirrr_core::service::{self, BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::Move;
+use trirrr_protocol::message::{Command, Reply};
+use trirrr_service::{BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
 
 type Known = Compiled<'static, Scalar, Payload, Links>;
 
@@ -30,10 +30,10 @@ pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
 
 /// What it is told.
 pub type SceneCommand =
-    Command<Scalar, <Scene as service::Scene<Scalar, Payload, Links>>::Replacement>;
+    Command<Scalar, <Scene as trirrr_service::Scene<Scalar, Payload, Links>>::Replacement>;
 
 /// What it answers.
-pub type SceneReply = Reply<Scalar, <Scene as service::Scene<Scalar, Payload, Links>>::Part>;
+pub type SceneReply = Reply<Scalar, <Scene as trirrr_service::Scene<Scalar, Payload, Links>>::Part>;
 
 /// The scene.
 pub fn scene() -> Scene {

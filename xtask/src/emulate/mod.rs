@@ -15,9 +15,9 @@ use clap::ValueEnum;
 use clients::{Clients, Inputs};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use trirrr_core::service::Contact;
 use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::Scene;
+use trirrr_service::Contact;
 
 /// What no tick may exceed on the board in f32, instructions: service and drives, from when it was
 /// due until its outputs stood.

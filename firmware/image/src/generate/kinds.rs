@@ -4,9 +4,9 @@ use super::constant::constant;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, LinksKind, Parameters, PayloadKind};
 use trirrr_core::number::Number;
-use trirrr_core::service::Coefficients;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
+use trirrr_service::Coefficients;
 
 /// What the coefficients are built from, in the machine's units.
 pub(super) struct Machine<'a> {

@@ -6,14 +6,14 @@ use super::{COARSE, FIXED};
 use crate::Move;
 use std::error::Error;
 use std::fmt::Write;
-use trirrr_core::message::Transmit;
-use trirrr_core::message::scene::{Section, SectionName};
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_core::service::HomingCoefficients;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_core::wire::schema::longest;
+use trirrr_protocol::message::Transmit;
+use trirrr_protocol::message::scene::{Section, SectionName};
+use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
+use trirrr_service::HomingCoefficients;
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -58,7 +58,7 @@ fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn
     let start = (constant(&start), "trirrr_core::setpoint::Pose<Scalar>");
     file.constant("START", start.1, start.0);
     let settings = constant(&trirrr_scene::settings::<N>(scene, &units));
-    let service = "trirrr_core::service";
+    let service = "trirrr_service";
     file.constant(
         "SETTINGS",
         &format!("{service}::Settings<Scalar>"),
@@ -120,7 +120,7 @@ fn parts(scene: &Scene) -> Result<String, Box<dyn Error>> {
     };
     let [a, b, c] = [0, 1, 2].map(|leg| part(SectionName::Leg(leg)));
     Ok(format!(
-        "trirrr_core::service::Parts {{ legs: [{}, {}, {}], platform: {}, limits: {} }}",
+        "trirrr_service::Parts {{ legs: [{}, {}, {}], platform: {}, limits: {} }}",
         a?,
         b?,
         c?,

@@ -33,7 +33,7 @@ mod app {
         self, DataBits, FifoWatermark, Reader, StopBits, UartConfig, UartPeripheral, Writer,
     };
     use rp2040_hal::{Sio, Watchdog};
-    use trirrr_core::message::{Board, Clock};
+    use trirrr_protocol::message::{Board, Clock};
     use trirrr_station::{self as station, Channels};
     use trirrr_station::{BAUD, LOG_BAUD, RECEIVED};
 

@@ -1,7 +1,7 @@
 //! Why the board started.
 
 use rp2040_hal::pac::{VREG_AND_CHIP_RESET, WATCHDOG};
-use trirrr_core::message::Start;
+use trirrr_protocol::message::Start;
 use trirrr_station::cause;
 
 /// From what the run before has kept and what the chip knows of the reset.

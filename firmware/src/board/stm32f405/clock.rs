@@ -6,7 +6,7 @@
 //! overruled by [`dividers`](super::dividers) where it works something out from them.
 
 use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC};
-use trirrr_core::message::Clock;
+use trirrr_protocol::message::Clock;
 
 /// The internal oscillator, Hz.
 const HSI_HZ: u32 = 16_000_000;

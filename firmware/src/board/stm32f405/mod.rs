@@ -32,7 +32,7 @@ mod app {
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
-    use trirrr_core::message::{Board, Clock};
+    use trirrr_protocol::message::{Board, Clock};
     use trirrr_station::{self as station, Channels};
     use trirrr_station::{BAUD, LOG_BAUD, RECEIVED};
 

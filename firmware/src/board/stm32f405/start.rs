@@ -1,7 +1,7 @@
 //! Why the board started.
 
 use stm32f4xx_hal::pac::RCC;
-use trirrr_core::message::Start;
+use trirrr_protocol::message::Start;
 use trirrr_station::cause;
 
 /// From what the run before has kept and the flags of the reset, which are cleared.

@@ -3,13 +3,13 @@
 use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
-use trirrr_core::admission::{Admission, Verdict};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::message;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_image::Move;
 use trirrr_insns::scene::{LIMITS, Links, MOVES, PARAMETERS, PERIOD, Payload, RAMP_TICKS, Scalar};
+use trirrr_protocol::message;
+use trirrr_service::admission::{Admission, Verdict};
 
 type SceneAdmission = Admission<Scalar, Payload, Links>;
 

@@ -3,8 +3,6 @@
 use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
-use trirrr_core::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
-use trirrr_core::service::Channels;
 use trirrr_image::Checksum;
 #[cfg(homing)]
 use trirrr_image::RuledSwitches;
@@ -15,6 +13,8 @@ use trirrr_insns::service::{
     SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered, scene, settings,
     start, tick,
 };
+use trirrr_protocol::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
+use trirrr_service::Channels;
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
 /// come everywhere on the moves.

@@ -1,0 +1,190 @@
+//! Drives of their own on the CAN bus: position, velocity and torque, once per tick.
+//!
+//! The frames are those of ODrive ([`Odrive`]) or moteus ([`Moteus`]). Both are told what the rotor
+//! does: the gear is the scene's, so set up the drive without one of its own. Positions are absolute
+//! and unwrapped: 0 of the drive is a joint angle of the scene, and at the start a drive is within
+//! half a turn of the joint from there.
+//!
+//! When the drives go on, a protocol may need some ticks to prepare ([`Protocol::PREPARATION`]);
+//! meanwhile the drive hears no position. As long as they are off, they are told so in every tick.
+
+mod classic;
+mod moteus;
+mod odrive;
+mod rotor;
+
+pub use classic::{BitTiming, ClassicFrame};
+pub use moteus::{Moteus, Resolution};
+pub use odrive::Odrive;
+pub use rotor::{RotorCommand, RotorScale};
+
+use crate::Failure;
+use crate::command::count::Countable;
+use embedded_can::Frame;
+use rotor::Rotor;
+use trirrr_protocol::message::DriveFault;
+use trirrr_service::Output;
+
+/// A controller on the bus, with room for the frames of one tick: one for each drive.
+pub trait Bus: embedded_can::nb::Can {
+    /// Drops the frames that have not gone out.
+    fn abort(&mut self);
+}
+
+/// What a drive is told in a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Say {
+    /// Be off.
+    Off,
+    /// Get ready: step so many of [`Protocol::PREPARATION`], from 0.
+    Prepare(u8, RotorCommand),
+    /// Do this.
+    Move(RotorCommand),
+}
+
+/// Why there is no frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoFrame {
+    /// The frame type of this bus does not hold it: moteus takes CAN FD.
+    TooLong,
+    /// A value is beyond what its field holds.
+    Range,
+}
+
+/// Frames of a kind of drive.
+pub trait Protocol {
+    /// Ticks from the switching on to the first command.
+    const PREPARATION: u8;
+
+    /// The frame that tells drive `node`.
+    ///
+    /// # Errors
+    /// [`NoFrame`].
+    fn frame<F: Frame>(&self, node: u8, say: &Say) -> Result<F, NoFrame>;
+
+    /// The error, if it is one, that a drive reports in `frame`, with its node: never 0.
+    fn error<F: Frame>(&self, frame: &F) -> Option<(u8, u32)>;
+}
+
+/// Three drives on one bus.
+#[derive(Debug)]
+pub struct CanDrives<N: Countable, P, B> {
+    protocol: P,
+    bus: B,
+    nodes: [u8; 3],
+    rotors: [Rotor<N>; 3],
+    /// Ticks since the drives went on, up to the end of the preparation; none while they are off.
+    on: Option<u8>,
+}
+
+/// Frames taken from the bus in one tick, at most.
+const HEARD: usize = 3;
+
+impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
+    /// Drives at `nodes`, whose joints stand at `angles`.
+    pub fn new(
+        protocol: P,
+        bus: B,
+        nodes: [u8; 3],
+        scales: [RotorScale; 3],
+        angles: [N::Angle; 3],
+    ) -> Self {
+        let rotor = |index: usize| Rotor::new(scales[index], angles[index]);
+        Self {
+            protocol,
+            bus,
+            nodes,
+            rotors: [rotor(0), rotor(1), rotor(2)],
+            on: None,
+        }
+    }
+
+    /// Sends what the tick wants to each drive. Off where the output is.
+    ///
+    /// # Errors
+    /// [`DriveFault::BusBusy`]: the frames of the tick before have not all gone out.
+    /// [`DriveFault::BusOff`]: the controller is off the bus. [`DriveFault::Range`]: a command that
+    /// the frame cannot hold. [`DriveFault::Reported`]: a drive says that it has an error.
+    #[inline(always)]
+    pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
+        if !output.enabled {
+            self.off();
+            return Ok(());
+        }
+        let since = self.on.unwrap_or(0);
+        for (index, (rotor, motor)) in self.rotors.iter_mut().zip(&output.motors).enumerate() {
+            let command = rotor.command(motor);
+            let say = match since < P::PREPARATION {
+                true => Say::Prepare(since, command),
+                false => Say::Move(command),
+            };
+            let node = self.nodes.get(index).copied().unwrap_or(0);
+            let sent = send(&self.protocol, &mut self.bus, node, &say);
+            if let Err(what) = sent {
+                return Err(Failure::of(what, Some(index as u8)));
+            }
+        }
+        self.on = Some((since + 1).min(P::PREPARATION));
+        self.listen()
+    }
+
+    /// Tells all drives to be off, in place of what they were told and have not heard. It is said in
+    /// every tick, so a frame that finds no room is said again.
+    #[inline(never)]
+    pub fn off(&mut self) {
+        if self.on.take().is_some() {
+            self.bus.abort();
+        }
+        for node in self.nodes {
+            let _ = send(&self.protocol, &mut self.bus, node, &Say::Off);
+        }
+        // What they report is of no interest as long as they are off.
+        for _ in 0..HEARD {
+            let _ = self.bus.receive();
+        }
+    }
+
+    #[inline(always)]
+    fn listen(&mut self) -> Result<(), Failure<N>> {
+        for _ in 0..HEARD {
+            let frame = match self.bus.receive() {
+                Ok(frame) => frame,
+                Err(nb::Error::WouldBlock) => break,
+                Err(nb::Error::Other(_)) => return Err(Failure::of(DriveFault::BusOff, None)),
+            };
+            // While they prepare, an error may be the old one, which is being cleared.
+            if self.on < Some(P::PREPARATION) {
+                continue;
+            }
+            if let Some((node, code)) = self.protocol.error(&frame)
+                && let Some(index) = self.nodes.iter().position(|other| *other == node)
+            {
+                return Err(Failure {
+                    value: N::ratio(code, 1),
+                    ..Failure::of(DriveFault::Reported, Some(index as u8))
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One frame into the bus.
+#[inline(always)]
+fn send<P: Protocol, B: Bus>(
+    protocol: &P,
+    bus: &mut B,
+    node: u8,
+    say: &Say,
+) -> Result<(), DriveFault> {
+    let frame = match protocol.frame(node, say) {
+        Ok(frame) => frame,
+        Err(NoFrame::Range | NoFrame::TooLong) => return Err(DriveFault::Range),
+    };
+    match bus.transmit(&frame) {
+        Ok(None) => Ok(()),
+        // A frame was pushed out: one of these drives has not heard its own.
+        Ok(Some(_)) | Err(nb::Error::WouldBlock) => Err(DriveFault::BusBusy),
+        Err(nb::Error::Other(_)) => Err(DriveFault::BusOff),
+    }
+}

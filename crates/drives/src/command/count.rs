@@ -1,0 +1,154 @@
+//! From numbers to the whole parts that hardware counts in.
+
+use trirrr_core::number::{Coarse, Fixed, Number};
+
+/// A number type whose angles and fractions can be counted.
+pub trait Countable: Number {
+    /// The angle within its turn, in 2^-32 of a turn: differences are the short way round when they
+    /// are read as an `i32`, and wrap as the angle does. Within three half turns of 0, to the
+    /// precision of the type, 2^-30 of a turn at best for those of 32 bits. What is not a number
+    /// gives 0.
+    fn turn(angle: Self::Angle) -> u32;
+
+    /// abs(self) in parts of which `full` are 1, to the nearest, at most `full`. 0 for what is not
+    /// a number.
+    fn parts(self, full: u16) -> u16;
+
+    /// The nearest binary32 number.
+    fn to_f32(self) -> f32;
+}
+
+impl Countable for f64 {
+    #[inline(always)]
+    fn turn(angle: f64) -> u32 {
+        (angle * (4_294_967_296.0 / core::f64::consts::TAU)) as i64 as u32
+    }
+
+    #[inline(always)]
+    fn parts(self, full: u16) -> u16 {
+        // The cast cuts, and saturates at 0 and 2^32 - 1.
+        ((self.abs() * f64::from(full) + 0.5) as u32).min(full.into()) as u16
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self as f32
+    }
+}
+
+impl Countable for f32 {
+    #[inline(always)]
+    fn turn(angle: f32) -> u32 {
+        const PARTS: f32 = (1_073_741_824.0 / core::f64::consts::TAU) as f32;
+        // Two turns of either sign fit 32 bits.
+        ((angle * PARTS) as i32 as u32) << 2
+    }
+
+    #[inline(always)]
+    fn parts(self, full: u16) -> u16 {
+        ((self.abs() * f32::from(full) + 0.5) as u32).min(full.into()) as u16
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self
+    }
+}
+
+impl Countable for Coarse {
+    #[inline(always)]
+    fn turn(angle: Self) -> u32 {
+        f32::turn(angle.0)
+    }
+
+    #[inline(always)]
+    fn parts(self, full: u16) -> u16 {
+        self.0.parts(full)
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self.0
+    }
+}
+
+impl Countable for Fixed {
+    #[inline(always)]
+    fn turn(angle: Self::Angle) -> u32 {
+        angle.0 as u32
+    }
+
+    #[inline(always)]
+    fn parts(self, full: u16) -> u16 {
+        let parts = (u64::from(self.0.unsigned_abs()) * u64::from(full) + (1 << 28)) >> 29;
+        // A `Fixed` is less than 4.
+        (parts as u32).min(full.into()) as u16
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self.0 as f32 * Self::UNIT as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{PI, TAU};
+
+    /// How far `angle` is from where `turn` says, in turns.
+    fn off<N: Countable>(angle: f64) -> f64 {
+        let turn = f64::from(N::turn(N::angle_from_f64(angle))) / 4_294_967_296.0;
+        let off = turn - angle / TAU;
+        off - off.round()
+    }
+
+    #[test]
+    fn a_turn_is_the_angle_whichever_way_it_is_wound() {
+        for part in -1000..=1000 {
+            let angle = f64::from(part) * 3e-3 * PI;
+            // One unit cut off, and the rounding of angle, factor and product.
+            assert!(off::<f64>(angle).abs() <= 2.0 / 4_294_967_296.0, "{angle}");
+            assert!(off::<Fixed>(angle).abs() <= 1.0 / 4_294_967_296.0);
+            let rounding = 3.0 * angle.abs() / TAU / 16_777_216.0;
+            let cut = 1.0 / 1_073_741_824.0;
+            assert!(off::<f32>(angle).abs() <= rounding + cut, "{angle}");
+            assert_eq!(
+                Coarse::turn(Coarse::angle_from_f64(angle)),
+                f32::turn(angle as f32)
+            );
+        }
+        assert_eq!((f32::turn(f32::NAN), f64::turn(f64::NAN)), (0, 0));
+    }
+
+    #[test]
+    fn parts_are_the_nearest_and_no_more_than_all() {
+        fn check<N: Countable>() {
+            for (x, full, expected) in [
+                (0.0, 8400, 0),
+                (0.5, 8400, 4200),
+                (-0.5, 8400, 4200),
+                (1.0, 8400, 8400),
+                (-1.0, 65_535, 65_535),
+                (1.5, 65_535, 65_535),
+                (0.25, 3, 1), // 0.75
+                (0.125, 3, 0),
+            ] {
+                assert_eq!(N::from_f64(x).parts(full), expected, "{x} of {full}");
+            }
+        }
+        check::<f64>();
+        check::<f32>();
+        check::<Coarse>();
+        check::<Fixed>();
+        assert_eq!(f32::NAN.parts(100), 0);
+    }
+
+    #[test]
+    fn binary32_is_exact_where_the_type_is_no_wider() {
+        for x in [0.0, -1.5, 0.123] {
+            assert_eq!((x as f32).to_f32(), x as f32);
+            assert!((Fixed::from_f64(x).to_f32() - x as f32).abs() <= 1e-7);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! How far a joint has turned, over any number of turns.
+
+use super::count::Countable;
+
+/// An angle with its whole turns: it follows angles that are known up to a turn, the short way
+/// round, and adds up nothing but whole turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Winding {
+    /// Whole turns,
+    pub whole: i32,
+    /// and the rest in 2^-32 of a turn.
+    pub part: u32,
+}
+
+impl Winding {
+    /// At `angle`, within the turn from 0 up.
+    pub fn at<N: Countable>(angle: N::Angle) -> Self {
+        Self {
+            whole: 0,
+            part: N::turn(angle),
+        }
+    }
+
+    /// At `angle`, within half a turn of 0.
+    pub fn near_zero<N: Countable>(angle: N::Angle) -> Self {
+        let part = N::turn(angle);
+        Self {
+            whole: if part >> 31 == 0 { 0 } else { -1 },
+            part,
+        }
+    }
+
+    /// Where it is once it has turned to `angle`.
+    #[inline(always)]
+    #[must_use]
+    pub fn after<N: Countable>(self, angle: N::Angle) -> Self {
+        let part = N::turn(angle);
+        let forward = (part.wrapping_sub(self.part) as i32) >= 0;
+        let crossed = match forward {
+            true => i32::from(part < self.part),
+            false => -i32::from(part > self.part),
+        };
+        Self {
+            whole: self.whole.wrapping_add(crossed),
+            part,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+    use trirrr_core::number::{Fixed, Number};
+
+    #[test]
+    fn whole_turns_are_counted_both_ways() {
+        fn check<N: Countable>() {
+            let mut winding = Winding::near_zero::<N>(N::angle_from_f64(-0.5));
+            assert_eq!(winding.whole, -1);
+            let mut turned = -0.5;
+            for step in 0..4000 {
+                // Up to nearly half a turn at a time, ten turns forth, then back again.
+                turned += if step < 2000 { 0.031 } else { -2.9 };
+                let wrapped = f64::sin(turned).atan2(f64::cos(turned));
+                winding = winding.after::<N>(N::angle_from_f64(wrapped));
+                let found = f64::from(winding.whole) + f64::from(winding.part) / 4_294_967_296.0;
+                assert!((found - turned / TAU).abs() < 1e-6, "{step}: {found}");
+            }
+            assert!(winding.whole < -900);
+        }
+        check::<f64>();
+        check::<f32>();
+        check::<Fixed>();
+    }
+
+    #[test]
+    fn standing_still_turns_nothing() {
+        for angle in [0.0_f64, 3.1, -3.1] {
+            let winding = Winding::at::<f64>(angle);
+            assert_eq!(winding.after::<f64>(angle), winding);
+        }
+        let zero = Winding::at::<f32>(f32::angle_from_f64(0.0));
+        assert_eq!((zero.whole, zero.part), (0, 0));
+    }
+}

@@ -1,0 +1,151 @@
+//! The half above the tick: from positions to pulses.
+
+use super::line::Line;
+use crate::Enable;
+use crate::command::stepper::{Schedule, Walk};
+use embedded_hal::digital::{ErrorType, OutputPin};
+
+/// The pins of one driver.
+#[derive(Debug)]
+pub struct Axis<S, D> {
+    step: S,
+    direction: D,
+    reversed: bool,
+    /// The level of the direction pin stands for fewer microsteps.
+    backward: bool,
+    /// The step pin is high.
+    high: bool,
+    /// Microsteps given.
+    position: i32,
+    walk: Walk,
+}
+
+impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
+    /// Takes the pins: step low, direction forward, which is high unless `reversed`.
+    ///
+    /// # Errors
+    /// A pin's.
+    pub fn new(step: S, direction: D, reversed: bool) -> Result<Self, S::Error> {
+        let mut axis = Self {
+            step,
+            direction,
+            reversed,
+            backward: true,
+            high: true,
+            position: 0,
+            walk: Schedule::new(0, 1).walk(),
+        };
+        axis.fall()?;
+        axis.turn(false)?;
+        Ok(axis)
+    }
+
+    /// Ends a pulse; whether there was one.
+    #[inline(always)]
+    fn fall(&mut self) -> Result<bool, S::Error> {
+        let high = self.high;
+        if high {
+            self.step.set_low()?;
+            self.high = false;
+        }
+        Ok(high)
+    }
+
+    /// Sets the direction; whether that was a change.
+    #[inline(always)]
+    fn turn(&mut self, backward: bool) -> Result<bool, S::Error> {
+        if backward == self.backward {
+            return Ok(false);
+        }
+        match backward == self.reversed {
+            true => self.direction.set_high()?,
+            false => self.direction.set_low()?,
+        }
+        self.backward = backward;
+        Ok(true)
+    }
+
+    /// Sets out for `position`, within `slots` slots; whether the direction changes.
+    #[inline(always)]
+    fn set_out(&mut self, position: i32, slots: u32) -> Result<bool, S::Error> {
+        let steps = position.wrapping_sub(self.position);
+        self.walk = Schedule::new(steps, slots).walk();
+        if steps == 0 {
+            return Ok(false);
+        }
+        self.turn(steps < 0)
+    }
+
+    /// Begins a pulse if one is due and `may` begin.
+    #[inline(always)]
+    fn rise(&mut self, may: bool) -> Result<(), S::Error> {
+        if self.walk.step(may) {
+            self.step.set_high()?;
+            self.high = true;
+            let step = if self.backward { -1 } else { 1 };
+            self.position = self.position.wrapping_add(step);
+        }
+        Ok(())
+    }
+}
+
+/// Three drivers and their enable line, as the slots see them.
+#[derive(Debug)]
+pub struct Slots<'l, S, D, E> {
+    line: &'l Line,
+    axes: [Axis<S, D>; 3],
+    enable: Enable<E>,
+    per_tick: u32,
+    seen: u32,
+}
+
+impl<'l, S, D, E> Slots<'l, S, D, E>
+where
+    S: OutputPin,
+    D: OutputPin<Error = S::Error>,
+    E: OutputPin<Error = S::Error>,
+{
+    /// Drivers that get `per_tick` slots in each tick, [`slots_per_tick`](super::slots_per_tick).
+    pub fn new(line: &'l Line, axes: [Axis<S, D>; 3], enable: Enable<E>, per_tick: u32) -> Self {
+        Self {
+            line,
+            axes,
+            enable,
+            per_tick,
+            seen: line.round(),
+        }
+    }
+
+    /// Microsteps given by each motor since it was switched on, modulo 2^32.
+    pub fn positions(&self) -> [i32; 3] {
+        self.axes.each_ref().map(|axis| axis.position)
+    }
+
+    /// One slot.
+    ///
+    /// # Errors
+    /// A pin's; none where pins are registers.
+    #[inline]
+    pub fn slot(&mut self) -> Result<(), <S as ErrorType>::Error> {
+        let on = self.line.is_on();
+        let mut may = [!self.enable.switch(on)?; 3];
+        for (axis, may) in self.axes.iter_mut().zip(&mut may) {
+            *may &= !axis.fall()?;
+        }
+        if !on {
+            return Ok(());
+        }
+        let round = self.line.round();
+        if round != self.seen {
+            self.seen = round;
+            let positions = self.line.positions();
+            for ((axis, position), may) in self.axes.iter_mut().zip(positions).zip(&mut may) {
+                *may &= !axis.set_out(position, self.per_tick)?;
+            }
+        }
+        for (axis, may) in self.axes.iter_mut().zip(may) {
+            axis.rise(may)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,271 @@
+//! Steppers behind the service: over holds, faults and recoveries the pulses add up to the rounded
+//! angle that the service has given out.
+
+mod common;
+
+use common::{Pin, Scope};
+use core::f64::consts::{PI, TAU};
+use std::path::Path;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_core::torque::links::Massless;
+use trirrr_core::torque::payload::Centred;
+use trirrr_drives::command::stepper::StepsPerTurn;
+use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
+use trirrr_drives::{Active, Enable};
+use trirrr_protocol::message::{
+    Board, Command, DriveFault, FaultCode, Hello, Move, PROTOCOL, Recovery, Reply, Request, State,
+};
+use trirrr_scene::Scene;
+use trirrr_service::{
+    Adjustable, BackgroundOf, Channels, ForegroundOf, SceneIdentity, Settings, name,
+};
+
+type Scalar = f32;
+type SceneChannels = Channels<Scalar, Centred<Scalar>, Massless, Adjustable, 4, 4>;
+
+const MICROSTEPS: u32 = 3200;
+const GEAR: f64 = 5.0;
+
+/// A machine: service, drives, and what the pulses have come to.
+struct Machine<'a> {
+    foreground: ForegroundOf<'a, Scalar, Centred<Scalar>, Massless, Adjustable>,
+    background: BackgroundOf<'a, Scalar, Centred<Scalar>, Massless, Adjustable>,
+    sequence: u32,
+    steppers: Steppers<'a, Scalar>,
+    slots: Slots<'a, Pin, Pin, Pin>,
+    per_tick: u32,
+    scope: Scope,
+    forward: [bool; 3],
+    pulses: [i64; 3],
+    /// What the service has given out, unwrapped, from the start.
+    turned: [f64; 3],
+    last: [f64; 3],
+}
+
+fn scene() -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-stepper.toml");
+    Scene::read(file).expect("a shipped scene")
+}
+
+fn pose(x: f64, y: f64, alpha: f64) -> Pose<Scalar> {
+    Pose::from_f64(x, y, alpha)
+}
+
+fn start() -> Pose<Scalar> {
+    pose(0.22, 0.24, 0.1)
+}
+
+impl<'a> Machine<'a> {
+    fn new(channels: &'a mut SceneChannels, line: &'a Line, most: u32) -> Self {
+        let scene = scene();
+        let settings = Settings {
+            period: Scalar::factor_from_f64(scene.period_s()),
+            ramp_ticks: 20,
+            silence_ticks: 0,
+            telemetry_every: 0,
+            scene: SceneIdentity {
+                schema: 1,
+                key: 1,
+                name: name("test"),
+                tick_rate_hz: scene.tick_rate_hz,
+                length_m: 1.0,
+                time_s: 1.0,
+                mass_kg: 1.0,
+            },
+            board: Board::HOST,
+        };
+        let adjustable = Adjustable::new(scene.parameters, scene.limits);
+        let (foreground, background) = channels.split(adjustable, start(), settings).unwrap();
+        let angles = foreground.output().motors.map(|motor| motor.angle);
+        let scope = Scope::default();
+        let axis = |names: [&'static str; 2]| {
+            let [step, direction] = names.map(|name| scope.pin(name));
+            Axis::new(step, direction, false).unwrap()
+        };
+        let axes = [axis(["s0", "d0"]), axis(["s1", "d1"]), axis(["s2", "d2"])];
+        let enable = Enable::new(scope.pin("enable"), Active::Low).unwrap();
+        let per_tick = slots_per_tick(most);
+        let mut machine = Self {
+            foreground,
+            background,
+            sequence: 0,
+            steppers: Steppers::new(
+                [StepsPerTurn::new(MICROSTEPS, GEAR); 3],
+                [most; 3],
+                angles,
+                line,
+            ),
+            slots: Slots::new(line, axes, enable, per_tick),
+            per_tick,
+            scope,
+            forward: [true; 3],
+            pulses: [0; 3],
+            turned: [0.0; 3],
+            last: angles.map(f64::from),
+        };
+        machine.scope.take();
+        machine.ask(Command::Hello(Hello {
+            protocol: PROTOCOL,
+            schema: 1,
+            scene: 0,
+        }));
+        machine
+    }
+
+    fn ask(&mut self, command: Command<Scalar>) {
+        let sequence = self.sequence;
+        // None is repeated, so any checksum will do.
+        let reply = self
+            .background
+            .receive(&Request { sequence, command }, sequence);
+        assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
+        if !matches!(command, Command::Hello(_)) {
+            self.sequence += 1;
+        }
+        while self.background.step() {}
+        while self.background.outgoing().is_some() {}
+    }
+
+    fn offer(&mut self, number: u32, to: Pose<Scalar>, ticks: u32) {
+        self.ask(Command::Move(Move {
+            number,
+            from: start(),
+            to,
+            start_velocity: [0.0; 3],
+            end_velocity: [0.0; 3],
+            ticks,
+            tool_power: 0.0,
+            tool_speed: 0.0,
+        }));
+        assert_eq!(self.background.status().refused, None);
+    }
+
+    /// A tick as the firmware does it, the slots up to the next, and the pulses counted.
+    fn tick(&mut self) {
+        let failed = self.steppers.apply(self.foreground.tick());
+        if let Err(failure) = failed {
+            let (code, drive) = (failure.code(), failure.drive);
+            self.foreground
+                .raise(code, drive, failure.value, failure.limit);
+            assert!(self.foreground.motors_are_at(self.steppers.angles()));
+            self.steppers.apply(self.foreground.output()).unwrap();
+        }
+        let given = self
+            .foreground
+            .output()
+            .motors
+            .map(|motor| f64::from(motor.angle));
+        for ((turned, last), now) in self.turned.iter_mut().zip(&mut self.last).zip(given) {
+            let step = now - *last;
+            *turned += step - TAU * (step / TAU).round();
+            *last = now;
+        }
+        for _ in 0..self.per_tick {
+            self.scope.now.set(self.scope.now.get() + 1);
+            self.slots.slot().unwrap();
+        }
+        for edge in self.scope.take() {
+            let motor = edge.pin.as_bytes()[1].wrapping_sub(b'0') as usize;
+            match edge.pin.as_bytes()[0] {
+                b'd' => self.forward[motor] = edge.high,
+                b's' if edge.high => self.pulses[motor] += if self.forward[motor] { 1 } else { -1 },
+                _ => {}
+            }
+        }
+    }
+
+    /// The pulses are those of the angles that were given out.
+    fn is_there(&self) {
+        for (pulses, turned) in self.pulses.iter().zip(self.turned) {
+            let exact = turned * f64::from(MICROSTEPS) * GEAR / TAU;
+            // In binary32 an angle is up to 2^-22 rad off, 6e-4 of a microstep, at either end.
+            assert!(
+                (*pulses as f64 - exact).abs() <= 0.5 + 2e-3,
+                "{pulses} {exact}"
+            );
+        }
+    }
+
+    fn ticks(&mut self, count: u32) {
+        for _ in 0..count {
+            self.tick();
+            self.is_there();
+            self.ask(Command::Status);
+        }
+    }
+
+    fn state(&self) -> State {
+        self.foreground.state()
+    }
+
+    /// From wherever it stands to the start.
+    fn recover(&mut self, ticks: u32) {
+        self.ask(Command::Recover(Recovery { to: start(), ticks }));
+        self.ticks(ticks + 5);
+        assert_eq!(self.state(), State::Idle);
+    }
+}
+
+#[test]
+fn over_holds_faults_and_recoveries_no_step_is_lost() {
+    let mut channels = Box::new(SceneChannels::new());
+    let line = Line::new();
+    let mut machine = Machine::new(&mut channels, &line, 80);
+    machine.offer(0, pose(0.29, 0.26, 0.2), 200);
+    machine.ask(Command::Start);
+    machine.ticks(40);
+    machine.ask(Command::Hold);
+    machine.ticks(40);
+    assert_eq!(machine.state(), State::Holding);
+    machine.ask(Command::Resume);
+    machine.ticks(60);
+    assert_eq!(machine.state(), State::Running);
+    let halfway = machine.pulses;
+    assert!(
+        halfway.iter().any(|pulses| pulses.abs() > 100),
+        "{halfway:?}"
+    );
+    // A fault from elsewhere, in the middle of the way.
+    let code = FaultCode::Drive(DriveFault::Reported);
+    machine.foreground.raise(code, Some(1), 1.0, 0.0);
+    machine.ticks(10);
+    assert_eq!(machine.state(), State::Fault);
+    machine.ask(Command::ClearFault);
+    machine.ticks(10);
+    machine.recover(300);
+    // Where it began, to the step, as the angles are.
+    assert_eq!(machine.pulses, [0; 3]);
+    assert!(machine.turned.iter().all(|turned| turned.abs() < PI / 1e5));
+}
+
+#[test]
+fn a_motor_that_is_too_slow_is_where_it_was_when_the_fault_is_cleared() {
+    let mut channels = Box::new(SceneChannels::new());
+    let line = Line::new();
+    // At most two microsteps in a tick, 0.4 rad/s.
+    let mut machine = Machine::new(&mut channels, &line, 2);
+    machine.offer(0, pose(0.29, 0.26, 0.2), 150);
+    machine.ask(Command::Start);
+    for _ in 0..200 {
+        machine.tick();
+        machine.is_there();
+        if machine.state() == State::Fault {
+            break;
+        }
+        machine.ask(Command::Status);
+    }
+    // The next tick reports it.
+    machine.ticks(1);
+    let fault = machine.background.status().fault.expect("too fast");
+    assert_eq!(fault.code, FaultCode::Drive(DriveFault::StepRate));
+    assert!(fault.value > 1.0 && fault.limit == 1.0, "{fault:?}");
+    let stands = machine.pulses;
+    machine.ticks(5);
+    machine.ask(Command::ClearFault);
+    machine.ticks(5);
+    // It holds, and does not fail again.
+    assert_eq!((machine.state(), machine.pulses), (State::Cleared, stands));
+    machine.recover(2000);
+    assert_eq!(machine.pulses, [0; 3]);
+}

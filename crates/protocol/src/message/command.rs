@@ -1,0 +1,130 @@
+//! What a host asks for.
+
+use super::Transmit;
+use super::scene::{Section, SectionName};
+use postcard_schema::Schema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+
+/// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
+/// [`Unread`](super::Unread) by a machine that takes none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+pub struct Request<N: Number, S = Section> {
+    /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
+    /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
+    /// sent back and otherwise ignored.
+    ///
+    /// [`Identity`]: super::Identity
+    pub sequence: u32,
+    /// What to do.
+    pub command: Command<N, S>,
+}
+
+/// What to do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+pub enum Command<N: Number, S = Section> {
+    /// Opens the conversation; nothing else is heard before it. Answered by an identity.
+    Hello(Hello),
+    /// Asks for the [status](super::Status).
+    Status,
+    /// Asks for a part of the scene as it stands.
+    Read(SectionName),
+    /// Replaces a part of the scene; only in idle with nothing queued.
+    Override(S),
+    /// Offers a move, to be admitted and queued behind the last.
+    Move(Move<N>),
+    /// Plays what is queued.
+    Start,
+    /// Comes to rest on the path, to be resumed.
+    Hold,
+    /// Goes on where it holds.
+    Resume,
+    /// Comes to rest on the path and drops the rest of the job.
+    Stop,
+    /// Acknowledges the latched fault; what follows is a [`Command::Recover`].
+    ClearFault,
+    /// Moves the motors, each by itself, to where they are at a pose.
+    Recover(Recovery<N>),
+    /// One telemetry sample every so many ticks; 0 for none.
+    Telemetry {
+        /// Ticks from one sample to the next.
+        every: u16,
+    },
+    /// Looks for the switches or stops of the motors, then moves to the scene's start pose.
+    Home,
+}
+
+/// What a host believes that it talks to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Hello {
+    /// [`PROTOCOL`](super::PROTOCOL).
+    pub protocol: u16,
+    /// Key of the messages' layout.
+    pub schema: u64,
+    /// Key of the scene, 0 for any.
+    pub scene: u32,
+}
+
+/// One cubic move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Move<N: Number> {
+    /// Counts the moves one by one, modulo 2^32; [`Status`](super::Status) says which is expected.
+    pub number: u32,
+    /// Where it starts: where the last one ends, or where the machine stands, in the bits.
+    pub from: Pose<N>,
+    /// Where it ends.
+    pub to: Pose<N>,
+    /// (vx, vy, alphadot) at its start: that at the end of the last one, in the bits.
+    pub start_velocity: [N; 3],
+    /// (vx, vy, alphadot) at its end.
+    pub end_velocity: [N; 3],
+    /// Duration in ticks, positive.
+    pub ticks: u32,
+    /// The tool's power at `tool_speed`, 0 to 1 of what it can give; 0 for none.
+    pub tool_power: N,
+    /// Speed of the tool along the path at which it has `tool_power`, positive where there is any
+    /// power. The power follows the true speed in proportion, up to 1.
+    pub tool_speed: N,
+}
+
+/// A joint-space move, rest to rest, from wherever the motors stand.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Recovery<N: Number> {
+    /// The pose whose motor angles are the target.
+    pub to: Pose<N>,
+    /// Duration in ticks, positive.
+    pub ticks: u32,
+}
+
+impl<N: Number> Move<N> {
+    /// Whether both ends are at rest.
+    pub fn is_rest_to_rest(&self) -> bool {
+        self.starts_at_rest() && self.ends_at_rest()
+    }
+
+    /// Whether it starts at rest.
+    pub fn starts_at_rest(&self) -> bool {
+        self.start_velocity == [N::ZERO; 3]
+    }
+
+    /// Whether it ends at rest.
+    pub fn ends_at_rest(&self) -> bool {
+        self.end_velocity == [N::ZERO; 3]
+    }
+}

@@ -1,0 +1,55 @@
+//! What a host and a machine say to each other: commands one way; replies, events and telemetry the
+//! other.
+//!
+//! # Numbers and units
+//! A message is generic over the scene's own number type `N`: what the machine computes is what it
+//! sends, bit for bit, and an image without `f64` arithmetic needs none to talk. Lengths, times and
+//! masses are in the machine's own units, which [`Identity`] names; for the float types they are SI.
+//! Angles are an `N::Angle`. Signs and frames are those of the core: everything in the fixed frame,
+//! counter-clockwise positive, motors and legs counted from 0. The sections of a scene
+//! ([`scene`]) are the one exception: binary64 in SI, as the scene's file has them.
+//!
+//! # Encoding
+//! Every type is a serde type of fixed layout: no maps, no strings, no sequences of unknown
+//! length. A variant is known by its place, so variants are added at the end and never moved.
+
+mod board;
+mod command;
+mod part;
+mod refusal;
+mod report;
+pub mod scene;
+mod state;
+#[cfg(test)]
+mod tests;
+mod violation;
+
+pub use board::{Board, Clock, Registers, Start};
+pub use command::{Command, Hello, Move, Recovery, Request};
+pub use part::{Replacement, Unread, Written};
+pub use refusal::Refusal;
+pub use report::{
+    Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
+};
+pub use state::{Acting, State};
+pub use violation::{Bounded, DriveFault, Fault, FaultCode, Violation};
+
+use postcard_schema::Schema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use trirrr_core::number::Number;
+
+/// A number type that messages can carry.
+pub trait Transmit:
+    Number<Angle: Serialize + DeserializeOwned + Schema> + Serialize + DeserializeOwned + Schema
+{
+}
+
+impl<N> Transmit for N where
+    N: Number<Angle: Serialize + DeserializeOwned + Schema> + Serialize + DeserializeOwned + Schema
+{
+}
+
+/// Version of the protocol: what commands mean, in which order they are to be given. A change of a
+/// message's layout changes the schema key instead.
+pub const PROTOCOL: u16 = 1;

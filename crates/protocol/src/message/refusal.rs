@@ -1,0 +1,90 @@
+//! Why a command was not executed.
+
+use super::Transmit;
+use super::state::State;
+use super::violation::Violation;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+use trirrr_core::machine::Quantity;
+use trirrr_core::number::Number;
+
+/// Why a command was not executed. A refused command changes nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub enum Refusal<N: Number> {
+    /// No hello was accepted since the machine was switched on.
+    HelloFirst,
+    /// Another version of the protocol.
+    Protocol {
+        /// The machine's own.
+        expected: u16,
+    },
+    /// Another layout of the messages.
+    Schema {
+        /// The machine's own.
+        expected: u64,
+    },
+    /// Another scene.
+    Scene {
+        /// The machine's own.
+        expected: u32,
+    },
+    /// The sequence number is neither the next nor the last.
+    Sequence {
+        /// The next.
+        expected: u32,
+    },
+    /// The sequence number is that of the last command, the command is another.
+    SequenceReused,
+    /// Not in this state.
+    State(State),
+    /// Start, and nothing is admitted.
+    NothingQueued,
+    /// Start, and what is admitted is not enough, but there are moves that are not judged yet.
+    Undecided,
+    /// Start, and what is admitted ends moving before the machine could come to rest.
+    EndsMoving,
+    /// No room for another move.
+    QueueFull,
+    /// The move's number is not the next.
+    MoveNumber {
+        /// The next.
+        expected: u32,
+    },
+    /// A value is infinite or not a number.
+    NotFinite,
+    /// A duration of no tick, or longer than the machine counts.
+    Duration {
+        /// The longest, in ticks.
+        longest: u32,
+    },
+    /// The move does not start where the last one ends, or the machine stands.
+    StartPose,
+    /// The move does not start as fast as the last one ends.
+    StartVelocity,
+    /// The tool's power is not between 0 and 1, or its speed is not positive.
+    Tool,
+    /// The image holds no code to change its scene.
+    NotAdjustable,
+    /// There is no such leg.
+    NoSuchLeg,
+    /// The scene's part cannot be built.
+    Parameter {
+        /// What is wrong,
+        quantity: Quantity,
+        /// and of which leg.
+        leg: Option<u8>,
+    },
+    /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a
+    /// centre of mass off the reference point.
+    NotInImage,
+    /// With the new geometry, no pose near the last fits the motors' angles.
+    NoPose,
+    /// The recovery, or the homing, would break this limit, or end where this limit does not allow.
+    Recovery(Violation<N>),
+    /// The tick has not taken the commands before this one yet.
+    Busy,
+    /// The scene has no homing: where the motors are is known.
+    NoHoming,
+}

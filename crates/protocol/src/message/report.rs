@@ -1,0 +1,211 @@
+//! What a machine says.
+
+use super::Transmit;
+use super::board::Board;
+use super::refusal::Refusal;
+use super::scene::Section;
+use super::state::{Acting, State};
+use super::violation::{Fault, Violation};
+use postcard_schema::Schema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Setpoint;
+
+/// Bytes for the name of a scene.
+pub const NAME_CAPACITY: usize = 32;
+
+/// Whatever a machine sends. `S` is what a part of the scene in it is: a [`Section`], or
+/// [`Written`](super::Written) by a machine that only passes it on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+// A telemetry sample is the largest and the most frequent: boxing it is not an option here.
+#[allow(clippy::large_enum_variant)]
+pub enum Message<N: Number, S = Section> {
+    /// The answer to a request.
+    Reply {
+        /// The request's.
+        sequence: u32,
+        /// The answer.
+        reply: Reply<N, S>,
+    },
+    /// Something happened. Whatever an event says can be read from the [`Status`] too.
+    Event(Event<N>),
+    /// A sample of one tick.
+    Telemetry(Telemetry<N>),
+}
+
+/// A [`Message`] around what lies elsewhere, with the same bytes on the line.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(bound = "N: Transmit, S: Serialize")]
+pub enum MessageRef<'a, N: Number, S = Section> {
+    /// As [`Message::Reply`].
+    Reply {
+        /// The request's.
+        sequence: u32,
+        /// The answer.
+        reply: &'a Reply<N, S>,
+    },
+    /// As [`Message::Event`].
+    Event(&'a Event<N>),
+    /// As [`Message::Telemetry`].
+    Telemetry(&'a Telemetry<N>),
+}
+
+/// The answer to a request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound(
+    serialize = "N: Transmit, S: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned"
+))]
+#[postcard(bound = "N: Transmit, S: Schema")]
+#[allow(clippy::large_enum_variant)] // as above
+pub enum Reply<N: Number, S = Section> {
+    /// It is done, or will be within the next ticks; a move is offered, its verdict follows.
+    Done,
+    /// It is not done.
+    Refused(Refusal<N>),
+    /// To a hello.
+    Hello(Identity),
+    /// To a question for a part of the scene.
+    Section(S),
+    /// To a question for the status.
+    Status(Status<N>),
+}
+
+/// What a machine is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Identity {
+    /// [`PROTOCOL`](super::PROTOCOL).
+    pub protocol: u16,
+    /// Key of the messages' layout.
+    pub schema: u64,
+    /// Key of the scene.
+    pub scene: u32,
+    /// Name of the scene: ASCII, cut where it is longer, zeros behind it.
+    pub name: [u8; NAME_CAPACITY],
+    /// Ticks per second.
+    pub tick_rate_hz: f64,
+    /// One unit of length in m, 1 for the float types,
+    pub length_m: f64,
+    /// one unit of time in s,
+    pub time_s: f64,
+    /// and one unit of mass in kg.
+    pub mass_kg: f64,
+    /// Ticks from normal speed to rest.
+    pub ramp_ticks: u16,
+    /// Silence of the host, in ticks, after which a running machine stops; 0 for never.
+    pub silence_ticks: u32,
+    /// Moves that can wait, those not yet admitted included.
+    pub queue: u8,
+    /// Sequence number of the next request.
+    pub next_sequence: u32,
+    /// What carries it.
+    pub board: Board,
+}
+
+/// Where everything stands.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Status<N: Number> {
+    /// Ticks since the machine was switched on, modulo 2^32.
+    pub tick: u32,
+    /// What it is doing,
+    pub state: State,
+    /// and what keeps it from normal speed.
+    pub acting: Acting,
+    /// The latched fault.
+    pub fault: Option<Fault<N>>,
+    /// Number of the next move to offer.
+    pub next: u32,
+    /// Number of the first move that is not admitted: all before it are,
+    pub admitted: u32,
+    /// and of the first that is not over: all before it were played to their end, or cut short
+    /// where the job was stopped.
+    pub done: u32,
+    /// Moves for which there is room.
+    pub room: u8,
+    /// The last move that was not admitted, until the next one is offered.
+    pub refused: Option<Verdict<N>>,
+    /// Where the next move has to start: the end of the last one offered, or where the machine
+    /// stands.
+    pub end: Option<Setpoint<N>>,
+    /// Telemetry samples that were dropped because nobody fetched them, modulo 2^32.
+    pub lost: u32,
+    /// The longest tick so far, from when it was due until its outputs stood, in counts of the
+    /// board's timer.
+    pub longest_tick: u32,
+}
+
+/// The verdict over a move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Verdict<N: Number> {
+    /// The move's number.
+    pub number: u32,
+    /// What it would break; none where it is admitted.
+    pub violation: Option<Violation<N>>,
+}
+
+/// Something happened.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub enum Event<N: Number> {
+    /// A move was judged. Once one is refused, those behind it are dropped, and the next to offer
+    /// has its number.
+    Verdict(Verdict<N>),
+    /// The state, or what acts, changed.
+    State {
+        /// What the machine is doing,
+        state: State,
+        /// what keeps it from normal speed,
+        acting: Acting,
+        /// and the number of the first move that is not over.
+        done: u32,
+    },
+    /// A fault was latched.
+    Fault(Fault<N>),
+}
+
+/// One tick: the setpoint and what it asked of the motors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Telemetry<N: Number> {
+    /// Ticks since the machine was switched on, modulo 2^32.
+    pub tick: u32,
+    /// What the machine is doing,
+    pub state: State,
+    /// and what keeps it from normal speed.
+    pub acting: Acting,
+    /// Number of the move under way, or of the last one.
+    pub number: u32,
+    /// Whole ticks of the move's own time that have passed,
+    pub at: u32,
+    /// and the rest in parts of 2 `ramp_ticks` to the tick; always 0 at normal speed.
+    pub part: u32,
+    /// Pose, velocity, acceleration, time scaling included.
+    pub setpoint: Setpoint<N>,
+    /// theta_i1, in (-pi, pi].
+    pub angles: [N::Angle; 3],
+    /// Their rates,
+    pub rates: [N; 3],
+    /// accelerations,
+    pub accelerations: [N; 3],
+    /// and the motors' torques on the proximal links; 0 from a scene that computes none.
+    pub torques: [N; 3],
+    /// Power of the tool, 0 to 1.
+    pub tool: N,
+    /// How long the tick before took, from when it was due until its outputs stood, in counts of
+    /// the board's timer.
+    pub duration: u32,
+    /// Samples dropped so far because nobody fetched them, modulo 2^32.
+    pub lost: u32,
+}

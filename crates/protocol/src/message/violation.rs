@@ -1,0 +1,142 @@
+//! What went beyond what, and where.
+
+use super::Transmit;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+use trirrr_core::number::Number;
+use trirrr_core::status::Status;
+
+/// A quantity that has a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Bounded {
+    /// The span from the base joint to the platform joint, against what the leg reaches.
+    Reach,
+    /// [Distance](trirrr_core::singularity) from the serial singularity.
+    SerialDistance,
+    /// [Distance](trirrr_core::singularity) from the parallel singularity.
+    ParallelDistance,
+    /// Joint rate.
+    Rate,
+    /// Joint acceleration.
+    Acceleration,
+    /// Torque at the joint.
+    Torque,
+    /// Mechanical power of a motor.
+    Power,
+    /// A result against the range of the number type.
+    Range,
+}
+
+/// A move breaks a limit: the first violation on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Violation<N: Number> {
+    /// What went beyond its bound.
+    pub what: Bounded,
+    /// The leg or motor, from 0, where it belongs to one.
+    pub index: Option<u8>,
+    /// When: fraction of the move's duration, 0 to 1.
+    pub at: N,
+    /// The value.
+    pub value: N,
+    /// The bound.
+    pub limit: N,
+    /// Whether it takes a hold, a stop or a resume there: at normal speed the bound is kept.
+    pub ramp: bool,
+    /// The shortest duration in ticks that would pass, where the move is merely too fast.
+    pub shortest: Option<u32>,
+}
+
+/// A latched fault.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Fault<N: Number> {
+    /// What happened.
+    pub code: FaultCode,
+    /// The leg or motor, from 0, where it belongs to one.
+    pub index: Option<u8>,
+    /// The value; 0 where there is none.
+    pub value: N,
+    /// The limit that it broke; 0 where there is none.
+    pub limit: N,
+    /// The tick in which it happened.
+    pub tick: u32,
+}
+
+/// What a fault is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum FaultCode {
+    /// The tick's result was beyond a limit; it was not given out.
+    Limit(Bounded),
+    /// The setpoint had no motion: a leg does not reach it.
+    Unreachable,
+    /// The setpoint had no motion: a leg is stretched or folded.
+    SerialSingular,
+    /// The setpoint had no motion: the torques are not defined.
+    ParallelSingular,
+    /// The setpoint had no motion: a result beyond the range of the number type.
+    OutOfRange,
+    /// A tick was not done when the next was due; the value is the time that it took over the
+    /// period, at most 2, the limit 1.
+    Overrun,
+    /// A drive does not do what it was told.
+    Drive(DriveFault),
+    /// The board reports a fault; the value is its own code. 1: it started anew because it had
+    /// failed, and its identity says how.
+    Board,
+    /// Homing: the motor has moved by as much as it may, the limit in rad, and its switch has not
+    /// closed, or its drive has not stalled.
+    HomingNotFound,
+    /// Homing: the motor has backed off by the limit in rad, and its switch is still closed.
+    HomingNotReleased,
+    /// Homing: the switch was closed before the search, and is still closed after the motor has
+    /// moved away by the limit in rad.
+    HomingClosedAtStart,
+}
+
+/// What a drive does not do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum DriveFault {
+    /// More microsteps in a tick than the stepper's driver takes; the value is in parts of the most
+    /// that it takes, the limit 1.
+    StepRate,
+    /// A command beyond what the drive's frame can hold.
+    Range,
+    /// The bus has not carried the commands of the tick before.
+    BusBusy,
+    /// The bus has taken the board off it after too many errors.
+    BusOff,
+    /// The drive reports an error of its own; the value is its code.
+    Reported,
+}
+
+impl FaultCode {
+    /// The code and the leg of a setpoint without a motion.
+    pub fn of(status: Status) -> (Self, Option<u8>) {
+        match status {
+            Status::Unreachable { leg } => (Self::Unreachable, Some(leg as u8)),
+            Status::SerialSingular { leg } => (Self::SerialSingular, Some(leg as u8)),
+            Status::ParallelSingular => (Self::ParallelSingular, None),
+            Status::OutOfRange => (Self::OutOfRange, None),
+        }
+    }
+
+    /// The quantity that is at its bound in this fault, if it is one of the machine's own.
+    pub fn bounded(self) -> Option<Bounded> {
+        match self {
+            Self::Limit(what) => Some(what),
+            Self::Unreachable => Some(Bounded::Reach),
+            Self::SerialSingular => Some(Bounded::SerialDistance),
+            Self::ParallelSingular => Some(Bounded::ParallelDistance),
+            Self::OutOfRange => Some(Bounded::Range),
+            Self::Overrun
+            | Self::Drive(_)
+            | Self::Board
+            | Self::HomingNotFound
+            | Self::HomingNotReleased
+            | Self::HomingClosedAtStart => None,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! A scene as a whole.
+
+use crate::drive::{Drive, DriveKind, read_drives};
+use crate::error::SceneError;
+use crate::homing::{Homing, PlacedHoming, read_homing};
+use crate::homing_path::check_homing;
+use crate::job::{Job, PlacedJob, read_job};
+use crate::limits::read_limits;
+use crate::machine::read_parameters;
+use crate::path::check_job;
+use crate::plant::{PlacedPlant, Plant, read_plant};
+use crate::read::{Bound, Document, Place, Section, text_of, with_root};
+use crate::service::{Service, read_service};
+use std::fmt;
+use std::path::Path;
+use trirrr_core::limits::LimitParameters as Limits;
+use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::singularity::greatest_det_a;
+use trirrr_service::key;
+
+/// Slowest and fastest tick rate, Hz.
+const TICK_RATE_HZ: (f64, f64) = (1.0, 100_000.0);
+
+/// Keys of the scene itself; the rest stands in tables.
+const TOP_KEYS: &[&str] = &[
+    "name",
+    "description",
+    "tick_rate_hz",
+    "number",
+    "torque",
+    "gravity_m_s2",
+];
+
+/// A checked scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// [Key](trirrr_service::key) of the file's text: by it a board and a host know that they
+    /// have the same scene.
+    pub key: u32,
+    /// Name of the scene: letters, digits, `-` and `_`, fit to name a folder.
+    pub name: String,
+    /// What the scene shows, in the author's words; may be empty.
+    pub description: String,
+    /// Ticks per second, from 1 to 100,000.
+    pub tick_rate_hz: f64,
+    /// The number type that the scene is meant to run in.
+    pub number: NumberType,
+    /// Whether the tick computes torques; without, it is position, rate and acceleration alone.
+    pub torque: bool,
+    /// The machine with its loads; rotor inertias are those of `drives` behind their gears.
+    pub parameters: Parameters,
+    /// The drive of each motor, if the scene names any.
+    pub drives: Option<[Drive; 3]>,
+    /// What the job must keep.
+    pub limits: Limits,
+    /// How the service runs the job.
+    pub service: Service,
+    /// How the machine finds out where its motors are, if it does not know.
+    pub homing: Option<Homing>,
+    /// What to do.
+    pub job: Job,
+    /// How the real machine is simulated, if the scene says.
+    pub plant: Option<Plant>,
+}
+
+/// The number types of the pipeline. A scene may name any; whoever runs it says if it cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberType {
+    /// binary64.
+    F64,
+    /// binary32.
+    F32,
+    /// 32-bit fixed point.
+    Fixed,
+    /// binary32 with the coarse functions of the micromath crate.
+    Micromath,
+}
+
+impl NumberType {
+    /// All of them, by the names that scenes use.
+    const NAMES: [(&'static str, Self); 4] = [
+        ("f64", Self::F64),
+        ("f32", Self::F32),
+        ("fixed", Self::Fixed),
+        ("micromath", Self::Micromath),
+    ];
+}
+
+impl fmt::Display for NumberType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Self::NAMES.iter().find(|(_, number)| number == self);
+        f.write_str(name.map_or("", |(name, _)| name))
+    }
+}
+
+impl Scene {
+    /// Reads and checks the scene in `file`.
+    ///
+    /// # Errors
+    /// [`SceneError`] with everything found wrong.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let file = file.as_ref();
+        Self::parse(&text_of(file)?, &file.display().to_string())
+    }
+
+    /// Checks the scene in `text`; `file` is only named in errors.
+    ///
+    /// # Errors
+    /// [`SceneError::Refused`] with everything found wrong. Poses and paths are only looked at
+    /// once nothing else is wrong.
+    pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
+        let document = Document::new(text, TOP_KEYS);
+        let read = with_root(&document, text, |root| {
+            read_scene(&document, root, key(text.as_bytes()))
+        });
+        let Some((scene, placed, homing, legs)) = read.filter(|_| document.is_clean()) else {
+            return Err(document.into_error(file));
+        };
+        check_machine(&document, &scene, &placed, homing.as_ref(), &legs);
+        match document.is_clean() {
+            true => Ok(scene),
+            false => Err(document.into_error(file)),
+        }
+    }
+
+    /// Seconds per tick.
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.tick_rate_hz
+    }
+
+    /// Ticks of a hold's way to rest, and of a resume's back: its time to the nearest tick, at least
+    /// one.
+    pub fn ramp_ticks(&self) -> u16 {
+        // Cannot overflow: a longer ramp is refused when it is read.
+        (self.service.hold_ramp_s * self.tick_rate_hz)
+            .round()
+            .max(1.0) as u16
+    }
+
+    /// Duration of the job in ticks; it has one setpoint more.
+    pub fn ticks(&self) -> u32 {
+        self.job.ticks()
+    }
+}
+
+fn read_scene(
+    document: &Document,
+    root: &Section,
+    key: u32,
+) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Place)> {
+    let name = root.folder_name("name");
+    let description = root.optional_text("description").unwrap_or_default();
+    let (slowest, fastest) = TICK_RATE_HZ;
+    let rate = root.number("tick_rate_hz", Bound::Within(slowest, fastest));
+    let number = match root.has("number") {
+        true => root.choice("number", &NumberType::NAMES),
+        false => Some(NumberType::F64),
+    };
+    let torque = match root.has("torque") {
+        true => root.boolean("torque"),
+        false => Some(true),
+    };
+    let drives = read_drives(root);
+    let parameters = read_parameters(root, drives.flatten());
+    let limits = read_limits(root);
+    let service = read_service(root, rate);
+    let plant = read_plant(root, drives, rate);
+    if torque == Some(false) {
+        refuse_torques(
+            root,
+            limits.as_ref(),
+            drives.flatten().as_ref(),
+            plant.as_ref(),
+        );
+    }
+    let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
+    let placed = read_job(document, root, rate)?;
+    let homing = homing?;
+    let plant = match plant? {
+        Some(plant) => Some(plant.checked(root, f64::from(placed.job.ticks()) / rate?)?),
+        None => None,
+    };
+    let scene = Scene {
+        key,
+        name: name?,
+        description: description.into_owned(),
+        tick_rate_hz: rate?,
+        number: number?,
+        torque: torque?,
+        parameters: parameters?,
+        drives: drives?,
+        limits: limits?,
+        service: service?,
+        homing: homing.as_ref().map(|placed| placed.homing),
+        job: placed.job.clone(),
+        plant,
+    };
+    let legs = Place {
+        value: None,
+        ..root.place_of("machine")
+    };
+    Some((scene, placed, homing, legs))
+}
+
+/// Refuses what asks for torques in a scene that computes none.
+fn refuse_torques(
+    root: &Section,
+    limits: Option<&Limits>,
+    drives: Option<&[Drive; 3]>,
+    plant: Option<&Option<PlacedPlant>>,
+) {
+    let limited = limits.map_or([false; 2], |limits| {
+        [limits.torque_nm.is_some(), limits.power_w.is_some()]
+    });
+    let bldc = drives.is_some_and(|drives| {
+        let is_bldc = |drive: &Drive| matches!(drive.kind, DriveKind::Bldc(_));
+        drives.iter().any(is_bldc)
+    });
+    let feed_forward = plant
+        .and_then(Option::as_ref)
+        .and_then(|placed| placed.plant.controller.as_ref())
+        .is_some_and(|controller| controller.feed_forward);
+    for (asks, what) in [
+        (limited[0], "[limits] torque_nm"),
+        (limited[1], "[limits] power_w"),
+        (bldc, "a [[drive]] of kind \"bldc\""),
+        (
+            feed_forward,
+            "[plant.controller] feed_forward, which is true unless it says false,",
+        ),
+    ] {
+        if asks {
+            root.refuse(
+                "torque",
+                format!("{what} needs the torques that this leaves out"),
+            );
+        }
+    }
+}
+
+/// What takes a machine that is right in itself: poses and paths.
+fn check_machine(
+    document: &Document,
+    scene: &Scene,
+    placed: &PlacedJob,
+    homing: Option<&PlacedHoming>,
+    legs: &Place,
+) {
+    let geometry = match Geometry::<f64>::build(&scene.parameters) {
+        Ok(geometry) => geometry,
+        Err(error) => return document.refuse(legs, error.to_string()),
+    };
+    if greatest_det_a(&scene.parameters) <= 0.0 {
+        let reason = "the three platform joints fall together: nothing holds the platform's angle";
+        return document.refuse(legs, reason);
+    }
+    if let Err(error) = check_job(document, scene, placed, geometry) {
+        document.refuse(legs, error.to_string());
+    }
+    if let Some(homing) = homing {
+        check_homing(document, scene, homing, geometry);
+    }
+}

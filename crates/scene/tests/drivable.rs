@@ -1,0 +1,130 @@
+//! What is accepted can be driven: the core gives every tick of it a value, and the machine stays
+//! on one side of its parallel singularity. What is refused is refused for a reason that is there.
+
+use proptest::prelude::*;
+use trirrr_core::machine::Geometry;
+use trirrr_core::setpoint::{Hermite, Pose};
+use trirrr_core::singularity::{Distances, det_a};
+use trirrr_core::tick::Tick;
+use trirrr_scene::{JobPlayer, Scene};
+
+const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+
+/// The thesis machine with another job: two moves, with a velocity (vx, vy, valpha) between them.
+fn with_job([start, middle, end]: [[f64; 3]; 3], [vx, vy, valpha]: [f64; 3]) -> String {
+    let (machine, _) = THESIS
+        .split_once("[job]")
+        .expect("the thesis scene has a job");
+    let pose =
+        |[x, y, alpha]: [f64; 3]| format!("{{ x_m = {x:?}, y_m = {y:?}, alpha_rad = {alpha:?} }}");
+    format!(
+        "{machine}[job]\nstart = {}\n\
+         [[job.move]]\nto = {}\nduration_s = 0.5\n\
+         end_velocity = {{ vx_m_s = {vx:?}, vy_m_s = {vy:?}, valpha_rad_s = {valpha:?} }}\n\
+         [[job.move]]\nto = {}\nduration_s = 0.5\n",
+        pose(start),
+        pose(middle),
+        pose(end),
+    )
+}
+
+fn pose() -> impl Strategy<Value = [f64; 3]> {
+    (0.1..0.4, 0.15..0.4, -0.9..1.5_f64).prop_map(|(x, y, alpha)| [x, y, alpha])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn accepted_jobs_evaluate_at_every_tick(
+        poses in [pose(), pose(), pose()],
+        velocity in [-0.3..0.3, -0.3..0.3, -2.0..2.0_f64],
+    ) {
+        let thesis = Scene::parse(THESIS, "thesis.toml").unwrap();
+        let geometry = Geometry::<f64>::build(&thesis.parameters).unwrap();
+        let distances = Distances::<f64>::build(&thesis.parameters);
+        let limits = thesis.limits;
+        // Independent of the scene's own check: samples, on the general cubic.
+        let [start, middle, end] = poses.map(|[x, y, alpha]| Pose::<f64>::from_f64(x, y, alpha));
+        let (rest, velocity_between) = ([0.0; 3].into(), velocity.into());
+        let (ticks, period) = (400, 0.5 / 400.0);
+        let moves = [
+            Hermite::new(start, rest, middle, velocity_between, ticks, period),
+            Hermite::new(middle, velocity_between, end, rest, ticks, period),
+        ];
+        let mut worst = f64::INFINITY;
+        let mut signs = [false; 2];
+        for each in &moves {
+            for tick in 0..=ticks {
+                let Ok(position) = geometry.position(&each.at(tick).pose) else {
+                    worst = f64::NEG_INFINITY;
+                    continue;
+                };
+                signs[usize::from(det_a(&position) > 0.0)] = true;
+                for distance in distances.serial(&position) {
+                    worst = worst.min(distance - limits.serial_distance_min);
+                }
+                worst = worst.min(distances.parallel(&position) - limits.parallel_distance_min);
+            }
+        }
+        let crosses = signs == [true; 2];
+
+        match Scene::parse(&with_job(poses, velocity), "random.toml") {
+            Ok(scene) => {
+                prop_assert!(worst >= 0.0 && !crosses, "accepted, but {worst} {crosses}");
+                let tick = Tick::<f64>::build(&scene.parameters).unwrap();
+                for setpoint in JobPlayer::<f64>::new(&scene.job, scene.period_s()).setpoints() {
+                    let motion = tick.evaluate(&setpoint);
+                    prop_assert!(motion.is_ok(), "{setpoint:?}: {motion:?}");
+                }
+            }
+            // Between the samples here a limit can be missed by a little.
+            Err(error) => prop_assert!(worst < 0.001 || crosses, "{worst} {crosses}, but {error}"),
+        }
+    }
+}
+
+#[test]
+fn random_jobs_are_of_both_kinds() {
+    // The property above would hold trivially if one outcome never came.
+    let good = with_job(
+        [[0.21, 0.22, 0.1], [0.25, 0.3, 0.2], [0.28, 0.28, 0.3]],
+        [0.1, 0.1, 0.0],
+    );
+    assert!(Scene::parse(&good, "good.toml").is_ok());
+    let bad = with_job(
+        [[0.21, 0.22, 0.1], [0.1, 0.15, 0.2], [0.28, 0.28, 0.3]],
+        [0.1, 0.1, 0.0],
+    );
+    assert!(Scene::parse(&bad, "bad.toml").is_err());
+}
+
+#[test]
+fn shipped_jobs_evaluate_at_every_tick() {
+    for text in [
+        THESIS,
+        include_str!("../../../scenes/thesis-links.toml"),
+        include_str!("../../../scenes/vertical.toml"),
+        include_str!("../../../scenes/engraving.toml"),
+    ] {
+        let scene = Scene::parse(text, "shipped.toml").unwrap();
+        let in_f64 = Tick::<f64>::build(&scene.parameters).unwrap();
+        let in_f32 = Tick::<f32>::build(&scene.parameters).unwrap();
+        let player_f64 = JobPlayer::<f64>::new(&scene.job, scene.period_s());
+        let player_f32 = JobPlayer::<f32>::new(&scene.job, scene.period_s());
+        for (exact, single) in player_f64.setpoints().zip(player_f32.setpoints()) {
+            assert!(in_f64.evaluate(&exact).is_ok(), "{} {exact:?}", scene.name);
+            assert!(
+                in_f32.evaluate(&single).is_ok(),
+                "{} {single:?}",
+                scene.name
+            );
+            let difference = exact.pose.position - single.pose.position.map(f64::from);
+            assert!(
+                difference.abs().max() < 1e-6,
+                "{}: {difference}",
+                scene.name
+            );
+        }
+    }
+}

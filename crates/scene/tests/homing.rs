@@ -1,0 +1,218 @@
+//! `[homing]`: what is read, what is driven on paper, and what is refused.
+
+mod common;
+
+use common::{edit, problems};
+use trirrr_core::units::Units;
+use trirrr_scene::Scene;
+use trirrr_service::Contact;
+
+const STEPPER: &str = include_str!("../../../scenes/pick-stepper.toml");
+
+/// The same with homing: references 0.3 rad from the start pose.
+const HOMED: &str = include_str!("../../../scenes/pick-home.toml");
+
+#[test]
+fn homing_is_read() {
+    let plain = Scene::parse(STEPPER, "pick-stepper.toml").expect("shipped");
+    let scene = Scene::parse(HOMED, "pick-home.toml").expect("it can be homed");
+    assert_eq!((plain.homing, &plain.job), (None, &scene.job));
+    let homing = scene.homing.expect("the table is there");
+    assert_eq!(homing.contact, Contact::Switch);
+    assert!(homing.active_high);
+    // 5 ms at 500 Hz, rounded.
+    assert_eq!(homing.debounce_ticks, 3);
+    assert_eq!(
+        homing.motors.map(|motor| motor.positive),
+        [true, false, false]
+    );
+    assert_eq!(homing.motors.map(|motor| motor.stage), [0; 3]);
+    assert_eq!(homing.motors[1].angle_rad, -2.196);
+
+    let parameters = homing.parameters(&scene, &Units::SI).expect("it stands");
+    let times = parameters.times;
+    // 0.8 rad at 0.4 rad/s, half a ramp of 0.1 s and the debounce time, in ticks of 2 ms.
+    for ticks in times.search {
+        assert!((1025 + 4..=1025 + 8).contains(&ticks), "{ticks}");
+    }
+    // The same path in other units of time takes as many ticks.
+    let units = Units {
+        time: -3,
+        ..Units::SI
+    };
+    let other = homing.parameters(&scene, &units).expect("it stands");
+    assert_eq!(other.times, times);
+    assert_eq!(other.motors[0].search_rate_rad_s, 0.05);
+}
+
+#[test]
+fn hard_stops_are_read() {
+    let unfelt = edit(
+        HOMED,
+        "\"switches\"",
+        1,
+        "\"hard-stops\"\nstall_detection = false",
+    );
+    let unfelt = edit(&unfelt, "latch_rate_rad_s = 0.05\n", 1, "");
+    let scene = Scene::parse(&unfelt, "unfelt.toml").expect("it can be homed");
+    assert_eq!(
+        scene.homing.map(|homing| homing.contact),
+        Some(Contact::Unfelt)
+    );
+    let felt = edit(
+        HOMED,
+        "\"switches\"",
+        1,
+        "\"hard-stops\"\nstall_detection = true\nactive = \"low\"",
+    );
+    let homing = Scene::parse(&felt, "felt.toml")
+        .expect("it can be homed")
+        .homing;
+    let homing = homing.expect("the table is there");
+    assert_eq!(
+        (homing.contact, homing.active_high),
+        (Contact::Stall, false)
+    );
+}
+
+#[test]
+fn sequences_are_driven_in_their_order() {
+    // One by one they may move less: the platform is small and turns fast.
+    let near = edit(HOMED, "[0.376, -2.196, 2.38]", 1, "[0.136, -1.956, 2.62]");
+    let near = edit(&near, "back_off_rad = 0.05", 1, "back_off_rad = 0.03");
+    for order in ["[1, 2, 3]", "[3, 1, 2]", "[2, 2, 1]"] {
+        let text = edit(
+            &near,
+            "back_off_rad",
+            1,
+            &format!("sequence = {order}\nback_off_rad"),
+        );
+        Scene::parse(&text, "order.toml").expect(order);
+    }
+}
+
+#[test]
+fn what_cannot_be_homed_is_refused() {
+    for (from, to, key, reason) in [
+        (
+            "to = \"switches\"",
+            "to = \"encoders\"",
+            "homing.to",
+            "must be one of",
+        ),
+        (
+            "to = \"switches\"",
+            "to = \"hard-stops\"",
+            "homing.stall_detection",
+            "missing",
+        ),
+        (
+            "direction = [1, -1, -1]",
+            "direction = 0",
+            "homing.direction",
+            "must be 1 or -1",
+        ),
+        ("direction = [1, -1, -1]", "", "homing.direction", "missing"),
+        (
+            "latch_rate_rad_s = 0.05",
+            "latch_rate_rad_s = 0.5",
+            "homing.latch_rate_rad_s",
+            "beyond its search rate",
+        ),
+        (
+            "back_off_rad = 0.05",
+            "back_off_rad = 0.8",
+            "homing.back_off_rad",
+            "not less than its largest travel",
+        ),
+        (
+            "search_rate_rad_s = 0.4",
+            "search_rate_rad_s = 6.5",
+            "homing.search_rate_rad_s",
+            "beyond [limits] rate_rad_s",
+        ),
+        (
+            "acceleration_rad_s2 = 4.0",
+            "acceleration_rad_s2 = 81",
+            "homing.acceleration_rad_s2",
+            "beyond [limits] acceleration_rad_s2",
+        ),
+        (
+            "acceleration_rad_s2 = 4.0",
+            "acceleration_rad_s2 = 0",
+            "homing.acceleration_rad_s2",
+            "must be greater than 0",
+        ),
+        (
+            "travel_max_rad = 0.8",
+            "travel_max_rad = 0.2",
+            "homing.travel_max_rad",
+            "reference of motor 1 is 0.2999 rad from the start pose",
+        ),
+        (
+            "travel_max_rad = 0.8",
+            "travel_max_rad = 4",
+            "homing.travel_max_rad",
+            "must be from 0 to",
+        ),
+        (
+            "back_off_rad = 0.05",
+            "back_off_rad = 0.05\nsequence = 1.5",
+            "homing.sequence",
+            "must be whole numbers",
+        ),
+        (
+            "back_off_rad = 0.05",
+            "back_off_rad = 0.05\nspeed = 2",
+            "homing.speed",
+            "unknown key",
+        ),
+    ] {
+        let found = problems(&edit(HOMED, from, 1, to));
+        let met = found
+            .iter()
+            .any(|problem| problem.key == key && problem.reason.contains(reason));
+        assert!(met, "{to}: {found:?}");
+    }
+}
+
+/// A way that the closed chain cannot go, with the motors' angles where it ends.
+#[test]
+fn a_way_through_a_singularity_is_refused() {
+    let far = edit(HOMED, "[0.376, -2.196, 2.38]", 1, "[1.6, -2.196, 2.38]");
+    let far = edit(&far, "travel_max_rad = 0.8", 1, "travel_max_rad = 3");
+    let found = problems(&far);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].key, "homing.angle_rad");
+    let reason = &found[0].reason;
+    assert!(
+        reason.contains("on the way to the references (sequence 1), with the motors at"),
+        "{reason}"
+    );
+    assert!(reason.contains("singular"), "{reason}");
+}
+
+/// Motors that follow no angle, or their own.
+#[test]
+fn drives_that_cannot_search_are_refused() {
+    let drive = "kind = \"stepper\"\ngear_ratio = 5.0\nsteps_per_rev = 200\nmicrosteps = 16\nstep_rate_limit_hz = 40000.0\n";
+    let bldc = "kind = \"bldc\"\nresistance_ohm = 1\ninductance_h = 0.001\ntorque_constant_nm_a = 0.1\nsupply_v = 24\ncurrent_limit_a = 2\n";
+    let text = edit(&edit(HOMED, drive, 1, bldc), "torque = false\n", 1, "");
+    let found = problems(&text);
+    let met = found
+        .iter()
+        .any(|problem| problem.key == "homing.to" && problem.reason.contains("follows no angle"));
+    assert!(met, "{found:?}");
+    let slow = edit(
+        HOMED,
+        "step_rate_limit_hz = 40000.0",
+        1,
+        "step_rate_limit_hz = 1000.0",
+    );
+    let found = problems(&slow);
+    let met = found.iter().any(|problem| {
+        problem.key == "homing.search_rate_rad_s"
+            && problem.reason.contains("1019 microsteps per second")
+    });
+    assert!(met, "{found:?}");
+}

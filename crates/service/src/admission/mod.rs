@@ -1,0 +1,231 @@
+//! Admission: whether a move can be played, judged when it is offered and in the background, in
+//! slices of bounded work.
+//!
+//! # What is checked
+//! The whole path, every instant of it and not its ticks only: reach, the distances to both
+//! singularities, and of each motor rate, acceleration, torque and power; at normal speed, and
+//! while a hold, a stop or a resume anywhere on the path scales the speed along it.
+//!
+//! # How
+//! The path is divided into intervals of time, dyadically and adaptively. On each the stages of
+//! the tick are run on Taylor models, numbers that stand for a quantity during the whole interval:
+//! their result is a bound, rounding of the number type included. Where the bounds keep the limits
+//! the interval is done with; where they do not it is halved; where it cannot be halved any more,
+//! the move is refused. What is admitted is so for certain: no tick of it, and no instant between
+//! ticks, goes beyond a limit. What is refused breaks a limit, or comes nearer to it than the bounds
+//! of the shortest interval tell apart; `docs/admission.md` has how near that is.
+//!
+//! The intervals are taken in the order of time, so that what is named is the first violation.
+//!
+//! # The shortest duration
+//! A move that is merely too fast is told the shortest duration that would pass. From rest to rest
+//! the path is the same at any duration, and what is broken less the slower it is played; the
+//! duration named is the shortest that passes this very check. With a velocity at an end, which
+//! stays as it is, the path changes with the duration: the duration named passes the check, one
+//! tick less does not, and no longer ones were needed to find it; a shorter one between may exist.
+//! Where durations up to many times the offered one do not pass, none is named.
+//!
+//! [`Admission::offer`] takes the move, [`Admission::step`] does one interval of work.
+
+mod bounds;
+mod breach;
+mod path;
+mod scan;
+mod shortest;
+mod taylor;
+
+pub use path::Path;
+pub use taylor::{AngleModel, TaylorModel};
+
+use breach::Breach;
+use nalgebra::Vector3;
+use scan::{Scan, Scanned};
+use shortest::{Found, Search};
+use trirrr_core::limits::Limits;
+use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
+use trirrr_core::torque::links::{Links, Massless};
+use trirrr_core::torque::payload::{Centred, Payload};
+use trirrr_protocol::message::{Move, Violation};
+
+/// Judges one move at a time. The parameters are those of the tick that will play the moves.
+pub struct Admission<N, P = Centred<N>, L = Massless>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+{
+    path: EnclosedPath<N, P, L>,
+    work: Work<N>,
+}
+
+/// The path of the tick with the payload `P` and the links `L`, on Taylor models.
+pub type EnclosedPath<N, P, L> =
+    Path<N, <P as Payload<N>>::Over<TaylorModel<N>>, <L as Links<N>>::Over<TaylorModel<N>>>;
+
+/// What is under way.
+#[derive(Clone, Copy, Debug)]
+enum Work<N: Number> {
+    /// Nothing.
+    None,
+    /// The move itself.
+    Check {
+        offered: Ends<N>,
+        segment: Segment<TaylorModel<N>>,
+        scan: Scan,
+    },
+    /// It is refused; the shortest duration that would pass is looked for.
+    Search {
+        violation: Violation<N>,
+        search: Search<N>,
+    },
+    /// It is judged.
+    Judged(Verdict<N>),
+}
+
+/// How far the judgement of a move is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict<N: Number> {
+    /// No move was offered.
+    Nothing,
+    /// Not decided yet: go on with [`Admission::step`].
+    Undecided,
+    /// It can be played.
+    Admitted,
+    /// It breaks a limit.
+    Refused(Violation<N>),
+}
+
+/// What the path of a move depends on, besides its duration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ends<N: Number> {
+    from: Pose<N>,
+    to: Pose<N>,
+    start_velocity: [N; 3],
+    end_velocity: [N; 3],
+    rest_to_rest: bool,
+    ticks: u32,
+    period: N::Bound,
+}
+
+impl<N: Number> Ends<N> {
+    /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
+    fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>> {
+        let pose = |pose: &Pose<N>| Pose {
+            position: pose.position.map(TaylorModel::of),
+            angle: AngleModel::of(pose.angle),
+        };
+        let (from, to) = (pose(&self.from), pose(&self.to));
+        let period = TaylorModel::near(self.period);
+        if self.rest_to_rest {
+            return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
+        }
+        let velocity = |velocity: [N; 3]| Vector3::from(velocity.map(TaylorModel::of));
+        let (start, end) = (velocity(self.start_velocity), velocity(self.end_velocity));
+        Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
+    }
+}
+
+impl<N, P, L> Admission<N, P, L>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+{
+    /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
+    /// normal speed to rest.
+    ///
+    /// # Errors
+    /// The first quantity of the machine that is refused.
+    pub fn build(
+        parameters: &Parameters,
+        limits: Limits<N>,
+        ramp_ticks: u16,
+        period_s: f64,
+    ) -> Result<Self, BuildError> {
+        let limits = limits.map(N::bound);
+        Path::build(parameters, limits, ramp_ticks, period_s).map(Self::over)
+    }
+
+    /// With coefficients that are built.
+    pub fn over(path: EnclosedPath<N, P, L>) -> Self {
+        Self {
+            path,
+            work: Work::None,
+        }
+    }
+
+    /// Takes a move to judge; one that is under way is dropped.
+    ///
+    /// A move that is no move is refused at once: a value that is not finite, or so far out that
+    /// no pose can be told from the next, as a violation of [`Bounded::Range`](trirrr_protocol::message::Bounded::Range) that names the
+    /// coordinate; so is a duration of no tick, without a coordinate.
+    pub fn offer(&mut self, offered: &Move<N>) {
+        let ends = Ends {
+            from: offered.from,
+            to: offered.to,
+            start_velocity: offered.start_velocity,
+            end_velocity: offered.end_velocity,
+            rest_to_rest: offered.is_rest_to_rest(),
+            ticks: offered.ticks,
+            period: self.path.period,
+        };
+        self.work = match breach::of_input(offered) {
+            Some(breach) => Work::Judged(Verdict::Refused(breach.violation(<N::Bound>::ZERO))),
+            None => Work::Check {
+                offered: ends,
+                segment: ends.segment(ends.ticks),
+                scan: Scan::new(),
+            },
+        };
+    }
+
+    /// Does a bounded amount of work: measures one interval.
+    pub fn step(&mut self) -> Verdict<N> {
+        match &mut self.work {
+            Work::None => return Verdict::Nothing,
+            Work::Judged(verdict) => return *verdict,
+            Work::Check {
+                offered,
+                segment,
+                scan,
+            } => match scan.step(&self.path, segment) {
+                Scanned::Undecided => {}
+                Scanned::Passed => self.work = Work::Judged(Verdict::Admitted),
+                Scanned::Failed(breach) => {
+                    let violation = breach.violation(scan.at());
+                    self.work = if breach.is_of_speed() {
+                        let search = Search::new(*offered);
+                        Work::Search { violation, search }
+                    } else {
+                        Work::Judged(Verdict::Refused(violation))
+                    };
+                }
+            },
+            Work::Search { violation, search } => match search.step(&self.path) {
+                Found::NotYet => {}
+                Found::Shortest(shortest) => {
+                    let violation = Violation {
+                        shortest,
+                        ..*violation
+                    };
+                    self.work = Work::Judged(Verdict::Refused(violation));
+                }
+            },
+        }
+        self.verdict()
+    }
+
+    /// How far the judgement is, without any work.
+    pub fn verdict(&self) -> Verdict<N> {
+        match &self.work {
+            Work::None => Verdict::Nothing,
+            Work::Judged(verdict) => *verdict,
+            Work::Check { .. } | Work::Search { .. } => Verdict::Undecided,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

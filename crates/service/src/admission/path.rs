@@ -1,0 +1,314 @@
+//! One interval of a move, measured: the very stages of the tick, run on Taylor models.
+
+use super::Breach;
+use super::bounds::{MotorBounds, TorqueBounds};
+use super::taylor::{Float, TaylorModel};
+use nalgebra::{Vector2, Vector3};
+use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
+use trirrr_core::limits::Limits;
+use trirrr_core::linkage::rrr::{Accelerations, Rates};
+use trirrr_core::machine::{BuildError, Leg, Parameters};
+use trirrr_core::number::{Apex, Number, dot};
+use trirrr_core::setpoint::{Segment, Setpoint};
+use trirrr_core::singularity::Distances;
+use trirrr_core::status::Status;
+use trirrr_core::tick::Tick;
+use trirrr_core::torque::balance::Solve;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::Bounded;
+
+/// A machine with its limits, ready to measure intervals of moves: the coefficients of the
+/// admission.
+#[derive(Clone, Copy, Debug)]
+pub struct Path<N: Number, P: Payload<TaylorModel<N>>, L> {
+    /// The tick, on Taylor models.
+    pub tick: Tick<TaylorModel<N>, P, L>,
+    /// The distances, likewise.
+    pub distances: Distances<TaylorModel<N>>,
+    /// What is compared with.
+    pub limits: Limits<Float<N>>,
+    /// Seconds, or the machine's unit of time, per tick.
+    pub period: Float<N>,
+    /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
+    pub ramp: TaylorModel<N>,
+    /// Whether the motors may have to hold something at rest: gravity or a wrench.
+    pub loaded: bool,
+}
+
+type Model<N> = TaylorModel<N>;
+
+impl<N, P, L> Path<N, P, L>
+where
+    N: Number,
+    P: Payload<Model<N>>,
+    L: Links<Model<N>>,
+{
+    /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
+    /// normal speed to rest; a tick lasts `period_s`.
+    ///
+    /// # Errors
+    /// The first quantity of the machine that is refused.
+    pub fn build(
+        parameters: &Parameters,
+        limits: Limits<Float<N>>,
+        ramp_ticks: u16,
+        period_s: f64,
+    ) -> Result<Self, BuildError> {
+        let ramp = <Float<N>>::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
+        let loads = [
+            parameters.gravity_m_s2.x,
+            parameters.gravity_m_s2.y,
+            parameters.wrench_force_n.x,
+            parameters.wrench_force_n.y,
+            parameters.wrench_torque_nm,
+        ];
+        Ok(Self {
+            tick: Tick::build(parameters)?,
+            distances: Distances::build(parameters),
+            limits,
+            period: <Float<N>>::from_f64(period_s),
+            ramp: Model::near(ramp),
+            loaded: loads.iter().any(|&load| load != 0.0),
+        })
+    }
+
+    /// Whether every limit is kept for certain during the interval `s`: what is broken otherwise.
+    pub(super) fn check(
+        &self,
+        segment: &Segment<Model<N>>,
+        s: Model<N>,
+    ) -> Result<(), Breach<Float<N>>> {
+        let mut motors = [MotorBounds::UNMEASURED; 3];
+        self.measure(segment, s, &mut motors)?;
+        for (index, motor) in motors.iter().enumerate() {
+            motor.check::<P::Balance>(index, &self.limits, <Float<N>>::ONE)?;
+        }
+        Ok(())
+    }
+
+    /// What the `motors` do while the fraction `s` of `segment` has passed, if the interval is within
+    /// reach and away from singularities for certain.
+    #[inline(never)]
+    pub(super) fn measure(
+        &self,
+        segment: &Segment<Model<N>>,
+        s: Model<N>,
+        motors: &mut [MotorBounds<N>; 3],
+    ) -> Result<(), Breach<Float<N>>> {
+        let mut setpoint = segment.at_fraction(s);
+        let rotation = Rotation::new(setpoint.pose.angle);
+        let mut legs = [unsolved(); 3];
+        self.solve(&setpoint, &rotation, &mut legs)
+            .map_err(|status| self.breach(status, &setpoint, &rotation))?;
+        self.keeps_distance(&legs)?;
+        for (motor, leg) in motors.iter_mut().zip(&legs) {
+            motor.rate = leg.rates.proximal;
+            motor.acceleration = leg.accelerations.proximal;
+            motor.ramp_acceleration = leg.rates.proximal * self.ramp;
+        }
+        if P::Balance::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
+            self.add_torques(motors, &mut legs, &mut setpoint, &rotation)
+                .map_err(|status| self.breach(status, &setpoint, &rotation))?;
+        }
+        // An acceleration is the last that leaves the range.
+        let mut sum = Model::ZERO;
+        for motor in motors {
+            sum += motor.acceleration;
+            if let Some(torque) = &motor.torque {
+                sum += torque.dynamic;
+            }
+        }
+        if sum.is_finite() {
+            Ok(())
+        } else {
+            Err(Breach::out_of_range())
+        }
+    }
+
+    fn solve(
+        &self,
+        setpoint: &Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+        motions: &mut [LegMotion<Model<N>>; 3],
+    ) -> Result<(), Status> {
+        let legs = &self.tick.geometry().legs;
+        for (index, (leg, motion)) in legs.iter().zip(motions).enumerate() {
+            solve(index, leg, setpoint, rotation, motion)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the singularities are as far as the limits ask.
+    #[inline(never)]
+    fn keeps_distance(&self, legs: &[LegMotion<Model<N>>; 3]) -> Result<(), Breach<Float<N>>> {
+        let least = self.limits.serial_distance;
+        for (index, leg) in legs.iter().enumerate() {
+            let value = self
+                .distances
+                .serial_of(index, &leg.position)
+                .least_magnitude();
+            if !(value >= least) {
+                let leg = Some(index);
+                return Err(Breach::distance(Bounded::SerialDistance, leg, value, least));
+            }
+        }
+        let least = self.limits.parallel_distance;
+        let [leg1, leg2, leg3] = legs;
+        let legs = [&leg1.position, &leg2.position, &leg3.position];
+        let value = self.distances.parallel_of(legs).least_magnitude();
+        // Certainly not zero: a change of sign of det A is a crossing.
+        if !(value >= least && value > <Float<N>>::ZERO) {
+            return Err(Breach::distance(
+                Bounded::ParallelDistance,
+                None,
+                value,
+                least,
+            ));
+        }
+        Ok(())
+    }
+
+    /// Three times the dynamics: at normal speed, starting from rest with the ramp's rate, which is
+    /// an acceleration of q' r without any rate, and at rest. `legs` and `setpoint` are given at
+    /// normal speed and left at rest.
+    #[inline(never)]
+    fn add_torques(
+        &self,
+        motors: &mut [MotorBounds<N>; 3],
+        legs: &mut [LegMotion<Model<N>>; 3],
+        setpoint: &mut Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+    ) -> Result<(), Status> {
+        let at_normal_speed = self.torques(legs, setpoint, rotation)?;
+
+        let zero = Vector3::from([Model::ZERO; 3]);
+        setpoint.acceleration = setpoint.velocity * self.ramp;
+        setpoint.velocity = zero;
+        for leg in legs.iter_mut() {
+            leg.accelerations.proximal = leg.rates.proximal * self.ramp;
+            leg.accelerations.distal = leg.rates.distal * self.ramp;
+            leg.rates = Rates {
+                proximal: Model::ZERO,
+                distal: Model::ZERO,
+            };
+        }
+        let starting = self.torques(legs, setpoint, rotation)?;
+
+        let mut at_rest = [Model::ZERO; 3];
+        if self.loaded {
+            setpoint.acceleration = zero;
+            for leg in legs.iter_mut() {
+                leg.accelerations = Accelerations {
+                    proximal: Model::ZERO,
+                    distal: Model::ZERO,
+                };
+            }
+            at_rest = self.torques(legs, setpoint, rotation)?;
+        }
+        for (index, motor) in motors.iter_mut().enumerate() {
+            let at_rest = at_rest[index];
+            motor.torque = Some(TorqueBounds {
+                at_rest,
+                dynamic: at_normal_speed[index] - at_rest,
+                ramp: starting[index] - at_rest,
+            });
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn torques(
+        &self,
+        legs: &[LegMotion<Model<N>>; 3],
+        setpoint: &Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+    ) -> Result<[Model<N>; 3], Status> {
+        self.tick.torques(legs, setpoint, rotation)
+    }
+
+    /// What is broken where the pipeline ends without a value.
+    fn breach(
+        &self,
+        status: Status,
+        setpoint: &Setpoint<Model<N>>,
+        rotation: &Rotation<Model<N>>,
+    ) -> Breach<Float<N>> {
+        match status {
+            Status::Unreachable { leg } | Status::SerialSingular { leg } => {
+                let dyad = &self.tick.geometry().legs[leg];
+                let c = rotation.apply(dyad.joint);
+                let d = (setpoint.pose.position - dyad.base) + c;
+                let squared = dot(d, d);
+                let (shortest, longest) = dyad.dyad.reach();
+                let (shortest, longest) = (shortest.constant, longest.constant);
+                // The span that is on the wrong side, or may be, of the nearer of the two bounds.
+                let far = squared.constant + squared.radius();
+                let near = squared.constant - squared.radius();
+                let stretched = !(squared.constant
+                    <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
+                let (value, limit) = if stretched {
+                    (far.sqrt(), longest)
+                } else if near > <Float<N>>::ZERO {
+                    (near.sqrt(), shortest)
+                } else {
+                    (<Float<N>>::ZERO, shortest)
+                };
+                Breach {
+                    what: Bounded::Reach,
+                    index: Some(leg as u8),
+                    value,
+                    limit,
+                    ramp: false,
+                }
+            }
+            Status::ParallelSingular => Breach::distance(
+                Bounded::ParallelDistance,
+                None,
+                <Float<N>>::ZERO,
+                self.limits.parallel_distance,
+            ),
+            Status::OutOfRange => Breach::out_of_range(),
+        }
+    }
+}
+
+/// A leg to be filled in. No constant, which would take its place in an image.
+fn unsolved<N: Number>() -> LegMotion<Model<N>> {
+    let zero = Vector2::new(Model::ZERO, Model::ZERO);
+    LegMotion {
+        position: LegPosition {
+            platform_joint: zero,
+            links: Apex {
+                r1: zero,
+                r2: zero,
+                r1_cross_r2: Model::ZERO,
+                inverse_cross: Model::ZERO,
+                base_sq: Model::ZERO,
+            },
+        },
+        rates: Rates {
+            proximal: Model::ZERO,
+            distal: Model::ZERO,
+        },
+        accelerations: Accelerations {
+            proximal: Model::ZERO,
+            distal: Model::ZERO,
+        },
+    }
+}
+
+/// The motion of leg `index`.
+#[inline(never)]
+fn solve<N: Number>(
+    index: usize,
+    leg: &Leg<Model<N>>,
+    setpoint: &Setpoint<Model<N>>,
+    rotation: &Rotation<Model<N>>,
+    motion: &mut LegMotion<Model<N>>,
+) -> Result<(), Status> {
+    motion.position = leg.position(index, setpoint.pose.position, rotation)?;
+    motion.rates = leg.rates(&motion.position, &setpoint.velocity);
+    motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
+    Ok(())
+}

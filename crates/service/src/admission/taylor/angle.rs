@@ -1,0 +1,67 @@
+//! Angles over an interval.
+
+use super::{Float, Roundoffs};
+use core::ops::{Add, Neg, Sub};
+use trirrr_core::number::Number;
+
+/// An angle over an interval of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngleModel<N: Number> {
+    pub(super) constant: <Float<N> as Number>::Angle,
+    /// In radians.
+    pub(super) linear: Float<N>,
+    /// In radians.
+    pub(super) error: Float<N>,
+}
+
+impl<N: Number> AngleModel<N> {
+    /// An angle of the tick, the same at all times.
+    pub fn of(angle: N::Angle) -> Self {
+        let constant = N::angle_bound(angle);
+        let conversion = N::conversion(<Float<N>>::radians(constant).abs());
+        Self {
+            constant,
+            linear: <Float<N>>::ZERO,
+            error: conversion + conversion,
+        }
+    }
+}
+
+impl<N: Number> Add for AngleModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn add(self, other: Self) -> Self {
+        let constant = self.constant + other.constant;
+        let linear = self.linear + other.linear;
+        let error = self.error + other.error;
+        let size = <Float<N>>::radians(constant).abs() + linear.abs() + (error + error);
+        Self {
+            constant,
+            linear,
+            error: error + Roundoffs::Two.of::<N>(size),
+        }
+    }
+}
+
+impl<N: Number> Neg for AngleModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn neg(self) -> Self {
+        Self {
+            constant: -self.constant,
+            linear: -self.linear,
+            error: self.error,
+        }
+    }
+}
+
+impl<N: Number> Sub for AngleModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}

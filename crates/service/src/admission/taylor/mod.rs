@@ -1,0 +1,297 @@
+//! First-order Taylor models: a quantity over a whole interval of time, as a number.
+//!
+//! With t from -1 to 1 across the interval, a quantity is enclosed by
+//!
+//! ```text
+//! |q(t) - (constant + linear t)| <= error
+//! ```
+//!
+//! Arithmetic carries the slope along and collects in `error` what is not linear, so the enclosure
+//! is wrong by the square of the interval's length: halving the interval divides the excess by
+//! four. The pipeline of the tick is generic over its number type; run on Taylor models it gives
+//! bounds of rates and torques over an interval, by the very code that computes them in the tick.
+//!
+//! Every operation also adds to `error` what the number type `N` may round, more than once over:
+//! for the model's own three numbers, and for the operation of the tick that the model stands for.
+//! So the enclosure holds for what a tick in `N` returns, not only for the exact value.
+//!
+//! Comparisons are true only where they are certain: true for every t. That is what the guards of
+//! the pipeline need, for there a comparison that is false means "refuse".
+
+mod angle;
+mod number;
+
+pub use angle::AngleModel;
+
+use core::cmp::Ordering;
+use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use trirrr_core::number::Number;
+
+/// The float that the numbers of a model of `N` are.
+pub(super) type Float<N> = <N as Number>::Bound;
+
+/// A quantity of the type `N` over an interval of time.
+#[derive(Clone, Copy, Debug)]
+pub struct TaylorModel<N: Number> {
+    /// Value in the middle of the interval, without the error.
+    pub constant: Float<N>,
+    /// Change from the middle of the interval to its end, as far as it is linear.
+    pub linear: Float<N>,
+    /// Bound of everything else; not negative.
+    pub error: Float<N>,
+}
+
+impl<N: Number> TaylorModel<N> {
+    /// A value of the tick, the same at all times.
+    pub fn of(value: N) -> Self {
+        Self::near(value.bound())
+    }
+
+    /// What the number type makes of `value`, the same at all times.
+    pub(super) fn near(value: Float<N>) -> Self {
+        Self {
+            error: N::conversion(value.abs()),
+            ..Self::point(value)
+        }
+    }
+
+    /// The same at all times.
+    pub fn point(value: Float<N>) -> Self {
+        Self {
+            constant: value,
+            linear: <Float<N>>::ZERO,
+            error: <Float<N>>::ZERO,
+        }
+    }
+
+    /// Everything from `middle - half_width` to `middle + half_width`, linear in time.
+    pub fn span(middle: Float<N>, half_width: Float<N>) -> Self {
+        Self {
+            constant: middle,
+            linear: half_width,
+            error: <Float<N>>::ZERO,
+        }
+    }
+
+    /// Largest deviation from [`TaylorModel::constant`].
+    #[inline(always)]
+    pub fn radius(self) -> Float<N> {
+        self.linear.abs() + self.error
+    }
+
+    /// Largest size.
+    #[inline(never)]
+    pub fn magnitude(self) -> Float<N> {
+        self.constant.abs() + self.radius()
+    }
+
+    /// Least size; negative where the quantity may change its sign.
+    #[inline(never)]
+    pub fn least_magnitude(self) -> Float<N> {
+        self.constant.abs() - self.radius()
+    }
+
+    /// Nothing is known.
+    #[inline(always)]
+    fn unknown() -> Self {
+        Self {
+            error: <Float<N>>::ONE.div(<Float<N>>::ZERO),
+            ..Self::point(<Float<N>>::ZERO)
+        }
+    }
+
+    /// With what rounding adds: `count` roundoffs of `size`, which bounds the sum of the sizes of
+    /// all terms, and twice as many of the error, which was itself computed in a few operations.
+    #[inline(always)]
+    fn rounded(
+        constant: Float<N>,
+        linear: Float<N>,
+        error: Float<N>,
+        size: Float<N>,
+        count: Roundoffs,
+    ) -> Self {
+        Self {
+            constant,
+            linear,
+            error: error + count.of::<N>(size + (error + error)),
+        }
+    }
+
+    /// 1 / self. With x = c + d and |d| <= r,
+    /// 1 / x = 1 / c - d / c^2 + d^2 / (c^2 x), the last term of the sign of c.
+    #[inline(never)]
+    fn inverse(self) -> Self {
+        let radius = self.radius();
+        let least =
+            self.constant.abs() - (radius + Roundoffs::Eight.of::<N>(self.constant.abs() + radius));
+        if !(least > <Float<N>>::ZERO) {
+            return Self::unknown();
+        }
+        let inverse = <Float<N>>::ONE.div(self.constant);
+        let squared = inverse * inverse;
+        let half_rest = <Float<N>>::HALF * (squared * (radius * radius).div(least));
+        let rest_towards = if self.constant > <Float<N>>::ZERO {
+            half_rest
+        } else {
+            -half_rest
+        };
+        let linear = -(self.linear * squared);
+        Self::rounded(
+            inverse + rest_towards,
+            linear,
+            squared * self.error + half_rest,
+            inverse.abs() + linear.abs() + half_rest,
+            Roundoffs::Eight,
+        )
+    }
+}
+
+/// How often an operation rounds what its size bounds: for the model's constant and linear parts, and
+/// for the tick's own result, which the model has to hold too.
+#[derive(Clone, Copy)]
+enum Roundoffs {
+    /// A sum: each part once, the tick's once.
+    Two,
+    /// A product: each part twice, of different terms; the tick's once.
+    Three,
+    /// A sum of two products: each part three times, of different terms; the tick's twice.
+    Five,
+    /// A few operations in a row, or a function of the number type that is off by a unit in the last
+    /// place, which is two roundoffs, here and in the tick.
+    Eight,
+}
+
+impl Roundoffs {
+    #[inline(always)]
+    fn of<N: Number>(self, size: Float<N>) -> Float<N> {
+        let one = N::roundoff(size);
+        let two = one + one;
+        match self {
+            Self::Two => two,
+            Self::Three => two + one,
+            Self::Five => (two + two) + one,
+            Self::Eight => (two + two) + (two + two),
+        }
+    }
+}
+
+impl<N: Number> Add for TaylorModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn add(self, other: Self) -> Self {
+        let constant = self.constant + other.constant;
+        let linear = self.linear + other.linear;
+        Self::rounded(
+            constant,
+            linear,
+            self.error + other.error,
+            constant.abs() + linear.abs(),
+            Roundoffs::Two,
+        )
+    }
+}
+
+impl<N: Number> Neg for TaylorModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn neg(self) -> Self {
+        Self {
+            constant: -self.constant,
+            linear: -self.linear,
+            error: self.error,
+        }
+    }
+}
+
+impl<N: Number> Sub for TaylorModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+/// A product whose rounding is not counted yet, with a bound of the size of its terms.
+#[inline(always)]
+fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Float<N>) {
+    // The term in t^2 lies between 0 and its value at the ends: half of it is known.
+    let half_square = <Float<N>>::HALF * (a.linear * b.linear);
+    let (size_a, size_b) = (
+        a.constant.abs() + a.linear.abs(),
+        b.constant.abs() + b.linear.abs(),
+    );
+    let model = TaylorModel {
+        constant: a.constant * b.constant + half_square,
+        linear: <Float<N>>::ab_plus_cd(a.constant, b.linear, a.linear, b.constant),
+        error: half_square.abs()
+            + <Float<N>>::ab_plus_cd(size_a + a.error, b.error, size_b, a.error),
+    };
+    (model, size_a * size_b)
+}
+
+impl<N: Number> Mul for TaylorModel<N> {
+    type Output = Self;
+
+    #[inline(never)]
+    fn mul(self, other: Self) -> Self {
+        let (model, size) = product(self, other);
+        Self::rounded(
+            model.constant,
+            model.linear,
+            model.error,
+            size,
+            Roundoffs::Three,
+        )
+    }
+}
+
+impl<N: Number> AddAssign for TaylorModel<N> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<N: Number> SubAssign for TaylorModel<N> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<N: Number> MulAssign for TaylorModel<N> {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl<N: Number> PartialOrd for TaylorModel<N> {
+    /// The order that holds at all times; `None` where there is no such order.
+    #[inline(never)]
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        let difference = *self - *other;
+        let radius = difference.radius();
+        if difference.constant > radius {
+            Some(Ordering::Greater)
+        } else if -difference.constant > radius {
+            Some(Ordering::Less)
+        } else if difference.constant == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
+            Some(Ordering::Equal)
+        } else {
+            None
+        }
+    }
+}
+
+impl<N: Number> PartialEq for TaylorModel<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+#[cfg(test)]
+mod tests;

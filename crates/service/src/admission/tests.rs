@@ -1,0 +1,74 @@
+//! The life of a judgement; what it finds is tested against dense samples in the package `tests`.
+
+use super::*;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::example;
+use trirrr_protocol::message::Bounded;
+
+fn thesis_move(ticks: u32) -> Move<f32> {
+    Move {
+        number: 0,
+        from: Pose::from_f64(0.21, 0.22, 0.157_079_632_679_489_66),
+        to: Pose::from_f64(0.28, 0.28, 0.209_439_510_239_319_53),
+        start_velocity: [0.0; 3],
+        end_velocity: [0.0; 3],
+        ticks,
+        tool_power: 0.0,
+        tool_speed: 0.0,
+    }
+}
+
+fn with_torque(limit_nm: f64) -> Admission<f32> {
+    let limits = LimitParameters {
+        torque_nm: Some([limit_nm; 3]),
+        ..LimitParameters::default()
+    };
+    let limits = Limits::build(&limits).expect("good limits");
+    Admission::build(&example(), limits, 50, 0.01).expect("a good machine")
+}
+
+fn judged(admission: &mut Admission<f32>, offered: &Move<f32>) -> Verdict<f32> {
+    admission.offer(offered);
+    // More than any search takes.
+    for _ in 0..100_000 {
+        if admission.step() != Verdict::Undecided {
+            break;
+        }
+    }
+    admission.verdict()
+}
+
+#[test]
+fn a_verdict_stays_until_the_next_move_is_offered() {
+    let mut admission = with_torque(0.2);
+    assert_eq!(admission.step(), Verdict::Nothing);
+    admission.offer(&thesis_move(100));
+    assert_eq!(admission.verdict(), Verdict::Undecided);
+    assert_eq!(judged(&mut admission, &thesis_move(100)), Verdict::Admitted);
+    assert_eq!(admission.step(), Verdict::Admitted);
+    admission.offer(&thesis_move(10));
+    assert_eq!(admission.verdict(), Verdict::Undecided);
+    // One that replaces another is judged from its start.
+    admission.step();
+    assert_eq!(judged(&mut admission, &thesis_move(100)), Verdict::Admitted);
+}
+
+#[test]
+fn a_refusal_names_a_duration_that_is_admitted() {
+    // The move needs 0.0297 N m at its ends.
+    let mut admission = with_torque(0.015);
+    let Verdict::Refused(violation) = judged(&mut admission, &thesis_move(100)) else {
+        panic!("{:?}", admission.verdict());
+    };
+    assert_eq!(violation.what, Bounded::Torque);
+    assert_eq!((violation.index, violation.at), (Some(2), 0.0));
+    assert!((violation.value - 0.02975).abs() < 1e-4, "{violation:?}");
+    let shortest = violation.shortest.expect("slower would do");
+    let offered = thesis_move(shortest);
+    assert_eq!(judged(&mut admission, &offered), Verdict::Admitted);
+    let offered = thesis_move(shortest - 1);
+    assert!(matches!(
+        judged(&mut admission, &offered),
+        Verdict::Refused(_)
+    ));
+}

@@ -1,0 +1,236 @@
+//! Start, hold, resume, stop, faults and recovery.
+
+use super::super::foreground::slope;
+use super::super::guard::{self, Broken};
+use super::super::link::{Order, Recover};
+use super::super::pace::Pace;
+use super::super::scene::{Put, Scene, Setup};
+use super::Background;
+use trirrr_core::inverse::Position;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{JointMove, Pose};
+use trirrr_core::status::Status;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Bounded, FaultCode, Recovery, Refusal, State, Violation};
+
+impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
+        if self.status.state != State::Idle {
+            return Err(Refusal::State(self.status.state));
+        }
+        let undecided = self.offered.1.peek().is_some();
+        // In idle nothing is under way: what is left is all that is admitted.
+        let left = self.ahead.left(self.played);
+        if left == 0 {
+            return Err(if undecided {
+                Refusal::Undecided
+            } else {
+                Refusal::NothingQueued
+            });
+        }
+        let enough = Pace::new(self.settings.ramp_ticks).is_enough(left, 0);
+        if !self.ahead.ends_at_rest && !enough {
+            return Err(if undecided {
+                Refusal::Undecided
+            } else {
+                Refusal::EndsMoving
+            });
+        }
+        self.order(Order::Start, State::Running)
+    }
+
+    pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
+        match self.status.state {
+            State::Running => self.order(Order::Hold, State::Slowing),
+            State::Slowing | State::Holding => self.order(Order::Hold, self.status.state),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
+        match self.status.state {
+            State::Slowing | State::Holding => self.order(Order::Resume, self.status.state),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    /// In every state: it never makes a machine move.
+    pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
+        match self.status.state {
+            State::Fault | State::Cleared | State::Unhomed => Ok(()),
+            _ => self.order(Order::Stop, State::Stopping),
+        }
+    }
+
+    pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
+        match self.status.state {
+            State::Fault => {
+                let state = match self.scene.plan().is_some() {
+                    true => State::Unhomed,
+                    false => State::Cleared,
+                };
+                self.order(Order::ClearFault, state)
+            }
+            state => Err(Refusal::State(state)),
+        }
+    }
+
+    pub(super) fn set_telemetry(&mut self, every: u16) -> Result<(), Refusal<N>> {
+        self.order(Order::Telemetry { every }, self.status.state)
+    }
+
+    pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {
+        if self.status.state != State::Cleared {
+            self.waits()?;
+        }
+        let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
+        self.send_along(path, recovery.to, Order::Recover, State::Recovering)
+    }
+
+    /// Looks for the motors, and moves them to the start pose from where that ends.
+    pub(super) fn home(&mut self) -> Result<(), Refusal<N>> {
+        let Some(plan) = self.scene.plan() else {
+            return Err(Refusal::NoHoming);
+        };
+        if !matches!(self.status.state, State::Unhomed | State::Cleared) {
+            self.waits()?;
+        }
+        let limits = &self.limits;
+        guard::within(Bounded::Rate, &limits.rate, plan.rates)
+            .and_then(|()| {
+                let accelerations = plan.accelerations;
+                guard::within(Bounded::Acceleration, &limits.acceleration, accelerations)
+            })
+            .map_err(|broken| too_fast(broken, false))?;
+        let path = self.joint_path(plan.from, &plan.to, plan.ticks)?;
+        self.send_along(path, plan.to, Order::Home, State::Homing)
+    }
+
+    /// Gives `order`, with the joint move that belongs to it.
+    fn send_along(
+        &mut self,
+        path: JointMove<N>,
+        to: Pose<N>,
+        order: Order,
+        state: State,
+    ) -> Result<(), Refusal<N>> {
+        if !self.orders.has_room() || !self.recoveries.send(Recover { path, to }) {
+            return Err(Refusal::Busy);
+        }
+        self.order(order, state)?;
+        self.status.end = None;
+        Ok(())
+    }
+
+    /// The joint move from motor angles to where the motors are at `pose`, within the limits.
+    fn joint_path(
+        &self,
+        from: [N::Angle; 3],
+        pose: &Pose<N>,
+        ticks: u32,
+    ) -> Result<JointMove<N>, Refusal<N>> {
+        let numbers = [pose.position.x, pose.position.y, N::radians(pose.angle)];
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(Refusal::NotFinite);
+        }
+        if ticks == 0 {
+            return Err(Refusal::Duration { longest: u32::MAX });
+        }
+        let position = self.geometry.position(pose).map_err(no_motion)?;
+        self.keeps_clear(&position)?;
+        let angles = self.geometry.motor_angles(&position);
+        let path = JointMove::new(from, angles, ticks, self.settings.period);
+        let (rates, accelerations) = path.peaks();
+        guard::within(Bounded::Rate, &self.limits.rate, rates)
+            .and_then(|()| {
+                // A stop on the way adds the ramp's own: the rate over the ramp's duration.
+                let ramp = u32::from(self.settings.ramp_ticks.max(1));
+                let slope = slope::<N>(ramp, self.settings.period);
+                let [a, b, c] = rates.map(|rate| rate.scaled(slope));
+                let [x, y, z] = accelerations;
+                let sums = [x + a, y + b, z + c];
+                guard::within(Bounded::Acceleration, &self.limits.acceleration, sums)
+            })
+            .map_err(|broken| too_fast(broken, true))?;
+        Ok(path)
+    }
+
+    /// Refuses unless the machine waits in idle with nothing queued.
+    pub(super) fn waits(&self) -> Result<(), Refusal<N>> {
+        let empty = self.offered.1.peek().is_none() && self.ahead.left(self.played) == 0;
+        if self.status.state == State::Idle && empty {
+            Ok(())
+        } else {
+            Err(Refusal::State(self.status.state))
+        }
+    }
+
+    /// Refuses a recovery that ends nearer to a singularity than the limits allow.
+    fn keeps_clear(&self, position: &Position<N>) -> Result<(), Refusal<N>> {
+        let least = self.limits.serial_distance;
+        for (leg, distance) in self.distances.serial(position).into_iter().enumerate() {
+            if !(distance >= least) {
+                let leg = Some(leg as u8);
+                return Err(ends_at(Bounded::SerialDistance, leg, distance, least));
+            }
+        }
+        let (distance, least) = (
+            self.distances.parallel(position),
+            self.limits.parallel_distance,
+        );
+        if !(distance >= least) || !(distance > N::ZERO) {
+            return Err(ends_at(Bounded::ParallelDistance, None, distance, least));
+        }
+        Ok(())
+    }
+}
+
+/// What a recovery to a pose without a motion is refused with.
+fn no_motion<N: Number>(status: Status) -> Refusal<N> {
+    let (code, leg) = FaultCode::of(status);
+    let what = code.bounded().unwrap_or(Bounded::Range);
+    ends_at(what, leg, N::ZERO, N::ZERO)
+}
+
+/// What a recovery breaks at its end.
+fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> Refusal<N> {
+    Refusal::Recovery(Violation {
+        what,
+        index,
+        at: N::ONE,
+        value,
+        limit,
+        ramp: false,
+        shortest: None,
+    })
+}
+
+/// What joint rates or accelerations break; `ramp`: those of a stop are in them.
+fn too_fast<N: Number>(broken: Broken<N>, ramp: bool) -> Refusal<N> {
+    let what = match broken.code {
+        FaultCode::Limit(what) => what,
+        _ => Bounded::Range,
+    };
+    // The rate is largest half way, the acceleration at the ends.
+    let at = match what {
+        Bounded::Rate => N::HALF,
+        _ => N::ZERO,
+    };
+    Refusal::Recovery(Violation {
+        what,
+        index: broken.index,
+        at,
+        value: broken.value,
+        limit: broken.limit,
+        ramp: ramp && what == Bounded::Acceleration,
+        shortest: None,
+    })
+}

@@ -1,0 +1,312 @@
+//! The half that talks and judges, below the tick.
+
+mod control;
+mod moves;
+mod parts;
+mod receive;
+
+use super::link::{Ahead, Order, Planned, Recover, Report, Shared};
+use super::queue::{Receiver, Sender};
+use super::scene::{Put, Scene, Setup};
+use super::settings::Settings;
+use crate::admission::Admission;
+use core::sync::atomic::Ordering;
+use nalgebra::Vector3;
+use trirrr_core::limits::Limits;
+use trirrr_core::machine::Geometry;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::singularity::Distances;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{
+    Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry,
+};
+
+/// The half of the service that receives commands, judges moves and has what is to be sent.
+pub struct Background<'q, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+{
+    scene: S,
+    settings: Settings<N>,
+    geometry: Geometry<N>,
+    limits: Limits<N>,
+    distances: Distances<N>,
+    admission: Admission<N, P, L>,
+
+    moves: Sender<'q, Planned<N>>,
+    recoveries: Sender<'q, Recover<N>>,
+    orders: Sender<'q, Order>,
+    setups: U,
+    reports: Receiver<'q, Report<N>>,
+    faults: Receiver<'q, Fault<N>>,
+    samples: Receiver<'q, Telemetry<N>>,
+    shared: &'q Shared,
+
+    /// Offered moves that are not judged yet; both ends are here.
+    offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
+    /// Events that wait to be sent; both ends are here.
+    events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+
+    greeted: bool,
+    /// The last request that counted.
+    last: Option<Last<N>>,
+    next_sequence: u32,
+
+    /// What the host is told, kept as it is sent. The state is the tick's, as far as known, with what
+    /// the orders that it has not taken yet will make of it; the tick's counters and the room are
+    /// those of the last time that somebody asked.
+    status: Status<N>,
+    /// The last state event.
+    told: (State, Acting, u32),
+    generation: u8,
+    begun: u32,
+    played: u32,
+    angles: [N::Angle; 3],
+    orders_sent: u8,
+    orders_taken: u8,
+    ahead: Ahead,
+    /// The oldest of the offered moves is with the admission.
+    judging: bool,
+}
+
+/// A request that counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Last<N: Number> {
+    sequence: u32,
+    /// What tells it from another with its number.
+    checksum: u32,
+    /// Why it was not executed, if it was not.
+    refusal: Option<Refusal<N>>,
+}
+
+/// A pose at which moves end, at rest.
+fn at_rest<N: Number>(pose: Pose<N>) -> Setpoint<N> {
+    ends(pose, [N::ZERO; 3])
+}
+
+/// A pose at which moves end, with its velocity. There is no acceleration to go on from.
+fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3]) -> Setpoint<N> {
+    Setpoint {
+        pose,
+        velocity: Vector3::from(velocity),
+        acceleration: Vector3::new(N::ZERO, N::ZERO, N::ZERO),
+    }
+}
+
+/// What the background needs of a [`Setup`].
+pub(super) struct Stand<N: Number> {
+    pub(super) geometry: Geometry<N>,
+    pub(super) limits: Limits<N>,
+    pub(super) distances: Distances<N>,
+    pub(super) pose: Pose<N>,
+}
+
+/// The ends that belong to the background.
+pub(super) struct Ends<'q, N: Number, U> {
+    pub(super) moves: Sender<'q, Planned<N>>,
+    pub(super) recoveries: Sender<'q, Recover<N>>,
+    pub(super) orders: Sender<'q, Order>,
+    pub(super) setups: U,
+    pub(super) reports: Receiver<'q, Report<N>>,
+    pub(super) faults: Receiver<'q, Fault<N>>,
+    pub(super) samples: Receiver<'q, Telemetry<N>>,
+    pub(super) shared: &'q Shared,
+    pub(super) offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
+    pub(super) events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+}
+
+impl<'q, N, P, L, S, U> Background<'q, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    pub(super) fn new(
+        scene: S,
+        stand: Stand<N>,
+        angles: [N::Angle; 3],
+        admission: Admission<N, P, L>,
+        settings: Settings<N>,
+        ends: Ends<'q, N, U>,
+    ) -> Self {
+        let state = match scene.plan().is_some() {
+            true => State::Unhomed,
+            false => State::Idle,
+        };
+        Self {
+            scene,
+            settings,
+            geometry: stand.geometry,
+            limits: stand.limits,
+            distances: stand.distances,
+            admission,
+            moves: ends.moves,
+            recoveries: ends.recoveries,
+            orders: ends.orders,
+            setups: ends.setups,
+            reports: ends.reports,
+            faults: ends.faults,
+            samples: ends.samples,
+            shared: ends.shared,
+            offered: ends.offered,
+            events: ends.events,
+            greeted: false,
+            last: None,
+            next_sequence: 0,
+            status: Status {
+                tick: 0,
+                state,
+                acting: Acting::Nothing,
+                fault: None,
+                next: 0,
+                admitted: 0,
+                done: 0,
+                room: 0,
+                refused: None,
+                end: (state == State::Idle).then(|| at_rest(stand.pose)),
+                lost: 0,
+                longest_tick: 0,
+            },
+            told: (state, Acting::Nothing, 0),
+            generation: 0,
+            begun: 0,
+            played: 0,
+            angles,
+            orders_sent: 0,
+            orders_taken: 0,
+            ahead: Ahead::NOTHING,
+            judging: false,
+        }
+    }
+
+    /// A slice of background work, bounded: what the tick reported, then one step of the admission.
+    /// Whether there is more to do at once.
+    pub fn step(&mut self) -> bool {
+        self.learn();
+        self.judge()
+    }
+
+    /// What is to be sent next: events, then telemetry.
+    pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
+        self.learn();
+        if let Some(event) = self.events.1.receive() {
+            return Some(Message::Event(event));
+        }
+        self.samples.receive().map(Message::Telemetry)
+    }
+
+    /// Hands on what is to be sent next, as [`Background::outgoing`], from where it lies: a sample is
+    /// not copied. Whether there was anything.
+    pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, S::Part>)) -> bool {
+        self.learn();
+        if let Some(event) = self.events.1.peek() {
+            send(&MessageRef::Event(event));
+            self.events.1.discard();
+        } else if let Some(sample) = self.samples.peek() {
+            send(&MessageRef::Telemetry(sample));
+            self.samples.discard();
+        } else {
+            return false;
+        }
+        true
+    }
+
+    /// The next event. [`Background::outgoing`] has them too; for who sends the two kinds in
+    /// different ways.
+    pub fn event(&mut self) -> Option<Event<N>> {
+        self.learn();
+        self.events.1.receive()
+    }
+
+    /// The next telemetry sample.
+    pub fn sample(&mut self) -> Option<Telemetry<N>> {
+        self.samples.receive()
+    }
+
+    /// Where everything stands.
+    pub fn status(&mut self) -> Status<N> {
+        self.learn();
+        self.status.tick = self.shared.tick.load(Ordering::Relaxed);
+        self.status.room = self.room();
+        self.status.lost = self.shared.lost.load(Ordering::Relaxed);
+        self.status.longest_tick = self.shared.longest.load(Ordering::Relaxed);
+        self.status
+    }
+
+    /// Takes in what the tick reported.
+    fn learn(&mut self) {
+        while let Some(report) = self.reports.receive() {
+            self.heed(&report);
+        }
+    }
+
+    #[inline(never)]
+    fn heed(&mut self, report: &Report<N>) {
+        self.orders_taken = report.orders;
+        self.begun = report.begun;
+        self.played = report.played;
+        self.angles = report.angles;
+        let over = report.generation != self.generation;
+        if over {
+            self.start_over(report);
+        }
+        if report.state == State::Fault {
+            if let Some(fault) = self.faults.receive() {
+                self.status.fault = Some(fault);
+                self.tell(Event::Fault(fault));
+            }
+        } else {
+            self.status.fault = None;
+        }
+        self.status.done = report.done;
+        let told = (report.state, report.acting, report.done);
+        if self.told != told {
+            self.told = told;
+            self.tell(Event::State {
+                state: report.state,
+                acting: report.acting,
+                done: report.done,
+            });
+        }
+        // What an order under way will change is not known better by an older report.
+        if over || self.orders_taken == self.orders_sent {
+            (self.status.state, self.status.acting) = (report.state, report.acting);
+            if self.status.end.is_none() && self.status.state == State::Idle {
+                self.status.end = Some(at_rest(report.pose));
+            }
+        }
+    }
+
+    /// The tick dropped its queue: so does the background.
+    fn start_over(&mut self, report: &Report<N>) {
+        self.generation = report.generation;
+        while self.offered.1.receive().is_some() {}
+        self.judging = false;
+        self.status.next = report.begun;
+        self.status.admitted = report.begun;
+        self.ahead = Ahead::NOTHING;
+        self.shared.set_ahead(self.ahead);
+        self.status.end = None;
+    }
+
+    /// An event on its way to the host. Where there is no room it is dropped: the status has it.
+    fn tell(&mut self, event: Event<N>) {
+        self.events.0.send(event);
+    }
+
+    /// Sends an order and, until the tick reports, counts on what it will make of the state.
+    fn order(&mut self, order: Order, state: State) -> Result<(), Refusal<N>> {
+        if !self.orders.send(order) {
+            return Err(Refusal::Busy);
+        }
+        self.orders_sent = self.orders_sent.wrapping_add(1);
+        self.status.state = state;
+        Ok(())
+    }
+}

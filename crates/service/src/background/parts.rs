@@ -1,0 +1,64 @@
+//! Overrides: another geometry, other loads, other limits.
+
+use super::super::coefficients::Coefficients;
+use super::super::link::Order;
+use super::super::scene::{Put, Scene, Setup, refusal};
+use super::{Background, at_rest};
+use crate::admission::Admission;
+use trirrr_core::forward::Forward;
+use trirrr_core::number::Number;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::scene::Section;
+use trirrr_protocol::message::{Refusal, Replacement, State};
+
+/// Newton steps after which a pose is not found. From the pose before a calibration it takes three
+/// or four.
+const MOST_STEPS: u32 = 32;
+
+impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
+    /// is found by forward kinematics from where it was.
+    pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
+        let section = part.section().ok_or(Refusal::NotAdjustable)?;
+        let units = self.settings.scene.units();
+        let (parameters, limits) = self.scene.changed(section, &units)?;
+        self.waits()?;
+        let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
+        let period = N::factor_to_f64(self.settings.period);
+        let ramp = self.settings.ramp_ticks;
+        let built = Coefficients::<N, P, L>::build(&parameters, &limits, ramp, period);
+        let built = built.map_err(refusal)?;
+        let geometry = *built.tick.geometry();
+        let pose = match section {
+            Section::Leg { .. } => {
+                let forward = Forward::build(&parameters, &geometry);
+                let found = forward.solve(&self.angles, end.pose, MOST_STEPS);
+                found.map_err(|_| Refusal::NoPose)?.pose
+            }
+            Section::Platform(_) | Section::Limits(_) => end.pose,
+        };
+
+        let setup = Setup {
+            tick: built.tick,
+            limits: built.limits,
+            pose,
+        };
+        if !self.orders.has_room() || !self.setups.put(setup) {
+            return Err(Refusal::Busy);
+        }
+        self.order(Order::Adopt, State::Idle)?;
+        self.scene.adopt(parameters, limits);
+        (self.geometry, self.limits) = (geometry, built.limits);
+        (self.distances, self.admission) = (built.distances, Admission::over(built.path));
+        self.status.end = Some(at_rest(pose));
+        Ok(())
+    }
+}

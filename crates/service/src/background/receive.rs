@@ -1,0 +1,121 @@
+//! Requests: their order, and who may make them.
+
+use super::super::link::count;
+use super::super::scene::{Put, Scene, Setup};
+use super::{Background, Last};
+use trirrr_core::number::Number;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
+
+impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+    U: Put<Setup<N, P, L>>,
+{
+    /// Executes a request, unless it was executed already: the answer, to be sent with the request's
+    /// sequence number. `checksum` is that of its frame
+    /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)), by which one that is repeated is
+    /// told from another with the same number.
+    #[inline(never)]
+    pub fn receive(
+        &mut self,
+        request: &Request<N, S::Replacement>,
+        checksum: u32,
+    ) -> Reply<N, S::Part> {
+        // Whatever it is that comes, the host is there.
+        count(&self.shared.heard);
+        self.learn();
+        if let Command::Hello(hello) = &request.command {
+            return self.greet(hello);
+        }
+        if !self.greeted {
+            return Reply::Refused(Refusal::HelloFirst);
+        }
+        if let Some(last) = &self.last
+            && last.sequence == request.sequence
+        {
+            if last.checksum != checksum {
+                return Reply::Refused(Refusal::SequenceReused);
+            }
+            return match last.refusal {
+                Some(refusal) => Reply::Refused(refusal),
+                None => self.answer(&request.command),
+            };
+        }
+        if request.sequence != self.next_sequence {
+            return Reply::Refused(Refusal::Sequence {
+                expected: self.next_sequence,
+            });
+        }
+        let result = self.execute(&request.command);
+        self.last = Some(Last {
+            sequence: request.sequence,
+            checksum,
+            refusal: result.err(),
+        });
+        self.next_sequence = request.sequence.wrapping_add(1);
+        match result {
+            Ok(()) => self.answer(&request.command),
+            Err(refusal) => Reply::Refused(refusal),
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn next_sequence_is(&mut self, sequence: u32) {
+        self.next_sequence = sequence;
+    }
+
+    #[inline(never)]
+    fn greet(&mut self, hello: &Hello) -> Reply<N, S::Part> {
+        let scene = &self.settings.scene;
+        if hello.protocol != PROTOCOL {
+            return Reply::Refused(Refusal::Protocol { expected: PROTOCOL });
+        }
+        if hello.schema != scene.schema {
+            return Reply::Refused(Refusal::Schema {
+                expected: scene.schema,
+            });
+        }
+        if hello.scene != 0 && hello.scene != scene.key {
+            return Reply::Refused(Refusal::Scene {
+                expected: scene.key,
+            });
+        }
+        self.greeted = true;
+        let queue = self.offered.0.capacity().min(255) as u8;
+        Reply::Hello(self.settings.identity(queue, self.next_sequence))
+    }
+
+    /// The answer to a command that was executed. Questions are answered anew when repeated.
+    fn answer(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
+        match command {
+            Command::Status => Reply::Status(self.status()),
+            Command::Read(name) => match self.scene.part(*name, &self.settings.scene.units()) {
+                Some(part) => Reply::Section(part),
+                None => Reply::Refused(Refusal::NoSuchLeg),
+            },
+            _ => Reply::Done,
+        }
+    }
+
+    #[inline(never)]
+    fn execute(&mut self, command: &Command<N, S::Replacement>) -> Result<(), Refusal<N>> {
+        match command {
+            Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
+            Command::Override(section) => self.change(section),
+            Command::Move(offered) => self.offer(offered),
+            Command::Start => self.start(),
+            Command::Hold => self.hold(),
+            Command::Resume => self.resume(),
+            Command::Stop => self.stop(),
+            Command::ClearFault => self.clear_fault(),
+            Command::Recover(recovery) => self.recover(recovery),
+            Command::Telemetry { every } => self.set_telemetry(*every),
+            Command::Home => self.home(),
+        }
+    }
+}

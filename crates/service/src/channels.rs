@@ -1,0 +1,219 @@
+//! The memory of a service, and how it comes apart into its two halves.
+
+use super::background::{self, Background, Stand};
+use super::coefficients::Coefficients;
+use super::foreground::{self, Foreground};
+use super::link::{Order, Planned, Recover, Report, Shared};
+use super::queue::{Receiver, Sender};
+use super::scene::{Scene, Setup, Slot};
+use super::settings::Settings;
+use crate::admission::Admission;
+use core::fmt;
+use heapless::spsc::Queue;
+use trirrr_core::machine::BuildError;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_core::status::Status;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Event, Fault, Message, MessageRef, Move, Request, Telemetry};
+
+/// Orders on their way to the tick, and one place that stays empty.
+const ORDERS: usize = 8;
+
+/// Reports on their way from the tick, and one place that stays empty. Where they are full the tick
+/// reports later.
+const REPORTS: usize = 4;
+
+/// Events that wait to be sent, and one place that stays empty.
+const EVENTS: usize = 12;
+
+/// The queues between the two halves: all the memory of a service besides the halves themselves.
+///
+/// `MOVES` - 1 moves have room, those not yet judged and the one under way included; `SAMPLES` - 1 telemetry samples.
+/// `S` is the [kind of scene](Scene).
+pub struct Channels<N, P, L, S, const MOVES: usize, const SAMPLES: usize>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    moves: Queue<Planned<N>, MOVES>,
+    offered: Queue<Move<N>, MOVES>,
+    recoveries: Queue<Recover<N>, 2>,
+    orders: Queue<Order, ORDERS>,
+    reports: Queue<Report<N>, REPORTS>,
+    faults: Queue<Fault<N>, 2>,
+    samples: Queue<Telemetry<N>, SAMPLES>,
+    events: Queue<Event<N>, EVENTS>,
+    setups: S::Slot,
+    shared: Shared,
+}
+
+/// The half that ticks, of a service with scene `S`.
+pub type ForegroundOf<'q, N, P, L, S> = Foreground<
+    'q,
+    N,
+    P,
+    L,
+    <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Take<'q>,
+    <S as Scene<N, P, L>>::Homing,
+>;
+
+/// The half that talks, of a service with scene `S`.
+pub type BackgroundOf<'q, N, P, L, S> =
+    Background<'q, N, P, L, S, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Put<'q>>;
+
+/// What the half that talks takes, of a service with scene `S`.
+pub type RequestOf<N, P, L, S> = Request<N, <S as Scene<N, P, L>>::Replacement>;
+
+/// What it says.
+pub type MessageOf<N, P, L, S> = Message<N, <S as Scene<N, P, L>>::Part>;
+
+/// The same where it lies.
+pub type MessageRefOf<'m, N, P, L, S> = MessageRef<'m, N, <S as Scene<N, P, L>>::Part>;
+
+/// Both halves of a service with scene `S`.
+pub type Halves<'q, N, P, L, S> = (ForegroundOf<'q, N, P, L, S>, BackgroundOf<'q, N, P, L, S>);
+
+/// Why a service cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ServiceError {
+    /// The machine or its limits.
+    Build(BuildError),
+    /// The machine cannot stand at the pose.
+    Pose(Status),
+}
+
+impl fmt::Display for ServiceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Build(error) => error.fmt(f),
+            Self::Pose(status) => write!(f, "the machine cannot stand at its first pose: {status}"),
+        }
+    }
+}
+
+impl core::error::Error for ServiceError {}
+
+impl From<BuildError> for ServiceError {
+    fn from(error: BuildError) -> Self {
+        Self::Build(error)
+    }
+}
+
+impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Channels<N, P, L, S, MOVES, SAMPLES>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    /// Empty queues.
+    pub const fn new() -> Self {
+        Self {
+            moves: Queue::new(),
+            offered: Queue::new(),
+            recoveries: Queue::new(),
+            orders: Queue::new(),
+            reports: Queue::new(),
+            faults: Queue::new(),
+            samples: Queue::new(),
+            events: Queue::new(),
+            setups: S::Slot::EMPTY,
+            shared: Shared::new(),
+        }
+    }
+
+    /// Builds the service of `scene`, its machine standing at `pose`, at rest, with nothing queued:
+    /// the half that ticks and the half that talks. A machine that has to be homed only counts its
+    /// angles from there.
+    ///
+    /// # Errors
+    /// A machine or a limit that cannot be built; a pose in which it cannot stand.
+    pub fn split(
+        &mut self,
+        scene: S,
+        pose: Pose<N>,
+        settings: Settings<N>,
+    ) -> Result<Halves<'_, N, P, L, S>, ServiceError> {
+        let Coefficients {
+            tick,
+            limits,
+            distances,
+            path,
+        } = scene.coefficients(&settings)?;
+        let position = tick.geometry().position(&pose);
+        let angles = tick
+            .geometry()
+            .motor_angles(&position.map_err(ServiceError::Pose)?);
+        let stand = Stand {
+            geometry: *tick.geometry(),
+            limits,
+            distances,
+            pose,
+        };
+        let setup = Setup { tick, limits, pose };
+
+        let (moves_in, moves_out) = self.moves.split();
+        let (offered_in, offered_out) = self.offered.split();
+        let (recoveries_in, recoveries_out) = self.recoveries.split();
+        let (faults_in, faults_out) = self.faults.split();
+        let (orders_in, orders_out) = self.orders.split();
+        let (reports_in, reports_out) = self.reports.split();
+        let (samples_in, samples_out) = self.samples.split();
+        let (events_in, events_out) = self.events.split();
+        let (setups_in, setups_out) = self.setups.split();
+        let shared = &self.shared;
+        let foreground = Foreground::new(
+            setup,
+            angles,
+            scene.homing(),
+            &settings,
+            foreground::Ends {
+                moves: Receiver::new(moves_out),
+                recoveries: Receiver::new(recoveries_out),
+                orders: Receiver::new(orders_out),
+                setups: setups_out,
+                reports: Sender::new(reports_in),
+                faults: Sender::new(faults_in),
+                samples: Sender::new(samples_in),
+                shared,
+            },
+        );
+        let background = Background::new(
+            scene,
+            stand,
+            angles,
+            Admission::over(path),
+            settings,
+            background::Ends {
+                moves: Sender::new(moves_in),
+                recoveries: Sender::new(recoveries_in),
+                orders: Sender::new(orders_in),
+                setups: setups_in,
+                reports: Receiver::new(reports_out),
+                faults: Receiver::new(faults_out),
+                samples: Receiver::new(samples_out),
+                shared,
+                offered: (Sender::new(offered_in), Receiver::new(offered_out)),
+                events: (Sender::new(events_in), Receiver::new(events_out)),
+            },
+        );
+        Ok((foreground, background))
+    }
+}
+
+impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Default
+    for Channels<N, P, L, S, MOVES, SAMPLES>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L>,
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,359 @@
+//! The half that runs once per tick, above everything else.
+
+mod obey;
+mod output;
+mod play;
+mod report;
+
+pub use output::Output;
+
+use super::guard::{self, Broken};
+use super::homing::{Homing, NoHoming};
+use super::link::{Order, Planned, Recover, Report, Shared};
+use super::pace::{Pace, Place};
+use super::queue::{Receiver, Sender};
+use super::scene::Setup;
+use super::settings::Settings;
+use core::sync::atomic::Ordering;
+use nalgebra::Vector3;
+use trirrr_core::limits::Limits;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
+use trirrr_core::tick::{Motor, Tick};
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Acting, Fault, FaultCode, State, Telemetry};
+
+/// The half of the service that runs once per tick.
+pub struct Foreground<'q, N: Number, P: Payload<N>, L, T, H = NoHoming> {
+    tick: Tick<N, P, L>,
+    pub(super) limits: Limits<N>,
+    /// 1 / (R dt): change of the speed along the path per time on a ramp.
+    slope: N::Factor,
+    /// R and 2 R, to take fractions of.
+    ramp: [N::Count; 2],
+    silence_ticks: u32,
+
+    moves: Receiver<'q, Planned<N>>,
+    recoveries: Receiver<'q, Recover<N>>,
+    orders: Receiver<'q, Order>,
+    setups: T,
+    reports: Sender<'q, Report<N>>,
+    faults: Sender<'q, Fault<N>>,
+    samples: Sender<'q, Telemetry<N>>,
+    shared: &'q Shared,
+
+    homing: H,
+    state: State,
+    acting: Acting,
+    path: Path,
+    place: Place,
+    pace: Pace,
+    /// A hold that the host asked for: it waits to be resumed.
+    held: bool,
+    /// Where the platform was commanded last.
+    pub(super) pose: Pose<N>,
+    output: Output<N>,
+
+    generation: u8,
+    begun: u32,
+    done: u32,
+    played: u32,
+    orders_taken: u8,
+    /// Something changed that was not reported.
+    unreported: bool,
+
+    heard: u32,
+    silent: u32,
+    clock: u32,
+    every: u16,
+    countdown: u16,
+    duration: u32,
+}
+
+/// What is under way: the head of a queue, where it stays until it is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Path {
+    None,
+    /// A move of the job.
+    Move,
+    /// The last move of the job, at its end: a tick later it is over.
+    Ended,
+    /// A recovery.
+    Joints,
+    /// A recovery at its end.
+    JointsEnded,
+}
+
+/// What a tick asks of the machine.
+enum Target<N: Number> {
+    Setpoint(Setpoint<N>),
+    Joints(JointSetpoint<N>),
+    /// Where it is.
+    Still,
+}
+
+/// The ends that belong to the tick.
+pub(super) struct Ends<'q, N: Number, T> {
+    pub(super) moves: Receiver<'q, Planned<N>>,
+    pub(super) recoveries: Receiver<'q, Recover<N>>,
+    pub(super) orders: Receiver<'q, Order>,
+    pub(super) setups: T,
+    pub(super) reports: Sender<'q, Report<N>>,
+    pub(super) faults: Sender<'q, Fault<N>>,
+    pub(super) samples: Sender<'q, Telemetry<N>>,
+    pub(super) shared: &'q Shared,
+}
+
+impl<'q, N, P, L, T, H> Foreground<'q, N, P, L, T, H>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: super::scene::Take<Setup<N, P, L>>,
+    H: Homing<N>,
+{
+    pub(super) fn new(
+        setup: Setup<N, P, L>,
+        angles: [N::Angle; 3],
+        homing: H,
+        settings: &Settings<N>,
+        ends: Ends<'q, N, T>,
+    ) -> Self {
+        let pace = Pace::new(settings.ramp_ticks);
+        let motor = |angle| Motor {
+            angle,
+            rate: N::ZERO,
+            acceleration: N::ZERO,
+            torque: N::ZERO,
+        };
+        Self {
+            tick: setup.tick,
+            limits: setup.limits,
+            slope: slope::<N>(pace.ramp(), settings.period),
+            ramp: [N::count(pace.ramp()), N::count(2 * pace.ramp())],
+            silence_ticks: settings.silence_ticks,
+            moves: ends.moves,
+            recoveries: ends.recoveries,
+            orders: ends.orders,
+            setups: ends.setups,
+            reports: ends.reports,
+            faults: ends.faults,
+            samples: ends.samples,
+            shared: ends.shared,
+            state: match homing.is_needed() {
+                true => State::Unhomed,
+                false => State::Idle,
+            },
+            homing,
+            acting: Acting::Nothing,
+            path: Path::None,
+            place: Place::START,
+            pace,
+            held: false,
+            pose: setup.pose,
+            output: Output {
+                motors: angles.map(motor),
+                tool: N::ZERO,
+                enabled: true,
+            },
+            generation: 0,
+            begun: 0,
+            done: 0,
+            played: 0,
+            orders_taken: 0,
+            unreported: false,
+            heard: 0,
+            silent: 0,
+            clock: 0,
+            every: settings.telemetry_every,
+            countdown: 0,
+            duration: 0,
+        }
+    }
+
+    /// One tick of a machine that needs no inputs: takes an order, goes on along the path, computes
+    /// and checks what the motors have to do, and samples. Never waits.
+    #[inline]
+    pub fn tick(&mut self) -> &Output<N>
+    where
+        H: Homing<N, Inputs = ()>,
+    {
+        self.tick_with(())
+    }
+
+    /// One tick, with the inputs of homing as they are now, that is where the motors were commanded
+    /// in the last tick: for each motor whether its switch is closed, or its drive says that it
+    /// stalls. Otherwise as [`Foreground::tick`].
+    #[inline]
+    pub fn tick_with(&mut self, inputs: H::Inputs) -> &Output<N> {
+        self.homing.listen(inputs, &self.output.motors);
+        self.listen();
+        let started = self.obey();
+        let target = self.advance(started);
+        let setpoint = match target {
+            Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
+                Ok(motion) => match guard::check::<N, P::Balance>(&self.limits, &motion) {
+                    Ok(()) => {
+                        self.output.motors = motion.motors;
+                        self.output.tool = self.tool(&setpoint);
+                        self.pose = setpoint.pose;
+                        Some(setpoint)
+                    }
+                    Err(broken) => self.latch(broken),
+                },
+                Err(status) => self.latch(Broken::of(status)),
+            },
+            Target::Joints(joints) => match guard::check_joints(&self.limits, &joints) {
+                Ok(()) => {
+                    self.follow(&joints);
+                    None
+                }
+                Err(broken) => self.latch(broken),
+            },
+            Target::Still => {
+                self.stand();
+                None
+            }
+        };
+        self.clock = self.clock.wrapping_add(1);
+        self.shared.tick.store(self.clock, Ordering::Relaxed);
+        self.report();
+        self.sample(setpoint);
+        &self.output
+    }
+
+    /// What the last tick gave out.
+    pub fn output(&self) -> &Output<N> {
+        &self.output
+    }
+
+    /// What the machine is doing.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Latches a fault from outside: a drive's, the board's, a tick that came too late. To be called
+    /// between two ticks; the next one gives out no more motion. A fault that is latched already
+    /// stays.
+    pub fn raise(&mut self, code: FaultCode, index: Option<u8>, value: N, limit: N) {
+        self.latch(Broken {
+            code,
+            index,
+            value,
+            limit,
+        });
+    }
+
+    /// Says how long the last tick took, from when it was due until its outputs stood, and from
+    /// one tick to the next, both in counts of the board's timer. Whether it was in time; if not,
+    /// that is a [fault](FaultCode::Overrun), and the [output](Foreground::output) is off.
+    #[inline]
+    pub fn took(&mut self, duration: u32, period: u32) -> bool {
+        self.duration = duration;
+        let longest = self.shared.longest.load(Ordering::Relaxed);
+        if duration > longest {
+            self.shared.longest.store(duration, Ordering::Relaxed);
+        }
+        let in_time = duration <= period;
+        if !in_time {
+            self.overrun(duration, period);
+        }
+        in_time
+    }
+
+    #[cold]
+    fn overrun(&mut self, duration: u32, period: u32) {
+        // Two periods are the most that every board can tell.
+        let late = (duration - period).min(period);
+        let value = N::ONE + N::ratio(late, period);
+        self.raise(FaultCode::Overrun, None, value, N::ONE);
+    }
+
+    /// What this tick has added to the commanded angles of the motors without moving them, where
+    /// homing has found a motor's reference: a drive that counts steps adds it to the angle that it
+    /// counts from.
+    #[inline]
+    pub fn shift(&self) -> Option<[N::Angle; 3]> {
+        self.homing.shift()
+    }
+
+    /// Says where the motors are, for a machine that has just found out by encoders. Heard
+    /// while nothing moves; afterwards the platform's pose is not known, and it takes a
+    /// [recovery](trirrr_protocol::message::Command::Recover) to get there. Whether it was heard.
+    pub fn motors_are_at(&mut self, angles: [N::Angle; 3]) -> bool {
+        let waits = match self.state {
+            State::Idle => self.moves.peek().is_none(),
+            State::Unhomed => true,
+            _ => false,
+        };
+        if !waits && !matches!(self.state, State::Fault | State::Cleared) {
+            return false;
+        }
+        for (motor, angle) in self.output.motors.iter_mut().zip(angles) {
+            motor.angle = angle;
+        }
+        if waits {
+            self.drop_queue();
+            self.become_(State::Cleared, Acting::Nothing);
+        }
+        self.unreported = true;
+        true
+    }
+
+    /// Counts the silence of the host.
+    #[inline]
+    fn listen(&mut self) {
+        let heard = self.shared.heard.load(Ordering::Relaxed);
+        if heard != self.heard {
+            self.heard = heard;
+            self.silent = 0;
+            return;
+        }
+        self.silent = self.silent.saturating_add(1);
+        let moves = matches!(
+            self.state,
+            State::Running | State::Recovering | State::Homing
+        );
+        if moves && self.silence_ticks != 0 && self.silent >= self.silence_ticks {
+            self.homing.stop();
+            self.become_(State::Stopping, Acting::Silence);
+        }
+    }
+
+    fn become_(&mut self, state: State, acting: Acting) {
+        if self.state != state || self.acting != acting {
+            self.state = state;
+            self.acting = acting;
+            self.unreported = true;
+        }
+    }
+
+    /// Drops everything that is queued: it is of a generation that is over.
+    #[inline(never)]
+    fn drop_queue(&mut self) {
+        self.generation = self.generation.wrapping_add(1);
+        self.path = Path::None;
+        self.place = Place::START;
+        self.pace.end();
+        self.held = false;
+        self.done = self.begun;
+        self.played = 0;
+        self.unreported = true;
+    }
+
+    /// The platform stands at `pose`.
+    fn standing(pose: Pose<N>) -> Setpoint<N> {
+        let zero = Vector3::new(N::ZERO, N::ZERO, N::ZERO);
+        Setpoint {
+            pose,
+            velocity: zero,
+            acceleration: zero,
+        }
+    }
+}
+
+/// u' on a ramp of `ramp` ticks: 1 / (R dt).
+pub(super) fn slope<N: Number>(ramp: u32, period: N::Factor) -> N::Factor {
+    N::factor_over(N::quotient(1, ramp), period)
+}

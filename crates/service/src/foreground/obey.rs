@@ -1,0 +1,155 @@
+//! Orders from the background.
+
+use super::super::homing::Homing;
+use super::super::link::{Order, Planned};
+use super::super::pace::Place;
+use super::super::scene::{Setup, Take};
+use super::{Foreground, Path};
+use trirrr_core::number::Number;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Acting, State};
+
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
+{
+    /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
+    /// its first setpoint is this tick's. An order that does not fit the state, because the state
+    /// changed while it was on its way, changes nothing.
+    #[inline]
+    pub(super) fn obey(&mut self) -> bool {
+        if self.path == Path::None && self.moves.peek().is_some_and(|next| self.is_stale(next)) {
+            // One per tick; orders given after the queue was dropped wait until it is empty.
+            self.moves.discard();
+            return false;
+        }
+        let Some(order) = self.orders.receive() else {
+            return false;
+        };
+        self.orders_taken = self.orders_taken.wrapping_add(1);
+        self.unreported = true;
+        match order {
+            Order::Start => return self.start(),
+            Order::Hold => self.hold(),
+            Order::Resume => self.held = false,
+            Order::Stop => self.stop(),
+            Order::ClearFault => self.clear_fault(),
+            Order::Recover => return self.recover(),
+            Order::Home => self.home(),
+            Order::Telemetry { every } => {
+                self.every = every;
+                self.countdown = 0;
+            }
+            Order::Adopt => {
+                if let Some(setup) = self.setups.take() {
+                    self.tick = setup.tick;
+                    self.limits = setup.limits;
+                    self.pose = setup.pose;
+                }
+            }
+        }
+        false
+    }
+
+    pub(super) fn is_stale(&self, planned: &Planned<N>) -> bool {
+        planned.generation != self.generation
+    }
+
+    fn start(&mut self) -> bool {
+        let ahead = self.shared.ahead();
+        let enough = ahead.ends_at_rest || self.pace.is_enough(ahead.left(self.played), 0);
+        if self.state != State::Idle || !enough {
+            return false;
+        }
+        let Some(first) = self.moves.peek() else {
+            return false;
+        };
+        self.begun = first.number.wrapping_add(1);
+        self.path = Path::Move;
+        self.begin();
+        self.become_(State::Running, Acting::Nothing);
+        true
+    }
+
+    fn recover(&mut self) -> bool {
+        if !matches!(self.state, State::Idle | State::Cleared) {
+            self.recoveries.discard();
+            return false;
+        }
+        self.drop_queue();
+        self.path = Path::Joints;
+        self.begin();
+        self.become_(State::Recovering, Acting::Nothing);
+        true
+    }
+
+    fn home(&mut self) {
+        let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
+        if !waits || !self.homing.is_needed() {
+            self.recoveries.discard();
+            return;
+        }
+        self.drop_queue();
+        self.homing.begin();
+        self.silent = 0;
+        self.become_(State::Homing, Acting::Nothing);
+    }
+
+    /// At the start of a path, which starts at rest: normal speed at once.
+    pub(super) fn begin(&mut self) {
+        self.place = Place::START;
+        self.pace.start();
+        self.held = false;
+        self.silent = 0;
+    }
+
+    fn hold(&mut self) {
+        match self.state {
+            State::Running => {
+                self.held = true;
+                self.become_(State::Slowing, Acting::Hold);
+            }
+            // What it waits for changes: it does not go on by itself any more.
+            State::Slowing | State::Holding => {
+                self.held = true;
+                self.become_(self.state, Acting::Hold);
+            }
+            _ => {}
+        }
+    }
+
+    fn stop(&mut self) {
+        match self.state {
+            State::Running | State::Slowing | State::Holding | State::Recovering => {
+                self.become_(State::Stopping, Acting::Stop);
+            }
+            State::Stopping => self.become_(State::Stopping, Acting::Stop),
+            State::Homing => {
+                self.homing.stop();
+                self.become_(State::Stopping, Acting::Stop);
+            }
+            State::Idle => {
+                self.drop_queue();
+                self.become_(State::Idle, Acting::Nothing);
+            }
+            State::Fault | State::Cleared | State::Unhomed => {}
+        }
+    }
+
+    fn clear_fault(&mut self) {
+        if self.state == State::Fault {
+            self.output.enabled = true;
+            // Without current a motor without an encoder may have lost its place.
+            let state = match self.homing.is_needed() {
+                true => State::Unhomed,
+                false => State::Cleared,
+            };
+            self.become_(state, self.acting);
+        }
+    }
+}

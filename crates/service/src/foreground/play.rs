@@ -1,0 +1,311 @@
+//! Along the path, tick by tick.
+
+use super::super::guard::Broken;
+use super::super::homing::{Homing, Progress};
+use super::super::pace::{Place, Stride};
+use super::super::scene::{Setup, Take};
+use super::{Foreground, Path, Target};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::{Acting, State};
+
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
+{
+    /// One tick further; `started`: the path was begun in this tick, and this is its start.
+    #[inline]
+    pub(super) fn advance(&mut self, started: bool) -> Target<N> {
+        self.settle();
+        if self.homing.is_under_way() {
+            return self.look_for_motors();
+        }
+        match self.state {
+            State::Idle => return Target::Setpoint(Self::standing(self.pose)),
+            State::Fault | State::Cleared | State::Unhomed => return Target::Still,
+            _ => {}
+        }
+        let stride = if started {
+            self.pace.faster()
+        } else {
+            let stride = self.stride();
+            self.place = self.pace.take(stride, self.place);
+            self.change_over();
+            stride
+        };
+        let target = self.target(stride);
+        if self.pace.is_at_rest() {
+            self.come_to_rest();
+        }
+        target
+    }
+
+    /// A tick of homing. The recovery to the start pose follows in the tick in which it is done.
+    fn look_for_motors(&mut self) -> Target<N> {
+        match self.homing.advance(&self.output.motors) {
+            Progress::Moving(joints) => Target::Joints(joints),
+            Progress::Done => {
+                self.path = Path::Joints;
+                self.begin();
+                self.become_(State::Recovering, Acting::Nothing);
+                self.target(self.pace.faster())
+            }
+            Progress::Stopped => {
+                self.recoveries.discard();
+                self.become_(State::Unhomed, self.acting);
+                Target::Still
+            }
+            Progress::Failed { code, motor, limit } => {
+                self.latch(Broken {
+                    code,
+                    index: Some(motor),
+                    value: limit,
+                    limit,
+                });
+                Target::Still
+            }
+        }
+    }
+
+    /// What was at its end a tick ago is over, unless more was queued in time.
+    #[inline]
+    fn settle(&mut self) {
+        match self.path {
+            Path::Ended => {
+                let stopping = matches!(self.state, State::Stopping);
+                if !stopping && self.moves.has_second() {
+                    // The end of the last is the start of the next: this tick goes on from there.
+                    self.take_next();
+                    return;
+                }
+                self.leave();
+                self.path = Path::None;
+                self.place = Place::START;
+                self.pace.end();
+                self.held = false;
+                if stopping {
+                    self.drop_queue();
+                }
+                let acting = if stopping {
+                    self.acting
+                } else {
+                    Acting::Nothing
+                };
+                self.become_(State::Idle, acting);
+            }
+            Path::JointsEnded => {
+                if let Some(recovery) = self.recoveries.receive() {
+                    self.pose = recovery.to;
+                }
+                self.path = Path::None;
+                self.pace.end();
+                self.become_(State::Idle, Acting::Nothing);
+            }
+            _ => {}
+        }
+    }
+
+    /// How far this tick goes: towards normal speed where the state and what is queued allow, else
+    /// towards rest.
+    #[inline]
+    fn stride(&mut self) -> Stride {
+        match self.state {
+            State::Running => {
+                let faster = self.pace.faster();
+                if self.reaches(faster) {
+                    if faster.is_normal(&self.pace) && self.acting != Acting::Nothing {
+                        self.become_(State::Running, Acting::Nothing);
+                    }
+                    return faster;
+                }
+                self.become_(State::Slowing, Acting::QueueDry);
+            }
+            State::Recovering => return self.pace.faster(),
+            State::Holding if !self.held && self.has_enough() => {
+                self.pace.aim(self.place.part);
+                self.become_(State::Running, Acting::Resume);
+                return self.pace.faster();
+            }
+            State::Holding if !self.held && self.acting != Acting::QueueDry => {
+                self.become_(State::Holding, Acting::QueueDry);
+            }
+            _ => {}
+        }
+        self.pace.slower()
+    }
+
+    /// Ticks of the path between its place in whole ticks and the end of what is admitted; none if
+    /// it ends at rest and so needs no room to stop.
+    #[inline]
+    fn left(&self) -> Option<u32> {
+        let ahead = self.shared.ahead();
+        let left = ahead.left(self.played);
+        (!ahead.ends_at_rest).then(|| left.saturating_sub(self.place.tick))
+    }
+
+    /// Whether the path could still come to rest on what is admitted.
+    #[inline]
+    fn reaches(&self, stride: Stride) -> bool {
+        let part = self.place.part;
+        self.left()
+            .is_none_or(|left| self.pace.can_stop(stride, left, part))
+    }
+
+    /// Whether there is enough to leave a hold for: room for a ramp down from normal speed, or all
+    /// that the queue can hold.
+    fn has_enough(&self) -> bool {
+        let part = self.place.part;
+        self.moves.is_full()
+            || self
+                .left()
+                .is_none_or(|left| self.pace.is_enough(left, part))
+    }
+
+    /// Over the end of a move into the next, or to the end of the path. At most one end lies in a
+    /// tick, for a move has a tick at least.
+    #[inline]
+    fn change_over(&mut self) {
+        match self.path {
+            Path::Move => {
+                let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
+                if self.place.tick < ticks {
+                    return;
+                }
+                if self.done != self.begun {
+                    self.done = self.begun;
+                    self.unreported = true;
+                }
+                if self.moves.has_second() {
+                    self.take_next();
+                } else if self.shared.ahead().ends_at_rest {
+                    self.place = Place {
+                        tick: ticks,
+                        part: 0,
+                    };
+                    self.path = Path::Ended;
+                }
+                // Else it stands at the very end of what is admitted and waits for more.
+            }
+            Path::Joints => {
+                let ticks = self
+                    .recoveries
+                    .peek()
+                    .map_or(0, |recovery| recovery.path.ticks());
+                if self.place.tick >= ticks {
+                    self.place = Place {
+                        tick: ticks,
+                        part: 0,
+                    };
+                    self.path = Path::JointsEnded;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The move under way is over.
+    fn leave(&mut self) {
+        let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
+        self.played = self.played.wrapping_add(ticks);
+        self.place.tick = self.place.tick.saturating_sub(ticks);
+        self.moves.discard();
+    }
+
+    /// The next move takes the place of the one that ended.
+    // A call, as what else happens at the ends of moves and of states: several sites have it, and no tick
+    // but few.
+    #[inline(never)]
+    fn take_next(&mut self) {
+        self.leave();
+        if let Some(next) = self.moves.peek() {
+            self.begun = next.number.wrapping_add(1);
+            self.path = Path::Move;
+        }
+    }
+
+    /// What this place on the path asks of the machine, at the speed after `stride`.
+    #[inline]
+    fn target(&self, stride: Stride) -> Target<N> {
+        let place = self.place;
+        match self.path {
+            Path::Move | Path::Ended => {
+                let Some(planned) = self.moves.peek() else {
+                    return Target::Setpoint(Self::standing(self.pose));
+                };
+                let part = N::fraction(place.part, &self.ramp[1]);
+                let on_path = planned.segment.between(place.tick, part);
+                // At normal speed the place is a whole tick, and the setpoint the segment's own.
+                if place.part == 0 && stride.is_normal(&self.pace) {
+                    return Target::Setpoint(on_path);
+                }
+                Target::Setpoint(self.scaled(&on_path, stride))
+            }
+            Path::Joints | Path::JointsEnded => {
+                let Some(recovery) = self.recoveries.peek() else {
+                    return Target::Still;
+                };
+                let part = N::fraction(place.part, &self.ramp[1]);
+                let mut joints = recovery.path.between(place.tick, part);
+                let (speed, change) = self.speed(stride);
+                for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
+                    *acceleration = *acceleration * speed * speed;
+                    if let Some(change) = change {
+                        *acceleration += rate.scaled(change);
+                    }
+                    *rate *= speed;
+                }
+                Target::Joints(joints)
+            }
+            Path::None => Target::Setpoint(Self::standing(self.pose)),
+        }
+    }
+
+    /// u and u' after `stride`.
+    fn speed(&self, stride: Stride) -> (N, Option<N::Factor>) {
+        let change = match stride.slope {
+            0 => None,
+            1.. => Some(self.slope),
+            _ => Some(-self.slope),
+        };
+        (N::fraction(stride.level, &self.ramp[0]), change)
+    }
+
+    /// q' u and q'' u^2 + q' u'.
+    fn scaled(&self, on_path: &Setpoint<N>, stride: Stride) -> Setpoint<N> {
+        let (speed, change) = self.speed(stride);
+        let mut acceleration = on_path.acceleration * speed * speed;
+        if let Some(change) = change {
+            acceleration += on_path.velocity.map(|velocity| velocity.scaled(change));
+        }
+        Setpoint {
+            pose: on_path.pose,
+            velocity: on_path.velocity * speed,
+            acceleration,
+        }
+    }
+
+    /// The speed along the path is 0 from now on, until something is done about it.
+    #[inline(never)]
+    fn come_to_rest(&mut self) {
+        match self.state {
+            State::Slowing => self.become_(State::Holding, self.acting),
+            State::Stopping => {
+                let on_path = matches!(self.path, Path::Move | Path::Ended);
+                if !on_path {
+                    self.recoveries.discard();
+                }
+                self.drop_queue();
+                // In a recovery the platform's pose is not known.
+                let state = if on_path { State::Idle } else { State::Cleared };
+                self.become_(state, self.acting);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! What the tick says of itself.
+
+use super::super::homing::Homing;
+use super::super::link::{Report, count};
+use super::super::scene::{Setup, Take};
+use super::Foreground;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_core::torque::links::Links;
+use trirrr_core::torque::payload::Payload;
+use trirrr_protocol::message::Telemetry;
+
+impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
+where
+    N: Number,
+    P: Payload<N>,
+    L: Links<N>,
+    T: Take<Setup<N, P, L>>,
+    H: Homing<N>,
+{
+    /// Reports what changed; where there is no room, later.
+    #[inline]
+    pub(super) fn report(&mut self) {
+        if !self.unreported || !self.reports.has_room() {
+            return;
+        }
+        let report = Report {
+            orders: self.orders_taken,
+            generation: self.generation,
+            state: self.state,
+            acting: self.acting,
+            begun: self.begun,
+            done: self.done,
+            played: self.played,
+            pose: self.pose,
+            angles: self.output.motors.each_ref().map(|motor| motor.angle),
+        };
+        self.unreported = !self.reports.send(report);
+    }
+
+    /// Every so many ticks a sample; where there is no room, one is lost and counted.
+    #[inline]
+    pub(super) fn sample(&mut self, setpoint: Option<Setpoint<N>>) {
+        if self.every == 0 {
+            return;
+        }
+        if self.countdown > 0 {
+            self.countdown -= 1;
+            return;
+        }
+        self.countdown = self.every - 1;
+        let motors = &self.output.motors;
+        let sample = Telemetry {
+            tick: self.clock,
+            state: self.state,
+            acting: self.acting,
+            number: self.begun.wrapping_sub(1),
+            at: self.place.tick,
+            part: self.place.part,
+            setpoint: setpoint.unwrap_or(Self::standing(self.pose)),
+            angles: motors.each_ref().map(|motor| motor.angle),
+            rates: motors.each_ref().map(|motor| motor.rate),
+            accelerations: motors.each_ref().map(|motor| motor.acceleration),
+            torques: motors.each_ref().map(|motor| motor.torque),
+            tool: self.output.tool,
+            duration: self.duration,
+            lost: self.shared.lost.load(core::sync::atomic::Ordering::Relaxed),
+        };
+        if !self.samples.send(sample) {
+            count(&self.shared.lost);
+        }
+    }
+}

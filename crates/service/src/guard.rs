@@ -1,0 +1,94 @@
+//! The last look at a tick's results before they go out.
+
+use trirrr_core::limits::Limits;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::JointSetpoint;
+use trirrr_core::status::Status;
+use trirrr_core::tick::Motion;
+use trirrr_core::torque::balance::Solve;
+use trirrr_protocol::message::{Bounded, FaultCode};
+
+/// What a tick's results break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Broken<N> {
+    pub(super) code: FaultCode,
+    pub(super) index: Option<u8>,
+    pub(super) value: N,
+    pub(super) limit: N,
+}
+
+impl<N: Number> Broken<N> {
+    /// A setpoint without a motion.
+    pub(super) fn of(status: Status) -> Self {
+        let (code, index) = FaultCode::of(status);
+        Self {
+            code,
+            index,
+            value: N::ZERO,
+            limit: N::ZERO,
+        }
+    }
+}
+
+/// Whether the motors keep `limits` in `motion`. The distances to the singularities are left to the
+/// admission: near a singularity it is rate and torque that grow.
+///
+/// `S` says whether the motion has torques.
+#[inline]
+pub(super) fn check<N: Number, S: Solve<N>>(
+    limits: &Limits<N>,
+    motion: &Motion<N>,
+) -> Result<(), Broken<N>> {
+    let [a, b, c] = &motion.motors;
+    within(Bounded::Rate, &limits.rate, [a.rate, b.rate, c.rate])?;
+    let accelerations = [a.acceleration, b.acceleration, c.acceleration];
+    within(Bounded::Acceleration, &limits.acceleration, accelerations)?;
+    if !S::TORQUES {
+        return Ok(());
+    }
+    within(
+        Bounded::Torque,
+        &limits.torque,
+        [a.torque, b.torque, c.torque],
+    )?;
+    if limits.power.is_some() {
+        let powers = [a.torque * a.rate, b.torque * b.rate, c.torque * c.rate];
+        within(Bounded::Power, &limits.power, powers)?;
+    }
+    Ok(())
+}
+
+/// Whether the motors keep `limits` one by one, without torque.
+pub(super) fn check_joints<N: Number>(
+    limits: &Limits<N>,
+    joints: &JointSetpoint<N>,
+) -> Result<(), Broken<N>> {
+    within(Bounded::Rate, &limits.rate, joints.rates)?;
+    within(
+        Bounded::Acceleration,
+        &limits.acceleration,
+        joints.accelerations,
+    )
+}
+
+/// Whether the peaks of a joint move keep `limits`: what they break otherwise.
+pub(super) fn within<N: Number>(
+    what: Bounded,
+    limits: &Option<[N; 3]>,
+    values: [N; 3],
+) -> Result<(), Broken<N>> {
+    let Some(limits) = limits else {
+        return Ok(());
+    };
+    for (index, (value, limit)) in values.into_iter().zip(limits).enumerate() {
+        if !(value.abs() <= *limit) {
+            return Err(Broken {
+                code: FaultCode::Limit(what),
+                index: Some(index as u8),
+                value,
+                limit: *limit,
+            });
+        }
+    }
+    Ok(())
+}

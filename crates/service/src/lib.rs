@@ -1,0 +1,62 @@
+//! The service between a host and the motors: it takes commands, checks every move before it starts,
+//! runs them without a missed tick, stops in a defined way, and reports what it does.
+//!
+//! No device, no clock: whoever owns it calls [`Foreground::tick`] once per tick from the highest
+//! priority that there is, and hands to [`Background`] what the line brings. The two halves are
+//! joined by queues with one end each ([`Channels`]): neither waits for the other, neither locks,
+//! neither allocates. `docs/service.md` has states, commands, faults and times.
+//!
+//! ```text
+//!  line ──> Background::receive ──> admission ──moves──> Foreground::tick ──> motors, tool
+//!                 │                                            │
+//!                 └───────────────orders──────────────────────>│
+//!  line <── Background::outgoing <────reports, telemetry───────┘
+//! ```
+//!
+//! What is promised:
+//! - At normal speed the setpoints are [`Segment::at`](trirrr_core::setpoint::Segment::at) tick by tick,
+//!   in the bits, over any number of moves.
+//! - A hold, a stop and a resume leave neither the path nor the limits: only the time along the path
+//!   changes its pace. Time along the path is a whole number; it neither rounds nor drifts.
+//! - What is queued may end moving; then the machine comes to rest before its end, and goes on when
+//!   there is more.
+//! - Nothing goes out that is beyond a limit: it is a fault instead. A fault is latched, the drives
+//!   and the tool are off.
+//! - The tool is on only while the job runs, in proportion to its speed along the path.
+//! - A host that is silent for too long ends in a controlled stop.
+#![no_std]
+// A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a
+// value is refused, which `x <= limit` would let pass.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod admission;
+mod background;
+mod channels;
+mod coefficients;
+mod foreground;
+mod guard;
+mod homing;
+mod link;
+mod pace;
+mod queue;
+mod scene;
+mod settings;
+#[cfg(test)]
+mod tests;
+mod tool;
+
+pub use background::Background;
+pub use channels::{
+    BackgroundOf, Channels, ForegroundOf, Halves, MessageOf, MessageRefOf, RequestOf, ServiceError,
+};
+pub use coefficients::Coefficients;
+pub use foreground::{Foreground, Output};
+pub use homing::{
+    Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
+    HomingTimes, NoHoming, Plan, Progress, WithHoming,
+};
+pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take};
+pub use settings::{SceneIdentity, Settings, key, name};

@@ -1,0 +1,158 @@
+//! What the two halves of the service hand to each other.
+//!
+//! | from | to | by | what |
+//! |---|---|---|---|
+//! | background | tick | queue | admitted moves ([`Planned`]); the first is under way |
+//! | background | tick | queue | a recovery ([`Recover`]) |
+//! | background | tick | queue | orders ([`Order`]) |
+//! | tick | background | queue | where it stands, after each change ([`Report`]) |
+//! | tick | background | queue | a fault |
+//! | tick | background | queue | telemetry samples |
+//! | each | the other | [`Shared`] | counters, each with one writer |
+
+use super::tool::Tool;
+use core::sync::atomic::{AtomicU32, Ordering};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{JointMove, Pose, Segment};
+use trirrr_protocol::message::{Acting, State};
+
+/// A move that is admitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Planned<N: Number> {
+    pub(super) segment: Segment<N>,
+    pub(super) ticks: u32,
+    pub(super) number: u32,
+    pub(super) tool: Option<Tool<N>>,
+    /// Generation of the queue: what was queued before the queue was dropped is not played.
+    pub(super) generation: u8,
+}
+
+/// What the tick is told to do. It takes one per tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Order {
+    Start,
+    Hold,
+    Resume,
+    Stop,
+    ClearFault,
+    /// The recovery at the head of its queue.
+    Recover,
+    Telemetry {
+        every: u16,
+    },
+    /// A new scene is in its slot.
+    Adopt,
+    /// Homing; the way from where it ends is the recovery at the head of its queue.
+    Home,
+}
+
+/// A recovery.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Recover<N: Number> {
+    pub(super) path: JointMove<N>,
+    /// The pose at its end.
+    pub(super) to: Pose<N>,
+}
+
+/// Where the tick stands, after something changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Report<N: Number> {
+    /// Orders taken so far, modulo 256.
+    pub(super) orders: u8,
+    pub(super) generation: u8,
+    pub(super) state: State,
+    pub(super) acting: Acting,
+    /// Number of the first move that was not begun,
+    pub(super) begun: u32,
+    /// and of the first that is not over.
+    pub(super) done: u32,
+    /// Ticks of all moves of this generation that are over, modulo 2^31.
+    pub(super) played: u32,
+    /// Where the platform stands; meant in idle only.
+    pub(super) pose: Pose<N>,
+    /// Where the motors stand; meant in idle, fault and cleared only.
+    pub(super) angles: [N::Angle; 3],
+}
+
+/// Counters, each with one writer. Loads and stores only: not every core has more.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    /// Requests heard. By the background.
+    pub(super) heard: AtomicU32,
+    /// What is admitted. By the background.
+    ahead: AtomicU32,
+    /// Ticks since the start. By the tick.
+    pub(super) tick: AtomicU32,
+    /// Samples dropped. By the tick.
+    pub(super) lost: AtomicU32,
+    /// Longest tick in counts of the board's timer. By the tick.
+    pub(super) longest: AtomicU32,
+}
+
+/// What is admitted, in one word, so that both parts are of the same moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ahead {
+    /// Ticks of all moves of this generation that are admitted, modulo 2^31.
+    pub(super) ticks: u32,
+    /// Whether the last of them ends at rest.
+    pub(super) ends_at_rest: bool,
+}
+
+/// Ticks are counted modulo this.
+const TICKS: u32 = 1 << 31;
+
+impl Ahead {
+    pub(super) const NOTHING: Self = Self {
+        ticks: 0,
+        ends_at_rest: true,
+    };
+
+    /// With another move behind.
+    pub(super) fn and(self, ticks: u32, ends_at_rest: bool) -> Self {
+        Self {
+            ticks: self.ticks.wrapping_add(ticks) % TICKS,
+            ends_at_rest,
+        }
+    }
+
+    /// Ticks left when `played` are over.
+    pub(super) fn left(self, played: u32) -> u32 {
+        self.ticks.wrapping_sub(played) % TICKS
+    }
+}
+
+impl Shared {
+    pub(super) const fn new() -> Self {
+        Self {
+            heard: AtomicU32::new(0),
+            // At rest is 0: memory that starts as zeros takes no flash.
+            ahead: AtomicU32::new(0),
+            tick: AtomicU32::new(0),
+            lost: AtomicU32::new(0),
+            longest: AtomicU32::new(0),
+        }
+    }
+
+    /// Says what is admitted; after the moves themselves are in their queue.
+    pub(super) fn set_ahead(&self, ahead: Ahead) {
+        let word = ahead.ticks << 1 | u32::from(!ahead.ends_at_rest);
+        self.ahead.store(word, Ordering::Release);
+    }
+
+    /// What is admitted: the moves themselves are in their queue.
+    #[inline]
+    pub(super) fn ahead(&self) -> Ahead {
+        let word = self.ahead.load(Ordering::Acquire);
+        Ahead {
+            ticks: word >> 1,
+            ends_at_rest: word & 1 == 0,
+        }
+    }
+}
+
+/// Adds one, for the counter's only writer.
+#[inline]
+pub(super) fn count(counter: &AtomicU32) {
+    let value = counter.load(Ordering::Relaxed);
+    counter.store(value.wrapping_add(1), Ordering::Relaxed);
+}

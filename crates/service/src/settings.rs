@@ -1,0 +1,121 @@
+//! What a service is told when it is built.
+
+use trirrr_core::number::Number;
+use trirrr_core::units::Units;
+use trirrr_protocol::message::{Board, Identity, NAME_CAPACITY, PROTOCOL};
+
+/// Settings of the service, from the scene. Times are ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings<N: Number> {
+    /// Length of a tick in the machine's unit of time.
+    pub period: N::Factor,
+    /// Ticks from normal speed to rest, positive.
+    pub ramp_ticks: u16,
+    /// Silence of the host after which a machine that moves comes to rest; 0 for never.
+    pub silence_ticks: u32,
+    /// One telemetry sample every so many ticks, until the host asks otherwise; 0 for none.
+    pub telemetry_every: u16,
+    /// What is said of the scene in answer to a hello.
+    pub scene: SceneIdentity,
+    /// What is said of what carries the service.
+    pub board: Board,
+}
+
+/// What a machine tells of its scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneIdentity {
+    /// Key of the messages' layout, see [`wire::schema`](trirrr_protocol::wire::schema).
+    pub schema: u64,
+    /// Key of the scene; not 0.
+    pub key: u32,
+    /// Name, ASCII, zeros behind it.
+    pub name: [u8; NAME_CAPACITY],
+    /// Ticks per second.
+    pub tick_rate_hz: f64,
+    /// One unit of length in m, a power of two as [`Units`] are; 1 for the float types,
+    pub length_m: f64,
+    /// one unit of time in s,
+    pub time_s: f64,
+    /// one unit of mass in kg.
+    pub mass_kg: f64,
+}
+
+/// `name` as an identity has it: cut where it is longer, zeros behind it.
+pub const fn name(name: &str) -> [u8; NAME_CAPACITY] {
+    let mut bytes = [0; NAME_CAPACITY];
+    let mut index = 0;
+    while index < NAME_CAPACITY && index < name.len() {
+        bytes[index] = name.as_bytes()[index];
+        index += 1;
+    }
+    bytes
+}
+
+/// Key of a text: FNV-1a, 32 bits, never 0. For the text of a scene's file.
+pub const fn key(text: &[u8]) -> u32 {
+    let mut key = 0x811c_9dc5_u32;
+    let mut index = 0;
+    while index < text.len() {
+        key = (key ^ text[index] as u32).wrapping_mul(0x0100_0193);
+        index += 1;
+    }
+    // 0 means any.
+    if key == 0 { 1 } else { key }
+}
+
+impl SceneIdentity {
+    /// The units that the machine is built in.
+    pub(super) fn units(&self) -> Units {
+        // Powers of two: their exponents.
+        let exponent = |unit: f64| ((unit.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        Units {
+            length: exponent(self.length_m),
+            time: exponent(self.time_s),
+            mass: exponent(self.mass_kg),
+        }
+    }
+}
+
+impl<N: Number> Settings<N> {
+    pub(super) fn identity(&self, queue: u8, next_sequence: u32) -> Identity {
+        let scene = &self.scene;
+        Identity {
+            protocol: PROTOCOL,
+            schema: scene.schema,
+            scene: scene.key,
+            name: scene.name,
+            tick_rate_hz: scene.tick_rate_hz,
+            length_m: scene.length_m,
+            time_s: scene.time_s,
+            mass_kg: scene.mass_kg,
+            ramp_ticks: self.ramp_ticks,
+            silence_ticks: self.silence_ticks,
+            queue,
+            next_sequence,
+            board: self.board,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_cut_and_padded() {
+        assert_eq!(&name("thesis")[..8], b"thesis\0\0");
+        let long = "abcdefghijklmnopqrstuvwxyz0123456789";
+        assert_eq!(&name(long), &long.as_bytes()[..NAME_CAPACITY]);
+    }
+
+    #[test]
+    fn the_published_test_vectors_of_fnv_1a() {
+        for (text, expected) in [
+            ("", 0x811c_9dc5),
+            ("a", 0xe40c_292c),
+            ("foobar", 0xbf9c_f968),
+        ] {
+            assert_eq!(key(text.as_bytes()), expected, "{text:?}");
+        }
+    }
+}

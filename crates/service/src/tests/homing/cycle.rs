@@ -1,0 +1,249 @@
+//! The way from switched on to idle.
+
+use super::*;
+use trirrr_core::number::{Coarse, Fixed};
+use trirrr_protocol::message::{Acting, Bounded, Recovery, scene};
+
+const ALL: [Contact; 3] = [Contact::Switch, Contact::Stall, Contact::Unfelt];
+
+#[test]
+fn before_it_is_homed_a_machine_plays_nothing() {
+    let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.1, -0.2, 0.05]);
+    let status = machine.rig.status();
+    assert_eq!((status.state, status.end), (State::Unhomed, None));
+    let limits = scene::Limits::from(&LimitParameters::default());
+    for command in [
+        Command::Move(rest(0, home(), home(), 10)),
+        Command::Start,
+        Command::Hold,
+        Command::Resume,
+        Command::ClearFault,
+        Command::Recover(Recovery {
+            to: home(),
+            ticks: 500,
+        }),
+        Command::Override(scene::Section::Limits(limits)),
+    ] {
+        let refusal = machine.rig.refused(command);
+        assert_eq!(refusal, Refusal::State(State::Unhomed), "{command:?}");
+    }
+    machine.rig.done(Command::Stop);
+    machine.rig.done(Command::Telemetry { every: 2 });
+    for _ in 0..5 {
+        let output = machine.tick();
+        assert!(output.enabled);
+    }
+    assert_eq!(machine.rig.state(), State::Unhomed);
+}
+
+/// Every command while it is being homed, and on its way to rest after that was given up.
+#[test]
+fn each_command_while_it_is_homed() {
+    let machine = |stopped: bool| {
+        let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
+        machine.rig.done(Command::Home);
+        machine.ticks(20);
+        if stopped {
+            machine.rig.done(Command::Stop);
+            machine.ticks(2);
+        }
+        machine
+    };
+    for (stopped, state) in [(false, State::Homing), (true, State::Stopping)] {
+        for command in [
+            Command::Home,
+            Command::Start,
+            Command::Hold,
+            Command::Resume,
+            Command::ClearFault,
+            Command::Move(rest(0, home(), home(), 10)),
+            Command::Recover(Recovery {
+                to: home(),
+                ticks: 500,
+            }),
+        ] {
+            let mut machine = machine(stopped);
+            let refusal = machine.rig.refused(command);
+            assert_eq!(refusal, Refusal::State(state), "{command:?}");
+            machine.ticks(1);
+            assert_eq!(machine.rig.state(), state);
+        }
+        let mut machine = machine(stopped);
+        machine.rig.done(Command::Stop);
+        machine.ticks(1);
+        assert_eq!(machine.rig.state(), State::Stopping);
+        machine.until(State::Unhomed);
+    }
+}
+
+#[test]
+fn a_machine_whose_motors_are_known_has_no_homing() {
+    let mut rig = Rig::<f64>::new();
+    assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
+    rig.ticks(1);
+    assert_eq!(rig.state(), State::Idle);
+    // One that may have it, and has not, is the same.
+    let scene = WithHoming {
+        scene: Adjustable::new(example(), LimitParameters::default()),
+        homing: None,
+    };
+    let mut rig = Rig::<f64, Homed<f64>>::of(scene, home());
+    assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
+    rig.inputs = [true; 3];
+    rig.offer(rest(0, home(), pose(0.25, 0.25, 0.1), 100));
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    assert_eq!(rig.foreground.shift(), None);
+}
+
+fn homes<N: Transmit>(contact: Contact) {
+    let mut machine = Machine::<N>::new(parameters(contact), [0.2, -0.1, -0.5]);
+    assert!(machine.errors().iter().any(|error| error.abs() > 0.4));
+    machine.rig.done(Command::Home);
+    assert_eq!(machine.rig.state(), State::Homing);
+    machine.until(State::Recovering);
+    machine.until(State::Idle);
+    machine.is_homed();
+    // A job from there, and homing again from its end.
+    let next = machine.rig.status().next;
+    let to = pose(0.25, 0.25, 0.1);
+    machine.rig.offer(rest(next, home(), to, 400));
+    machine.rig.done(Command::Start);
+    machine.until(State::Running);
+    assert_eq!(
+        machine.rig.refused(Command::Home),
+        Refusal::State(State::Running)
+    );
+    machine.until(State::Idle);
+    machine.home();
+    machine.is_homed();
+}
+
+#[test]
+fn every_number_type_homes_to_every_contact() {
+    for contact in ALL {
+        homes::<f64>(contact);
+        homes::<f32>(contact);
+        homes::<Fixed>(contact);
+        homes::<Coarse>(contact);
+    }
+}
+
+/// In stages, one motor moves while the others stand.
+#[test]
+fn stages_follow_one_another() {
+    let mut parameters = parameters(Contact::Switch);
+    for (motor, stage) in parameters.motors.iter_mut().zip([2, 0, 1]) {
+        motor.stage = stage;
+    }
+    let mut machine = Machine::<f64>::new(timed(parameters), [0.1; 3]);
+    machine.rig.done(Command::Home);
+    let mut order = Vec::new();
+    while machine.rig.foreground.state() != State::Recovering {
+        let output = machine.tick();
+        machine.rig.ask(Command::Status);
+        let moving = |i: &usize| output.motors[*i].rate != 0.0;
+        let moving: Vec<usize> = (0..3).filter(moving).collect();
+        if machine.rig.foreground.state() != State::Homing {
+            continue;
+        }
+        assert!(moving.len() <= 1, "{moving:?}");
+        if let Some(one) = moving.first()
+            && order.last() != Some(one)
+        {
+            order.push(*one);
+        }
+    }
+    assert_eq!(order, [1, 2, 0]);
+    machine.until(State::Idle);
+    machine.is_homed();
+}
+
+/// A switch that the machine stands on is left first; the others wait meanwhile.
+#[test]
+fn a_switch_that_is_closed_at_the_start_is_left() {
+    let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.35, 0.0, 0.0]);
+    machine.ticks(1);
+    assert!(machine.beyond(0) > 0.0);
+    machine.rig.done(Command::Home);
+    let mut most = [0.0f64; 3];
+    for _ in 0..40 {
+        let output = machine.tick();
+        for (most, motor) in most.iter_mut().zip(&output.motors) {
+            *most = most.max(motor.rate.abs());
+        }
+    }
+    assert!(most[0] > 0.0 && machine.beyond(0) < 0.04, "{most:?}");
+    assert_eq!(most[1..], [0.0, 0.0]);
+    machine.until(State::Idle);
+    machine.is_homed();
+}
+
+/// The reference is where the switch first closed, however long it takes to believe it.
+#[test]
+fn bounces_do_not_move_the_reference() {
+    for debounce_ticks in [3, 20] {
+        let parameters = timed(HomingParameters {
+            debounce_ticks,
+            ..parameters(Contact::Switch)
+        });
+        let mut machine = Machine::<f64>::new(parameters, [0.1, 0.2, -0.3]);
+        machine.defects = [Defect::Bounces; 3];
+        machine.home();
+        // Two ticks of bounces: three ticks of the latch rate.
+        for error in machine.errors() {
+            assert!(error.abs() < 3.1 * 0.05 * PERIOD_S, "{error}");
+        }
+        let mut clean = Machine::<f64>::new(parameters, [0.1, 0.2, -0.3]);
+        clean.home();
+        clean.is_homed();
+    }
+}
+
+/// Its limits may have become narrower since the scene was read.
+#[test]
+fn homing_keeps_the_limits() {
+    let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
+    machine.home();
+    for (rate, acceleration, what) in [
+        (0.4, 1.9, Bounded::Rate),
+        (1.0, 1.4, Bounded::Acceleration),
+        (1.0, 1.501, Bounded::Acceleration),
+    ] {
+        let limits = scene::Limits {
+            rate_rad_s: Some([rate; 3]),
+            acceleration_rad_s2: Some([acceleration; 3]),
+            ..scene::Limits::from(&LimitParameters::default())
+        };
+        machine
+            .rig
+            .done(Command::Override(scene::Section::Limits(limits)));
+        machine.tick();
+        let refusal = machine.rig.ask(Command::Home);
+        match refusal {
+            Reply::Refused(Refusal::Recovery(violation)) => assert_eq!(violation.what, what),
+            // The way to the start pose is reckoned with its ramp.
+            other => assert_eq!((other, acceleration), (Reply::Done, 1.501)),
+        }
+    }
+}
+
+/// A board that knows better may say so.
+#[test]
+fn angles_from_elsewhere_take_the_place_of_homing() {
+    let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
+    let angles = home_angles().map(|angle| angle + 0.1);
+    assert!(machine.rig.foreground.motors_are_at(angles));
+    machine.rig.ticks(1);
+    assert_eq!(machine.rig.state(), State::Cleared);
+    machine.rig.done(Command::Recover(Recovery {
+        to: home(),
+        ticks: 200,
+    }));
+    machine.rig.until(State::Idle);
+    let status = machine.rig.status();
+    assert_eq!(
+        (status.acting, status.end.map(|end| end.pose)),
+        (Acting::Nothing, Some(home()))
+    );
+}

@@ -1,0 +1,255 @@
+mod faults;
+mod homing;
+mod moves;
+mod path;
+mod random;
+mod scene;
+mod sequence;
+mod states;
+mod threads;
+
+use super::*;
+use std::boxed::Box;
+use std::vec::Vec;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{Parameters, example};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_core::torque::links::{Links, Massless};
+use trirrr_core::torque::payload::{Centred, Payload};
+use trirrr_core::units::Units;
+use trirrr_protocol::message::{
+    Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
+    State, Status, Telemetry, Transmit,
+};
+use trirrr_protocol::wire::{Decoder, encode};
+
+pub(super) const RAMP: u16 = 10;
+pub(super) const SILENCE: u32 = 1000;
+pub(super) const PERIOD_S: f64 = 0.01;
+pub(super) const SCHEMA: u64 = 0x1234;
+pub(super) const SCENE: u32 = 77;
+
+type Foreground<N, S> = ForegroundOf<'static, N, Centred<N>, Massless, S>;
+type InputsOf<N, S> = <<S as Scene<N, Centred<N>, Massless>>::Homing as Homing<N>>::Inputs;
+type Background<N, S> = BackgroundOf<'static, N, Centred<N>, Massless, S>;
+
+/// A whole service, both halves in one thread.
+pub(super) struct Rig<N: Number, S: Scene<N, Centred<N>, Massless> + 'static = Adjustable> {
+    pub(super) foreground: Foreground<N, S>,
+    pub(super) background: Background<N, S>,
+    sequence: u32,
+    /// What the tick is told of switches.
+    pub(super) inputs: InputsOf<N, S>,
+    pub(super) telemetry: Vec<Telemetry<N>>,
+    pub(super) events: Vec<Event<N>>,
+}
+
+/// What `background` answers to a request, both over a line.
+pub(super) fn hear<'q, N, P, L, S>(
+    background: &mut BackgroundOf<'q, N, P, L, S>,
+    sequence: u32,
+    command: Command<N>,
+) -> Reply<N>
+where
+    N: Transmit,
+    P: Payload<N>,
+    L: Links<N>,
+    S: Scene<N, P, L> + 'q,
+{
+    let mut room = [0; 256];
+    let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
+    let mut decoder = Decoder::<256>::new();
+    let request = decoder.take(&mut line).unwrap().unwrap();
+    let reply = background.receive(&request, decoder.checksum());
+    let mut room = [0; 256];
+    let mut line = encode(&reply, &mut room).unwrap();
+    decoder.take(&mut line).unwrap().unwrap()
+}
+
+/// Where the thesis's move starts.
+pub(super) fn home<N: Number>() -> Pose<N> {
+    pose(0.21, 0.22, 0.157)
+}
+
+pub(super) fn pose<N: Number>(x: f64, y: f64, alpha: f64) -> Pose<N> {
+    Pose::from_f64(x, y, alpha)
+}
+
+pub(super) fn rest<N: Number>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u32) -> Move<N> {
+    Move {
+        number,
+        from,
+        to,
+        start_velocity: [N::ZERO; 3],
+        end_velocity: [N::ZERO; 3],
+        ticks,
+        tool_power: N::ZERO,
+        tool_speed: N::ZERO,
+    }
+}
+
+pub(super) fn settings<N: Number>() -> Settings<N> {
+    settings_in(Units::SI)
+}
+
+fn settings_in<N: Number>(units: Units) -> Settings<N> {
+    Settings {
+        period: N::factor_from_f64(units.time(PERIOD_S)),
+        ramp_ticks: RAMP,
+        silence_ticks: SILENCE,
+        telemetry_every: 1,
+        scene: SceneIdentity {
+            schema: SCHEMA,
+            key: SCENE,
+            name: name("thesis"),
+            tick_rate_hz: 1.0 / PERIOD_S,
+            length_m: units.length_m(),
+            time_s: units.time_s(),
+            mass_kg: units.of(0, 0, 1),
+        },
+        board: Board::HOST,
+    }
+}
+
+impl<N: Transmit> Rig<N> {
+    pub(super) fn new() -> Self {
+        Self::with(example(), LimitParameters::default())
+    }
+
+    pub(super) fn with(parameters: Parameters, limits: LimitParameters) -> Self {
+        Self::of(Adjustable::new(parameters, limits), home())
+    }
+}
+
+impl<N, S> Rig<N, S>
+where
+    N: Transmit,
+    S: Scene<N, Centred<N>, Massless> + 'static,
+{
+    pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
+        Self::in_units(scene, stands, Units::SI)
+    }
+
+    pub(super) fn in_units(scene: S, stands: Pose<N>, units: Units) -> Self {
+        let channels: Channels<N, Centred<N>, Massless, S, 8, 64> = Channels::new();
+        let (foreground, background) = Box::leak(Box::new(channels))
+            .split(scene, stands, settings_in(units))
+            .unwrap();
+        let mut rig = Self {
+            foreground,
+            background,
+            sequence: 0,
+            inputs: Default::default(),
+            telemetry: Vec::new(),
+            events: Vec::new(),
+        };
+        rig.greet();
+        rig
+    }
+
+    pub(super) fn greet(&mut self) -> Identity {
+        let hello = Hello {
+            protocol: PROTOCOL,
+            schema: SCHEMA,
+            scene: SCENE,
+        };
+        match self.ask_as(12345, Command::Hello(hello)) {
+            Reply::Hello(identity) => identity,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    pub(super) fn ask_as(&mut self, sequence: u32, command: Command<N>) -> Reply<N> {
+        hear(&mut self.background, sequence, command)
+    }
+
+    pub(super) fn ask(&mut self, command: Command<N>) -> Reply<N> {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        self.ask_as(sequence, command)
+    }
+
+    #[track_caller]
+    pub(super) fn done(&mut self, command: Command<N>) {
+        assert_eq!(self.ask(command), Reply::Done, "{command:?}");
+    }
+
+    #[track_caller]
+    pub(super) fn refused(&mut self, command: Command<N>) -> Refusal<N> {
+        match self.ask(command) {
+            Reply::Refused(refusal) => refusal,
+            other => panic!("{command:?}: {other:?}"),
+        }
+    }
+
+    pub(super) fn status(&mut self) -> Status<N> {
+        self.background.status()
+    }
+
+    pub(super) fn state(&mut self) -> State {
+        self.status().state
+    }
+
+    /// Judges all that is offered.
+    pub(super) fn judge(&mut self) {
+        let mut steps = 0;
+        while self.background.step() {
+            steps += 1;
+            assert!(steps < 10_000_000, "never judged");
+        }
+    }
+
+    /// One tick, with everything that it says taken in; the invariants that hold after any.
+    pub(super) fn tick(&mut self) -> Output<N> {
+        let output = *self.foreground.tick_with(self.inputs);
+        let state = self.foreground.state();
+        if !state.is_running() {
+            assert_eq!(output.tool, N::ZERO, "the tool is on in {state:?}");
+        }
+        assert!(output.tool >= N::ZERO && output.tool <= N::ONE);
+        assert_eq!(output.enabled, state != State::Fault);
+        for motor in &output.motors {
+            assert!(motor.rate.is_finite() && motor.torque.is_finite());
+            if state.is_at_rest() {
+                assert_eq!(motor.rate, N::ZERO, "{state:?}");
+            }
+        }
+        while let Some(message) = self.background.outgoing() {
+            match message {
+                Message::Telemetry(sample) => self.telemetry.push(sample),
+                Message::Event(event) => self.events.push(event),
+                Message::Reply { .. } => unreachable!("replies are returned"),
+            }
+        }
+        output
+    }
+
+    pub(super) fn ticks(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// Offers, judges and ticks once.
+    #[track_caller]
+    pub(super) fn offer(&mut self, offered: Move<N>) {
+        self.done(Command::Move(offered));
+        self.judge();
+    }
+
+    /// Ticks, with a host that is not silent, until the machine is in `state`.
+    #[track_caller]
+    pub(super) fn until(&mut self, state: State) -> u32 {
+        for ticks in 1..100_000 {
+            self.tick();
+            if self.foreground.state() == state {
+                return ticks;
+            }
+            if ticks % 100 == 0 {
+                self.ask(Command::Status);
+            }
+        }
+        panic!("never {state:?}, but {:?}", self.status());
+    }
+}

@@ -1,0 +1,367 @@
+//! What is offered: refusals one by one, verdicts, the queue.
+
+use super::*;
+use trirrr_protocol::message::{Acting, Bounded};
+
+fn offered() -> Move<f64> {
+    rest(0, home(), pose(0.28, 0.28, 0.2), 100)
+}
+
+fn moving(
+    number: u32,
+    from: Pose<f64>,
+    to: Pose<f64>,
+    ends: [[f64; 3]; 2],
+    ticks: u32,
+) -> Move<f64> {
+    Move {
+        start_velocity: ends[0],
+        end_velocity: ends[1],
+        ..rest(number, from, to, ticks)
+    }
+}
+
+#[test]
+fn each_refusal_by_its_name_and_nothing_lost() {
+    let good = offered();
+    let longest = (1 << 31) / 8 - 1;
+    let duration = Refusal::Duration { longest };
+    let cases: [(Move<f64>, Refusal<f64>); 22] = [
+        (
+            Move {
+                from: pose(f64::NAN, 0.22, 0.157),
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                to: pose(0.28, f64::INFINITY, 0.2),
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                to: pose(0.28, 0.28, f64::NEG_INFINITY),
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                start_velocity: [0.0, f64::NAN, 0.0],
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                end_velocity: [0.0, 0.0, f64::INFINITY],
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                tool_power: f64::NAN,
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move {
+                tool_speed: f64::INFINITY,
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+        (
+            Move { number: 1, ..good },
+            Refusal::MoveNumber { expected: 0 },
+        ),
+        (
+            Move {
+                number: u32::MAX,
+                ..good
+            },
+            Refusal::MoveNumber { expected: 0 },
+        ),
+        (Move { ticks: 0, ..good }, duration),
+        (
+            Move {
+                ticks: longest + 1,
+                ..good
+            },
+            duration,
+        ),
+        (
+            Move {
+                ticks: u32::MAX,
+                ..good
+            },
+            duration,
+        ),
+        (
+            Move {
+                from: pose(0.21, 0.22, 0.157_000_000_000_000_1),
+                ..good
+            },
+            Refusal::StartPose,
+        ),
+        (
+            Move {
+                from: pose(0.2100001, 0.22, 0.157),
+                ..good
+            },
+            Refusal::StartPose,
+        ),
+        (
+            Move {
+                start_velocity: [1e-300, 0.0, 0.0],
+                ..good
+            },
+            Refusal::StartVelocity,
+        ),
+        (
+            Move {
+                tool_power: -0.1,
+                ..good
+            },
+            Refusal::Tool,
+        ),
+        (
+            Move {
+                tool_power: 1.5,
+                tool_speed: 0.1,
+                ..good
+            },
+            Refusal::Tool,
+        ),
+        (
+            Move {
+                tool_power: 0.5,
+                ..good
+            },
+            Refusal::Tool,
+        ),
+        (
+            Move {
+                tool_power: 0.5,
+                tool_speed: -0.1,
+                ..good
+            },
+            Refusal::Tool,
+        ),
+        (
+            Move {
+                tool_power: 1e-300,
+                tool_speed: -0.0,
+                ..good
+            },
+            Refusal::Tool,
+        ),
+        (
+            Move {
+                ticks: 0,
+                number: 1,
+                ..good
+            },
+            Refusal::MoveNumber { expected: 0 },
+        ),
+        (
+            Move {
+                to: pose(f64::MAX, f64::NAN, 0.0),
+                ticks: 0,
+                ..good
+            },
+            Refusal::NotFinite,
+        ),
+    ];
+    let mut rig = Rig::new();
+    for (bad, refusal) in cases {
+        let before = rig.status();
+        assert_eq!(rig.refused(Command::Move(bad)), refusal, "{bad:?}");
+        assert_eq!(rig.status(), before, "{bad:?}");
+    }
+    // After all that, the good one still plays.
+    rig.offer(good);
+    rig.done(Command::Start);
+    assert_eq!(rig.until(State::Idle), 102);
+    assert_eq!(rig.status().done, 1);
+}
+
+#[test]
+fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
+    let mut rig = Rig::<f64>::new();
+    let (a, b) = (home(), pose(0.22, 0.23, 0.16));
+    let nth = |number: u32| {
+        let ends = if number.is_multiple_of(2) {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        rest(number, ends.0, ends.1, 20)
+    };
+    for number in 0..7 {
+        assert_eq!(rig.status().room as u32, 7 - number);
+        rig.done(Command::Move(nth(number)));
+    }
+    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    rig.judge();
+    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    assert_eq!(rig.status().next, 7);
+    rig.done(Command::Start);
+    // The one under way keeps its place until it is over.
+    rig.ticks(20);
+    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    rig.ticks(1);
+    rig.done(Command::Move(nth(7)));
+    rig.judge();
+    // Eight moves of 20 ticks, one after another, and one tick to be idle again.
+    let ticks = 21 + rig.until(State::Idle);
+    assert_eq!(ticks, 8 * 20 + 2);
+    assert_eq!(rig.status().done, 8);
+}
+
+#[test]
+fn start_says_what_it_waits_for() {
+    let mut rig = Rig::<f64>::new();
+    assert_eq!(rig.refused(Command::Start), Refusal::NothingQueued);
+    rig.done(Command::Move(offered()));
+    assert_eq!(rig.refused(Command::Start), Refusal::Undecided);
+    rig.judge();
+    rig.done(Command::Start);
+    assert_eq!(rig.refused(Command::Start), Refusal::State(State::Running));
+
+    // Four ticks that end moving: less than the ramp of ten takes, five.
+    let mut rig = Rig::<f64>::new();
+    let (middle, end) = (pose(0.2101, 0.22, 0.157), pose(0.2103, 0.22, 0.157));
+    let speed = [0.005, 0.0, 0.0];
+    rig.offer(moving(0, home(), middle, [[0.0; 3], speed], 4));
+    assert_eq!(rig.refused(Command::Start), Refusal::EndsMoving);
+    rig.done(Command::Move(moving(1, middle, end, [speed, [0.0; 3]], 6)));
+    assert_eq!(rig.refused(Command::Start), Refusal::Undecided);
+    rig.judge();
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    assert_eq!(rig.status().end.unwrap().pose, end);
+}
+
+/// A move that is not admitted is named with its violation, those behind it are dropped, and the
+/// next to offer takes its place.
+#[test]
+fn a_refused_move_takes_those_behind_it_along() {
+    let limits = LimitParameters {
+        rate_rad_s: Some([1.0; 3]),
+        ..LimitParameters::default()
+    };
+    let mut rig = Rig::<f64>::with(example(), limits);
+    let (a, b) = (home::<f64>(), pose(0.28, 0.28, 0.2));
+    rig.done(Command::Move(rest(0, a, b, 200)));
+    rig.done(Command::Move(rest(1, b, a, 20)));
+    rig.done(Command::Move(rest(2, a, b, 200)));
+    rig.judge();
+    let status = rig.status();
+    assert_eq!((status.next, status.admitted), (1, 1));
+    let verdict = status.refused.unwrap();
+    assert_eq!(verdict.number, 1);
+    let violation = verdict.violation.unwrap();
+    assert_eq!(violation.what, Bounded::Rate);
+    assert!(violation.value > violation.limit && violation.limit == 1.0);
+    // The one behind it started where it would have ended, which is where the first starts.
+    assert_eq!(
+        rig.refused(Command::Move(rest(2, a, b, 200))),
+        Refusal::MoveNumber { expected: 1 }
+    );
+    // What it says would pass, passes.
+    let shortest = violation.shortest.unwrap();
+    rig.done(Command::Move(rest(1, b, a, shortest)));
+    rig.judge();
+    assert_eq!(rig.status().admitted, 2);
+    assert_eq!(rig.status().refused, None);
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    assert_eq!(rig.status().done, 2);
+    let verdicts = rig.events.iter().filter_map(|event| match event {
+        Event::Verdict(verdict) => Some((verdict.number, verdict.violation.is_none())),
+        _ => None,
+    });
+    let verdicts: Vec<(u32, bool)> = verdicts.collect();
+    assert_eq!(verdicts, [(0, true), (1, false), (1, true)]);
+}
+
+#[test]
+fn a_stop_drops_what_is_queued() {
+    let mut rig = Rig::<f64>::new();
+    let (a, b) = (home(), pose(0.28, 0.28, 0.2));
+    for (number, from, to) in [(0, a, b), (1, b, a), (2, a, b)] {
+        rig.offer(rest(number, from, to, 100));
+    }
+    // One more that is not judged yet.
+    rig.done(Command::Move(rest(3, b, a, 100)));
+    rig.done(Command::Start);
+    rig.ticks(120);
+    rig.done(Command::Stop);
+    assert_eq!(
+        rig.refused(Command::Move(rest(4, a, b, 100))),
+        Refusal::State(State::Stopping)
+    );
+    rig.until(State::Idle);
+    // What is not to be played any more leaves the queue one by one.
+    rig.ticks(2);
+    let status = rig.status();
+    assert_eq!(status.acting, Acting::Stop);
+    // The second was under way: its number is not used again, those behind it are.
+    assert_eq!((status.next, status.admitted, status.done), (2, 2, 2));
+    assert_eq!(status.room, 7);
+    let end = status.end.unwrap();
+    assert_eq!(end.velocity, nalgebra::Vector3::new(0.0, 0.0, 0.0));
+    assert_eq!(rig.refused(Command::Start), Refusal::NothingQueued);
+    // The machine stands on the path, and goes on from there.
+    rig.offer(rest(2, end.pose, a, 100));
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    assert_eq!(rig.status().end.unwrap().pose, a);
+}
+
+#[test]
+fn a_stop_in_idle_empties_the_queue() {
+    let mut rig = Rig::<f64>::new();
+    rig.offer(offered());
+    rig.done(Command::Stop);
+    rig.ticks(3);
+    let status = rig.status();
+    assert_eq!(
+        (status.state, status.next, status.room),
+        (State::Idle, 0, 7)
+    );
+    assert_eq!(status.end.unwrap().pose, home());
+    rig.offer(offered());
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    assert_eq!(rig.status().done, 1);
+}
+
+/// The tick never waits: who does not fetch telemetry loses it, and is told how much.
+#[test]
+fn telemetry_that_nobody_fetches_is_counted() {
+    let mut rig = Rig::<f64>::new();
+    for _ in 0..100 {
+        rig.foreground.tick();
+    }
+    rig.tick();
+    // 63 fit.
+    assert_eq!(rig.telemetry.len(), 63);
+    assert_eq!(rig.status().lost, 101 - 63);
+    rig.telemetry.clear();
+    rig.done(Command::Telemetry { every: 10 });
+    rig.ticks(100);
+    assert_eq!(rig.telemetry.len(), 10);
+    let ticks: Vec<u32> = rig.telemetry.iter().map(|sample| sample.tick).collect();
+    assert!(ticks.windows(2).all(|pair| pair[1] - pair[0] == 10));
+    rig.telemetry.clear();
+    rig.done(Command::Telemetry { every: 0 });
+    rig.ticks(100);
+    assert!(rig.telemetry.is_empty());
+}

@@ -1,0 +1,325 @@
+//! The scene: read, and replaced where the image has code for it.
+
+use super::*;
+use trirrr_core::machine::Quantity;
+use trirrr_core::torque::payload::PositionOnly;
+use trirrr_protocol::message::scene::{Limits, Section, SectionName};
+use trirrr_protocol::message::{Bounded, FaultCode};
+
+fn read<S: Scene<f64, Centred<f64>, Massless>>(
+    rig: &mut Rig<f64, S>,
+    name: SectionName,
+) -> Section {
+    match rig.ask(Command::Read(name)) {
+        Reply::Section(section) => section,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_scene_can_be_read() {
+    let mut rig = Rig::<f64>::new();
+    let Section::Leg { index, leg } = read(&mut rig, SectionName::Leg(1)) else {
+        panic!("a leg");
+    };
+    assert_eq!((index, leg.base_m, leg.proximal_m), (1, [0.5, 0.433], 0.2));
+    assert_eq!(
+        trirrr_core::machine::LegParameters::from(&leg),
+        example().legs[1]
+    );
+    let Section::Platform(platform) = read(&mut rig, SectionName::Platform) else {
+        panic!("the platform");
+    };
+    assert_eq!(platform.put_into(&example()), example());
+    assert_eq!(platform.mass_kg, 0.5);
+    assert!(matches!(
+        read(&mut rig, SectionName::Limits),
+        Section::Limits(_)
+    ));
+    assert_eq!(rig.refused_read(SectionName::Leg(3)), Refusal::NoSuchLeg);
+}
+
+impl Rig<f64> {
+    fn refused_read(&mut self, name: SectionName) -> Refusal<f64> {
+        self.refused(Command::Read(name))
+    }
+}
+
+#[test]
+fn an_image_without_the_code_refuses_overrides() {
+    let parameters = Box::leak(Box::new(example()));
+    let limits = Box::leak(Box::new(LimitParameters::default()));
+    let coefficients = Coefficients::build(parameters, limits, RAMP, PERIOD_S).unwrap();
+    let part = |name| {
+        let section = Section::of(name, parameters, limits).unwrap();
+        let mut room = [0; 256];
+        &*postcard::to_slice(&section, &mut room)
+            .unwrap()
+            .to_vec()
+            .leak()
+    };
+    let scene = Compiled {
+        coefficients: Box::leak(Box::new(coefficients)),
+        parts: Parts {
+            legs: [0, 1, 2].map(|leg| part(SectionName::Leg(leg))),
+            platform: part(SectionName::Platform),
+            limits: part(SectionName::Limits),
+        },
+    };
+    let mut rig = Rig::of(scene, home());
+    for name in [
+        SectionName::Leg(2),
+        SectionName::Platform,
+        SectionName::Limits,
+    ] {
+        let section = Section::of(name, parameters, limits);
+        assert_eq!(Some(read(&mut rig, name)), section);
+    }
+    assert_eq!(
+        rig.refused(Command::Read(SectionName::Leg(3))),
+        Refusal::NoSuchLeg
+    );
+    let [section, other] = [0, 1].map(|leg| read(&mut rig, SectionName::Leg(leg)));
+    let sequence = rig.sequence;
+    assert_eq!(
+        rig.refused(Command::Override(section)),
+        Refusal::NotAdjustable
+    );
+    // It does not read the part, but sees that it is the same, or another.
+    for (section, refusal) in [
+        (section, Refusal::NotAdjustable),
+        (other, Refusal::SequenceReused),
+    ] {
+        let again = rig.ask_as(sequence, Command::Override(section));
+        assert_eq!(again, Reply::Refused(refusal));
+    }
+    // Otherwise it does all that others do.
+    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
+    rig.done(Command::Start);
+    rig.ticks(60);
+    assert_eq!(rig.status().done, 1);
+}
+
+#[test]
+fn a_machine_without_torques_has_no_limit_of_them() {
+    type Machine = Coefficients<f64, PositionOnly, Massless>;
+    let of = |limits: LimitParameters| Machine::build(&example(), &limits, RAMP, PERIOD_S);
+    assert!(of(LimitParameters::default()).is_ok());
+    let some = Some([1.0; 3]);
+    for (limits, quantity) in [
+        (
+            LimitParameters {
+                torque_nm: some,
+                ..LimitParameters::default()
+            },
+            Quantity::TorqueLimit,
+        ),
+        (
+            LimitParameters {
+                power_w: some,
+                ..LimitParameters::default()
+            },
+            Quantity::PowerLimit,
+        ),
+    ] {
+        assert_eq!(of(limits).unwrap_err().quantity, quantity);
+    }
+
+    let scene = Adjustable::new(example(), LimitParameters::default());
+    let channels: Channels<f64, PositionOnly, Massless, Adjustable, 8, 64> = Channels::new();
+    let mut channels = Box::new(channels);
+    let (mut foreground, mut background) = channels.split(scene, home(), settings()).unwrap();
+    let mut sequence = 0;
+    let mut ask = |command| {
+        let reply = hear(&mut background, sequence, command);
+        sequence += u32::from(!matches!(command, Command::Hello(_)));
+        while background.step() {}
+        reply
+    };
+    ask(Command::Hello(Hello {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        scene: SCENE,
+    }));
+    let limited = Limits {
+        torque_nm: some,
+        ..(&LimitParameters::default()).into()
+    };
+    let reply = ask(Command::Override(Section::Limits(limited)));
+    assert_eq!(reply, Reply::Refused(Refusal::NotInImage));
+    // A mass is nobody's business, and a move is a move.
+    let Reply::Section(Section::Platform(mut platform)) = ask(Command::Read(SectionName::Platform))
+    else {
+        panic!("the platform");
+    };
+    platform.com_m = [0.01, 0.0];
+    assert_eq!(
+        ask(Command::Override(Section::Platform(platform))),
+        Reply::Done
+    );
+    foreground.tick();
+    let offered = rest(0, home(), pose(0.28, 0.28, 0.2), 50);
+    assert_eq!(ask(Command::Move(offered)), Reply::Done);
+    assert_eq!(ask(Command::Start), Reply::Done);
+    for _ in 0..25 {
+        let output = foreground.tick();
+        assert!(output.motors.iter().all(|motor| motor.torque == 0.0));
+    }
+    assert!(
+        foreground
+            .output()
+            .motors
+            .iter()
+            .all(|motor| motor.rate != 0.0)
+    );
+}
+
+#[test]
+fn overrides_are_refused_while_there_is_a_job() {
+    let mut rig = Rig::<f64>::new();
+    let section = read(&mut rig, SectionName::Leg(0));
+    rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
+    for _ in 0..2 {
+        assert_eq!(
+            rig.refused(Command::Override(section)),
+            Refusal::State(State::Idle)
+        );
+        rig.judge();
+    }
+    rig.done(Command::Start);
+    rig.ticks(10);
+    assert_eq!(
+        rig.refused(Command::Override(section)),
+        Refusal::State(State::Running)
+    );
+}
+
+/// A link measured anew: the motors do not move, the platform is found to stand elsewhere, and the
+/// next job runs on the new geometry.
+#[test]
+fn a_geometry_override_moves_the_pose_and_not_the_motors() {
+    let mut rig = Rig::<f64>::new();
+    let before = rig.tick();
+    let Section::Leg { index, mut leg } = read(&mut rig, SectionName::Leg(0)) else {
+        panic!("a leg");
+    };
+    leg.distal_m += 0.001;
+    rig.done(Command::Override(Section::Leg { index, leg }));
+    rig.ticks(2);
+    let after = rig.tick();
+    for (motor, old) in after.motors.iter().zip(&before.motors) {
+        // Newton's last step is below four roundings of the legs' reach, 0.4 m; the motors' angles
+        // follow the pose by less than 20 rad/m here.
+        assert!((motor.angle - old.angle).abs() < 20.0 * 8.0 * 0.4 * f64::EPSILON);
+    }
+    let pose_now = rig.status().end.unwrap().pose;
+    let moved = (pose_now.position - home::<f64>().position).abs().max();
+    assert!(moved > 1e-5 && moved < 1e-2, "{moved}");
+    assert_eq!(
+        read(&mut rig, SectionName::Leg(0)),
+        Section::Leg { index, leg }
+    );
+
+    // It is another machine that admits and plays from now on.
+    let mut parameters = example();
+    parameters.legs[0].distal_m += 0.001;
+    let target = pose(0.25, 0.25, 0.1);
+    rig.offer(rest(0, pose_now, target, 100));
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+    let geometry = trirrr_core::machine::Geometry::<f64>::build(&parameters).unwrap();
+    let angles = geometry.motor_angles(&geometry.position(&target).unwrap());
+    for (motor, angle) in rig.foreground.output().motors.iter().zip(angles) {
+        assert_eq!(motor.angle, angle);
+    }
+}
+
+#[test]
+fn new_limits_count_for_the_admission_and_in_the_tick() {
+    let mut rig = Rig::<f64>::new();
+    let Section::Limits(limits) = read(&mut rig, SectionName::Limits) else {
+        panic!("limits");
+    };
+    rig.done(Command::Override(Section::Limits(Limits {
+        rate_rad_s: Some([0.1; 3]),
+        ..limits
+    })));
+    rig.ticks(1);
+    assert_eq!(rig.foreground.limits.rate, Some([0.1; 3]));
+    rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
+    rig.judge();
+    let violation = rig.status().refused.unwrap().violation.unwrap();
+    assert_eq!((violation.what, violation.limit), (Bounded::Rate, 0.1));
+    assert_eq!(
+        FaultCode::Limit(violation.what).bounded(),
+        Some(Bounded::Rate)
+    );
+}
+
+#[test]
+fn what_cannot_be_built_is_refused_by_name_and_changes_nothing() {
+    let mut rig = Rig::<f64>::new();
+    let before = read(&mut rig, SectionName::Leg(2));
+    let Section::Leg { leg, .. } = before else {
+        panic!("a leg");
+    };
+    let Section::Platform(platform) = read(&mut rig, SectionName::Platform) else {
+        panic!("the platform");
+    };
+    let Section::Limits(limits) = read(&mut rig, SectionName::Limits) else {
+        panic!("limits");
+    };
+    let parameter = |quantity, leg| Refusal::Parameter { quantity, leg };
+    let with = |change: fn(&mut trirrr_protocol::message::scene::Leg)| {
+        let mut leg = leg;
+        change(&mut leg);
+        Section::Leg { index: 2, leg }
+    };
+    let cases = [
+        (
+            with(|leg| leg.distal_m = -1.0),
+            parameter(Quantity::DistalLength, Some(2)),
+        ),
+        (
+            with(|leg| leg.base_m[1] = f64::NAN),
+            parameter(Quantity::Base, Some(2)),
+        ),
+        (Section::Leg { index: 3, leg }, Refusal::NoSuchLeg),
+        (
+            with(|leg| leg.rotor_inertia_kgm2 = 0.1),
+            Refusal::NotInImage,
+        ),
+        (with(|leg| leg.proximal[0] = 0.1), Refusal::NotInImage),
+        (with(|leg| leg.distal_m = 1e-3), Refusal::NoPose),
+        (
+            Section::Platform(trirrr_protocol::message::scene::Platform {
+                com_m: [0.01, 0.0],
+                ..platform
+            }),
+            Refusal::NotInImage,
+        ),
+        (
+            Section::Platform(trirrr_protocol::message::scene::Platform {
+                mass_kg: -0.5,
+                ..platform
+            }),
+            parameter(Quantity::PlatformMass, None),
+        ),
+        (
+            Section::Limits(Limits {
+                torque_nm: Some([1.0, 0.0, 1.0]),
+                ..limits
+            }),
+            parameter(Quantity::TorqueLimit, Some(1)),
+        ),
+    ];
+    for (section, refusal) in cases {
+        assert_eq!(rig.refused(Command::Override(section)), refusal);
+        rig.ticks(1);
+        assert_eq!(read(&mut rig, SectionName::Leg(2)), before);
+        assert_eq!(rig.status().end.unwrap().pose, home());
+    }
+    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
+    rig.done(Command::Start);
+    rig.until(State::Idle);
+}

@@ -1,0 +1,209 @@
+//! Sequence numbers: executed once, in order.
+
+use super::*;
+use trirrr_protocol::message::Acting;
+
+fn commands() -> [Command<f64>; 5] {
+    [
+        Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)),
+        Command::Start,
+        Command::Hold,
+        Command::Resume,
+        Command::Stop,
+    ]
+}
+
+/// A repeated command gets the same answer and is not executed again.
+#[test]
+fn a_repeated_command_is_acknowledged_and_not_executed() {
+    let play = |repeats: u32| {
+        let mut rig = Rig::<f64>::new();
+        let mut outputs = Vec::new();
+        for (sequence, command) in (0..).zip(commands()) {
+            for _ in 0..repeats {
+                assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+            }
+            rig.judge();
+            for _ in 0..25 {
+                outputs.push(rig.tick());
+                for _ in 1..repeats {
+                    assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                }
+            }
+        }
+        (outputs, rig.status())
+    };
+    let (once, again) = (play(1), play(3));
+    assert!(once.0 == again.0);
+    assert_eq!(once.1, again.1);
+}
+
+/// The same for the commands around a fault, and for overrides.
+#[test]
+fn what_is_repeated_around_a_fault_is_not_executed_again() {
+    use trirrr_protocol::message::scene::{Leg, Section};
+    use trirrr_protocol::message::{FaultCode, Recovery};
+    let leg = Leg {
+        distal_m: 0.201,
+        ..Leg::from(&example().legs[0])
+    };
+    let recovery = Recovery {
+        to: pose(0.25, 0.25, 0.1),
+        ticks: 20,
+    };
+    let commands = [
+        Command::Telemetry { every: 3 },
+        Command::Override(Section::Leg { index: 0, leg }),
+        Command::ClearFault,
+        Command::Recover(recovery),
+        Command::Stop,
+    ];
+    let play = |repeats: u32| {
+        let mut rig = Rig::<f64>::new();
+        let mut outputs = Vec::new();
+        for (sequence, command) in (0..).zip(commands) {
+            if command == Command::ClearFault {
+                rig.foreground.raise(FaultCode::Board, None, 0.0, 0.0);
+                outputs.push(rig.tick());
+            }
+            for _ in 0..repeats {
+                assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+            }
+            for _ in 0..30 {
+                outputs.push(rig.tick());
+                for _ in 1..repeats {
+                    assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                }
+            }
+        }
+        (outputs, rig.status(), rig.telemetry, rig.events)
+    };
+    let (once, again) = (play(1), play(4));
+    assert!(once == again);
+    // The recovery was executed: it stands where that led.
+    assert_eq!(once.1.end.unwrap().pose, recovery.to);
+}
+
+#[test]
+fn a_repeated_refusal_is_the_same_refusal() {
+    let mut rig = Rig::<f64>::new();
+    let nan = Move {
+        ticks: 10,
+        ..rest(0, pose(f64::NAN, 0.0, 0.0), home(), 10)
+    };
+    for (sequence, command, refusal) in [
+        (0, Command::Start, Refusal::NothingQueued),
+        (1, Command::Hold, Refusal::State(State::Idle)),
+        (2, Command::Move(nan), Refusal::NotFinite),
+    ] {
+        for _ in 0..3 {
+            let reply = rig.ask_as(sequence, command);
+            assert_eq!(reply, Reply::Refused(refusal));
+        }
+    }
+    // Even where it would be accepted by now.
+    let mut rig = Rig::<f64>::new();
+    rig.ask_as(0, Command::Hold);
+    assert_eq!(
+        rig.ask_as(0, Command::Hold),
+        Reply::Refused(Refusal::State(State::Idle))
+    );
+}
+
+#[test]
+fn old_and_skipped_numbers_are_refused_with_the_expected_one() {
+    let mut rig = Rig::<f64>::new();
+    rig.ask(Command::Status);
+    rig.done(Command::Telemetry { every: 5 });
+    for sequence in [0, 3, 17, u32::MAX] {
+        assert_eq!(
+            rig.ask_as(sequence, Command::Stop),
+            Reply::Refused(Refusal::Sequence { expected: 2 })
+        );
+    }
+    // What is repeated must be the same.
+    assert_eq!(
+        rig.ask_as(1, Command::Stop),
+        Reply::Refused(Refusal::SequenceReused)
+    );
+    assert_eq!(rig.greet().next_sequence, 2);
+    rig.done(Command::Stop);
+}
+
+#[test]
+fn sequence_numbers_go_round() {
+    let mut rig = Rig::<f64>::new();
+    rig.background.next_sequence_is(u32::MAX);
+    assert_eq!(rig.ask_as(u32::MAX, Command::Stop), Reply::Done);
+    assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
+    assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
+}
+
+/// Questions are answered anew when they are repeated.
+#[test]
+fn a_repeated_question_has_a_fresh_answer() {
+    let mut rig = Rig::<f64>::new();
+    let tick = |reply| match reply {
+        Reply::Status(status) => status.tick,
+        other => panic!("{other:?}"),
+    };
+    let first = tick(rig.ask_as(0, Command::Status));
+    rig.ticks(5);
+    assert_eq!(tick(rig.ask_as(0, Command::Status)), first + 5);
+}
+
+#[test]
+fn nothing_is_heard_before_a_hello_that_fits() {
+    let channels: Channels<f64, Centred<f64>, Massless, Adjustable, 8, 8> = Channels::new();
+    let scene = Adjustable::new(example(), LimitParameters::default());
+    let (_, mut background) = Box::leak(Box::new(channels))
+        .split(scene, home(), settings())
+        .unwrap();
+    let mut ask = |command| hear(&mut background, 0, command);
+    assert_eq!(ask(Command::Status), Reply::Refused(Refusal::HelloFirst));
+    let right = Hello {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        scene: SCENE,
+    };
+    let cases = [
+        (
+            Hello {
+                protocol: PROTOCOL + 1,
+                ..right
+            },
+            Refusal::Protocol { expected: PROTOCOL },
+        ),
+        (
+            Hello {
+                schema: SCHEMA + 1,
+                ..right
+            },
+            Refusal::Schema { expected: SCHEMA },
+        ),
+        (
+            Hello {
+                scene: SCENE + 1,
+                ..right
+            },
+            Refusal::Scene { expected: SCENE },
+        ),
+    ];
+    for (hello, refusal) in cases {
+        assert_eq!(ask(Command::Hello(hello)), Reply::Refused(refusal));
+        assert_eq!(ask(Command::Status), Reply::Refused(Refusal::HelloFirst));
+    }
+    let any = Hello { scene: 0, ..right };
+    let Reply::Hello(identity) = ask(Command::Hello(any)) else {
+        panic!("a hello that fits is answered");
+    };
+    assert_eq!((identity.scene, identity.queue), (SCENE, 7));
+    assert_eq!(identity.next_sequence, 0);
+    let Reply::Status(status) = ask(Command::Status) else {
+        panic!("and then a question too");
+    };
+    assert_eq!(
+        (status.state, status.acting),
+        (State::Idle, Acting::Nothing)
+    );
+}

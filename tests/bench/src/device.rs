@@ -1,0 +1,183 @@
+//! The thesis machine with the service and its end of the line: what a board is, in one thread and
+//! without one.
+
+use nalgebra::Vector2;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
+use trirrr_core::setpoint::Pose;
+use trirrr_core::torque::links::Massless;
+use trirrr_core::torque::payload::Centred;
+use trirrr_protocol::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Telemetry};
+use trirrr_protocol::wire::schema::{key, longest};
+use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
+use trirrr_service::{
+    Adjustable, BackgroundOf, Channels, ForegroundOf, Output, SceneIdentity, Settings, name,
+};
+
+/// Ticks per second.
+pub const TICK_RATE_HZ: f64 = 1000.0;
+
+/// Ticks from normal speed to rest.
+pub const RAMP_TICKS: u16 = 8;
+
+/// Key of the device's scene.
+pub const SCENE: u32 = 77;
+
+/// Moves that can wait.
+pub const QUEUE: usize = 15;
+
+const LONGEST_REQUEST: usize = decoded_length(longest::<Request<f64>>());
+const LONGEST_MESSAGE: usize = decoded_length(longest::<Message<f64>>());
+
+/// The decoder of a machine.
+pub type RequestDecoder = Decoder<LONGEST_REQUEST>;
+
+/// The decoder of a client.
+pub type MessageDecoder = Decoder<LONGEST_MESSAGE>;
+
+/// The queues of a [`Device`].
+pub type DeviceChannels = Channels<f64, Centred<f64>, Massless, Adjustable, { QUEUE + 1 }, 64>;
+
+/// Both halves of the service, and the decoder in front of it.
+pub struct Device<'q> {
+    /// The half that ticks.
+    pub foreground: ForegroundOf<'q, f64, Centred<f64>, Massless, Adjustable>,
+    /// The half that talks.
+    pub background: BackgroundOf<'q, f64, Centred<f64>, Massless, Adjustable>,
+    decoder: RequestDecoder,
+}
+
+/// Where the machine stands first.
+pub fn home() -> Pose<f64> {
+    Pose::from_f64(0.21, 0.22, 0.157)
+}
+
+/// The hello that the device accepts.
+pub fn hello() -> Hello {
+    Hello {
+        protocol: PROTOCOL,
+        schema: key::<Request<f64>, Message<f64>>(),
+        scene: SCENE,
+    }
+}
+
+/// The thesis machine.
+pub fn parameters() -> Parameters {
+    let leg = |x: f64, y: f64, degrees: f64| LegParameters {
+        base_m: Vector2::new(x, y),
+        proximal_m: 0.2,
+        distal_m: 0.2,
+        joint_radius_m: 0.02,
+        joint_angle_rad: degrees.to_radians(),
+        elbow: Elbow::Positive,
+        proximal: LinkParameters::default(),
+        distal: LinkParameters::default(),
+        rotor_inertia_kgm2: 0.0,
+    };
+    Parameters {
+        legs: [
+            leg(0.0, 0.433, 150.0),
+            leg(0.5, 0.433, 30.0),
+            leg(0.25, 0.0, 270.0),
+        ],
+        platform: PlatformParameters {
+            mass_kg: 0.5,
+            inertia_kgm2: 0.0025,
+            com_m: Vector2::zeros(),
+        },
+        gravity_m_s2: Vector2::zeros(),
+        wrench_force_n: Vector2::zeros(),
+        wrench_torque_nm: 0.0,
+    }
+}
+
+impl<'q> Device<'q> {
+    /// Switches the machine on, at [`home`]. `silence_ticks`: silence after which it stops, 0 for
+    /// never.
+    pub fn new(
+        channels: &'q mut DeviceChannels,
+        limits: LimitParameters,
+        silence_ticks: u32,
+    ) -> Self {
+        let settings = Settings {
+            period: 1.0 / TICK_RATE_HZ,
+            ramp_ticks: RAMP_TICKS,
+            silence_ticks,
+            telemetry_every: 0,
+            scene: SceneIdentity {
+                schema: hello().schema,
+                key: SCENE,
+                name: name("torture"),
+                tick_rate_hz: TICK_RATE_HZ,
+                length_m: 1.0,
+                time_s: 1.0,
+                mass_kg: 1.0,
+            },
+            board: Board::HOST,
+        };
+        let (foreground, background) = channels
+            .split(Adjustable::new(parameters(), limits), home(), settings)
+            .expect("the thesis machine stands at its start");
+        Self {
+            foreground,
+            background,
+            decoder: Decoder::new(),
+        }
+    }
+
+    /// One tick, and what came of it: the sample is there whenever one was asked for.
+    pub fn tick(&mut self) -> Output<f64> {
+        *self.foreground.tick()
+    }
+
+    /// The next sample.
+    pub fn sample(&mut self) -> Option<Telemetry<f64>> {
+        self.background.sample()
+    }
+
+    /// Takes bytes from the line. `heard` sees each request that was understood, `answer` the
+    /// answer to it.
+    pub fn receive(
+        &mut self,
+        mut bytes: &[u8],
+        mut heard: impl FnMut(&Request<f64>),
+        mut answer: impl FnMut(&Message<f64>),
+    ) {
+        while let Some(frame) = self.decoder.take::<Request<f64>>(&mut bytes) {
+            let Ok(request) = frame else {
+                continue;
+            };
+            heard(&request);
+            let reply = self.background.receive(&request, self.decoder.checksum());
+            answer(&Message::Reply {
+                sequence: request.sequence,
+                reply,
+            });
+        }
+    }
+
+    /// What the decoder has seen.
+    pub fn counters(&self) -> Counters {
+        self.decoder.counters()
+    }
+}
+
+/// The answer to a request that comes over no line.
+pub fn answer(device: &mut Device, request: &Request<f64>) -> Reply<f64> {
+    let checksum = checksum(request).expect("a request has a length");
+    device.background.receive(request, checksum)
+}
+
+/// The frame of a request.
+pub fn request_frame(request: &Request<f64>) -> Vec<u8> {
+    let mut room = [0; frame_length(LONGEST_REQUEST)];
+    let frame = encode(request, &mut room).expect("the room is for the longest request");
+    frame.to_vec()
+}
+
+/// The frame of a message.
+pub fn message_frame(message: &Message<f64>) -> Vec<u8> {
+    let mut room = [0; frame_length(LONGEST_MESSAGE)];
+    let frame = encode(message, &mut room).expect("the room is for the longest message");
+    frame.to_vec()
+}
