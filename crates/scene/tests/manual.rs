@@ -22,7 +22,12 @@ fn the_first_scene_is_accepted() {
 
 #[test]
 fn the_first_refusal_is_the_one_shown() {
-    let faster = edit(block("```toml\n"), "duration_s = 1.0", 1, "duration_s = 0.5");
+    let faster = edit(
+        block("```toml\n"),
+        "duration_s = 1.0",
+        1,
+        "duration_s = 0.5",
+    );
     let error = Scene::parse(&faster, "my.toml").expect_err("too much torque");
     assert_eq!(error.to_string().trim(), block("```text\n").trim());
 }
