@@ -29,5 +29,8 @@ fn the_first_refusal_is_the_one_shown() {
         "duration_s = 0.5",
     );
     let error = Scene::parse(&faster, "my.toml").expect_err("too much torque");
-    assert_eq!(error.to_string().trim(), block("```text\n").trim());
+    assert_eq!(
+        error.to_string().trim(),
+        block("run the scene again:\n\n```text\n").trim()
+    );
 }
