@@ -76,13 +76,12 @@
 //! | floor | modules |
 //! |---|---|
 //! | numbers | [`number`]: the trait, and kernels with the same bits on every machine |
-//! | parts | [`setpoint`], [`linkage`] |
+//! | parts | [`setpoint`], [`dyad`] |
 //! | machine | [`machine`] |
 //! | kinematics | [`inverse`], [`forward`], [`singularity`] |
 //! | dynamics | [`torque`], [`reaction`] |
 //! | all together | [`tick`] |
 //! | what results must keep | [`limits`] |
-//! | beside it | [`relatives`]: more legs, base joints on sliders |
 //!
 //! # What it will not do
 //! It does not clip, project or repair a setpoint: one that has no motion ends in a
@@ -97,14 +96,13 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod dyad;
 pub mod forward;
 pub mod inverse;
 pub mod limits;
-pub mod linkage;
 pub mod machine;
 pub mod number;
 pub mod reaction;
-pub mod relatives;
 pub mod setpoint;
 pub mod singularity;
 pub mod status;

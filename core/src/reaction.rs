@@ -16,8 +16,9 @@ pub struct Reactions<N> {
     gravity: Vector2<N>,
 }
 
+/// Coefficients of one leg's reactions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LegMasses<N> {
+pub struct LegMasses<N> {
     /// m1
     proximal: N,
     /// c1 / l1
@@ -41,7 +42,8 @@ pub struct JointForces<N> {
 }
 
 impl<N: Number> LegMasses<N> {
-    pub(crate) fn build(leg: &LegParameters) -> Self {
+    /// Builds the coefficients from checked parameters.
+    pub fn build(leg: &LegParameters) -> Self {
         Self {
             proximal: N::from_f64(leg.proximal.mass_kg),
             proximal_com: N::from_f64(leg.proximal.com_m / leg.proximal_m),
@@ -50,9 +52,11 @@ impl<N: Number> LegMasses<N> {
         }
     }
 
-    /// The forces in the joints of a leg that moves with `motion` and puts `along` r2 on the
-    /// platform. `gravity` is what a body held still at the base feels.
-    pub(crate) fn forces(
+    /// Returns the forces in the joints of a leg, N.
+    ///
+    /// The leg moves with `motion` and puts the force `along` r2 on the platform. `gravity`, m/s^2,
+    /// is the gravity in the frame of the base joint.
+    pub fn forces(
         &self,
         motion: &LegMotion<N>,
         along: N,

@@ -1,7 +1,7 @@
 //! Joint accelerations: thesis (3.17) to (3.21), corrected.
 
 use super::LegPosition;
-use crate::linkage::rrr::{Accelerations, Rates};
+use crate::dyad::{Accelerations, Rates};
 use crate::machine::Leg;
 use crate::number::{Number, perpendicular};
 use crate::setpoint::Setpoint;

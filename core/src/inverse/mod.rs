@@ -12,7 +12,7 @@ mod velocity;
 
 pub use position::{LegPosition, Position, Rotation};
 
-use crate::linkage::rrr::{Accelerations, Rates};
+use crate::dyad::{Accelerations, Rates};
 use crate::number::Number;
 
 /// How the links of one leg move.

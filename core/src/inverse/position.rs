@@ -1,6 +1,6 @@
 //! Position: thesis (3.2) to (3.9), by vectors.
 
-use crate::linkage::rrr::{self, OutOfReach};
+use crate::dyad::{self, OutOfReach};
 use crate::machine::{Geometry, Leg};
 use crate::number::Number;
 use crate::setpoint::Pose;
@@ -20,7 +20,7 @@ pub struct LegPosition<N: Number> {
     /// c: from the platform's reference point D to the platform joint C, in the fixed frame.
     pub platform_joint: Vector2<N>,
     /// The two links.
-    pub links: rrr::Position<N>,
+    pub links: dyad::Position<N>,
 }
 
 /// Where every joint is.

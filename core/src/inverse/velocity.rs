@@ -1,7 +1,7 @@
 //! Joint rates: thesis (3.11) to (3.14), with the sign of link 2 corrected.
 
 use super::LegPosition;
-use crate::linkage::rrr::Rates;
+use crate::dyad::Rates;
 use crate::machine::Leg;
 use crate::number::{Number, perpendicular};
 use nalgebra::{Vector2, Vector3};

@@ -1,7 +1,7 @@
 //! The geometry that the tick reads, built once from [`Parameters`].
 
 use super::{BuildError, Parameters};
-use crate::linkage::rrr::Rrr;
+use crate::dyad::Rrr;
 use crate::number::Number;
 use nalgebra::Vector2;
 

@@ -1,8 +1,8 @@
 //! What the legs' own masses add. The scene chooses the kind by type: with [`Massless`] links an
 //! image holds no link code.
 
+use crate::dyad::Rrr;
 use crate::inverse::LegMotion;
-use crate::linkage::rrr::Rrr;
 use crate::machine::{LegParameters, Parameters};
 use crate::number::{Number, dot, perpendicular};
 use core::fmt::Debug;
@@ -110,7 +110,8 @@ pub struct MassiveLeg<N> {
 }
 
 impl<N: Number> MassiveLeg<N> {
-    pub(crate) fn build(leg: &LegParameters) -> Self {
+    /// Builds the coefficients from checked parameters.
+    pub fn build(leg: &LegParameters) -> Self {
         let (l1, l2) = (leg.proximal_m, leg.distal_m);
         let (m1, c1) = (leg.proximal.mass_kg, leg.proximal.com_m);
         let (m2, c2) = (leg.distal.mass_kg, leg.distal.com_m);
@@ -125,14 +126,14 @@ impl<N: Number> MassiveLeg<N> {
         }
     }
 
-    /// Thesis (4.3) to (4.6), corrected. With D = r1 x r2:
+    /// Returns the load by thesis (4.3) to (4.6), corrected. With D = r1 x r2:
     ///
     /// ```text
     /// Q1 = J1 acc1 + (m2 c2 / l2) ((r1.r2) acc2 - D rate2^2) - (m1 c1 / l1 + m2) g.E r1
     /// Q2 = J2 acc2 + (m2 c2 / l2) ((r1.r2) acc1 + D rate1^2 - g.E r2)
     /// ```
     #[inline(always)]
-    pub(crate) fn load<G: Gravity<N>>(
+    pub fn load<G: Gravity<N>>(
         &self,
         dyad: &Rrr<N>,
         motion: &LegMotion<N>,

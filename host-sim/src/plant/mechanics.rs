@@ -23,7 +23,7 @@
 
 use super::refusal::Refusal;
 use nalgebra::Vector2;
-use trirrr_core::linkage::rrr::{OutOfReach, Rrr};
+use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::machine::Parameters;
 use trirrr_core::number::Number;
 use trirrr_core::status::Status;

@@ -8,9 +8,9 @@
 
 use core::f64::consts::{PI, TAU};
 use core::ops::RangeInclusive;
-use trirrr_core::linkage::closure::{Closed, Closure, Input, Length, Reference, Term};
-use trirrr_core::linkage::{Drive, LinkMotion, SlideMotion};
 use trirrr_core::number::Number;
+use trirrr_linkage::closure::{Closed, Closure, Input, Length, Reference, Term};
+use trirrr_linkage::{Drive, LinkMotion, SlideMotion};
 use trirrr_tests::bound::Worst;
 
 /// Steps to a turn.

@@ -5,12 +5,12 @@ use super::ends::{CASES, Results, Vector, branch, check, end, moves, offset, uni
 use core::f64::consts::PI;
 use proptest::prelude::*;
 use std::cell::RefCell;
-use trirrr_core::linkage::ppr::Ppr;
-use trirrr_core::linkage::prp::Prp;
-use trirrr_core::linkage::rpr::Rpr;
-use trirrr_core::linkage::rrp::Rrp;
-use trirrr_core::linkage::rrr::Rrr;
 use trirrr_core::number::{cross, dot};
+use trirrr_linkage::ppr::Ppr;
+use trirrr_linkage::prp::Prp;
+use trirrr_linkage::rpr::Rpr;
+use trirrr_linkage::rrp::Rrp;
+use trirrr_linkage::rrr::{Rrr, SolveRrr};
 use trirrr_tests::random::for_all;
 
 #[test]

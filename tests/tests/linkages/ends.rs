@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::cell::RefCell;
-use trirrr_core::linkage::{GuideMotion, LinkMotion, LinkageStatus, PointMotion, SlideMotion};
 use trirrr_core::number::cross;
+use trirrr_linkage::{GuideMotion, LinkMotion, LinkageStatus, PointMotion, SlideMotion};
 use trirrr_tests::bound::Worst;
 
 /// Dyads of each kind.

@@ -2,14 +2,12 @@
 
 use super::agreement::{BRACKET, Jet, Loops, compare_both, crank, drive, slide, turn, v};
 use core::f64::consts::FRAC_PI_2;
-use trirrr_core::linkage::closure::Input;
-use trirrr_core::linkage::closure::Length::{
-    Constant, Driven as DrivenLength, Unknown as UnknownLength,
-};
-use trirrr_core::linkage::closure::Reference::{Driven, Fixed, Unknown};
-use trirrr_core::linkage::mechanism::{five_bar, four_bar, scotch_yoke, serial_arm, slider_crank};
-use trirrr_core::linkage::{LinkMotion, PointMotion};
 use trirrr_core::number::Number;
+use trirrr_linkage::closure::Input;
+use trirrr_linkage::closure::Length::{Constant, Driven as DrivenLength, Unknown as UnknownLength};
+use trirrr_linkage::closure::Reference::{Driven, Fixed, Unknown};
+use trirrr_linkage::mechanism::{five_bar, four_bar, scotch_yoke, serial_arm, slider_crank};
+use trirrr_linkage::{LinkMotion, PointMotion};
 
 #[test]
 fn four_bar_linkage() {
@@ -156,7 +154,7 @@ fn scotch_yoke_linkage() {
 #[test]
 fn serial_arm_both_branches() {
     fn closed<N: Number, const BRANCH: usize>(inputs: &[Input<N>; 3]) -> [Jet<N>; 2] {
-        use trirrr_core::linkage::mechanism::serial_arm::SerialArm;
+        use trirrr_linkage::mechanism::serial_arm::SerialArm;
         let arm = SerialArm::<N>::new(&serial_arm::SHIPPED).unwrap();
         let [tool, x, y] = inputs;
         let both = |of: fn(&Input<N>) -> N| nalgebra::Vector2::new(of(x), of(y));

@@ -4,10 +4,10 @@
 use super::agreement::drive;
 use core::f64::consts::TAU;
 use nalgebra::Vector2;
-use trirrr_core::linkage::closure::Input;
-use trirrr_core::linkage::mechanism::{fairbairn, inserter, quick_return, two_loop};
-use trirrr_core::linkage::{Drive, LinkMotion, PointMotion};
 use trirrr_core::number::Number;
+use trirrr_linkage::closure::Input;
+use trirrr_linkage::mechanism::{fairbairn, inserter, quick_return, two_loop};
+use trirrr_linkage::{Drive, LinkMotion, PointMotion};
 use trirrr_tests::bound::Worst;
 
 /// The crank at time `t`: turning, and faster and faster.

@@ -2,15 +2,15 @@
 
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use trirrr_core::linkage::closure::{Closure, Input, Length, Reference, Term};
-use trirrr_core::linkage::mechanism::{four_bar, quick_return, slotted_quick_return, two_loop};
-use trirrr_core::linkage::ppr::Ppr;
-use trirrr_core::linkage::prp::Prp;
-use trirrr_core::linkage::rpr::Rpr;
-use trirrr_core::linkage::rrp::Rrp;
-use trirrr_core::linkage::rrr::Rrr;
-use trirrr_core::linkage::{Drive, LinkMotion, PointMotion, SlideMotion};
 use trirrr_core::number::Number;
+use trirrr_linkage::closure::{Closure, Input, Length, Reference, Term};
+use trirrr_linkage::mechanism::{four_bar, quick_return, slotted_quick_return, two_loop};
+use trirrr_linkage::ppr::Ppr;
+use trirrr_linkage::prp::Prp;
+use trirrr_linkage::rpr::Rpr;
+use trirrr_linkage::rrp::Rrp;
+use trirrr_linkage::rrr::{Rrr, SolveRrr};
+use trirrr_linkage::{Drive, LinkMotion, PointMotion, SlideMotion};
 use trirrr_tests::random::for_all;
 
 const CASES: u32 = 10_000;

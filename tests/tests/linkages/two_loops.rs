@@ -2,13 +2,13 @@
 
 use super::agreement::{Jet, Loops, compare_both, crank, drive, slide, turn, v};
 use core::f64::consts::{FRAC_PI_2, PI};
-use trirrr_core::linkage::closure::Input;
-use trirrr_core::linkage::closure::Length::{Constant, Unknown as UnknownLength};
-use trirrr_core::linkage::closure::Reference::{Driven, Fixed, Unknown};
-use trirrr_core::linkage::mechanism::{
+use trirrr_core::number::Number;
+use trirrr_linkage::closure::Input;
+use trirrr_linkage::closure::Length::{Constant, Unknown as UnknownLength};
+use trirrr_linkage::closure::Reference::{Driven, Fixed, Unknown};
+use trirrr_linkage::mechanism::{
     fairbairn, inserter, quick_return, slotted_quick_return, two_loop,
 };
-use trirrr_core::number::Number;
 
 #[test]
 fn quick_return_linkage() {

@@ -7,7 +7,7 @@ const NAMES: &str = "\
 use nalgebra::Vector2;
 use trirrr_service::admission::{Path, TaylorModel};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::linkage::rrr::Rrr;
+use trirrr_core::dyad::Rrr;
 use trirrr_core::machine::Elbow::{Negative, Positive};
 use trirrr_core::machine::{
     Geometry, Leg, LegParameters, LinkParameters, Parameters, PlatformParameters,

@@ -4,7 +4,7 @@ use super::counter;
 use core::hint::black_box;
 use nalgebra::Vector2;
 use semihosting::{println, process};
-use trirrr_core::linkage::rrr::{OutOfReach, Rrr};
+use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};

@@ -1,0 +1,87 @@
+//! Assur analysis: a planar mechanism of links and joints, decomposed into Assur groups and solved
+//! over its motion.
+//!
+//! [`Linkage::read`] reads and checks a file, and compares Gruebler's count with the drives
+//! ([`Mobility`]). It orders the links into groups ([`Group`]): driven links, dyads, and larger
+//! groups. [`track()`] solves the groups in that order at every step: dyads in closed form, larger
+//! groups by Newton-Raphson. [`write()`] writes a table and figures, [`header`] and [`summary`]
+//! describe the result.
+//!
+//! ```
+//! use trirrr_linkage::assur::{Linkage, track};
+//!
+//! let text = r#"
+//! name = "four-bar"
+//! [[link]]
+//! name = "frame"
+//! points_m = { O = [0.0, 0.0], Q = [0.4, 0.0] }
+//! [[link]]
+//! name = "crank"
+//! length_m = 0.1
+//! ends = ["O", "A"]
+//! [[link]]
+//! name = "coupler"
+//! length_m = 0.35
+//! ends = ["A", "B"]
+//! [[link]]
+//! name = "rocker"
+//! length_m = 0.25
+//! ends = ["Q", "B"]
+//! [[joint]]
+//! name = "O"
+//! kind = "revolute"
+//! at = ["frame.O", "crank.O"]
+//! [[joint]]
+//! name = "A"
+//! kind = "revolute"
+//! at = ["crank.A", "coupler.A"]
+//! [[joint]]
+//! name = "B"
+//! kind = "revolute"
+//! at = ["coupler.B", "rocker.B"]
+//! branch = 1
+//! [[joint]]
+//! name = "Q"
+//! kind = "revolute"
+//! at = ["rocker.Q", "frame.Q"]
+//! [[drive]]
+//! joint = "O"
+//! rate_rad_s = 1.0
+//! "#;
+//! let linkage = Linkage::parse(text, "four-bar.toml")?;
+//! assert_eq!(linkage.groups[1].title(), "dyad RRR");
+//! let track = track(&linkage);
+//! assert_eq!(track.positions.len(), 361);
+//! assert!(track.closure < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod chain;
+mod constraint;
+mod dependence;
+mod description;
+mod draw;
+mod dyad;
+#[cfg(test)]
+mod example;
+mod factors;
+mod groups;
+mod mobility;
+mod newton;
+mod rail;
+mod read;
+mod report;
+mod solve;
+mod state;
+mod table;
+mod track;
+mod write;
+
+pub use description::{Drive, FRAME, Joint, JointKind, Link, Linkage, Motion, PointRef, Prismatic};
+pub use groups::{Dyad, Group, GroupKind};
+pub use mobility::Mobility;
+pub use report::{header, stopped, summary};
+pub use solve::{Position, Reason, Solved, Unsolved};
+pub use state::State;
+pub use track::{Stop, Track, track};
+pub use write::{WriteError, write};

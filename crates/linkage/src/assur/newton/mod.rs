@@ -1,0 +1,190 @@
+//! A group solved by Newton-Raphson on its constraint equations, from the poses that its links
+//! have in the states handed over.
+
+#[cfg(test)]
+mod comparison;
+
+use super::constraint::{Equation, equations};
+use super::description::Linkage;
+use super::factors::Factors;
+use super::groups::Group;
+use super::state::State;
+use nalgebra::{DMatrix, Vector2};
+
+/// How a group was solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Converged {
+    /// Iterations taken.
+    pub(super) iterations: u32,
+    /// Reciprocal condition of the Jacobian, lengths measured in the linkage's size.
+    pub(super) distance: f64,
+    /// Sign of the Jacobian's determinant: it changes only through a singular position.
+    pub(super) positive: bool,
+}
+
+/// Why it was not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Failed {
+    /// No convergence within the iterations allowed.
+    Diverged,
+    /// The Jacobian has no inverse.
+    Singular,
+}
+
+const ITERATIONS: u32 = 60;
+/// Longest step of one iteration, in rad and in sizes of the linkage: farther the linear
+/// model means nothing.
+const LONGEST_STEP: f64 = 0.5;
+/// Below this, a step that does not get smaller any more is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Solves `group` at the time `t`: poses, rates and accelerations of its links in `states`.
+pub(super) fn solve(
+    linkage: &Linkage,
+    group: &Group,
+    states: &mut [State],
+    t: f64,
+) -> Result<Converged, Failed> {
+    let size = linkage.size();
+    let scaled = Scaled { group, size };
+    let mut last_step = f64::INFINITY;
+    for iterations in 1..=ITERATIONS {
+        let at = equations(linkage, group, states, t);
+        let factors = scaled.factor(&at).ok_or(Failed::Singular)?;
+        let residuals: Vec<f64> = at.iter().map(|e| scaled.row(e) * -e.residual).collect();
+        let mut step = factors.solve(residuals);
+        let length = step
+            .iter()
+            .fold(0.0, |longest, s| f64::max(longest, s.abs()));
+        if !length.is_finite() {
+            return Err(Failed::Diverged);
+        }
+        if length > LONGEST_STEP {
+            step.iter_mut().for_each(|s| *s *= LONGEST_STEP / length);
+        }
+        for (index, &link) in group.links.iter().enumerate() {
+            let [x, y, angle] = states[link].pose();
+            states[link].move_to([
+                x + size * step[3 * index],
+                y + size * step[3 * index + 1],
+                angle + step[3 * index + 2],
+            ]);
+        }
+        let settled = length < ROUNDING && length >= 0.5 * last_step;
+        if length <= f64::EPSILON || settled {
+            return scaled.motions(linkage, states, t, iterations);
+        }
+        last_step = length;
+    }
+    Err(Failed::Diverged)
+}
+
+/// The group's equations with lengths in units of `size`: without dimension, like the angles.
+struct Scaled<'a> {
+    group: &'a Group,
+    size: f64,
+}
+
+impl Scaled<'_> {
+    fn row(&self, equation: &Equation) -> f64 {
+        if equation.angular {
+            1.0
+        } else {
+            1.0 / self.size
+        }
+    }
+
+    fn factor(&self, equations: &[Equation]) -> Option<Factors> {
+        let unknowns = 3 * self.group.links.len();
+        if equations.len() != unknowns {
+            return None;
+        }
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        for (row, equation) in equations.iter().enumerate() {
+            let scale = self.row(equation);
+            for (link, [x, y, angle]) in equation.by {
+                if let Some(index) = self.group.links.iter().position(|&own| own == link) {
+                    matrix[(row, 3 * index)] += scale * x * self.size;
+                    matrix[(row, 3 * index + 1)] += scale * y * self.size;
+                    matrix[(row, 3 * index + 2)] += scale * angle;
+                }
+            }
+        }
+        Factors::new(matrix)
+    }
+
+    /// Rates and accelerations at poses that satisfy the equations.
+    fn motions(
+        &self,
+        linkage: &Linkage,
+        states: &mut [State],
+        t: f64,
+        iterations: u32,
+    ) -> Result<Converged, Failed> {
+        for &link in &self.group.links {
+            let motion = &mut states[link].motion;
+            (motion.rate, motion.acceleration) = (0.0, 0.0);
+            motion.origin.velocity = Vector2::zeros();
+            motion.origin.acceleration = Vector2::zeros();
+        }
+        let at = equations(linkage, self.group, states, t);
+        let factors = self.factor(&at).ok_or(Failed::Singular)?;
+        let rates: Vec<f64> = at
+            .iter()
+            .map(|e| self.row(e) * (e.drive[0] - known(e, states, velocity)))
+            .collect();
+        let rates = factors.solve(rates);
+        for (index, &link) in self.group.links.iter().enumerate() {
+            let motion = &mut states[link].motion;
+            motion.origin.velocity =
+                Vector2::new(rates[3 * index], rates[3 * index + 1]) * self.size;
+            motion.rate = rates[3 * index + 2];
+        }
+        // Again, for the squares of the rates.
+        let at = equations(linkage, self.group, states, t);
+        let accelerations: Vec<f64> = at
+            .iter()
+            .map(|e| self.row(e) * (e.drive[1] - e.squares - known(e, states, acceleration)))
+            .collect();
+        let accelerations = factors.solve(accelerations);
+        for (index, &link) in self.group.links.iter().enumerate() {
+            let motion = &mut states[link].motion;
+            motion.origin.acceleration =
+                Vector2::new(accelerations[3 * index], accelerations[3 * index + 1]) * self.size;
+            motion.acceleration = accelerations[3 * index + 2];
+            if !motion.is_finite() {
+                return Err(Failed::Singular);
+            }
+        }
+        Ok(Converged {
+            iterations,
+            distance: factors.reciprocal_condition(),
+            positive: factors.is_positive(),
+        })
+    }
+}
+
+/// What the links that are solved already bring to an equation's derivative; the group's own
+/// have no motion yet.
+fn known(equation: &Equation, states: &[State], of: fn(&State) -> [f64; 3]) -> f64 {
+    let parts = equation.by.iter().map(|(link, by)| {
+        let moved = of(&states[*link]);
+        by.iter()
+            .zip(moved)
+            .map(|(by, moved)| by * moved)
+            .sum::<f64>()
+    });
+    parts.sum()
+}
+
+fn velocity(state: &State) -> [f64; 3] {
+    let motion = &state.motion;
+    let v = motion.origin.velocity;
+    [v.x, v.y, motion.rate]
+}
+
+fn acceleration(state: &State) -> [f64; 3] {
+    let motion = &state.motion;
+    let a = motion.origin.acceleration;
+    [a.x, a.y, motion.acceleration]
+}

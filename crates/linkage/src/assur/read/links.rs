@@ -1,0 +1,193 @@
+//! Links, their points, and references to them.
+
+use super::{FARTHEST, NAME_DEMAND, Placed, is_name};
+use crate::assur::description::{Link, PointRef, names};
+use trirrr_scene::read::{Bound, Section};
+
+/// More links than this are refused: what the search for groups takes grows with their cube.
+const MOST_LINKS: usize = 100;
+
+/// The links; `None` if any is refused.
+pub(super) fn read(root: &Section) -> Option<Vec<Placed<Link>>> {
+    let sections = root.sections("link")?;
+    if !(2..=MOST_LINKS).contains(&sections.len()) {
+        let reason = format!(
+            "expected 2 to {MOST_LINKS} tables [[link]], the frame first, found {}",
+            sections.len()
+        );
+        root.refuse_list("link", reason);
+        return None;
+    }
+    let mut links: Vec<Placed<Link>> = Vec::with_capacity(sections.len());
+    let mut good = true;
+    for (index, section) in sections.iter().enumerate() {
+        match read_link(section, index == 0) {
+            Some(link) if links.iter().any(|(_, other)| other.name == link.name) => {
+                section.refuse("name", "there is another link of this name");
+                good = false;
+            }
+            Some(link) => links.push((section.place(), link)),
+            None => good = false,
+        }
+    }
+    good.then_some(links)
+}
+
+fn read_link(section: &Section, is_frame: bool) -> Option<Link> {
+    let name = section.text("name").and_then(|name| {
+        let good = is_name(&name);
+        if !good {
+            section.refuse("name", NAME_DEMAND);
+        }
+        good.then(|| name.into_owned())
+    });
+    let points = match section.has("length_m") {
+        true => read_rod(section),
+        false => read_points(section),
+    };
+    let guess = match section.optional_section("guess") {
+        Some(_) if is_frame => {
+            section.refuse(
+                "guess",
+                "the first link is the frame: it stands where it is",
+            );
+            None
+        }
+        Some(guess) => read_guess(&guess).map(Some),
+        None if section.has("guess") => None,
+        None => Some(None),
+    };
+    Some(Link {
+        name: name?,
+        points: points?,
+        guess: guess?,
+    })
+}
+
+fn read_guess(guess: &Section) -> Option<[f64; 3]> {
+    let at = guess.vector("at_m", Some([0.0; 2]));
+    let angle = guess.number("angle_rad", Bound::Within(-100.0, 100.0));
+    let [x, y] = at?;
+    let far = x.abs() > FARTHEST || y.abs() > FARTHEST;
+    if far {
+        guess.refuse("at_m", too_far());
+    }
+    (!far).then_some([x, y, angle?])
+}
+
+fn too_far() -> String {
+    format!("must be within {FARTHEST} of the origin (m)")
+}
+
+/// `length_m` and the names of the two `ends`.
+fn read_rod(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
+    let length = section
+        .optional_number("length_m", Bound::Positive)
+        .filter(|length| {
+            let good = *length <= FARTHEST;
+            if !good {
+                section.refuse("length_m", format!("must be at most {FARTHEST} (m)"));
+            }
+            good
+        });
+    let ends = section.texts("ends").and_then(|ends| match &ends[..] {
+        [(_, a), (_, b)] if a != b && is_name(a) && is_name(b) => {
+            Some([(*a).to_owned(), (*b).to_owned()])
+        }
+        _ => {
+            let reason = format!("expected two different names, each of which {NAME_DEMAND}");
+            section.refuse("ends", reason);
+            None
+        }
+    });
+    // More points than the ends, where they are given too.
+    let more = match section.has("points_m") {
+        true => read_points(section),
+        false => Some(Vec::new()),
+    };
+    let (length, [from, to], more) = (length?, ends?, more?);
+    for (name, _) in &more {
+        if *name == from || *name == to {
+            section.refuse("ends", format!("`{name}` is in points_m too"));
+            return None;
+        }
+    }
+    let mut points = vec![(from, [0.0; 2]), (to, [length, 0.0])];
+    points.extend(more);
+    Some(points)
+}
+
+fn read_points(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
+    let table = section.section("points_m")?;
+    let mut points = Vec::new();
+    let mut good = true;
+    for name in table.names() {
+        let Some(at) = table.vector(name, None) else {
+            good = false;
+            continue;
+        };
+        if at.iter().any(|coordinate| coordinate.abs() > FARTHEST) {
+            table.refuse(name, too_far());
+            good = false;
+        } else if !is_name(name) {
+            table.refuse(name, format!("the name {NAME_DEMAND}"));
+            good = false;
+        }
+        points.push((name.to_owned(), at));
+    }
+    if points.is_empty() && good {
+        section.refuse("points_m", "a link needs a point to be joined at");
+        return None;
+    }
+    good.then_some(points)
+}
+
+/// The link of a name, or why there is none.
+pub(super) fn find_link(links: &[Placed<Link>], name: &str) -> Result<usize, String> {
+    links
+        .iter()
+        .position(|(_, link)| link.name == name)
+        .ok_or_else(|| {
+            let known = names(links.iter().map(|(_, link)| link.name.as_str()));
+            format!("there is no link `{name}`; the links are {known}")
+        })
+}
+
+/// The point that `link.point` names, or why there is none.
+pub(super) fn find_point(links: &[Placed<Link>], text: &str) -> Result<PointRef, String> {
+    let (link, point) = text.split_once('.').ok_or("expected \"link.point\"")?;
+    let link = find_link(links, link)?;
+    let points = &links[link].1.points;
+    let found = points.iter().position(|(name, _)| name == point);
+    let point = found.ok_or_else(|| {
+        let known = names(points.iter().map(|(name, _)| name.as_str()));
+        format!("the link has no point `{point}`; its points are {known}")
+    })?;
+    Ok(PointRef { link, point })
+}
+
+/// The points whose curves are wanted. Without links (`resolve` false) nothing is looked up.
+pub(super) fn read_traces(
+    root: &Section,
+    links: &[Placed<Link>],
+    resolve: bool,
+) -> Option<Vec<PointRef>> {
+    if !root.has("trace") {
+        return Some(Vec::new());
+    }
+    let texts = root.texts("trace")?;
+    let mut traces = Vec::with_capacity(texts.len());
+    for (place, text) in &texts {
+        if !resolve {
+            continue;
+        }
+        match find_point(links, text) {
+            Ok(point) if traces.contains(&point) => {
+                root.refuse_at(place, "the point is listed twice");
+            }
+            Ok(point) => traces.push(point),
+            Err(reason) => root.refuse_at(place, reason),
+        }
+    }
+    (traces.len() == texts.len()).then_some(traces)
+}

@@ -1,0 +1,266 @@
+//! A linkage at one time: its groups solved in order.
+
+use super::constraint::equations;
+use super::description::{Drive, FRAME, JointKind, Linkage};
+use super::dyad::Built;
+use super::groups::{Group, GroupKind};
+use super::newton;
+use super::rail::{Rail, reframed, turned_back};
+use super::state::{State, unit};
+use crate::LinkageStatus;
+use crate::motion::{LinkMotion, SlideMotion};
+use nalgebra::Vector2;
+
+/// The linkage at one time.
+#[derive(Clone, Debug)]
+pub struct Position {
+    /// s.
+    pub t: f64,
+    /// The states of the links, in their order.
+    pub states: Vec<State>,
+    /// How each group came out, in solving order.
+    pub groups: Vec<Solved>,
+}
+
+/// How one group came out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solved {
+    /// Scale-free distance from a singular position: 0 there, at most 1.
+    pub distance: f64,
+    /// Newton-Raphson's iterations; 0 for a closed form.
+    pub iterations: u32,
+    /// Sign of the Jacobian where there is one.
+    pub(super) positive: bool,
+}
+
+/// Why a group has no position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// A dyad's answer.
+    Dyad(LinkageStatus),
+    /// Newton-Raphson did not converge from where it started.
+    Diverged,
+    /// The Jacobian of the group's equations has no inverse.
+    Singular,
+    /// The only position found is on the other side of a singular one.
+    Flipped,
+}
+
+/// A group that has no position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unsolved {
+    /// Index in solving order.
+    pub group: usize,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// A linkage with its dyads built.
+pub(super) struct Solver<'a> {
+    pub(super) linkage: &'a Linkage,
+    dyads: Vec<Option<Built>>,
+}
+
+/// Both branches, in the order that they are tried in.
+const BRANCHES: [f64; 2] = [1.0, -1.0];
+
+impl<'a> Solver<'a> {
+    /// Builds every dyad, on the branch that the file asks for or that is nearest to its guess at
+    /// the time 0, and returns the first position with it.
+    pub(super) fn start(linkage: &'a Linkage) -> Result<(Self, Position), Unsolved> {
+        let guesses = linkage
+            .links
+            .iter()
+            .map(|link| link.guess.unwrap_or([0.0; 3]));
+        let mut position = Position {
+            t: 0.0,
+            states: guesses.map(State::at_rest).collect(),
+            groups: Vec::new(),
+        };
+        position.states[FRAME] = State::at_rest([0.0; 3]);
+        position.states[FRAME].known = true;
+        let mut solver = Self {
+            linkage,
+            dyads: Vec::new(),
+        };
+        for (index, group) in linkage.groups.iter().enumerate() {
+            let unsolved = |reason| Unsolved {
+                group: index,
+                reason,
+            };
+            let built = match group.kind {
+                GroupKind::Dyad(kind) => {
+                    let asked = group.joints.get(1).and_then(|&j| linkage.joints[j].branch);
+                    let open = asked.is_none() && kind.has_branches();
+                    let tried: &[f64] = if open { &BRANCHES } else { &BRANCHES[..1] };
+                    let mut best: Option<(f64, Built)> = None;
+                    let mut refused = Reason::Singular;
+                    for &branch in tried {
+                        let branch = asked.unwrap_or(branch);
+                        let known = |link: usize| position.states[link].known;
+                        let built = Built::new(linkage, group, kind, &known, branch)
+                            .ok_or_else(|| unsolved(Reason::Singular))?;
+                        let mut states = position.states.clone();
+                        match built.solve(&mut states) {
+                            Ok(_) => {
+                                let miss = guess_miss(linkage, group, &states);
+                                if best.is_none_or(|(least, _)| miss < least) {
+                                    best = Some((miss, built));
+                                }
+                            }
+                            Err(status) => refused = Reason::Dyad(status),
+                        }
+                    }
+                    Some(best.ok_or_else(|| unsolved(refused))?.1)
+                }
+                _ => None,
+            };
+            solver.dyads.push(built);
+            let solved = solver
+                .group(index, &mut position.states, 0.0)
+                .map_err(unsolved)?;
+            position.groups.push(solved);
+        }
+        Ok((solver, position))
+    }
+
+    /// The position at the time `t`, from predicted states.
+    pub(super) fn position(&self, mut states: Vec<State>, t: f64) -> Result<Position, Unsolved> {
+        for state in &mut states {
+            state.known = false;
+        }
+        states[FRAME].known = true;
+        let mut groups = Vec::with_capacity(self.linkage.groups.len());
+        for group in 0..self.linkage.groups.len() {
+            let solved = self
+                .group(group, &mut states, t)
+                .map_err(|reason| Unsolved { group, reason })?;
+            groups.push(solved);
+        }
+        Ok(Position { t, states, groups })
+    }
+
+    fn group(&self, index: usize, states: &mut [State], t: f64) -> Result<Solved, Reason> {
+        let group = &self.linkage.groups[index];
+        let closed = |distance| Solved {
+            distance,
+            iterations: 0,
+            positive: true,
+        };
+        match (group.kind, &self.dyads[index]) {
+            (GroupKind::Driven, _) => {
+                let motion = self.driven(group, states, t).ok_or(Reason::Singular)?;
+                let state = &mut states[group.links[0]];
+                state.take(motion);
+                Ok(closed(1.0))
+            }
+            (GroupKind::Dyad(_), Some(dyad)) => {
+                dyad.solve(states).map(closed).map_err(Reason::Dyad)
+            }
+            _ => {
+                let converged = newton::solve(self.linkage, group, states, t).map_err(
+                    |failed| match failed {
+                        newton::Failed::Diverged => Reason::Diverged,
+                        newton::Failed::Singular => Reason::Singular,
+                    },
+                )?;
+                for &link in &group.links {
+                    states[link].known = true;
+                }
+                Ok(Solved {
+                    distance: converged.distance,
+                    iterations: converged.iterations,
+                    positive: converged.positive,
+                })
+            }
+        }
+    }
+
+    /// The motion of the one link of a driven group.
+    fn driven(&self, group: &Group, states: &[State], t: f64) -> Option<LinkMotion<f64>> {
+        let (own, joint) = (group.links[0], group.joints[0]);
+        let drive = &self.linkage.drives[*group.drives.first()?];
+        let value = drive.at(t);
+        match &self.linkage.joints[joint].kind {
+            JointKind::Revolute(pins) => {
+                let held = pins.iter().find(|pin| states[pin.link].known)?;
+                let local = |point| {
+                    let [x, y] = self.linkage.local(point);
+                    Vector2::new(x, y)
+                };
+                let pin = states[held.link].motion.point(local(*held));
+                let own_pin = pins.iter().find(|pin| pin.link == own)?;
+                let turned = turned_by(drive, value, own, states);
+                let motion = LinkMotion {
+                    origin: pin,
+                    ..turned
+                };
+                Some(reframed(&motion, Vector2::x(), local(*own_pin)))
+            }
+            JointKind::Prismatic(_) => {
+                let holder = match drive.link == own {
+                    true => drive.base,
+                    false => drive.link,
+                };
+                let rail = Rail::new(self.linkage, joint, own)?;
+                let guide = states[holder].motion.frame(rail.point, rail.direction);
+                let sign = if rail.own_is_slider { 1.0 } else { -1.0 };
+                let [length, rate, acceleration] = value.map(|value| sign * value);
+                let slide = SlideMotion {
+                    length,
+                    rate,
+                    acceleration,
+                };
+                let motion = LinkMotion {
+                    origin: guide.sliding(&slide, rail.offset),
+                    ..guide
+                };
+                Some(reframed(&motion, rail.own_direction, rail.own_point))
+            }
+        }
+    }
+
+    /// The largest residual of all equations of all groups at a position: how well the loops
+    /// close, m (and rad for the angles of prismatic joints and drives, times the linkage's size).
+    pub(super) fn closure(&self, position: &Position) -> f64 {
+        let size = self.linkage.size();
+        let residual = |group: &Group| {
+            let at = equations(self.linkage, group, &position.states, position.t);
+            at.iter()
+                .map(|e| e.residual.abs() * if e.angular { size } else { 1.0 })
+                .fold(0.0, f64::max)
+        };
+        self.linkage.groups.iter().map(residual).fold(0.0, f64::max)
+    }
+}
+
+/// Direction and turning of the driven link `own`, from the other link of its drive.
+fn turned_by(
+    drive: &Drive,
+    [angle, rate, acceleration]: [f64; 3],
+    own: usize,
+    states: &[State],
+) -> LinkMotion<f64> {
+    let forwards = drive.link == own;
+    let other = states[if forwards { drive.base } else { drive.link }].motion;
+    let sign = if forwards { 1.0 } else { -1.0 };
+    LinkMotion {
+        // Turning back by the opposite angle is turning forwards.
+        direction: turned_back(other.direction, unit(-sign * angle)),
+        rate: other.rate + sign * rate,
+        acceleration: other.acceleration + sign * acceleration,
+        ..other
+    }
+}
+
+/// How far the group's links are from their guesses, squared, in sizes and rad.
+fn guess_miss(linkage: &Linkage, group: &Group, states: &[State]) -> f64 {
+    let size = linkage.size();
+    let misses = group.links.iter().filter_map(|&link| {
+        let [x, y, angle] = linkage.links[link].guess?;
+        let [at_x, at_y, at_angle] = states[link].pose();
+        let turn = super::constraint::wrapped(at_angle - angle);
+        Some(((at_x - x) / size).powi(2) + ((at_y - y) / size).powi(2) + turn * turn)
+    });
+    misses.sum()
+}

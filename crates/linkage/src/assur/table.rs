@@ -1,0 +1,97 @@
+//! The table: one row per position, SI units.
+
+use super::description::{JointKind, Linkage};
+use super::solve::Position;
+use super::state::unit;
+use super::track::Track;
+use crate::motion::PointMotion;
+use nalgebra::Vector2;
+use trirrr_core::number::{dot, perpendicular};
+
+/// The table with its header.
+pub(super) fn csv(linkage: &Linkage, track: &Track) -> String {
+    // Debug text is the shortest that reads back as the same number.
+    let mut text = columns(linkage).join(",");
+    text.push('\n');
+    for position in &track.positions {
+        let row: Vec<String> = row(linkage, position)
+            .into_iter()
+            .map(|v| format!("{v:?}"))
+            .collect();
+        text.push_str(&row.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// The names of the columns.
+fn columns(linkage: &Linkage) -> Vec<String> {
+    let mut names = vec!["t".to_owned()];
+    let mut add = |prefixes: &[&str], name: &str| {
+        names.extend(prefixes.iter().map(|prefix| format!("{prefix}_{name}")));
+    };
+    for drive in &linkage.drives {
+        add(&["q"], &linkage.joints[drive.joint].name);
+    }
+    for link in &linkage.links[1..] {
+        add(&["th", "dth", "ddth"], &link.name);
+    }
+    for joint in &linkage.joints {
+        if matches!(joint.kind, JointKind::Prismatic(_)) {
+            add(&["s", "ds", "dds"], &joint.name);
+        }
+    }
+    for &point in &linkage.traces {
+        let name = linkage.point_name(point);
+        add(&["x", "y", "vx", "vy", "ax", "ay"], &name);
+    }
+    names
+}
+
+fn row(linkage: &Linkage, position: &Position) -> Vec<f64> {
+    let mut row = vec![position.t];
+    row.extend(linkage.drives.iter().map(|drive| drive.at(position.t)[0]));
+    for state in &position.states[1..] {
+        row.extend([state.angle, state.motion.rate, state.motion.acceleration]);
+    }
+    for joint in 0..linkage.joints.len() {
+        row.extend(position.slide(linkage, joint).into_iter().flatten());
+    }
+    for &point in &linkage.traces {
+        let m = position.point(linkage, point);
+        for v in [m.position, m.velocity, m.acceleration] {
+            row.extend([v.x, v.y]);
+        }
+    }
+    row
+}
+
+impl Position {
+    /// Returns the motion of a point.
+    pub fn point(&self, linkage: &Linkage, point: super::PointRef) -> PointMotion<f64> {
+        let [x, y] = linkage.local(point);
+        self.states[point.link].motion.point(Vector2::new(x, y))
+    }
+
+    /// Returns distance, rate and acceleration along the guide of a prismatic joint, from the
+    /// guide's point to the slider's: m, m/s, m/s^2. `None` for a pin.
+    pub fn slide(&self, linkage: &Linkage, joint: usize) -> Option<[f64; 3]> {
+        let JointKind::Prismatic(slide) = &linkage.joints[joint].kind else {
+            return None;
+        };
+        let guide = &self.states[slide.guide.link].motion;
+        let u = guide.vector(unit(slide.direction));
+        let n = perpendicular(u);
+        let d = self
+            .point(linkage, slide.slider)
+            .relative_to(&self.point(linkage, slide.guide));
+        let (w, e) = (guide.rate, guide.acceleration);
+        // u' = w n, u'' = e n - w^2 u.
+        let length = dot(u, d.position);
+        let across = dot(n, d.position);
+        let rate = dot(u, d.velocity) + w * across;
+        let acceleration =
+            dot(u, d.acceleration) + 2.0 * w * dot(n, d.velocity) + e * across - w * w * length;
+        Some([length, rate, acceleration])
+    }
+}

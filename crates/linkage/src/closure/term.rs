@@ -1,0 +1,157 @@
+//! The vectors that loops are made of.
+
+use super::ClosureError;
+use nalgebra::Vector2;
+use trirrr_core::number::Number;
+
+/// The length of a vector; negative lengths point backwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// Known for good, m.
+    Constant(f64),
+    /// The input of this number.
+    Driven(usize),
+    /// The unknown of this number.
+    Unknown(usize),
+}
+
+/// What the direction of a vector is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reference {
+    /// The fixed x axis: the direction is constant.
+    Fixed,
+    /// The input of this number, an angle in rad.
+    Driven(usize),
+    /// The unknown of this number, an angle in rad.
+    Unknown(usize),
+}
+
+/// One vector of a loop: +-length e^(i (reference + offset)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term<N> {
+    pub(super) in_loop: usize,
+    pub(super) length: Length,
+    pub(super) reference: Reference,
+    /// The constant length, or +1 or -1 where the length is driven or unknown.
+    pub(super) factor: N,
+    /// Cosine and sine of the offset.
+    pub(super) offset: Vector2<N>,
+}
+
+impl<N: Number> Term<N> {
+    /// A vector of loop number `in_loop` with a `length` in the direction of `reference` plus
+    /// `offset_rad`.
+    pub fn new(in_loop: usize, length: Length, reference: Reference, offset_rad: f64) -> Self {
+        // Written out for no offset: no rounding of the number type's sine can disturb it.
+        let offset = if offset_rad == 0.0 {
+            Vector2::new(N::ONE, N::ZERO)
+        } else {
+            let (sin, cos) = <f64 as Number>::sin_cos(offset_rad);
+            Vector2::new(N::from_f64(cos), N::from_f64(sin))
+        };
+        let factor = match length {
+            Length::Constant(length) => N::from_f64(length),
+            Length::Driven(_) | Length::Unknown(_) => N::ONE,
+        };
+        Self {
+            in_loop,
+            length,
+            reference,
+            factor,
+            offset,
+        }
+    }
+
+    /// The same vector, run through backwards.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self {
+            factor: -self.factor,
+            ..self
+        }
+    }
+
+    /// Checks the term, number `term`, of a system with so many unknowns and inputs.
+    pub(super) fn check(
+        &self,
+        term: usize,
+        unknowns: usize,
+        inputs: usize,
+    ) -> Result<(), ClosureError> {
+        if 2 * self.in_loop >= unknowns {
+            let in_loop = self.in_loop;
+            return Err(ClosureError::NoSuchLoop { term, in_loop });
+        }
+        if ![self.factor, self.offset.x, self.offset.y]
+            .iter()
+            .all(|value| value.is_finite())
+        {
+            return Err(ClosureError::NotFinite { term });
+        }
+        let unknown = |unknown| match unknown < unknowns {
+            true => Ok(()),
+            false => Err(ClosureError::NoSuchUnknown { term, unknown }),
+        };
+        let input = |input| match input < inputs {
+            true => Ok(()),
+            false => Err(ClosureError::NoSuchInput { term, input }),
+        };
+        match self.length {
+            Length::Constant(_) => Ok(()),
+            Length::Driven(number) => input(number),
+            Length::Unknown(number) => unknown(number),
+        }?;
+        match self.reference {
+            Reference::Fixed => Ok(()),
+            Reference::Driven(number) => input(number),
+            Reference::Unknown(number) => unknown(number),
+        }
+    }
+
+    /// The length with its sign.
+    pub(super) fn signed_length(&self, inputs: &[Input<N>], unknowns: &[N]) -> N {
+        match self.length {
+            Length::Constant(_) => self.factor,
+            Length::Driven(input) => inputs[input].value * self.factor,
+            Length::Unknown(unknown) => unknowns[unknown] * self.factor,
+        }
+    }
+
+    /// A derivative of the length as far as it is driven.
+    pub(super) fn driven_length(&self, derivative: impl Fn(usize) -> N) -> N {
+        match self.length {
+            Length::Driven(input) => derivative(input) * self.factor,
+            Length::Constant(_) | Length::Unknown(_) => N::ZERO,
+        }
+    }
+
+    /// A derivative of the angle as far as it is driven.
+    pub(super) fn driven_angle(&self, derivative: impl Fn(usize) -> N) -> N {
+        match self.reference {
+            Reference::Driven(input) => derivative(input),
+            Reference::Fixed | Reference::Unknown(_) => N::ZERO,
+        }
+    }
+}
+
+/// An input: a driven angle (rad) or length (m) with its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input<N> {
+    /// Its value.
+    pub value: N,
+    /// Its rate.
+    pub rate: N,
+    /// Its second derivative.
+    pub acceleration: N,
+}
+
+impl<N: Number> Input<N> {
+    /// An input that stands still.
+    pub fn fixed(value: N) -> Self {
+        Self {
+            value,
+            rate: N::ZERO,
+            acceleration: N::ZERO,
+        }
+    }
+}

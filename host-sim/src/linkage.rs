@@ -1,0 +1,44 @@
+//! `host-sim linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
+
+use crate::cli::LinkageArgs;
+use crate::failure::Failure;
+use std::io;
+use std::path::Path;
+use trirrr_linkage::assur::{Linkage, header, stopped, summary, track, write};
+
+/// Reads the linkage file, follows the linkage over its motion, writes the table and the figures,
+/// prints the groups and a summary.
+///
+/// # Errors
+/// Refused: the file. Failed: a file cannot be written, or the motion ends early; the positions
+/// until then are written.
+pub fn command(args: &LinkageArgs) -> Result<(), Failure> {
+    let mut linkage =
+        Linkage::read(&args.file).map_err(|error| Failure::Refused(error.to_string()))?;
+    if let Some(steps) = args.steps {
+        linkage.motion.steps = steps;
+    }
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(&linkage.name),
+    };
+    let track = track(&linkage);
+    let files = if track.positions.is_empty() {
+        Vec::new()
+    } else {
+        write(&linkage, &track, &folder).map_err(|error| Failure::Failed(error.to_string()))?
+    };
+    let mut text = header(&args.file.display().to_string(), &linkage);
+    text.push_str(&summary(&linkage, &track, &files));
+    match io::Write::write_all(&mut io::stdout().lock(), text.as_bytes()) {
+        // A reader that closes standard output early does not want the summary.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            return Err(Failure::Failed(format!("standard output: {error}")));
+        }
+        _ => {}
+    }
+    match &track.stop {
+        Some(stop) => Err(Failure::Failed(stopped(&linkage, stop))),
+        None => Ok(()),
+    }
+}
