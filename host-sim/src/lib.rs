@@ -24,7 +24,6 @@ pub mod link;
 pub mod linkage;
 pub mod machine;
 pub mod pace;
-pub mod plant;
 pub mod record;
 pub mod recording;
 pub mod report;

@@ -1,12 +1,12 @@
 //! Figures of a simulated plant: how far it is off, and what its motors do.
 
 use super::FigureError;
-use crate::plant::motor::wrapped;
-use crate::plant::table::Row;
 use std::io;
 use std::path::{Path, PathBuf};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_plant::motor::wrapped;
+use trirrr_plant::table::Row;
 
 const MOTORS: [&str; 3] = ["motor 1", "motor 2", "motor 3"];
 

@@ -105,12 +105,12 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
         _ => {}
     }
     match simulated.outcome.end {
-        crate::plant::simulate::End::Complete => Ok(report.end),
-        crate::plant::simulate::End::Interrupted { .. } => Ok(End::Stopped),
-        crate::plant::simulate::End::Ended(ending) => {
+        trirrr_plant::simulate::End::Complete => Ok(report.end),
+        trirrr_plant::simulate::End::Interrupted { .. } => Ok(End::Stopped),
+        trirrr_plant::simulate::End::Ended(ending) => {
             Err(Failure::Failed(format!("the plant {ending}")))
         }
-        crate::plant::simulate::End::Failed(reason) => {
+        trirrr_plant::simulate::End::Failed(reason) => {
             Err(Failure::Failed(format!("the plant: {reason}")))
         }
     }

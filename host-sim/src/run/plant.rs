@@ -4,10 +4,6 @@ use super::served::with_service;
 use super::summary::{digits, line, seconds};
 use crate::failure::Failure;
 use crate::figures::PlantTraces;
-use crate::plant::simulate::{End, Outcome, simulate};
-use crate::plant::source::TickSource;
-use crate::plant::statistics::{Active, MotorStatistics, Signal};
-use crate::plant::table::{COLUMNS, Row};
 use crate::recording::unwritable;
 use crate::scalar::Scalar;
 use std::fs::File;
@@ -15,6 +11,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use trirrr_core::number::{Coarse, Fixed};
+use trirrr_plant::simulate::{End, Outcome, simulate};
+use trirrr_plant::source::TickSource;
+use trirrr_plant::statistics::{Active, MotorStatistics, Signal};
+use trirrr_plant::table::{COLUMNS, Row};
 use trirrr_scene::Scene;
 
 /// What was simulated, and what was written.

@@ -5,13 +5,13 @@ use super::player::Player;
 use crate::failure::Failure;
 use crate::job;
 use crate::machine;
-use crate::plant::Refusal;
-use crate::plant::simulate::Outcome;
-use crate::plant::source::{JointReferences, Pipeline, TickSource};
 use crate::words::Units;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use trirrr_drives::command::joint::Reference;
+use trirrr_plant::Refusal;
+use trirrr_plant::simulate::Outcome;
+use trirrr_plant::source::{JointReferences, Pipeline, TickSource};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
 

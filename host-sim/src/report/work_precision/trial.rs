@@ -1,10 +1,10 @@
 //! One run of a case by one method, and what it cost.
 
 use crate::failure::Failure;
-use crate::plant::simulate::{End, simulate};
-use crate::plant::source::Pipeline;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
+use trirrr_plant::simulate::{End, simulate};
+use trirrr_plant::source::Pipeline;
 use trirrr_scene::{Method, Scene};
 
 /// Solutions are compared every so often, s. No method takes longer steps.

@@ -3,8 +3,8 @@
 
 use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
 use std::cell::RefCell;
-use trirrr_host_sim::plant::Plant;
 use trirrr_integrate::{Matrix, System};
+use trirrr_plant::Plant;
 
 /// Error allowed each step, relative to a variable and to its usual size. Not less: angles are
 /// rounded to some 1e-16 rad, and what kp and a spring make of that stands in currents and rates.

@@ -8,11 +8,11 @@
 mod bdf;
 mod truth;
 
-use trirrr_host_sim::plant::{Plant, layout_of};
 use trirrr_host_sim::report::work_precision::COMPARED_S;
 use trirrr_host_sim::report::work_precision::cases::{CASES, Case};
 use trirrr_host_sim::report::{Block, docs};
 use trirrr_integrate::{Direction, System};
+use trirrr_plant::{Plant, layout_of};
 use truth::{build, known};
 
 /// Poses are compared every so often, s; between events the signs of their functions are, too.

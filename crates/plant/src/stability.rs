@@ -1,9 +1,9 @@
 //! Whether the gains can be followed at all.
 
 use super::layout::{RATES, ROTOR_RATES, ROTORS};
-use super::model::{Control, Plant};
-use super::motor::Motor;
-use super::refusal::Refusal;
+use crate::model::{Control, Plant};
+use crate::motor::Motor;
+use crate::refusal::Refusal;
 use nalgebra::DMatrix;
 use trirrr_integrate::{Spectrum, System};
 use trirrr_scene::Controller;
@@ -20,7 +20,7 @@ const GROWS: f64 = 60.0;
 ///
 /// # Errors
 /// [`Refusal::Scene`] with the rate at which deviations grow.
-pub(super) fn check<const N: usize>(
+pub(crate) fn check<const N: usize>(
     plant: &Plant<N>,
     y: &[f64; N],
     spectrum: &Spectrum,
@@ -58,7 +58,7 @@ pub(super) fn check<const N: usize>(
 
 /// Gains of a sampled loop, from joint to what its motor is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LoopGains {
+pub(crate) struct LoopGains {
     /// By angle, 1/rad.
     angle: [f64; 3],
     /// By rate, s/rad.
@@ -67,7 +67,7 @@ pub(super) struct LoopGains {
 
 impl<const N: usize> Plant<N> {
     /// What `controller` makes of a deviation of each joint.
-    pub(super) fn gains_of(&self, controller: &Controller) -> LoopGains {
+    pub(crate) fn gains_of(&self, controller: &Controller) -> LoopGains {
         let mut gains = LoopGains {
             angle: [0.0; 3],
             rate: [0.0; 3],

@@ -6,7 +6,7 @@ use trirrr_scene::Scene;
 /// The text of a shipped scene.
 pub(crate) fn text(name: &str) -> String {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../scenes")
+        .join("../../scenes")
         .join(name)
         .with_extension("toml");
     std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))

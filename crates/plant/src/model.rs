@@ -1,15 +1,15 @@
 //! The plant as a system of differential equations.
 
 use super::control::{Commands, Continuous, JointReference, SampledController};
-use super::friction::{Friction, Region};
-use super::layout::{Layout, ROTORS};
-use super::mechanics::Mechanics;
-use super::motor::Motor;
-use super::path::JobPath;
-use super::refusal::Refusal;
-use super::stability::LoopGains;
-use super::statistics::Statistics;
-use super::watch::{Ending, Watch};
+use crate::friction::{Friction, Region};
+use crate::layout::{Layout, ROTORS};
+use crate::mechanics::Mechanics;
+use crate::motor::Motor;
+use crate::path::JobPath;
+use crate::refusal::Refusal;
+use crate::stability::LoopGains;
+use crate::statistics::Statistics;
+use crate::watch::{Ending, Watch};
 use trirrr_core::singularity;
 use trirrr_scene::{Drive, Plant as Scenario, Scene, Transmission};
 
@@ -39,43 +39,43 @@ pub struct Joints {
 
 /// Machine, transmissions, motors and control; `N` state variables (see [`Layout`]).
 pub struct Plant<const N: usize> {
-    pub(super) mechanics: Mechanics,
-    pub(super) motors: [Motor; 3],
-    pub(super) transmission: [Transmission; 3],
+    pub(crate) mechanics: Mechanics,
+    pub(crate) motors: [Motor; 3],
+    pub(crate) transmission: [Transmission; 3],
     /// Inertia of each rotor at its joint, kg m^2; used where the transmission is elastic.
-    pub(super) rotors: [f64; 3],
-    pub(super) joints: Joints,
-    pub(super) control: Control,
-    pub(super) path: JobPath,
+    pub(crate) rotors: [f64; 3],
+    pub(crate) joints: Joints,
+    pub(crate) control: Control,
+    pub(crate) path: JobPath,
     /// What the motors are told, where the control does not act at every instant.
-    pub(super) held: [f64; 3],
+    pub(crate) held: [f64; 3],
     /// Counts of the rotors' encoders per radian of the joint, where there are any.
-    pub(super) counts_per_radian: Option<[f64; 3]>,
-    pub(super) last_counts: Option<[f64; 3]>,
+    pub(crate) counts_per_radian: Option<[f64; 3]>,
+    pub(crate) last_counts: Option<[f64; 3]>,
     /// Joint angles at the start, and unwrapped ones near the present ones.
-    pub(super) start: [f64; 3],
-    pub(super) near: [f64; 3],
-    pub(super) commands: Commands,
-    pub(super) slips: [i64; 3],
-    pub(super) watches: Vec<Watch>,
-    pub(super) following_error: Option<f64>,
+    pub(crate) start: [f64; 3],
+    pub(crate) near: [f64; 3],
+    pub(crate) commands: Commands,
+    pub(crate) slips: [i64; 3],
+    pub(crate) watches: Vec<Watch>,
+    pub(crate) following_error: Option<f64>,
     /// 1 / the greatest det A.
-    pub(super) det_a_scale: f64,
+    pub(crate) det_a_scale: f64,
     /// 1 / (l1 l2) of each leg.
-    pub(super) cross_scale: [f64; 3],
+    pub(crate) cross_scale: [f64; 3],
     /// Whether a singularity is near enough to be watched for.
-    pub(super) near_singular: bool,
-    pub(super) ending: Option<Ending>,
-    pub(super) statistics: Statistics,
+    pub(crate) near_singular: bool,
+    pub(crate) ending: Option<Ending>,
+    pub(crate) statistics: Statistics,
     /// Gains of a sampled loop, to judge it by.
-    pub(super) loop_gains: Option<LoopGains>,
+    pub(crate) loop_gains: Option<LoopGains>,
     /// Largest kinetic energy noted, J.
-    pub(super) kinetic_peak: f64,
+    pub(crate) kinetic_peak: f64,
 }
 
 impl<const N: usize> Plant<N> {
-    pub(super) const ELASTIC: bool = N == 14 || N == 17;
-    pub(super) const CURRENTS: bool = N == 11 || N == 17;
+    pub(crate) const ELASTIC: bool = N == 14 || N == 17;
+    pub(crate) const CURRENTS: bool = N == 11 || N == 17;
     /// What the state holds.
     pub const LAYOUT: Layout = Layout {
         elastic: Self::ELASTIC,
@@ -193,7 +193,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// What the joints should do at `t`, where the control says so at every instant.
-    pub(super) fn references(&self, t: f64) -> Option<Result<[JointReference; 3], Refusal>> {
+    pub(crate) fn references(&self, t: f64) -> Option<Result<[JointReference; 3], Refusal>> {
         match &self.control {
             Control::Continuous(continuous) => Some(continuous.references(t)),
             _ => None,

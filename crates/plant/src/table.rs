@@ -1,9 +1,9 @@
 //! The table of a run, `plant.csv`.
 
 use super::layout::{RATES, three};
-use super::model::{Control, Plant};
-use super::motor::{Motor, wrapped};
-use super::refusal::Refusal;
+use crate::model::{Control, Plant};
+use crate::motor::{Motor, wrapped};
+use crate::refusal::Refusal;
 
 /// One row: the plant at one instant, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl Row {
     ///
     /// # Errors
     /// As the plant's equations.
-    pub(super) fn of<const N: usize>(
+    pub(crate) fn of<const N: usize>(
         plant: &mut Plant<N>,
         t: f64,
         y: &[f64; N],

@@ -1,10 +1,10 @@
 //! What can be seen of the plant besides its state: angles, torques, currents, energies.
 
 use super::layout::{RATES, ROTOR_RATES, ROTORS, three};
-use super::mechanics::LegState;
-use super::model::Plant;
-use super::motor::{Motor, wrapped};
-use super::refusal::Refusal;
+use crate::mechanics::LegState;
+use crate::model::Plant;
+use crate::motor::{Motor, wrapped};
+use crate::refusal::Refusal;
 
 /// Everything of the plant at one instant that is not in its state.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// Looks at the energies, for the size of what flows.
-    pub(super) fn note_energy(&mut self, y: &[f64; N]) -> Result<(), Refusal> {
+    pub(crate) fn note_energy(&mut self, y: &[f64; N]) -> Result<(), Refusal> {
         let (q, v) = (three(y, 0), three(y, RATES));
         let legs = self.mechanics.legs(q, v)?;
         let kinetic = self.mechanics.kinetic_energy(q, v, &legs);

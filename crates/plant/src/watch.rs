@@ -2,11 +2,11 @@
 //! those at which it has to stop. Each is the zero of a function, located by the integrator.
 
 use super::friction::Region;
-use super::layout::RATES;
-use super::mechanics::{LegState, det_a};
-use super::model::{Control, Plant};
-use super::motor::{Motor, wrapped};
-use super::refusal::Refusal;
+use crate::layout::RATES;
+use crate::mechanics::{LegState, det_a};
+use crate::model::{Control, Plant};
+use crate::motor::{Motor, wrapped};
+use crate::refusal::Refusal;
 use std::fmt;
 
 /// A leg this close to its serial singularity, as the sine of the angle between its links, is
@@ -89,7 +89,7 @@ const JOINTS: [&str; 3] = ["motor joint", "elbow", "platform joint"];
 
 impl<const N: usize> Plant<N> {
     /// Everything that this plant has to be watched for.
-    pub(super) fn list_watches(&self) -> Vec<Watch> {
+    pub(crate) fn list_watches(&self) -> Vec<Watch> {
         let mut watches = vec![
             Watch::Parallel,
             Watch::Serial(0),
@@ -125,7 +125,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// Whether `watch` can matter now.
-    pub(super) fn is_watched(&self, watch: Watch) -> bool {
+    pub(crate) fn is_watched(&self, watch: Watch) -> bool {
         match watch {
             Watch::Parallel | Watch::Serial(_) => self.near_singular,
             Watch::MoveEnd => match &self.control {
@@ -139,7 +139,7 @@ impl<const N: usize> Plant<N> {
 
     /// Looks whether a singularity is near enough to be watched for until the next sample.
     #[inline(always)]
-    pub(super) fn arm(&mut self, legs: &[LegState; 3]) {
+    pub(crate) fn arm(&mut self, legs: &[LegState; 3]) {
         let parallel = (det_a(legs) * self.det_a_scale).abs();
         let serial = |leg: usize| (legs[leg].cross * self.cross_scale[leg]).abs();
         let least = serial(0).min(serial(1)).min(serial(2)).min(parallel);
@@ -147,7 +147,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// The value of every function; not a number where the state has none.
-    pub(super) fn watch_values(&self, t: f64, y: &[f64; N], values: &mut [f64]) {
+    pub(crate) fn watch_values(&self, t: f64, y: &[f64; N], values: &mut [f64]) {
         let Ok(legs) = self.legs(y) else {
             values.fill(f64::NAN);
             return;
@@ -217,7 +217,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// Switches what `watch` switches at its zero. `true` where the run ends.
-    pub(super) fn meet(&mut self, watch: Watch, t: f64, y: &[f64; N]) -> Result<bool, Refusal> {
+    pub(crate) fn meet(&mut self, watch: Watch, t: f64, y: &[f64; N]) -> Result<bool, Refusal> {
         let cause = match watch {
             Watch::Parallel => Some(Cause::Parallel),
             Watch::Serial(leg) => Some(Cause::Serial(leg)),
@@ -286,7 +286,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// Counts the stable positions that the rotor of `leg` has fallen since it was last looked at.
-    pub(super) fn note_slip(&mut self, t: f64, leg: usize, state: &LegState, y: &[f64; N]) {
+    pub(crate) fn note_slip(&mut self, t: f64, leg: usize, state: &LegState, y: &[f64; N]) {
         let Motor::Stepper(field) = &self.motors[leg] else {
             return;
         };
@@ -303,7 +303,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// What a watch is called in messages.
-    pub(super) fn watch_name(&self, watch: Watch) -> String {
+    pub(crate) fn watch_name(&self, watch: Watch) -> String {
         match watch {
             Watch::Parallel => "the parallel singularity".into(),
             Watch::Serial(leg) => format!("the stretch of leg {}", leg + 1),

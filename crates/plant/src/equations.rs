@@ -1,28 +1,28 @@
 //! The plant's differential equations: from state and time to the state's derivatives.
 
 use super::control::{Continuous, Measured};
-use super::layout::{RATES, ROTOR_RATES, ROTORS, three};
-use super::mechanics::{JointMoments, LegState};
-use super::model::{Control, Plant};
-use super::motor::{Motor, wrapped};
-use super::refusal::Refusal;
+use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
+use crate::mechanics::{JointMoments, LegState};
+use crate::model::{Control, Plant};
+use crate::motor::{Motor, wrapped};
+use crate::refusal::Refusal;
 
 impl<const N: usize> Plant<N> {
     #[inline(always)]
-    pub(super) fn legs(&self, y: &[f64; N]) -> Result<[LegState; 3], Refusal> {
+    pub(crate) fn legs(&self, y: &[f64; N]) -> Result<[LegState; 3], Refusal> {
         Ok(self.mechanics.legs(three(y, 0), three(y, RATES))?)
     }
 
     /// Joint angle of leg `leg`, unwrapped.
     #[inline]
-    pub(super) fn joint_angle(&self, leg: usize, state: &LegState) -> f64 {
+    pub(crate) fn joint_angle(&self, leg: usize, state: &LegState) -> f64 {
         let angle = self.mechanics.motor_angle(leg, state);
         self.near[leg] + wrapped(angle - self.near[leg])
     }
 
     /// Angle at the rotor's side of the transmission, unwrapped, and its rate.
     #[inline(always)]
-    pub(super) fn rotor(&self, leg: usize, state: &LegState, y: &[f64; N]) -> Measured {
+    pub(crate) fn rotor(&self, leg: usize, state: &LegState, y: &[f64; N]) -> Measured {
         if Self::ELASTIC {
             Measured {
                 angle: y[ROTORS + leg],
@@ -37,7 +37,7 @@ impl<const N: usize> Plant<N> {
     }
 
     #[inline(always)]
-    pub(super) fn current(y: &[f64; N], leg: usize) -> f64 {
+    pub(crate) fn current(y: &[f64; N], leg: usize) -> f64 {
         if Self::CURRENTS {
             y[Self::LAYOUT.current() + leg]
         } else {
@@ -47,7 +47,7 @@ impl<const N: usize> Plant<N> {
 
     /// What the motors are told at `t`.
     #[inline(always)]
-    pub(super) fn told(
+    pub(crate) fn told(
         &self,
         t: f64,
         legs: &[LegState; 3],
@@ -76,7 +76,7 @@ impl<const N: usize> Plant<N> {
 
     /// Torque of motor `leg` at the joint.
     #[inline(always)]
-    pub(super) fn motor_torque(
+    pub(crate) fn motor_torque(
         &self,
         leg: usize,
         told: f64,
@@ -104,7 +104,7 @@ impl<const N: usize> Plant<N> {
 
     /// y' at `t`.
     #[inline(always)]
-    pub(super) fn slope(&self, t: f64, y: &[f64; N], dy: &mut [f64; N]) -> Result<(), Refusal> {
+    pub(crate) fn slope(&self, t: f64, y: &[f64; N], dy: &mut [f64; N]) -> Result<(), Refusal> {
         let legs = self.legs(y)?;
         let told = self.told(t, &legs, y)?;
         self.slope_under(&told, &legs, y, dy)
@@ -112,7 +112,7 @@ impl<const N: usize> Plant<N> {
 
     /// y' with the motors told `told`.
     #[inline(always)]
-    pub(super) fn slope_under(
+    pub(crate) fn slope_under(
         &self,
         told: &[f64; 3],
         legs: &[LegState; 3],

@@ -1,17 +1,17 @@
 //! The reference case of the plant: the motion that is known to 21 digits, and the steps at which
 //! fixed-step methods lose it.
 
-use trirrr_host_sim::plant::control::Continuous;
-use trirrr_host_sim::plant::{Control, Plant};
 use trirrr_integrate::stability::choose;
 use trirrr_integrate::{Failure, Integrator, Method, Spectrum, System};
+use trirrr_plant::control::Continuous;
+use trirrr_plant::{Control, Plant};
 use trirrr_scene::Scene;
 
 /// Platform, its rates, three currents, two records.
 const N: usize = 11;
 
 fn plant() -> (Plant<N>, [f64; N]) {
-    let text = include_str!("../../../scenes/plant-reference.toml");
+    let text = include_str!("../../../../scenes/plant-reference.toml");
     let scene = Scene::parse(text, "plant-reference.toml").unwrap();
     let controller = scene
         .plant
@@ -26,7 +26,7 @@ fn plant() -> (Plant<N>, [f64; N]) {
 fn rows() -> Vec<[f64; 10]> {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../tests/reference/fd_continuous_pd.csv"
+        "/../../tests/reference/fd_continuous_pd.csv"
     );
     let mut reader = csv::Reader::from_path(path).unwrap();
     reader

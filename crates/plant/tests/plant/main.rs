@@ -1,6 +1,5 @@
 //! The plant: its forward dynamics against independent ones, its energy, its closed loop.
 
-mod command;
 mod dynamics;
 mod ends;
 mod energy;

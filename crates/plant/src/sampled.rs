@@ -2,8 +2,8 @@
 //! the ticks.
 
 use super::control::{Commands, Measured, SampledController};
-use super::refusal::Refusal;
-use super::source::TickSource;
+use crate::refusal::Refusal;
+use crate::source::TickSource;
 use std::f64::consts::TAU;
 use trirrr_core::number::Number;
 use trirrr_drives::command::bldc::{Bldc, BldcParameters};

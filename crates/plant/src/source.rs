@@ -1,24 +1,20 @@
 //! What the joints are to do, tick by tick.
 
 use super::refusal::Refusal;
-use crate::evaluator::{self, Evaluator};
-use crate::record::Record;
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
+use trirrr_core::tick::Tick;
+use trirrr_core::torque::links::{InPlane, Massive};
+use trirrr_core::torque::payload::Offset;
+use trirrr_core::units::Units;
 use trirrr_drives::command::joint::Reference;
 use trirrr_scene::{JobPlayer, Scene};
 
+/// The core's tick with room for every mass that a machine may have.
+pub(crate) type WholeTick<N> = Tick<N, Offset<N>, Massive<N, InPlane<N>>>;
+
 /// What each joint is to do at a tick.
 pub type JointReferences = [Reference<f64>; 3];
-
-fn joints(record: &Record) -> JointReferences {
-    record.legs.map(|leg| Reference {
-        angle: leg.th1,
-        rate: leg.dth1,
-        acceleration: leg.ddth1,
-        torque: leg.torque,
-    })
-}
 
 /// Gives the ticks one after the other.
 pub trait TickSource: Send {
@@ -35,11 +31,11 @@ pub trait TickSource: Send {
     fn tick(&mut self, tick: u32) -> Result<JointReferences, Refusal>;
 }
 
-/// A job through the pipeline of the core in the number type `N`.
+/// A job through the core's tick in the number type `N`.
 pub struct Pipeline<N: Number> {
     player: JobPlayer<N>,
-    evaluator: Box<dyn Evaluator<N>>,
-    period_s: f64,
+    tick: WholeTick<N>,
+    units: Units,
 }
 
 impl<N: Number> Pipeline<N> {
@@ -48,11 +44,13 @@ impl<N: Number> Pipeline<N> {
     /// # Errors
     /// A machine that the core refuses.
     pub fn build(scene: &Scene) -> Result<Self, Refusal> {
-        let played = evaluator::scene::<N>(scene).map_err(Refusal::Machine)?;
+        let refused = |error: &dyn std::fmt::Display| Refusal::Machine(error.to_string());
+        let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(&error))?;
+        let tick = Tick::build(&units.parameters(&scene.parameters));
         Ok(Self {
-            player: played.player,
-            evaluator: played.machine,
-            period_s: scene.period_s(),
+            player: JobPlayer::new(&scene.job.in_units(&units), units.time(scene.period_s())),
+            tick: tick.map_err(|error| refused(&error))?,
+            units,
         })
     }
 }
@@ -68,10 +66,13 @@ impl<N: Number> TickSource for Pipeline<N> {
             // The cubic arrives decelerating; the hold that follows does not.
             setpoint.acceleration = Vector3::from([N::ZERO; 3]);
         }
-        let t = f64::from(tick) * self.period_s;
-        self.evaluator
-            .evaluate(t, &setpoint)
-            .map(|record| joints(&record))
-            .map_err(Refusal::Setpoint)
+        let motion = self.tick.evaluate(&setpoint).map_err(Refusal::Setpoint)?;
+        let units = &self.units;
+        Ok(motion.motors.map(|motor| Reference {
+            angle: N::angle_to_f64(motor.angle),
+            rate: motor.rate.to_f64() * units.rate_rad_s(),
+            acceleration: motor.acceleration.to_f64() * units.acceleration_rad_s2(),
+            torque: motor.torque.to_f64() * units.torque_nm(),
+        }))
     }
 }

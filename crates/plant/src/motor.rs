@@ -6,7 +6,7 @@
 //! between rotor and field with a period of four full steps, and whose detent torque has a period
 //! of one.
 
-use crate::plant::refusal::Refusal;
+use crate::refusal::Refusal;
 use std::f64::consts::{PI, TAU};
 use trirrr_scene::{Drive, DriveKind};
 

@@ -4,9 +4,9 @@
 use crate::scenes::{edited, parse, shipped, text};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
-use trirrr_host_sim::plant::simulate::{End, Outcome, simulate};
-use trirrr_host_sim::plant::source::Pipeline;
-use trirrr_host_sim::plant::table::Row;
+use trirrr_plant::simulate::{End, Outcome, simulate};
+use trirrr_plant::source::Pipeline;
+use trirrr_plant::table::Row;
 use trirrr_scene::Scene;
 
 /// Runs a scene's plant.
@@ -31,8 +31,8 @@ pub(crate) fn run(scene: &Scene) -> (Outcome, Vec<Row>) {
 
 /// Rows of the reference file, by column.
 fn reference() -> Vec<Vec<f64>> {
-    let file =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/fd_continuous_pd.csv");
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/reference/fd_continuous_pd.csv");
     let mut reader = csv::Reader::from_path(&file).unwrap();
     let header: Vec<String> = reader.headers().unwrap().iter().map(Into::into).collect();
     assert_eq!(header[..10].join(","), "t,x,y,alpha,vx,vy,valpha,i1,i2,i3");

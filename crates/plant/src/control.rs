@@ -2,10 +2,10 @@
 //! every instant.
 
 use super::mechanics::Mechanics;
-use super::motor::{Motor, Winding, wrapped};
-use super::path::JobPath;
-use super::refusal::Refusal;
-use crate::evaluator::{self, Evaluator};
+use crate::motor::{Motor, Winding, wrapped};
+use crate::path::JobPath;
+use crate::refusal::Refusal;
+use crate::source::WholeTick;
 use trirrr_drives::command::bldc::DriveLimit;
 use trirrr_scene::{Controller, Scene};
 
@@ -57,7 +57,7 @@ pub struct Continuous {
     under_way: usize,
     mechanics: Mechanics,
     /// Only where torques are fed forward.
-    evaluator: Option<Box<dyn Evaluator<f64>>>,
+    tick: Option<Box<WholeTick<f64>>>,
     controller: Controller,
     /// Which limit acts in each motor: a mode, switched by events.
     pub limited: [Limited; 3],
@@ -87,18 +87,19 @@ impl Continuous {
     /// # Errors
     /// A machine that the core refuses.
     pub fn build(scene: &Scene, controller: Controller) -> Result<Self, Refusal> {
-        let evaluator = match controller.feed_forward {
-            true => Some(
-                evaluator::build::<f64>(&scene.parameters)
-                    .map_err(|error| Refusal::Machine(error.to_string()))?,
-            ),
+        let tick = match controller.feed_forward {
+            true => {
+                let tick = WholeTick::build(&scene.parameters);
+                let tick = tick.map_err(|error| Refusal::Machine(error.to_string()))?;
+                Some(Box::new(tick))
+            }
             false => None,
         };
         Ok(Self {
             path: JobPath::new(scene),
             under_way: 0,
             mechanics: Mechanics::build(&scene.parameters, true)?,
-            evaluator,
+            tick,
             controller,
             limited: Default::default(),
         })
@@ -121,7 +122,7 @@ impl Continuous {
     /// [`Refusal::Setpoint`].
     pub fn references(&self, t: f64) -> Result<[JointReference; 3], Refusal> {
         let setpoint = self.path.in_move(self.under_way, t);
-        let Some(evaluator) = &self.evaluator else {
+        let Some(tick) = &self.tick else {
             let pose = &setpoint.pose;
             let q = [pose.position.x, pose.position.y, pose.angle];
             let legs = self
@@ -134,13 +135,11 @@ impl Continuous {
                 torque: 0.0,
             }));
         };
-        let record = evaluator
-            .evaluate(t, &setpoint)
-            .map_err(Refusal::Setpoint)?;
-        Ok(record.legs.map(|leg| JointReference {
-            angle: leg.th1,
-            rate: leg.dth1,
-            torque: leg.torque,
+        let motion = tick.evaluate(&setpoint).map_err(Refusal::Setpoint)?;
+        Ok(motion.motors.map(|motor| JointReference {
+            angle: motor.angle,
+            rate: motor.rate,
+            torque: motor.torque,
         }))
     }
 

@@ -1,15 +1,15 @@
 //! A whole run of a scene's plant.
 
 use super::control::{Continuous, SampledController};
-use super::mechanics::Mechanics;
-use super::model::{Control, Plant, layout_of};
-use super::refusal::Refusal;
-use super::sampled::Sampled;
-use super::source::TickSource;
-use super::stability;
-use super::statistics::Statistics;
-use super::table::Row;
-use super::watch::Ending;
+use crate::mechanics::Mechanics;
+use crate::model::{Control, Plant, layout_of};
+use crate::refusal::Refusal;
+use crate::sampled::Sampled;
+use crate::source::TickSource;
+use crate::stability;
+use crate::statistics::Statistics;
+use crate::table::Row;
+use crate::watch::Ending;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_integrate::stability::Warning;

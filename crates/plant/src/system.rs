@@ -1,11 +1,11 @@
 //! The plant as the integrators see it.
 
 use super::control::Measured;
-use super::layout::ROTORS;
-use super::model::{Control, Plant};
-use super::motor::{Motor, wrapped};
-use super::refusal::Refusal;
-use super::watch::{Cause, Ending, Watch};
+use crate::layout::ROTORS;
+use crate::model::{Control, Plant};
+use crate::motor::{Motor, wrapped};
+use crate::refusal::Refusal;
+use crate::watch::{Cause, Ending, Watch};
 use trirrr_drives::command::bldc::DriveLimit;
 use trirrr_integrate::{Action, Direction, System};
 

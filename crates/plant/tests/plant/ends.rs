@@ -3,10 +3,10 @@
 use crate::reference::run;
 use crate::scenes::{edited, parse, text};
 use std::sync::atomic::AtomicBool;
-use trirrr_host_sim::plant::Refusal;
-use trirrr_host_sim::plant::simulate::{End, simulate};
-use trirrr_host_sim::plant::source::Pipeline;
-use trirrr_host_sim::plant::watch::Cause;
+use trirrr_plant::Refusal;
+use trirrr_plant::simulate::{End, simulate};
+use trirrr_plant::source::Pipeline;
+use trirrr_plant::watch::Cause;
 use trirrr_scene::Scene;
 
 fn reference(edits: &[(&str, &str)]) -> Scene {

@@ -1,10 +1,26 @@
 //! `host-sim run` of a scene with a plant: what it writes, what it says.
 
-use crate::scenes::{edited, text};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
-use trirrr_host_sim::plant::table::COLUMNS;
+use trirrr_plant::table::COLUMNS;
+
+/// The text of a shipped scene.
+fn text(name: &str) -> String {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../scenes")
+        .join(name)
+        .with_extension("toml");
+    fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
+/// `text` with each first occurrence replaced.
+fn edited(text: &str, edits: &[(&str, &str)]) -> String {
+    edits.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no {from:?}");
+        text.replacen(from, to, 1)
+    })
+}
 
 fn run(scene: &str, folder: &Path) -> Output {
     let file = folder.join("scene.toml");
