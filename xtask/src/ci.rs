@@ -121,6 +121,18 @@ fn steps() -> Vec<Step> {
         ));
     }
     steps.push(step(
+        "linkages without std",
+        &[
+            "check",
+            "--quiet",
+            "-p",
+            "trirrr-linkage",
+            "--no-default-features",
+            "--target",
+            CORE_TARGETS[0],
+        ],
+    ));
+    steps.push(step(
         "instructions per tick",
         &["xtask", "insns", "--check"],
     ));

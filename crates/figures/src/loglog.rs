@@ -182,7 +182,7 @@ impl Frame {
         canvas.upright(figure.y, (18.0, TOP + HEIGHT / 2.0), Size::Label, INK)
     }
 
-    /// What lies above and to the right of the staircase is beaten.
+    /// Draws the staircase; the front beats each point above and to the right of the staircase.
     fn front(&self, canvas: &Canvas<'_>, front: &Front) -> Draw {
         let places: Vec<_> = front.points.iter().map(|&point| self.at(point)).collect();
         let colour = front.colour();

@@ -14,7 +14,7 @@ use trirrr_core::number::{Number, perpendicular};
 /// Motion of a point in the fixed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMotion<N> {
-    /// Where it is, m.
+    /// Position in the fixed frame, m.
     pub position: Vector2<N>,
     /// Velocity, m/s.
     pub velocity: Vector2<N>,

@@ -47,7 +47,7 @@ pub struct Slides<N> {
     pub second: N,
 }
 
-/// What the dyad does for a motion of the guide and of B.
+/// Motion of the links for a motion of the guide and of B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// The slider between the guides; origin at its reference point on the first guide, x axis

@@ -56,7 +56,7 @@ pub struct Position<N> {
     inverse: N,
 }
 
-/// What the dyad does for a motion of the guides.
+/// Motion of the links for a motion of the guides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// C.

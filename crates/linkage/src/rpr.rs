@@ -81,7 +81,7 @@ pub struct Accelerations<N> {
     pub slide: N,
 }
 
-/// What the dyad does for a motion of its ends.
+/// Motion of the links for a motion of the ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// The link about A; its frame has its origin at A and its x axis along the guide.

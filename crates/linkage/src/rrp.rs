@@ -86,7 +86,7 @@ pub struct Accelerations<N> {
     pub slide: N,
 }
 
-/// What the dyad does for a motion of A and of the guide.
+/// Motion of the links for a motion of A and of the guide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// The joint D between slider and link.

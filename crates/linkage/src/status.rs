@@ -1,9 +1,9 @@
-//! Why a dyad has no solution.
+//! Reasons why a dyad has no solution.
 
 use super::rrr::OutOfReach;
 use core::fmt;
 
-/// Why a dyad, or a mechanism made of dyads, has no solution at the motion asked for.
+/// Reason why a dyad, or a mechanism made of dyads, has no solution for a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkageStatus {
     /// The dyad cannot be assembled: its ends are too far apart or too close. Input that is not a

@@ -1,6 +1,6 @@
 //! Chains in which nothing can turn, which Gruebler's count does not show.
 
-use super::description::{Drive, Joint, JointKind};
+use super::parts::{Drive, Joint, JointKind};
 
 /// Finds joints that close a chain in which nothing turns: prismatic ones, and revolute ones whose
 /// angle is driven. Around such a chain the angles are given once too often while a translation

@@ -23,13 +23,13 @@ use trirrr_core::number::{dot, perpendicular};
 /// One scalar equation at one state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equation {
-    /// What should be zero: m, or rad where `angular`.
+    /// Residual, zero where the equation holds: m, or rad where `angular`.
     pub(super) residual: f64,
-    /// Whether the residual is an angle.
+    /// `true` for a residual that is an angle.
     pub(super) angular: bool,
     /// For two links, the derivatives by x, y and angle.
     pub(super) by: [(usize, [f64; 3]); 2],
-    /// What the second derivative has besides the accelerations.
+    /// Part of the second derivative without the accelerations.
     pub(super) squares: f64,
     /// The drive's rate and acceleration; 0 for a joint.
     pub(super) drive: [f64; 2],

@@ -1,4 +1,4 @@
-//! Which links have to be solved together, from which equation needs which unknown.
+//! Links that have to be solved together, from the unknowns in each equation.
 //!
 //! Every link brings three unknowns and every pin two; every link at a pin brings two equations,
 //! a prismatic joint two, a drive one. An assignment of each equation to one of the unknowns in it
@@ -7,7 +7,7 @@
 //! waits for nothing but the link it is driven from). The partition does not depend on which
 //! assignment was found.
 
-use super::description::{Drive, FRAME, Joint, JointKind};
+use super::parts::{Drive, FRAME, Joint, JointKind};
 
 /// For every link, in their order, a number that links share if they have to be solved together.
 ///

@@ -17,7 +17,7 @@ struct Member {
     axis: Vector2<f64>,
 }
 
-/// Where a dyad's outer joint is held: a link solved before and what of it.
+/// Holder of a dyad's outer joint: a point or line of a link that is solved before.
 #[derive(Clone, Copy, Debug)]
 enum End {
     /// A point in the link's frame.
@@ -207,7 +207,7 @@ impl Built {
     }
 }
 
-/// How far to the left of the rail's line a point of the link that holds the line lies.
+/// Returns the distance to the left of the rail's line of a point of the link that holds the line.
 fn left_of(rail: &Rail, point: Vector2<f64>) -> f64 {
     let along = rail.direction;
     let from = point - rail.point;

@@ -1,7 +1,7 @@
 //! Joints and drives for the tests of what counts and searches them: where points lie does not
 //! matter there.
 
-use super::description::{Drive, Joint, JointKind, PointRef, Prismatic};
+use super::parts::{Drive, Joint, JointKind, PointRef, Prismatic};
 
 pub(super) fn pin(links: &[usize]) -> Joint {
     Joint {

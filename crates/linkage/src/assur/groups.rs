@@ -1,12 +1,12 @@
 //! Decomposition into Assur groups, in solving order.
 
 use super::dependence::solved_together;
-use super::description::{Drive, FRAME, Joint};
+use super::parts::{Drive, FRAME, Joint};
 
-/// What is solved in one go.
+/// Links that are solved together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// What it is.
+    /// Kind of the group.
     pub kind: GroupKind,
     /// Its links, in the order of the file.
     pub links: Vec<usize>,
@@ -59,14 +59,14 @@ impl Dyad {
         }
     }
 
-    /// Whether there are two ways to assemble it.
+    /// Returns `true` for a dyad with two ways to assemble it.
     pub fn has_branches(self) -> bool {
         matches!(self, Dyad::Rrr | Dyad::Rpr | Dyad::Rrp)
     }
 }
 
 impl Group {
-    /// Whether it is solved by Newton-Raphson.
+    /// Returns `true` for a group that is solved by Newton-Raphson.
     pub fn is_iterated(&self) -> bool {
         !matches!(self.kind, GroupKind::Driven | GroupKind::Dyad(_))
     }

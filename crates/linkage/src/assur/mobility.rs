@@ -1,7 +1,7 @@
 //! Degrees of freedom: Gruebler's count for the whole, and a search for locked parts, which the
 //! count does not show where others are loose.
 
-use super::description::{Drive, Joint};
+use super::parts::{Drive, Joint};
 use std::fmt;
 
 /// Gruebler's count F = 3 (m - 1) - 2 c.

@@ -68,6 +68,7 @@ mod factors;
 mod groups;
 mod mobility;
 mod newton;
+mod parts;
 mod rail;
 mod read;
 mod report;

@@ -17,7 +17,7 @@ pub(super) struct Rail {
     /// The other link's point, in its frame, that lies `offset` to the left of the line.
     pub(super) own_point: Vector2<f64>,
     pub(super) offset: f64,
-    /// Whether the other link is the slider. If not, the line moves with it.
+    /// `true` where the other link is the slider. If not, the line moves with the other link.
     pub(super) own_is_slider: bool,
 }
 
@@ -63,7 +63,7 @@ impl Rail {
         }
     }
 
-    /// How far to the left of the line a point of the other link, in its frame, lies.
+    /// Returns the distance to the left of the line of a point of the other link, in its frame.
     pub(super) fn left(&self, own: Vector2<f64>) -> f64 {
         self.offset + dot(perpendicular(self.own_direction), own - self.own_point)
     }

@@ -18,11 +18,11 @@ pub struct Position {
     pub t: f64,
     /// The states of the links, in their order.
     pub states: Vec<State>,
-    /// How each group came out, in solving order.
+    /// Result of each group, in solving order.
     pub groups: Vec<Solved>,
 }
 
-/// How one group came out.
+/// Result of one group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solved {
     /// Scale-free distance from a singular position: 0 there, at most 1.
@@ -33,7 +33,7 @@ pub struct Solved {
     pub(super) positive: bool,
 }
 
-/// Why a group has no position.
+/// Reason why a group has no position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// A dyad's answer.
@@ -51,7 +51,7 @@ pub enum Reason {
 pub struct Unsolved {
     /// Index in solving order.
     pub group: usize,
-    /// Why.
+    /// Reason.
     pub reason: Reason,
 }
 
@@ -253,7 +253,7 @@ fn turned_by(
     }
 }
 
-/// How far the group's links are from their guesses, squared, in sizes and rad.
+/// Returns the squared distance of the group's links from their guesses, in sizes and rad.
 fn guess_miss(linkage: &Linkage, group: &Group, states: &[State]) -> f64 {
     let size = linkage.size();
     let misses = group.links.iter().filter_map(|&link| {

@@ -1,4 +1,4 @@
-//! Where a link is and how it moves.
+//! State of a link: place and motion.
 
 use crate::motion::LinkMotion;
 use nalgebra::Vector2;
@@ -14,7 +14,7 @@ pub struct State {
     pub motion: LinkMotion<f64>,
     /// The angle of its frame, rad: not wrapped, so that it follows whole turns.
     pub angle: f64,
-    /// Whether it has been solved for the position in hand.
+    /// `true` once the link is solved for the current position.
     pub(super) known: bool,
 }
 

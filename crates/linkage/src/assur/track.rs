@@ -20,15 +20,15 @@ const NEAR_SINGULARITY: f64 = 0.1;
 pub struct Track {
     /// The positions in order of time; all of the motion unless `stop` says why not.
     pub positions: Vec<Position>,
-    /// Why and where the motion ended early.
+    /// End of a motion that ended early.
     pub stop: Option<Stop>,
-    /// How well the loops close at worst, m.
+    /// Largest gap of the loops, m.
     pub closure: f64,
     /// For each group the least distance from a singular position and when, s.
     pub nearest: Vec<(f64, f64)>,
 }
 
-/// Where a motion ended early.
+/// End of a motion that ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// The last time that has a position, s.
@@ -168,8 +168,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Whether a group went through a singular position within the last three: there its branches
-    /// meet, and on which of them it goes on is open.
+    /// Returns the stop at a singular position that a group passed within the last three positions.
+    /// The branches meet there, and the branch after it is undetermined.
     fn passed_singularity(&self, positions: &[Position]) -> Option<Stop> {
         let [.., a, b, c] = positions else {
             return None;

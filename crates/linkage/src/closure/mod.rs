@@ -60,7 +60,7 @@ pub const MAX_ITERATIONS: u32 = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closure<'a, N, const UNKNOWNS: usize, const INPUTS: usize> {
     terms: &'a [Term<N>],
-    /// What one unit of each scaled unknown is worth: 1 for lengths, 1 / longest length for angles.
+    /// Size of one unit of each scaled unknown: 1 for lengths, 1 / longest length for angles.
     worth: [N; UNKNOWNS],
     /// Relative gap below which one more step is the last.
     tolerance: N,

@@ -1,4 +1,4 @@
-//! What can be wrong with a system of loops, and with its solution.
+//! Errors of a system of loops and of its solution.
 
 use core::fmt;
 use trirrr_core::number::Number;
@@ -81,7 +81,7 @@ impl fmt::Display for ClosureError {
 
 impl core::error::Error for ClosureError {}
 
-/// Why the loops were not closed.
+/// Reason why the loops were not closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClosureStatus<N> {
     /// The Jacobian has no inverse at the place that the iteration came to.

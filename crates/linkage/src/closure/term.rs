@@ -15,7 +15,7 @@ pub enum Length {
     Unknown(usize),
 }
 
-/// What the direction of a vector is counted from.
+/// Reference of the direction of a vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// The fixed x axis: the direction is constant.

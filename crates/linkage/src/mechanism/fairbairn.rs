@@ -58,7 +58,7 @@ pub struct Fairbairn<N: Number> {
     tracer: Vector2<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the tip.

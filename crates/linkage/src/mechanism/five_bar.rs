@@ -43,7 +43,7 @@ pub struct FiveBar<N: Number> {
     dyad: Rrr<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at A, x axis towards B.

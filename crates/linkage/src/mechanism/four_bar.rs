@@ -60,7 +60,7 @@ pub struct FourBar<N: Number> {
     dyad: Rrr<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at A, x axis towards B.
@@ -149,10 +149,10 @@ impl Dimensions {
 /// The angle between the sides `a` and `b` of the triangle whose third side is `c`.
 fn angle_between(a: f64, b: f64, c: f64) -> Option<f64> {
     // Heron's product of the four factors, and twice the scalar product of the two sides.
-    let (apart, over) = ((c - (a - b)) * (c + (a - b)), ((a + b) - c) * ((a + b) + c));
-    let four_areas_sq = apart * over;
+    let (distinct, over) = ((c - (a - b)) * (c + (a - b)), ((a + b) - c) * ((a + b) + c));
+    let four_areas_sq = distinct * over;
     let two_dots = a * a + b * b - c * c;
-    (apart >= 0.0 && over >= 0.0 && a > 0.0 && b > 0.0)
+    (distinct >= 0.0 && over >= 0.0 && a > 0.0 && b > 0.0)
         .then(|| <f64 as Number>::atan2(<f64 as Number>::sqrt(four_areas_sq), two_dots))
 }
 

@@ -21,11 +21,11 @@ pub struct Dimensions {
     pub rocker: f64,
     /// Fixed joint of the rocker.
     pub pivot: Vector2<f64>,
-    /// Where the rod joins the coupler, seen from the crank's tip along and across the coupler.
+    /// Joint of rod and coupler, seen from the crank's tip, along and across the coupler.
     pub coupler_point: Vector2<f64>,
     /// From the coupler to the pusher.
     pub rod: f64,
-    /// How far above the origin the pusher's level guide passes.
+    /// Height of the pusher's level guide above the origin.
     pub guide_height: f64,
     /// +1: the rocker's joint lies to the left of the way from the crank's tip to the pivot.
     pub rocker_branch: f64,
@@ -57,7 +57,7 @@ pub struct Inserter<N: Number> {
     pusher: Rrp<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the tip.

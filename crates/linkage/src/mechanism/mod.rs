@@ -41,9 +41,9 @@ use trirrr_core::number::Number;
 pub struct DimensionError {
     /// Field of the `Dimensions`.
     pub name: &'static str,
-    /// What it holds.
+    /// Value refused.
     pub value: f64,
-    /// What it should be.
+    /// Expected value.
     pub wanted: &'static str,
 }
 

@@ -17,14 +17,14 @@ use trirrr_core::number::Number;
 pub struct Dimensions {
     /// From its centre, the origin, to the pin.
     pub crank: f64,
-    /// How far below the centre the lever's pivot lies; more than the crank for a lever that
+    /// Distance of the lever's pivot below the centre; more than the crank for a lever that
     /// swings.
     pub pivot_depth: f64,
     /// From the pivot to the lever's end.
     pub lever: f64,
     /// From the lever's end to the ram.
     pub rod: f64,
-    /// How far above the centre the ram's guide passes.
+    /// Height of the ram's guide above the centre.
     pub guide_height: f64,
     /// +1: the ram lies to the right of the lever's end.
     pub branch: f64,
@@ -51,7 +51,7 @@ pub struct QuickReturn<N> {
     ram: Rrp<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the pin.

@@ -30,7 +30,7 @@ pub struct ScotchYoke<N> {
     dyad: Ppr<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the pin.

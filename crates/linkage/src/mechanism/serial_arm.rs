@@ -36,7 +36,7 @@ pub struct SerialArm<N: Number> {
     dyads: [Rrr<N>; 2],
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the base, x axis towards the elbow.

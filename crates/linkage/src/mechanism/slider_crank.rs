@@ -17,7 +17,7 @@ pub struct Dimensions {
     pub crank: f64,
     /// B-D.
     pub rod: f64,
-    /// How far the guide passes to the left of A.
+    /// Distance of the guide to the left of A.
     pub offset: f64,
     /// Direction of the guide.
     pub guide_angle: f64,
@@ -60,7 +60,7 @@ pub struct SliderCrank<N> {
     dyad: Rrp<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at A, x axis towards B.

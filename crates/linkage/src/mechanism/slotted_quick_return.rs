@@ -15,12 +15,12 @@ use trirrr_core::number::Number;
 pub struct Dimensions {
     /// From its centre, the origin, to the pin.
     pub crank: f64,
-    /// How far below the centre the lever's pivot lies; more than the crank for a lever that
+    /// Distance of the lever's pivot below the centre; more than the crank for a lever that
     /// swings.
     pub pivot_depth: f64,
-    /// How far above the centre the ram's guide passes.
+    /// Height of the ram's guide above the centre.
     pub guide_height: f64,
-    /// How far above its guide the ram carries its joint.
+    /// Height of the ram's joint above the guide of the ram.
     pub joint_height: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct SlottedQuickReturn<N> {
     ram: Prp<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the pin.

@@ -75,7 +75,7 @@ pub struct TwoLoop<N: Number> {
     telescope: Rpr<N>,
 }
 
-/// How its links move.
+/// Motion of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<N> {
     /// Origin at the centre, x axis towards the tip.

@@ -1,5 +1,5 @@
-//! The machine's relatives: planar manipulators with any number of RRR legs from three on, some of
-//! whose base joints may ride on driven sliders (the thesis's table 1.1).
+//! Redundant machines: planar manipulators with three or more RRR legs, some of whose base joints
+//! may ride on driven sliders (table 1.1 of the thesis).
 //!
 //! | machine | legs | sliders | redundant |
 //! |---|---|---|---|
@@ -14,7 +14,7 @@
 //! A leg is the [`Leg`](trirrr_core::machine::Leg) of the 3-RRR. On a slider it is the same leg in a
 //! frame that is shifted by s u (u the direction of the guide, s the slider's position) and does
 //! not turn: position, velocity and acceleration of the platform are taken relative to the base
-//! joint, and gravity is g - u sddot. What is new is how the platform's balance is shared out:
+//! joint, and gravity is g - u sddot. New is the distribution of the platform's balance over the legs:
 //!
 //! ```text
 //! sum_i f_i [r2_i, (c_i - c_1) x r2_i] = [F, M]         three equations for LEGS forces
@@ -47,34 +47,21 @@
 //! The first leg of the thesis machine on a slider, and a machine with four legs under preload.
 //! ```
 //! use nalgebra::{Vector2, Vector3};
-//! use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, PlatformParameters};
-//! use trirrr_linkage::redundant::{SliderState, RedundantMachine, RedundantParameters, SliderParameters};
+//! use trirrr_core::machine::example;
 //! use trirrr_core::setpoint::{Pose, Setpoint};
-//!
-//! let leg = |x: f64, y: f64, degrees: f64| LegParameters {
-//!     base_m: Vector2::new(x, y),
-//!     proximal_m: 0.2,
-//!     distal_m: 0.2,
-//!     joint_radius_m: 0.02,
-//!     joint_angle_rad: degrees.to_radians(),
-//!     elbow: Elbow::Positive,
-//!     proximal: LinkParameters::default(),
-//!     distal: LinkParameters::default(),
-//!     rotor_inertia_kgm2: 0.0,
+//! use trirrr_linkage::redundant::{
+//!     RedundantMachine, RedundantParameters, SliderParameters, SliderState,
 //! };
-//! let legs = [leg(0.0, 0.433, 150.0), leg(0.5, 0.433, 30.0), leg(0.25, 0.0, 270.0)];
+//!
+//! let thesis = example();
 //! let slider = SliderParameters { direction_rad: 0.0, mass_kg: 0.5 };
 //! let parameters = RedundantParameters {
-//!     legs,
+//!     legs: thesis.legs,
 //!     sliders: [Some(slider), None, None],
-//!     platform: PlatformParameters {
-//!         mass_kg: 0.5,
-//!         inertia_kgm2: 0.0025,
-//!         com_m: Vector2::new(0.0, 0.0),
-//!     },
-//!     gravity_m_s2: Vector2::new(0.0, 0.0),
-//!     wrench_force_n: Vector2::new(0.0, 0.0),
-//!     wrench_torque_nm: 0.0,
+//!     platform: thesis.platform,
+//!     gravity_m_s2: thesis.gravity_m_s2,
+//!     wrench_force_n: thesis.wrench_force_n,
+//!     wrench_torque_nm: thesis.wrench_torque_nm,
 //! };
 //! let setpoint = Setpoint {
 //!     pose: Pose::from_f64(0.25, 0.26, 0.2),
@@ -83,13 +70,17 @@
 //! };
 //!
 //! let machine = RedundantMachine::<f64, 3>::build(&parameters)?;
-//! let along = SliderState { position: 0.03, velocity: 0.1, acceleration: 0.0 };
-//! let along = [along, SliderState::at(0.0), SliderState::at(0.0)];
-//! let motion = machine.evaluate(&setpoint, &along, &[0.0; 3])?;
+//! let slider = SliderState { position: 0.03, velocity: 0.1, acceleration: 0.0 };
+//! let sliders = [slider, SliderState::at(0.0), SliderState::at(0.0)];
+//! let motion = machine.evaluate(&setpoint, &sliders, &[0.0; 3])?;
 //! assert!(motion.sliders[0].is_some() && motion.sliders[1].is_none());
 //!
+//! let [first, second, third] = thesis.legs;
+//! let mut fourth = first;
+//! fourth.base_m = Vector2::new(0.0, 0.1);
+//! fourth.joint_angle_rad = 210f64.to_radians();
 //! let machine = RedundantMachine::<f64, 4>::build(&RedundantParameters {
-//!     legs: [legs[0], legs[1], legs[2], leg(0.0, 0.1, 210.0)],
+//!     legs: [first, second, third, fourth],
 //!     sliders: [None; 4],
 //!     platform: parameters.platform,
 //!     gravity_m_s2: parameters.gravity_m_s2,

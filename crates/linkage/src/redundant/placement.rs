@@ -1,10 +1,10 @@
-//! Where to put the sliders of a kinematically redundant machine: the places, held over a whole
+//! Placement of the sliders of a kinematically redundant machine: the positions, held over a whole
 //! path, at which the machine stays furthest from its singularities.
 //!
-//! What is maximised is the smallest of all scale-free distances, serial of every leg and parallel,
-//! over the poses of the path. That is a function with ridges, so it is searched without
-//! derivatives: on a grid over the travels first, then from the best points of the grid by steps to
-//! all neighbours, halved whenever none is better. The result is a maximum among its neighbours;
+//! The search maximises the smallest of all scale-free distances, serial of every leg and parallel,
+//! over the poses of the path. That function has ridges, so the search uses no derivatives. It
+//! starts on a grid over the travels, then takes steps from the best points of the grid to all
+//! neighbours, and halves the steps whenever no neighbour is better. The result is a maximum among its neighbours;
 //! that no better one lies between the points of the grid is not proved.
 
 use crate::redundant::RedundantMachine;
@@ -18,7 +18,7 @@ const STARTS: usize = 8;
 /// Steps are halved down to this part of a travel.
 const FINEST: f64 = 1e-5;
 
-/// How far a slider can go, m.
+/// Range of a slider, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
     /// The lowest position.
@@ -27,7 +27,7 @@ pub struct Travel {
     pub high_m: f64,
 }
 
-/// Where the sliders are best put.
+/// Best placement found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement<const LEGS: usize> {
     /// Position of each leg's slider, m; 0 for a leg without one.
@@ -40,7 +40,7 @@ pub struct Placement<const LEGS: usize> {
     pub looked_at: usize,
 }
 
-/// Why there is no placement.
+/// Reason why there is no placement.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PlacementError {
     /// There is no pose.

@@ -85,7 +85,7 @@ fn degrees(low: f64, high: f64) -> Axis {
     }
 }
 
-/// What a curve is drawn of.
+/// Value that a curve shows.
 type Value = Box<dyn Fn(&Position) -> f64>;
 
 /// One quantity of several things, in as many panels as the colours allow.

@@ -11,7 +11,7 @@ use super::groups::Group;
 use super::state::State;
 use nalgebra::{DMatrix, Vector2};
 
-/// How a group was solved.
+/// Result of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Converged {
     /// Iterations taken.
@@ -22,7 +22,7 @@ pub(super) struct Converged {
     pub(super) positive: bool,
 }
 
-/// Why it was not.
+/// Reason of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failed {
     /// No convergence within the iterations allowed.
@@ -164,8 +164,8 @@ impl Scaled<'_> {
     }
 }
 
-/// What the links that are solved already bring to an equation's derivative; the group's own
-/// have no motion yet.
+/// Returns the part of the solved links in an equation's derivative. The links of the group have
+/// no motion yet.
 fn known(equation: &Equation, states: &[State], of: fn(&State) -> [f64; 3]) -> f64 {
     let parts = equation.by.iter().map(|(link, by)| {
         let moved = of(&states[*link]);

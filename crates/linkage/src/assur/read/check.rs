@@ -1,4 +1,4 @@
-//! What takes a linkage that is right in its parts: degrees of freedom, groups, branches.
+//! Checks of a whole linkage: degrees of freedom, groups, branches.
 
 use crate::assur::chain::find_turnless_chain;
 use crate::assur::description::{JointKind, Linkage};
@@ -6,7 +6,7 @@ use crate::assur::groups::{Group, GroupKind, decompose};
 use crate::assur::mobility::{Locked, Mobility, find_locked};
 use trirrr_scene::read::{Document, Place};
 
-/// Where the parts are in the file.
+/// Places of the parts in the file.
 pub(super) struct Places {
     pub(super) links: Place,
     pub(super) drives: Place,

@@ -76,7 +76,7 @@ impl Linkage {
     }
 }
 
-/// Whether `name` can be a part of `link.point` and of a column of the table.
+/// Returns `true` for a name that can be a part of `link.point` and of a column of the table.
 fn is_name(name: &str) -> bool {
     (1..=40).contains(&name.chars().count())
         && name

@@ -1,4 +1,4 @@
-//! What holds for every machine.
+//! Properties of every machine.
 
 use super::super::random::{dot_of, for_all};
 use super::super::*;
