@@ -1,5 +1,7 @@
 //! How a command fails, and the exit code that says so.
 
+use trirrr_client::local::Unbuildable;
+
 /// Why a command did not do what it was asked to.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -10,6 +12,12 @@ pub enum Failure {
     /// the motion ended in a status.
     #[error("{0}")]
     Failed(String),
+}
+
+impl From<Unbuildable> for Failure {
+    fn from(error: Unbuildable) -> Self {
+        Failure::Refused(error.to_string())
+    }
 }
 
 impl Failure {

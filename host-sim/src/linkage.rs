@@ -1,10 +1,32 @@
-//! `host-sim linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
+//! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
-use crate::cli::LinkageArgs;
 use crate::failure::Failure;
+use clap::Args;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trirrr_linkage::assur::{Linkage, header, stopped, summary, track, write};
+
+/// `trirrr linkage`.
+///
+/// Decomposes a mechanism of links and joints into Assur groups, prints them in solving order,
+/// and solves them over a turn or a range of the drives. Writes linkage.csv (one row per position,
+/// SI units) and figures as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Where the motion has an end (a dead point, a singular position), the input there and the group are \
+named, and what was solved so far is written.")]
+pub struct LinkageArgs {
+    /// The mechanism, a TOML file (format: docs/linkage-files.md)
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Steps over the motion [default: the file's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub steps: Option<u32>,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the linkage's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
 
 /// Reads the linkage file, follows the linkage over its motion, writes the table and the figures,
 /// prints the groups and a summary.

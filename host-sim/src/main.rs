@@ -1,4 +1,4 @@
-//! `host-sim`: runs scenes in real time, evaluates tables of cases, solves planar linkages.
+//! `trirrr`: runs scenes in real time, evaluates tables of cases, solves planar linkages.
 
 #![forbid(unsafe_code)]
 
@@ -7,9 +7,10 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use trirrr_host_sim::cli::{Cli, Command, RunArgs, StreamArgs};
+use trirrr_host_sim::cli::{Cli, Command};
 use trirrr_host_sim::failure::Failure;
-use trirrr_host_sim::run::End;
+use trirrr_host_sim::run::{End, RunArgs};
+use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::{device, eval, linkage, report, run, stream};
 
 /// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
@@ -32,7 +33,7 @@ fn main() -> ExitCode {
     };
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.
-        let _ = writeln!(std::io::stderr(), "host-sim: {failure}");
+        let _ = writeln!(std::io::stderr(), "trirrr: {failure}");
         ExitCode::from(failure.exit_code())
     })
 }

@@ -1,4 +1,4 @@
-//! `host-sim linkage`: printed text, files written, exit codes.
+//! `trirrr linkage`: printed text, files written, exit codes.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -14,12 +14,12 @@ fn shipped_text(name: &str) -> String {
 }
 
 fn run(file: &Path, more: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
         .arg("linkage")
         .arg(file)
         .args(more)
         .output()
-        .expect("host-sim starts")
+        .expect("trirrr starts")
 }
 
 fn text(bytes: &[u8]) -> String {

@@ -1,4 +1,4 @@
-//! `host-sim run` of a scene with a plant: what it writes, what it says.
+//! `trirrr run` of a scene with a plant: what it writes, what it says.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn edited(text: &str, edits: &[(&str, &str)]) -> String {
 fn run(scene: &str, folder: &Path) -> Output {
     let file = folder.join("scene.toml");
     fs::write(&file, scene).unwrap();
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
         .arg("run")
         .arg(&file)
         .args(["--fast", "--out"])

@@ -1,4 +1,4 @@
-//! `host-sim run`: what it writes, how it ends.
+//! `trirrr run`: what it writes, how it ends.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 use trirrr_host_sim::run::{End, simulate};
-use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
 const HEADER: &str = "t,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,th1_1,th1_2,th1_3,dth1_1,dth1_2,dth1_3,\
@@ -32,19 +32,19 @@ fn scene_file(name: &str) -> PathBuf {
         .join(name)
 }
 
-fn host_sim() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+fn trirrr() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
 }
 
 fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
-    let mut command = host_sim();
+    let mut command = trirrr();
     command
         .arg("run")
         .arg(scene)
         .arg("--out")
         .arg(out)
         .args(more);
-    command.output().expect("host-sim starts")
+    command.output().expect("trirrr starts")
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -155,7 +155,7 @@ fn without_arguments_the_thesis_scene_runs_in_real_time() {
         folder.path().join("scenes/thesis.toml"),
     )
     .unwrap();
-    let output = host_sim().current_dir(folder.path()).output().unwrap();
+    let output = trirrr().current_dir(folder.path()).output().unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert_all_files(&folder.path().join("out/thesis"));
     let summary = text(&output.stdout);
@@ -232,7 +232,7 @@ fn what_cannot_be_read_is_refused_and_what_cannot_be_written_fails() {
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("ticks.csv: cannot be written"));
 
-    let output = host_sim().args(["run", "--sideways"]).output().unwrap();
+    let output = trirrr().args(["run", "--sideways"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
 }
 
@@ -242,7 +242,7 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     let mut scene = Scene::read(scene_file("thesis.toml")).unwrap();
     scene.job.moves[0].to.position.x = 0.6;
     let folder = TempDir::new().unwrap();
-    for (scalar, paced) in [(Scalar::F64, false), (Scalar::F32, true)] {
+    for (scalar, paced) in [(NumberType::F64, false), (NumberType::F32, true)] {
         let never = AtomicBool::new(false);
         let report = simulate(&scene, scalar, paced, folder.path(), &never).unwrap();
         let End::Refused(why) = report.end else {
@@ -264,7 +264,7 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     scene.job.moves[0].from.position.x = 5.0;
     scene.job.start.position.x = 5.0;
     let never = AtomicBool::new(false);
-    let error = simulate(&scene, Scalar::F64, false, folder.path(), &never).unwrap_err();
+    let error = simulate(&scene, NumberType::F64, false, folder.path(), &never).unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("unreachable: leg"), "{error}");
 }
@@ -278,7 +278,7 @@ fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
     last.to.position.x = 0.6;
     let folder = TempDir::new().unwrap();
     let never = AtomicBool::new(false);
-    let report = simulate(&scene, Scalar::F32, false, folder.path(), &never).unwrap();
+    let report = simulate(&scene, NumberType::F32, false, folder.path(), &never).unwrap();
     let End::Refused(why) = report.end else {
         panic!("{:?}", report.end);
     };
@@ -293,7 +293,7 @@ fn a_stop_before_the_start_writes_a_table_without_rows() {
     let scene = Scene::read(scene_file("thesis.toml")).unwrap();
     let folder = TempDir::new().unwrap();
     let stopped = AtomicBool::new(true);
-    let report = simulate(&scene, Scalar::F64, true, folder.path(), &stopped).unwrap();
+    let report = simulate(&scene, NumberType::F64, true, folder.path(), &stopped).unwrap();
     assert_eq!(report.end, End::Stopped);
     assert!(rows(folder.path()).is_empty());
 }
@@ -310,7 +310,7 @@ fn ctrl_c_ends_the_run_cleanly() {
     )
     .unwrap();
     let out = folder.path().join("out");
-    let child = host_sim()
+    let child = trirrr()
         .args(["run", "long.toml", "--out", "out"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())

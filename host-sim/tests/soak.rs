@@ -1,10 +1,10 @@
 //! Ten million ticks through the service in one run: the engraving job and the way back, over and
 //! over, held and resumed in between. Every tick is where whole numbers say it is.
 
+use trirrr_client::job;
+use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::units::Units;
-use trirrr_host_sim::job;
-use trirrr_host_sim::machine::{self, Machine};
 use trirrr_protocol::message::{
     Acting, Command, Message, Move, Refusal, Reply, Request, State, Telemetry,
 };
@@ -35,7 +35,7 @@ fn there_and_back() -> Scene {
 
 /// The client: offers moves, holds, resumes.
 struct Client<'a> {
-    machine: &'a mut dyn Machine<f32>,
+    machine: &'a mut dyn LocalService<f32>,
     cycle: Vec<Move<f32>>,
     moves: u32,
     offered: u32,
@@ -133,7 +133,7 @@ fn ten_million_ticks_end_where_whole_numbers_say() {
         round * ticks_of_cycle + starts[index] + u64::from(sample.at)
     };
 
-    machine::with_machine::<f32, _>(&scene, |machine| {
+    local::with_machine::<f32, _>(&scene, |machine| {
         let mut client = Client {
             machine,
             cycle,
@@ -142,7 +142,7 @@ fn ten_million_ticks_end_where_whole_numbers_say() {
             sequence: 0,
         };
         assert!(matches!(
-            client.ask(Command::Hello(machine::hello::<f32>(&scene))),
+            client.ask(Command::Hello(local::hello::<f32>(&scene))),
             Reply::Hello(_)
         ));
         client.done(Command::Telemetry { every: 1 });

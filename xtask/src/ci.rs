@@ -148,7 +148,7 @@ fn steps() -> Vec<Step> {
         command: Programs::builder(),
     });
     let simulator = |name: &str, arguments: &[&str], out: &str| {
-        let mut command = Command::new(Programs::built().host_sim);
+        let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
         command.arg(target_directory().join("ci").join(out));
         Step {

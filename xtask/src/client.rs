@@ -1,7 +1,7 @@
-//! `cargo xtask client`: the Python client against `host-sim device`, over TCP.
+//! `cargo xtask client`: the Python client against `trirrr device`, over TCP.
 //!
 //! The client plays a scene's job on the device and records its telemetry; the table it writes has to be
-//! the one that `host-sim run` writes: what the machine sent, in the bits; what the client computes
+//! the one that `trirrr run` writes: what the machine sent, in the bits; what the client computes
 //! itself, to its rounding.
 
 use crate::programs::Programs;
@@ -55,18 +55,18 @@ pub(crate) fn run() -> Result<()> {
         .args(["-m", "unittest", "discover", "-s", "tests"])
         .current_dir(&python);
     succeed(&mut tests, "the client's own tests")?;
-    let host_sim = Programs::build()?.host_sim;
+    let trirrr = Programs::build()?.trirrr;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
         let out = target_directory().join("ci/client").join(name);
-        let mut simulated = Command::new(&host_sim);
+        let mut simulated = Command::new(&trirrr);
         simulated
             .arg("run")
             .arg(&scene)
             .args(["--fast", "--out"])
             .arg(out.join("run"));
-        succeed(simulated.stdout(Stdio::null()), "host-sim run")?;
-        let device = Device::start(&host_sim, &scene, speed, &[])?;
+        succeed(simulated.stdout(Stdio::null()), "trirrr run")?;
+        let device = Device::start(&trirrr, &scene, speed, &[])?;
         succeed(
             &mut client(&scene, &device, &out.join("streamed")),
             "the client",
@@ -80,7 +80,7 @@ pub(crate) fn run() -> Result<()> {
             "the client drew nothing"
         );
     }
-    in_vain(&host_sim)
+    in_vain(&trirrr)
 }
 
 /// The client, to play `scene` on `device`.
@@ -97,7 +97,7 @@ fn client(scene: &Path, device: &Device, out: &Path) -> Command {
 
 /// A machine that cannot be homed: the client says why, and plays nothing; told to recover it, it homes
 /// it from where it has come to, and plays the job.
-fn in_vain(host_sim: &Path) -> Result<()> {
+fn in_vain(trirrr: &Path) -> Result<()> {
     let (name, offsets, expected) = IN_VAIN;
     let scene = root().join("scenes").join(format!("{name}.toml"));
     let out = target_directory().join("ci/client/in-vain");
@@ -106,7 +106,7 @@ fn in_vain(host_sim: &Path) -> Result<()> {
         fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
     }
     let device = Device::start(
-        host_sim,
+        trirrr,
         &scene,
         "5",
         &[&["--offset-rad"], offsets.as_slice()].concat(),
@@ -143,33 +143,33 @@ fn succeed(command: &mut Command, what: &str) -> Result<()> {
     Ok(())
 }
 
-/// `host-sim device` in the background; it ends with this value.
+/// `trirrr device` in the background; it ends with this value.
 struct Device {
     child: Child,
     address: String,
 }
 
 impl Device {
-    fn start(host_sim: &Path, scene: &Path, speed: &str, more: &[&str]) -> Result<Self> {
-        let mut child = Command::new(host_sim)
+    fn start(trirrr: &Path, scene: &Path, speed: &str, more: &[&str]) -> Result<Self> {
+        let mut child = Command::new(trirrr)
             .arg("device")
             .arg(scene)
             .args(["--listen", "tcp:127.0.0.1:0", "--speed", speed])
             .args(more)
             .stdout(Stdio::piped())
             .spawn()
-            .context("host-sim device cannot be started")?;
+            .context("trirrr device cannot be started")?;
         let mut lines = BufReader::new(child.stdout.take().context("it has an output")?).lines();
         let mut device = Self {
             child,
             address: String::new(),
         };
-        let first = lines.next().context("host-sim device ended")??;
+        let first = lines.next().context("trirrr device ended")??;
         device.address = first
             .split(' ')
             .next()
             .filter(|word| word.starts_with("tcp:"))
-            .with_context(|| format!("host-sim device does not say where it listens: {first}"))?
+            .with_context(|| format!("trirrr device does not say where it listens: {first}"))?
             .to_owned();
         // Who does not read would stop it once the pipe is full.
         std::thread::spawn(move || lines.for_each(drop));

@@ -42,7 +42,7 @@ enum Chore {
     Rp2040,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::Arguments),
-    /// Play jobs on host-sim device with the Python client, compare its tables
+    /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
     /// Print the table of scenes against flash, RAM and instructions, from the figures checked in
     Footprints(footprints::Arguments),

@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// Host programs, built.
 pub(crate) struct Programs {
-    pub(crate) host_sim: PathBuf,
+    pub(crate) trirrr: PathBuf,
     pub(crate) board_test: PathBuf,
 }
 
@@ -36,7 +36,7 @@ impl Programs {
     pub(crate) fn built() -> Self {
         let release = target_directory().join("release");
         Self {
-            host_sim: release.join("host-sim"),
+            trirrr: release.join("trirrr"),
             board_test: release.join("board-test"),
         }
     }

@@ -9,7 +9,7 @@ from typing import Any
 from . import kinematics, postcard
 from .postcard import Numbers, Value
 
-#: The columns that ``host-sim run`` writes.
+#: The columns that ``trirrr run`` writes.
 COLUMNS = (
     ["t", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"]
     + [f"{name}_{leg}" for name in ("th1", "dth1", "ddth1") for leg in (1, 2, 3)]

@@ -5,10 +5,12 @@
 //! driven: every pose of the job is within reach and away from serial and parallel singularity,
 //! between the given poses too.
 //!
-//! `docs/scene.md` describes the keys.
+//! `docs/scene.md` describes the keys. [`cases`] reads tables of machines and setpoints. [`pipeline`]
+//! chooses the core's types for a machine at run time, and gives a [`record::Record`] per setpoint.
 
 #![forbid(unsafe_code)]
 
+pub mod cases;
 mod drive;
 mod duration;
 mod error;
@@ -18,10 +20,12 @@ mod job;
 mod limits;
 mod machine;
 mod path;
+pub mod pipeline;
 mod plant;
 mod player;
 mod range;
 pub mod read;
+pub mod record;
 mod scene;
 mod service;
 mod settings;

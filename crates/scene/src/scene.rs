@@ -13,6 +13,7 @@ use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
 use std::fmt;
 use std::path::Path;
+use std::str::FromStr;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::singularity::greatest_det_a;
@@ -77,6 +78,9 @@ pub enum NumberType {
 }
 
 impl NumberType {
+    /// All number types.
+    pub const ALL: [Self; 4] = [Self::F64, Self::F32, Self::Fixed, Self::Micromath];
+
     /// All of them, by the names that scenes use.
     const NAMES: [(&'static str, Self); 4] = [
         ("f64", Self::F64),
@@ -84,12 +88,27 @@ impl NumberType {
         ("fixed", Self::Fixed),
         ("micromath", Self::Micromath),
     ];
+
+    /// Name in scenes and on the command line.
+    pub fn name(self) -> &'static str {
+        let named = Self::NAMES.iter().find(|(_, number)| *number == self);
+        named.map_or("", |(name, _)| name)
+    }
 }
 
 impl fmt::Display for NumberType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = Self::NAMES.iter().find(|(_, number)| number == self);
-        f.write_str(name.map_or("", |(name, _)| name))
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for NumberType {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::NAMES.iter().find(|(name, _)| *name == text);
+        let (_, number) = found.ok_or("expected f64, f32, fixed or micromath")?;
+        Ok(*number)
     }
 }
 

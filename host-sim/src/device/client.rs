@@ -1,10 +1,10 @@
 //! The client of a device: its link, what it says, what waits to be sent to it.
 
-use crate::link::{Frames, TcpLink};
 use std::collections::VecDeque;
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
+use trirrr_client::transport::{Frames, TcpLink};
 use trirrr_protocol::message::{Message, Request, Transmit};
 
 /// Bytes that may wait for a client. Beyond this it gets no telemetry; what a client asked for

@@ -2,9 +2,9 @@
 //! faults. One line each, with the time since it was switched on.
 
 use super::client::Client;
-use crate::words::{self, Units};
 use std::io::{self, Write};
 use std::net::SocketAddr;
+use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
 
 /// The diary of one device.
@@ -71,7 +71,7 @@ impl Diary {
             self.offered = (offered.number, ticks);
         }
         if let Reply::Refused(refusal) = reply {
-            let why = words::refusal(refusal, ticks, &self.units);
+            let why = describe::refusal(refusal, ticks, &self.units);
             self.note(&format!("{} refused: {why}", name(&request.command)));
         }
     }
@@ -107,7 +107,7 @@ impl Diary {
                         (number, ticks) if number == verdict.number => ticks,
                         _ => 0,
                     };
-                    let why = words::violation(violation, ticks, &self.units);
+                    let why = describe::violation(violation, ticks, &self.units);
                     let counted = verdict.number.wrapping_add(1);
                     self.note(&format!("move {counted} is not admitted: {why}"));
                 }
@@ -117,11 +117,11 @@ impl Diary {
                 acting,
                 done,
             } => {
-                let state = words::state(*state, *acting);
+                let state = describe::state(*state, *acting);
                 self.note(&format!("{state}, {done} moves done"));
             }
             Event::Fault(fault) => {
-                self.note(&format!("fault: {}", words::fault(fault, &self.units)));
+                self.note(&format!("fault: {}", describe::fault(fault, &self.units)));
             }
         }
     }

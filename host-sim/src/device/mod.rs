@@ -1,32 +1,34 @@
 //! A board that is none: the service of a scene behind a TCP port, in real time, for whoever
 //! writes or tries a client.
 
+mod args;
 mod client;
 mod diary;
 mod motors;
 mod server;
 
-use crate::cli::DeviceArgs;
+pub use args::DeviceArgs;
+
 use crate::failure::Failure;
-use crate::link::Listener;
-use crate::machine;
 use crate::pace::{Deadlines, Pacer};
-use crate::scalar::Scalar;
-use crate::words::Units;
 use diary::Diary;
 use motors::Motors;
 use server::Server;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use trirrr_client::describe::Units;
+use trirrr_client::local;
+use trirrr_client::transport::Listener;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::Transmit;
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
 /// From one look at the link to the next, while no tick is due.
 const LOOK: Duration = Duration::from_micros(500);
 
-/// `host-sim device`: plays the board until `stop` is raised, which is its good end.
+/// `trirrr device`: plays the board until `stop` is raised, which is its good end.
 ///
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
@@ -52,10 +54,10 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
         },
     };
     match scalar {
-        Scalar::F64 => device.play::<f64>(),
-        Scalar::F32 => device.play::<f32>(),
-        Scalar::Fixed => device.play::<Fixed>(),
-        Scalar::Micromath => device.play::<Coarse>(),
+        NumberType::F64 => device.play::<f64>(),
+        NumberType::F32 => device.play::<f32>(),
+        NumberType::Fixed => device.play::<Fixed>(),
+        NumberType::Micromath => device.play::<Coarse>(),
     }
 }
 
@@ -81,7 +83,7 @@ impl Device<'_> {
         } = self;
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
-        let played = machine::with_machine_switched_on::<N, _>(scene, |machine| {
+        let played = local::with_machine_switched_on::<N, _>(scene, |machine| {
             let motors = scene.homing.map(|homing| {
                 let commanded = motors::angles(machine.motors());
                 let offset =

@@ -3,10 +3,10 @@
 use super::client::Client;
 use super::diary::Diary;
 use super::motors::{self, Motors};
-use crate::link::Listener;
-use crate::machine::Machine;
 use std::io;
 use std::time::{Duration, Instant};
+use trirrr_client::local::LocalService;
+use trirrr_client::transport::Listener;
 use trirrr_protocol::message::{Message, Transmit};
 
 /// Slices of background work between two looks at the link.
@@ -14,7 +14,7 @@ const SLICES: u32 = 64;
 
 /// A machine that listens: one client at a time, the next one when that has gone.
 pub(super) struct Server<'a, N: Transmit> {
-    machine: &'a mut dyn Machine<N>,
+    machine: &'a mut dyn LocalService<N>,
     /// The motors, where the machine has to find them.
     motors: Option<Motors>,
     listener: Listener,
@@ -26,7 +26,7 @@ pub(super) struct Server<'a, N: Transmit> {
 
 impl<'a, N: Transmit> Server<'a, N> {
     pub(super) fn new(
-        machine: &'a mut dyn Machine<N>,
+        machine: &'a mut dyn LocalService<N>,
         motors: Option<Motors>,
         listener: Listener,
         silence: Duration,

@@ -1,14 +1,10 @@
 //! Evaluates a table of cases, one machine and one instant in each row.
 
-mod columns;
-mod row;
+mod args;
 
-use crate::cli::EvalArgs;
-use crate::evaluator;
+pub use args::EvalArgs;
+
 use crate::failure::Failure;
-use crate::record::{RESULT_COLUMNS, Record, number};
-use crate::scalar::Scalar;
-use columns::Columns;
 use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
@@ -17,6 +13,10 @@ use trirrr_core::machine::Parameters;
 use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
+use trirrr_scene::NumberType;
+use trirrr_scene::cases::{self, Columns};
+use trirrr_scene::pipeline;
+use trirrr_scene::record::{RESULT_COLUMNS, Record, number};
 
 /// What became of the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -27,7 +27,7 @@ pub struct Count {
     pub ok: usize,
 }
 
-/// `host-sim eval`: evaluates the table and says on standard error how many rows have numbers.
+/// `trirrr eval`: evaluates the table and says on standard error how many rows have numbers.
 ///
 /// # Errors
 /// Refused: the table cannot be read or lacks a column, or the number type is not there. Failed:
@@ -76,16 +76,16 @@ fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), Failure> {
 /// # Errors
 /// As [`command`].
 pub fn evaluate(
-    scalar: Scalar,
+    scalar: NumberType,
     name: &str,
     input: impl Read,
     output: &mut dyn Write,
 ) -> Result<Count, Failure> {
     match scalar {
-        Scalar::F64 => evaluate_in::<f64>(name, input, output),
-        Scalar::F32 => evaluate_in::<f32>(name, input, output),
-        Scalar::Fixed => evaluate_in::<Fixed>(name, input, output),
-        Scalar::Micromath => evaluate_in::<Coarse>(name, input, output),
+        NumberType::F64 => evaluate_in::<f64>(name, input, output),
+        NumberType::F32 => evaluate_in::<f32>(name, input, output),
+        NumberType::Fixed => evaluate_in::<Fixed>(name, input, output),
+        NumberType::Micromath => evaluate_in::<Coarse>(name, input, output),
     }
 }
 
@@ -118,9 +118,7 @@ fn evaluate_in<N: Number>(
     while !results.closed && reader.read_byte_record(&mut record).map_err(unreadable)? {
         count.rows += 1;
         let case = columns
-            .case
-            .as_ref()
-            .and_then(|column| record.get(column.index))
+            .label(&record)
             .map_or_else(|| count.rows.to_string().into_bytes(), <[u8]>::to_vec);
         match evaluate_row::<N>(&columns, &record) {
             Ok(motion) => {
@@ -134,43 +132,15 @@ fn evaluate_in<N: Number>(
     Ok(count)
 }
 
-/// The machines and states in the table `text`, which has the columns of a state: case by case.
-///
-/// # Errors
-/// Refused: the first column or value that cannot be used.
-pub(crate) fn cases(
-    name: &str,
-    text: &str,
-) -> Result<Vec<(String, Parameters, Setpoint<f64>)>, Failure> {
-    let refused = |reason: String| Failure::Refused(format!("{name}: {reason}"));
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader
-        .byte_headers()
-        .map_err(|error| refused(error.to_string()))?;
-    let columns = Columns::find(header).map_err(refused)?;
-    let mut cases = Vec::new();
-    for record in reader.byte_records() {
-        let record = record.map_err(|error| refused(error.to_string()))?;
-        let label = columns
-            .case
-            .as_ref()
-            .and_then(|column| record.get(column.index));
-        let label = String::from_utf8_lossy(label.unwrap_or_default()).into_owned();
-        let case = row::read::<f64>(&columns, &record).map_err(refused)?;
-        cases.push((label, case.parameters, case.setpoint));
-    }
-    Ok(cases)
-}
-
 /// The motion of a row, or its status.
 fn evaluate_row<N: Number>(columns: &Columns, record: &ByteRecord) -> Result<Record, String> {
     let invalid = |reason: String| format!("invalid: {reason}");
     if N::SPREADS {
-        let case = row::read::<N>(columns, record).map_err(invalid)?;
+        let case = cases::read::<N>(columns, record).map_err(invalid)?;
         return motion(&case.parameters, Units::SI, &case.setpoint);
     }
     // Read as it stands, then in the units that the row needs.
-    let case = row::read::<f64>(columns, record).map_err(invalid)?;
+    let case = cases::read::<f64>(columns, record).map_err(invalid)?;
     case.parameters
         .check::<f64>()
         .map_err(|error| invalid(error.to_string()))?;
@@ -193,7 +163,7 @@ fn motion<N: Number>(
     setpoint: &Setpoint<N>,
 ) -> Result<Record, String> {
     let machine =
-        evaluator::build_in(parameters, units).map_err(|error| format!("invalid: {error}"))?;
+        pipeline::build_in(parameters, units).map_err(|error| format!("invalid: {error}"))?;
     machine
         .evaluate(0.0, setpoint)
         .map_err(|status| status.to_string())

@@ -1,6 +1,6 @@
 //! The figures against time: which quantities of the record stand in which panel.
 
-use crate::record::Record;
+use trirrr_scene::record::Record;
 
 /// One quantity of the record as a curve.
 pub(super) struct Source {

@@ -2,11 +2,11 @@
 
 use trirrr_figures::style::{RGBColor, WHITE};
 
-use crate::record::Record;
 use trirrr_figures::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use trirrr_figures::panel::{axis_title, range};
 use trirrr_figures::scale::{Axis, Margin, seconds};
 use trirrr_figures::style::{BLUE, FRAME, GREEN, GRID, INK, PURPLE, VERMILLION, faded};
+use trirrr_scene::record::Record;
 
 const LEFT: f64 = 72.0;
 const TOP: f64 = 56.0;
@@ -258,7 +258,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::LegRecord;
+    use trirrr_scene::record::LegRecord;
 
     fn record(t: f64, size: f64) -> Record {
         let leg = |x: f64, y: f64| LegRecord {

@@ -2,9 +2,9 @@
 
 use super::catalogue::{FIGURES, Source, sources};
 use super::machine::Scenery;
-use crate::record::Record;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel};
+use trirrr_scene::record::Record;
 
 /// The machine is drawn at its start, its end and each of these fractions of the job.
 const INSTANTS: [(u64, u64); 3] = [(1, 4), (1, 2), (3, 4)];

@@ -7,10 +7,10 @@ pub use peaks::{At, MotorPeaks, Peaks};
 use crate::failure::Failure;
 use crate::figures;
 use crate::figures::Traces;
-use crate::record::{Record, TICK_COLUMNS};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use trirrr_scene::record::{Record, TICK_COLUMNS};
 
 /// What a job gives, while it is being written.
 pub struct Recorder {

@@ -1,6 +1,6 @@
 //! The extremes of a run.
 
-use crate::record::Record;
+use trirrr_scene::record::Record;
 
 /// A value and when it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,25 +1,20 @@
 //! Runs a scene: its job through the machine's service, tick by tick, in real time or as fast as it
 //! goes.
 
+mod args;
 mod plant;
 mod player;
 mod progress;
 mod served;
 mod summary;
 
+pub use args::RunArgs;
 pub use plant::{Simulated, simulate_plant};
 
-use crate::cli::RunArgs;
-use crate::evaluator;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
-use crate::job;
-use crate::machine;
 use crate::pace::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
-use crate::scalar::Scalar;
-use crate::telemetry::Samples;
-use crate::words::Units;
 use player::Player;
 use progress::Progress;
 use std::io;
@@ -27,9 +22,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
+use trirrr_client::describe::Units;
+use trirrr_client::job;
+use trirrr_client::local;
+use trirrr_client::records::Samples;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Telemetry, Transmit};
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::pipeline;
 
 /// Samples that may wait for the recorder before a tick has to.
 const WAITING: usize = 16_384;
@@ -65,12 +66,12 @@ pub struct Report {
     /// The extremes of the motion; none without a record.
     pub peaks: Option<Peaks>,
     /// The number type it was computed in.
-    pub scalar: Scalar,
+    pub scalar: NumberType,
     /// What was written.
     pub files: Vec<PathBuf>,
 }
 
-/// `host-sim run`: reads the scene, runs it, prints the summary. `stop` ends it early.
+/// `trirrr run`: reads the scene, runs it, prints the summary. `stop` ends it early.
 ///
 /// Returns how the run ended.
 ///
@@ -125,29 +126,29 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
 /// something cannot be written.
 pub fn simulate(
     scene: &Scene,
-    scalar: Scalar,
+    scalar: NumberType,
     paced: bool,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
     match scalar {
-        Scalar::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
-        Scalar::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
-        Scalar::Fixed => simulate_in::<Fixed>(scene, scalar, paced, folder, stop),
-        Scalar::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
+        NumberType::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
+        NumberType::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
+        NumberType::Fixed => simulate_in::<Fixed>(scene, scalar, paced, folder, stop),
+        NumberType::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
     }
 }
 
 fn simulate_in<N: Transmit>(
     scene: &Scene,
-    scalar: Scalar,
+    scalar: NumberType,
     paced: bool,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let evaluator = evaluator::build_in::<N>(&scene.parameters, units)
+    let evaluator = pipeline::build_in::<N>(&scene.parameters, units)
         .map_err(|error| refused(error.to_string()))?;
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
@@ -160,7 +161,7 @@ fn simulate_in<N: Transmit>(
         progress: Progress::new(setpoints, expected),
     };
 
-    let (played, recorded) = machine::with_machine::<N, _>(scene, |machine| {
+    let (played, recorded) = local::with_machine::<N, _>(scene, |machine| {
         let (sender, receiver) = sync_channel(WAITING);
         std::thread::scope(|scope| {
             let recording = scope.spawn(move || recording.record_all(&receiver));

@@ -5,7 +5,6 @@ use super::summary::{digits, line, seconds};
 use crate::failure::Failure;
 use crate::figures::PlantTraces;
 use crate::recording::unwritable;
-use crate::scalar::Scalar;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -15,6 +14,7 @@ use trirrr_plant::simulate::{End, Outcome, simulate};
 use trirrr_plant::source::TickSource;
 use trirrr_plant::statistics::{Active, MotorStatistics, Signal};
 use trirrr_plant::table::{COLUMNS, Row};
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
 /// What was simulated, and what was written.
@@ -34,7 +34,7 @@ pub struct Simulated {
 /// written.
 pub fn simulate_plant(
     scene: &Scene,
-    scalar: Scalar,
+    scalar: NumberType,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Simulated, Failure> {
@@ -67,10 +67,10 @@ pub fn simulate_plant(
         })
     };
     let outcome = match scalar {
-        Scalar::F64 => with_service::<f64>(scene, stop, run),
-        Scalar::F32 => with_service::<f32>(scene, stop, run),
-        Scalar::Fixed => with_service::<Fixed>(scene, stop, run),
-        Scalar::Micromath => with_service::<Coarse>(scene, stop, run),
+        NumberType::F64 => with_service::<f64>(scene, stop, run),
+        NumberType::F32 => with_service::<f32>(scene, stop, run),
+        NumberType::Fixed => with_service::<Fixed>(scene, stop, run),
+        NumberType::Micromath => with_service::<Coarse>(scene, stop, run),
     }?;
     flush(&mut rows);
     written

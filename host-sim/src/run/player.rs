@@ -3,13 +3,13 @@
 
 use super::End;
 use crate::histogram::Histogram;
-use crate::machine::{self, Machine};
 use crate::pace::{Deadlines, Pacer};
-use crate::telemetry::is_of_a_job;
-use crate::words::{self, Units};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
+use trirrr_client::describe::{self, Units};
+use trirrr_client::local::{self, LocalService};
+use trirrr_client::records::is_of_a_job;
 use trirrr_protocol::message::{
     Command, Message, Move, Refusal, Reply, Request, Status, Telemetry, Transmit, Violation,
 };
@@ -17,7 +17,7 @@ use trirrr_scene::Scene;
 
 /// A job on its way through a machine.
 pub(super) struct Player<'a, N: Transmit> {
-    machine: &'a mut dyn Machine<N>,
+    machine: &'a mut dyn LocalService<N>,
     units: Units,
     moves: Vec<Move<N>>,
     /// Moves that the machine has taken.
@@ -41,7 +41,11 @@ enum After {
 
 impl<'a, N: Transmit> Player<'a, N> {
     /// Of `moves`, the job of a scene that `machine` was built from.
-    pub(super) fn new(machine: &'a mut dyn Machine<N>, moves: Vec<Move<N>>, units: Units) -> Self {
+    pub(super) fn new(
+        machine: &'a mut dyn LocalService<N>,
+        moves: Vec<Move<N>>,
+        units: Units,
+    ) -> Self {
         Self {
             machine,
             units,
@@ -100,7 +104,7 @@ impl<'a, N: Transmit> Player<'a, N> {
     /// # Errors
     /// Why the job cannot start, in words.
     fn prepare(&mut self, scene: &Scene) -> Result<(), String> {
-        self.done(Command::Hello(machine::hello::<N>(scene)))?;
+        self.done(Command::Hello(local::hello::<N>(scene)))?;
         self.done(Command::Telemetry { every: 1 })?;
         // The machine takes one order per tick.
         self.machine.tick();
@@ -131,7 +135,7 @@ impl<'a, N: Transmit> Player<'a, N> {
         match self.status() {
             Some(Status {
                 fault: Some(fault), ..
-            }) => return After::End(End::Fault(words::fault(&fault, &self.units))),
+            }) => return After::End(End::Fault(describe::fault(&fault, &self.units))),
             Some(_) => {}
             None => return After::End(End::Stopped),
         }
@@ -157,7 +161,7 @@ impl<'a, N: Transmit> Player<'a, N> {
             match self.ask(Command::Move(next)) {
                 Reply::Refused(Refusal::QueueFull) => break,
                 Reply::Refused(refusal) => {
-                    let why = words::refusal(&refusal, next.ticks, &self.units);
+                    let why = describe::refusal(&refusal, next.ticks, &self.units);
                     return Err(format!("move {} is refused: {why}", next.number + 1));
                 }
                 _ => self.offered += 1,
@@ -174,7 +178,7 @@ impl<'a, N: Transmit> Player<'a, N> {
     fn inadmissible(&self, number: u32, violation: &Violation<N>) -> String {
         let about = self.moves.get(number as usize);
         let ticks = about.map_or(0, |about| about.ticks);
-        let why = words::violation(violation, ticks, &self.units);
+        let why = describe::violation(violation, ticks, &self.units);
         format!("move {} is not admitted: {why}", number + 1)
     }
 
@@ -191,7 +195,7 @@ impl<'a, N: Transmit> Player<'a, N> {
     /// Why it is not, in words.
     fn done(&mut self, command: Command<N>) -> Result<(), String> {
         match self.ask(command) {
-            Reply::Refused(refusal) => Err(words::refusal(&refusal, 0, &self.units)),
+            Reply::Refused(refusal) => Err(describe::refusal(&refusal, 0, &self.units)),
             _ => Ok(()),
         }
     }

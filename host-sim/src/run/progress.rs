@@ -60,7 +60,7 @@ impl Progress {
             self.next = now + LINES;
             let percent = 100 * done / self.ticks;
             // Who does not listen does not stop the run.
-            let _ = writeln!(io::stderr(), "host-sim: {percent} %, t = {t:.3} s");
+            let _ = writeln!(io::stderr(), "trirrr: {percent} %, t = {t:.3} s");
         }
     }
 

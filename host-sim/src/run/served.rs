@@ -3,11 +3,11 @@
 use super::End;
 use super::player::Player;
 use crate::failure::Failure;
-use crate::job;
-use crate::machine;
-use crate::words::Units;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
+use trirrr_client::describe::Units;
+use trirrr_client::job;
+use trirrr_client::local;
 use trirrr_drives::command::joint::Reference;
 use trirrr_plant::Refusal;
 use trirrr_plant::simulate::Outcome;
@@ -85,7 +85,7 @@ pub(super) fn with_service<N: Transmit>(
     let (outcome, played) = std::thread::scope(|scope| {
         let service = scope.spawn(move || {
             let moves = job::moves::<N>(scene, &si);
-            machine::with_machine::<N, _>(scene, |machine| {
+            local::with_machine::<N, _>(scene, |machine| {
                 Player::new(machine, moves, units).play(scene, false, stop, sender)
             })
         });

@@ -1,12 +1,12 @@
 //! What a user sees of a stream on standard error: changes as lines; on a terminal a bar with the
 //! latest values, elsewhere a line now and then.
 
-use crate::record::Record;
-use crate::words;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
+use trirrr_client::describe;
 use trirrr_protocol::message::{Acting, State};
+use trirrr_scene::record::Record;
 
 /// Without a terminal, values come at most this often.
 const LINES: Duration = Duration::from_secs(5);
@@ -41,10 +41,10 @@ impl Display {
     /// Says something.
     pub(super) fn note(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.println(format!("host-sim: {text}")),
+            Some(bar) => bar.println(format!("trirrr: {text}")),
             // Who does not listen does not stop the stream.
             None => {
-                let _ = writeln!(io::stderr(), "host-sim: {text}");
+                let _ = writeln!(io::stderr(), "trirrr: {text}");
             }
         }
     }
@@ -52,7 +52,7 @@ impl Display {
     /// The machine is in this state.
     pub(super) fn state(&mut self, state: State, acting: Acting) {
         if self.state.replace((state, acting)) != Some((state, acting)) {
-            self.note(&words::state(state, acting));
+            self.note(&describe::state(state, acting));
         }
     }
 

@@ -1,8 +1,8 @@
 //! What a user says on standard input.
 
-use crate::client::Ask;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
+use trirrr_client::Ask;
 
 /// Reads lines from standard input as long as there are any, on a thread of its own: a read cannot
 /// be waited for in pieces. The thread ends with the program.
@@ -16,7 +16,7 @@ pub(super) fn listen() -> Receiver<Ask> {
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
                 None => {
-                    let text = "host-sim: keys are hold, resume and stop (h, r, s)";
+                    let text = "trirrr: keys are hold, resume and stop (h, r, s)";
                     let _ = writeln!(io::stderr(), "{text}");
                 }
             }

@@ -1,35 +1,36 @@
 //! Streams a scene's job to a board, and writes what the board tells of it.
 
+mod args;
 mod display;
 mod keys;
 mod port;
 mod session;
 mod summary;
 
+pub use args::StreamArgs;
 pub use session::End;
 
-use crate::cli::StreamArgs;
-use crate::client::{Patience, Stream};
-use crate::evaluator;
 use crate::failure::Failure;
-use crate::job;
-use crate::link::Address;
-use crate::machine;
 use crate::recording::Recorder;
-use crate::scalar::Scalar;
-use crate::telemetry::Samples;
-use crate::words::Units;
 use display::Display;
 use port::Port;
 use session::Session;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use trirrr_client::describe::Units;
+use trirrr_client::job;
+use trirrr_client::local;
+use trirrr_client::records::Samples;
+use trirrr_client::transport::Address;
+use trirrr_client::{Patience, Stream};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::pipeline;
 
 /// Of the bytes that a serial port carries, this part may be telemetry.
 const TELEMETRY_SHARE: f64 = 0.8;
@@ -37,7 +38,7 @@ const TELEMETRY_SHARE: f64 = 0.8;
 /// Bits on a serial line for a byte: a start bit, eight, a stop bit.
 const BITS_PER_BYTE: f64 = 10.0;
 
-/// `host-sim stream`: streams the job, prints the summary. `stop` ends it early, on the path.
+/// `trirrr stream`: streams the job, prints the summary. `stop` ends it early, on the path.
 ///
 /// # Errors
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
@@ -46,22 +47,22 @@ pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
     let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
     let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
     match scalar {
-        Scalar::F64 => stream::<f64>(args, &scene, scalar, stop),
-        Scalar::F32 => stream::<f32>(args, &scene, scalar, stop),
-        Scalar::Fixed => stream::<Fixed>(args, &scene, scalar, stop),
-        Scalar::Micromath => stream::<Coarse>(args, &scene, scalar, stop),
+        NumberType::F64 => stream::<f64>(args, &scene, scalar, stop),
+        NumberType::F32 => stream::<f32>(args, &scene, scalar, stop),
+        NumberType::Fixed => stream::<Fixed>(args, &scene, scalar, stop),
+        NumberType::Micromath => stream::<Coarse>(args, &scene, scalar, stop),
     }
 }
 
 fn stream<N: Transmit>(
     args: &StreamArgs,
     scene: &Scene,
-    scalar: Scalar,
+    scalar: NumberType,
     stop: &AtomicBool,
 ) -> Result<End, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let evaluator = evaluator::build_in::<N>(&scene.parameters, units)
+    let evaluator = pipeline::build_in::<N>(&scene.parameters, units)
         .map_err(|error| refused(error.to_string()))?;
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
@@ -90,7 +91,7 @@ fn stream<N: Transmit>(
             args,
             Stream::new(
                 moves,
-                machine::hello::<N>(scene),
+                local::hello::<N>(scene),
                 every,
                 patience(Duration::from_secs_f64(args.patience)),
                 conversation(),

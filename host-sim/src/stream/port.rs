@@ -1,9 +1,9 @@
 //! The port to the board: opened, and opened anew when it is lost.
 
-use crate::link::{self, Address, Frames, Link, OpenError};
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use trirrr_client::transport::{self, Address, Frames, Link, OpenError};
 use trirrr_protocol::message::{Message, Request, Transmit};
 
 /// From one attempt to open a port to the next.
@@ -42,7 +42,7 @@ impl Port {
             address: address.clone(),
             baud,
             patience,
-            link: link::open(address, baud)?,
+            link: transport::open(address, baud)?,
             frames: Frames::default(),
             bytes: Vec::new(),
             heard: Instant::now(),
@@ -120,7 +120,7 @@ impl Port {
             // Also before the first attempt: who closed the line does not want to be called at
             // once.
             std::thread::sleep(ATTEMPTS_EVERY.min(self.patience - silent));
-            match link::open(&self.address, self.baud) {
+            match transport::open(&self.address, self.baud) {
                 Ok(link) => {
                     self.link = link;
                     self.opened_anew += 1;

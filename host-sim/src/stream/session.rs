@@ -3,14 +3,14 @@
 
 use super::display::Display;
 use super::port::Port;
-use crate::client::{Action, Ask, Stream};
 use crate::failure::Failure;
 use crate::recording::Recorder;
-use crate::telemetry::{Samples, is_of_a_job};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+use trirrr_client::records::{Samples, is_of_a_job};
+use trirrr_client::{Action, Ask, Stream};
 use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
 
 /// Longest wait for the board before the user is looked after.
@@ -149,8 +149,8 @@ impl<N: Transmit> Session<'_, N> {
         Ok(())
     }
 
-    fn ended(&self, result: Result<(), crate::client::Failure<N>>) -> Result<End, Failure> {
-        use crate::client::Failure as Lost;
+    fn ended(&self, result: Result<(), trirrr_client::Failure<N>>) -> Result<End, Failure> {
+        use trirrr_client::Failure as Lost;
         let failure = match result {
             Ok(()) => return Ok(End::Complete),
             Err(Lost::Stopped { .. }) => return Ok(End::Stopped),

@@ -2,20 +2,20 @@
 
 use super::End;
 use crate::failure::Failure;
-use crate::link::Address;
 use crate::recording::Recorded;
-use crate::scalar::Scalar;
-use crate::words;
 use std::io::{self, Write};
 use std::path::Path;
+use trirrr_client::describe;
+use trirrr_client::transport::Address;
 use trirrr_protocol::message::Identity;
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
 /// What there is to say.
 pub(super) struct Summary<'a> {
     pub(super) file: &'a Path,
     pub(super) scene: &'a Scene,
-    pub(super) scalar: Scalar,
+    pub(super) scalar: NumberType,
     pub(super) address: &'a Address,
     pub(super) board: Option<&'a Identity>,
     /// The longest tick in counts of the board's timer.
@@ -66,17 +66,17 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     line("board", &format!("{board} ({})", summary.address))?;
     if let Some(identity) = summary.board {
         let board = &identity.board;
-        if let Some(text) = words::board::clock(board.clock) {
+        if let Some(text) = describe::board::clock(board.clock) {
             line("warning", text)?;
         }
         if board.start.is_failure() {
-            let why = words::board::start(&board.start);
+            let why = describe::board::start(&board.start);
             line("warning", &format!("why the board started last: {why}"))?;
         }
         if let Some(longest) = summary.longest.filter(|longest| *longest > 0) {
             let longest = 1e6 * f64::from(longest) / f64::from(board.timer_hz.max(1));
-            let period = words::short(1e6 / identity.tick_rate_hz);
-            let longest = words::short(longest);
+            let period = describe::short(1e6 / identity.tick_rate_hz);
+            let longest = describe::short(longest);
             line(
                 "ticks",
                 &format!("the longest took {longest} of {period} us"),

@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 use trirrr_host_sim::eval::evaluate;
 use trirrr_host_sim::failure::Failure;
-use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::NumberType;
 
 #[test]
 fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
@@ -22,7 +22,7 @@ fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
         }
     }
     let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{STATE}\n");
-    let into = |kind| evaluate(Scalar::F64, "c", cases.as_bytes(), &mut Refusing(kind));
+    let into = |kind| evaluate(NumberType::F64, "c", cases.as_bytes(), &mut Refusing(kind));
     assert!(into(std::io::ErrorKind::BrokenPipe).is_ok());
     assert!(matches!(
         into(std::io::ErrorKind::StorageFull),
@@ -31,12 +31,12 @@ fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
 }
 
 fn eval(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
         .arg("eval")
         .args(arguments)
         .current_dir(folder)
         .output()
-        .expect("host-sim starts")
+        .expect("trirrr starts")
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn a_closed_pipe_does_not_panic() {
     let rows = format!("{MACHINE},{STATE}\n").repeat(2000);
     let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{rows}");
     fs::write(folder.path().join("cases.csv"), cases).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_trirrr"))
         .args(["eval", "cases.csv"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())

@@ -1,11 +1,11 @@
-//! `host-sim eval`: values, and every way a table or a row can be wrong.
+//! `trirrr eval`: values, and every way a table or a row can be wrong.
 
 mod command;
 mod refusals;
 mod values;
 
 use trirrr_host_sim::eval::{Count, evaluate};
-use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::NumberType;
 
 const RESULT_HEADER: &str = "case,status,th1_1,th1_2,th1_3,th2_1,th2_2,th2_3,dth1_1,dth1_2,dth1_3,\
     dth2_1,dth2_2,dth2_3,ddth1_1,ddth1_2,ddth1_3,ddth2_1,ddth2_2,ddth2_3,D1,D2,D3,detA,\
@@ -25,7 +25,7 @@ const START: [f64; 3] = [0.012528697, 0.014246763, -0.029750897];
 const END: [f64; 3] = [-0.019558387, -0.015416587, 0.039628158];
 
 /// Evaluates a table and checks what holds for every result.
-fn table(scalar: Scalar, cases: &[u8]) -> (Count, Vec<Vec<String>>) {
+fn table(scalar: NumberType, cases: &[u8]) -> (Count, Vec<Vec<String>>) {
     let mut results = Vec::new();
     let count = evaluate(scalar, "cases.csv", cases, &mut results).expect("results");
     let text = String::from_utf8(results).unwrap();

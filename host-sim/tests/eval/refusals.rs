@@ -2,10 +2,10 @@
 
 use crate::{MACHINE, MACHINE_HEADER, MOVE, MOVE_HEADER, STATE, STATE_HEADER, table};
 use trirrr_host_sim::eval::{Count, evaluate};
-use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::NumberType;
 
 fn refusal(cases: &[u8]) -> String {
-    let failure = evaluate(Scalar::F64, "cases.csv", cases, &mut Vec::new()).unwrap_err();
+    let failure = evaluate(NumberType::F64, "cases.csv", cases, &mut Vec::new()).unwrap_err();
     assert_eq!(failure.exit_code(), 2, "{failure}");
     failure.to_string()
 }
@@ -46,7 +46,7 @@ fn a_bad_row_says_what_is_wrong_and_the_others_go_on() {
     ];
     let lines: Vec<String> = cases.iter().map(|(line, _)| line.clone()).collect();
     let table_text = format!("{MACHINE_HEADER},{STATE_HEADER}\n{}\n", lines.join("\n"));
-    let (count, rows) = table(Scalar::F64, table_text.as_bytes());
+    let (count, rows) = table(NumberType::F64, table_text.as_bytes());
     assert_eq!(
         count,
         Count {
@@ -65,7 +65,7 @@ fn what_f32_cannot_hold_is_said_to_be_so() {
     let far = good.replacen("0,0.433", "1e60,0.433", 1);
     let short = good.replacen("0.2,0.2", "0.2,1e-60", 1);
     let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{far}\n{short}\n");
-    let (_, rows) = table(Scalar::F32, cases.as_bytes());
+    let (_, rows) = table(NumberType::F32, cases.as_bytes());
     assert_eq!(
         rows[0][1],
         "invalid: ax_1 = 1e60: is beyond the range of f32"
@@ -86,7 +86,7 @@ fn a_time_outside_its_move_is_invalid() {
         MOVE.strip_suffix('1').unwrap().to_owned() + "0"
     );
     let cases = format!("{MACHINE_HEADER},{MOVE_HEADER}\n{rows}\n{endless}\n");
-    let (_, rows) = table(Scalar::F64, cases.as_bytes());
+    let (_, rows) = table(NumberType::F64, cases.as_bytes());
     let statuses: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
     assert_eq!(
         statuses,
@@ -120,7 +120,7 @@ fn the_singularities_are_statuses() {
     ]
     .join(",");
     let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{stretched}\n{parallel}\n");
-    for scalar in [Scalar::F64, Scalar::F32] {
+    for scalar in [NumberType::F64, NumberType::F32] {
         let (_, rows) = table(scalar, cases.as_bytes());
         assert_eq!(rows[0][1], "serial singular: leg 1");
         assert_eq!(rows[1][1], "parallel singular");
@@ -130,7 +130,7 @@ fn the_singularities_are_statuses() {
 #[test]
 fn a_table_without_rows_gives_a_header_and_one_without_columns_is_refused() {
     let header = format!("{MACHINE_HEADER},{STATE_HEADER}");
-    assert!(table(Scalar::F64, header.as_bytes()).1.is_empty());
+    assert!(table(NumberType::F64, header.as_bytes()).1.is_empty());
     assert!(refusal(b"").contains("cases.csv: is empty"));
     let message = refusal(header.replace("z2_3,", "").as_bytes());
     assert_eq!(message, "cases.csv: column z2_3 is missing");
@@ -145,7 +145,7 @@ fn bytes_that_are_no_text_spoil_their_row_only() {
     let mut cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{STATE}\n").into_bytes();
     cases.extend_from_slice(b"\xff\xfe");
     cases.extend_from_slice(format!("{MACHINE},{STATE}\n").as_bytes());
-    let (count, rows) = table(Scalar::F64, &cases);
+    let (count, rows) = table(NumberType::F64, &cases);
     assert_eq!(count, Count { rows: 2, ok: 1 });
     assert!(rows[1][1].starts_with("invalid: ax_1 = "), "{}", rows[1][1]);
     assert!(rows[1][1].ends_with("is not a number"));

@@ -2,13 +2,13 @@
 
 use crate::{END, MACHINE, MACHINE_HEADER, MOVE, MOVE_HEADER, START, STATE, STATE_HEADER};
 use crate::{assert_near, table, torques};
-use trirrr_host_sim::scalar::Scalar;
+use trirrr_scene::NumberType;
 
 #[test]
 fn states_and_moves_give_true_torques_in_both_number_types() {
     let state = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{STATE}\n");
     let moves = format!("{MACHINE_HEADER},{MOVE_HEADER}\n{MACHINE},{MOVE},0\n{MACHINE},{MOVE},1\n");
-    for (scalar, tolerance) in [(Scalar::F64, 1e-9), (Scalar::F32, 1e-7)] {
+    for (scalar, tolerance) in [(NumberType::F64, 1e-9), (NumberType::F32, 1e-7)] {
         let (_, rows) = table(scalar, state.as_bytes());
         assert_eq!(rows[0][0], "1", "the row's number where there is no case");
         assert_near(torques(&rows[0]), START, tolerance);
@@ -17,7 +17,7 @@ fn states_and_moves_give_true_torques_in_both_number_types() {
         assert_near(torques(&rows[1]), END, tolerance);
     }
     // What f32 computed is printed without another rounding.
-    let (_, rows) = table(Scalar::F32, state.as_bytes());
+    let (_, rows) = table(NumberType::F32, state.as_bytes());
     for field in &rows[0][2..] {
         let value: f64 = field.parse().unwrap();
         assert_eq!(f64::from(value as f32), value);
@@ -42,8 +42,8 @@ fn a_move_between_ticks_is_the_cubic() {
     ];
     let values = values.map(|value: f64| value.to_string()).join(",");
     let state = format!("{MACHINE_HEADER},{STATE_HEADER}\n{MACHINE},{values}\n");
-    let (_, by_move) = table(Scalar::F64, moves.as_bytes());
-    let (_, by_state) = table(Scalar::F64, state.as_bytes());
+    let (_, by_move) = table(NumberType::F64, moves.as_bytes());
+    let (_, by_state) = table(NumberType::F64, state.as_bytes());
     for (one, other) in by_move[0][2..].iter().zip(&by_state[0][2..]) {
         let (one, other): (f64, f64) = (one.parse().unwrap(), other.parse().unwrap());
         assert!((one - other).abs() < 1e-13, "{one} {other}");
@@ -59,7 +59,7 @@ fn loads_count_and_missing_ones_are_zero() {
         "{MACHINE_HEADER},{loads},{STATE_HEADER}\n{MACHINE},0,0,0,0,0,0,{STATE}\n\
          {MACHINE},0.05,0,0,0,0,0,{STATE}\n{MACHINE},0.05,0,-9.81,1.5,-2.0,0.03,{STATE}\n"
     );
-    let (_, rows) = table(Scalar::F64, cases.as_bytes());
+    let (_, rows) = table(NumberType::F64, cases.as_bytes());
     assert_near(torques(&rows[0]), START, 1e-9);
     let change = |a: usize, b: usize| (torques(&rows[a])[0] - torques(&rows[b])[0]).abs();
     // 0.05 kg links change the torque of leg 1 by up to 28 % of its peak, gravity by far more.
@@ -87,7 +87,7 @@ fn any_order_unknown_columns_quotes_crlf_and_byte_order_mark() {
         names.join("\",\""),
         fields.join(",")
     );
-    let (_, rows) = table(Scalar::F64, cases.as_bytes());
+    let (_, rows) = table(NumberType::F64, cases.as_bytes());
     assert_eq!(rows.len(), 1);
     assert_eq!(rows[0][..2], ["the \"first\", quoted", "ok"]);
     assert_near(torques(&rows[0]), START, 1e-9);

@@ -12,8 +12,8 @@ use tempfile::TempDir;
 /// this has failed.
 const LIMIT: Duration = Duration::from_secs(120);
 
-pub(crate) fn host_sim() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_host-sim"))
+pub(crate) fn trirrr() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
 }
 
 /// A folder with the scene `name`, changed by `edits` (what is there once, and what takes its
@@ -34,10 +34,10 @@ pub(crate) fn scene(name: &str, edits: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// `ticks.csv` as `host-sim run` writes it for the scene in `folder`.
+/// `ticks.csv` as `trirrr run` writes it for the scene in `folder`.
 pub(crate) fn run(folder: &TempDir) -> String {
     let out = folder.path().join("run");
-    let output = host_sim()
+    let output = trirrr()
         .args(["run", "scene.toml", "--fast", "--out", "run"])
         .current_dir(folder)
         .output()
@@ -140,7 +140,7 @@ pub(crate) struct Device {
 
 impl Device {
     pub(crate) fn start(folder: &TempDir, more: &[&str]) -> Self {
-        let mut child = host_sim()
+        let mut child = trirrr()
             .args(["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"])
             .args(more)
             .current_dir(folder)
@@ -158,9 +158,9 @@ impl Device {
     }
 }
 
-/// `host-sim stream` of `scene.toml` in `folder` into the folder `out` there.
+/// `trirrr stream` of `scene.toml` in `folder` into the folder `out` there.
 pub(crate) fn stream_command(folder: &TempDir, port: &str, out: &str, more: &[&str]) -> Command {
-    let mut command = host_sim();
+    let mut command = trirrr();
     command
         .args(["stream", "scene.toml", "--port", port, "--out", out])
         .args(more)

@@ -1,9 +1,9 @@
 //! Jobs and boards that do not fit.
 
-use crate::common::{Device, host_sim, scene, stream, text};
+use crate::common::{Device, scene, stream, text, trirrr};
 use std::time::Duration;
-use trirrr_host_sim::link::{self, Frames};
-use trirrr_host_sim::machine;
+use trirrr_client::local;
+use trirrr_client::transport::{self, Frames};
 use trirrr_protocol::message::{Command, Hello, Message, PROTOCOL, Refusal, Reply, Request};
 use trirrr_scene::Scene;
 
@@ -16,7 +16,7 @@ fn a_job_beyond_a_limit_is_refused_in_words() {
         &["run", "scene.toml", "--fast", "--out", "run"][..],
         &["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"],
     ] {
-        let output = host_sim()
+        let output = trirrr()
             .args(arguments)
             .current_dir(&folder)
             .output()
@@ -56,8 +56,8 @@ fn another_version_of_the_protocol_is_refused() {
     let folder = scene("thesis", &[]);
     let device = Device::start(&folder, &[]);
     let scene = Scene::read(folder.path().join("scene.toml")).unwrap();
-    let hello = machine::hello::<f64>(&scene);
-    let mut link = link::open(&device.address.parse().unwrap(), 0).unwrap();
+    let hello = local::hello::<f64>(&scene);
+    let mut link = transport::open(&device.address.parse().unwrap(), 0).unwrap();
     let mut frames = Frames::default();
     let mut ask = |command: Command<f64>| -> Reply<f64> {
         let sequence = 77;
@@ -104,7 +104,7 @@ fn another_version_of_the_protocol_is_refused() {
 fn a_device_needs_a_scene_and_an_address() {
     let folder = scene("thesis", &[("mass_kg = 0.5", "mass_kg = -0.5")]);
     let device = |more: &[&str]| {
-        let mut command = host_sim();
+        let mut command = trirrr();
         command.args(["device", "scene.toml"]).args(more);
         command.current_dir(&folder).output().unwrap()
     };
@@ -117,7 +117,7 @@ fn a_device_needs_a_scene_and_an_address() {
 
     let folder = scene("thesis", &[]);
     let first = Device::start(&folder, &[]);
-    let taken = host_sim()
+    let taken = trirrr()
         .args(["device", "scene.toml", "--listen", &first.address])
         .current_dir(&folder)
         .output()

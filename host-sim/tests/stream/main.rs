@@ -1,4 +1,4 @@
-//! `host-sim stream` and `host-sim device`, each as a process of its own, over TCP and over a
+//! `trirrr stream` and `trirrr device`, each as a process of its own, over TCP and over a
 //! serial port.
 
 mod common;

@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
-use trirrr_host_sim::client::{Action, Ask, Failure, Patience, Stream};
-use trirrr_host_sim::link::Frames;
+use trirrr_client::transport::Frames;
+use trirrr_client::{Action, Ask, Failure, Patience, Stream};
 use trirrr_protocol::message::{Message, Move, Reply, Telemetry, Transmit};
 
 /// Longest look at the line while there is something else to do.

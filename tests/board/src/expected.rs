@@ -1,17 +1,17 @@
 //! What the host computes for a scene: its machine, and its own service playing the job.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use trirrr_client::job;
+use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
-use trirrr_host_sim::evaluator::{self, Evaluator};
-use trirrr_host_sim::job;
-use trirrr_host_sim::machine::{self, Machine};
 use trirrr_image::RuledSwitches;
 use trirrr_protocol::message::{
     Command, Hello, Message, Move, Reply, Request, State, Telemetry, Transmit,
 };
 use trirrr_scene::Scene;
+use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_service::HomingCoefficients;
 
 /// Ticks after which the host's own machine is taken for one that does not come to an end.
@@ -22,7 +22,7 @@ pub(crate) struct Expected<N: Transmit> {
     pub(crate) scene: Scene,
     pub(crate) hello: Hello,
     pub(crate) units: Units,
-    evaluator: Box<dyn Evaluator<N>>,
+    evaluator: Box<dyn Pipeline<N>>,
 }
 
 impl<N: Transmit> Expected<N> {
@@ -30,9 +30,9 @@ impl<N: Transmit> Expected<N> {
         let units = trirrr_scene::units::<N>(scene).map_err(|error| anyhow!("{error}"))?;
         Ok(Self {
             scene: scene.clone(),
-            hello: machine::hello::<N>(scene),
+            hello: local::hello::<N>(scene),
             units,
-            evaluator: evaluator::build_in(&scene.parameters, units)?,
+            evaluator: pipeline::build_in(&scene.parameters, units)?,
         })
     }
 
@@ -71,7 +71,7 @@ impl<N: Transmit> Expected<N> {
             }
             None => None,
         };
-        machine::with_machine_switched_on::<N, _>(&self.scene, |machine| {
+        local::with_machine_switched_on::<N, _>(&self.scene, |machine| {
             Host {
                 machine,
                 switches: match inputs {
@@ -106,7 +106,7 @@ pub(crate) struct Stretch<N: Transmit> {
 
 /// The host's own machine and its client.
 struct Host<'a, N: Transmit> {
-    machine: &'a mut dyn Machine<N>,
+    machine: &'a mut dyn LocalService<N>,
     switches: Option<RuledSwitches<'a, N>>,
     sequence: u32,
     moves: Vec<Move<N>>,

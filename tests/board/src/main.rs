@@ -1,4 +1,4 @@
-//! Tests of a board over its line, whatever is behind it: hardware, an emulator, `host-sim device`.
+//! Tests of a board over its line, whatever is behind it: hardware, an emulator, `trirrr device`.
 //!
 //! ```sh
 //! cargo run --release -p trirrr-board-tests -- play scenes/thesis.toml --port tcp:127.0.0.1:7333
@@ -20,10 +20,10 @@ use clap::{Args, Parser, Subcommand};
 use expected::{Expected, Inputs};
 use std::path::PathBuf;
 use std::time::Duration;
+use trirrr_client::transport::Address;
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_host_sim::link::Address;
-use trirrr_host_sim::scalar::Scalar;
 use trirrr_protocol::message::Transmit;
+use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
 #[derive(Parser)]
@@ -83,7 +83,7 @@ struct Board {
     baud: u32,
     /// Number type of the image [default: the scene's]
     #[arg(long)]
-    scalar: Option<Scalar>,
+    scalar: Option<NumberType>,
     /// Seconds that a freshly reset board may take to answer
     #[arg(long, default_value_t = 20.0)]
     patience: f64,
@@ -100,10 +100,10 @@ fn main() -> Result<()> {
     };
     let scene = Scene::read(&board.scene).context("the scene")?;
     match board.scalar.unwrap_or_else(|| scene.number.into()) {
-        Scalar::F64 => run::<f64>(&test, board, &scene),
-        Scalar::F32 => run::<f32>(&test, board, &scene),
-        Scalar::Fixed => run::<Fixed>(&test, board, &scene),
-        Scalar::Micromath => run::<Coarse>(&test, board, &scene),
+        NumberType::F64 => run::<f64>(&test, board, &scene),
+        NumberType::F32 => run::<f32>(&test, board, &scene),
+        NumberType::Fixed => run::<Fixed>(&test, board, &scene),
+        NumberType::Micromath => run::<Coarse>(&test, board, &scene),
     }
 }
 

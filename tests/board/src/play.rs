@@ -5,7 +5,7 @@ use crate::expected::{Expected, Inputs, Stretch};
 use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
-use trirrr_host_sim::client::Failure;
+use trirrr_client::Failure;
 use trirrr_protocol::message::{State, Telemetry, Transmit};
 
 /// Numbers in a sample that are compared: state, acting, move, place (2), setpoint (9), motors

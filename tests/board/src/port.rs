@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::time::{Duration, Instant};
-use trirrr_host_sim::link::{self, Address, Frames, Link};
+use trirrr_client::transport::{self, Address, Frames, Link};
 use trirrr_protocol::message::{Command, Message, Request, Transmit};
 
 /// From one attempt to be heard to the next.
@@ -25,7 +25,7 @@ impl Port {
     pub(crate) fn open(address: &Address, baud: u32, patience: Duration) -> Result<Self> {
         let start = Instant::now();
         let link = loop {
-            match link::open(address, baud) {
+            match transport::open(address, baud) {
                 Ok(link) => break link,
                 Err(error) if error.may_pass() && start.elapsed() < patience => {
                     std::thread::sleep(ATTEMPTS_EVERY);

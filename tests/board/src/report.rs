@@ -4,7 +4,7 @@ use crate::expected::Expected;
 use crate::port::{self, Port};
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
-use trirrr_host_sim::words::{self, Units};
+use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Identity, Message, Reply, Request, Status, Transmit};
 
 /// From one look at the board to the next, while nothing has happened.
@@ -74,10 +74,10 @@ fn request<N: Transmit>(
 fn print<N: Transmit>(identity: &Identity, status: &Status<N>) {
     let units = Units::of(identity);
     println!("clock: {:?}", identity.board.clock);
-    println!("start: {}", words::board::start(&identity.board.start));
-    println!("state: {}", words::state(status.state, status.acting));
+    println!("start: {}", describe::board::start(&identity.board.start));
+    println!("state: {}", describe::state(status.state, status.acting));
     match &status.fault {
-        Some(fault) => println!("fault: {}", words::fault(fault, &units)),
+        Some(fault) => println!("fault: {}", describe::fault(fault, &units)),
         None => println!("fault: none"),
     }
 }

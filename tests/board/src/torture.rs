@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::witness::Witness;
-use trirrr_host_sim::job;
+use trirrr_client::job;
 use trirrr_protocol::message::{Move, State, Transmit};
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.

@@ -9,12 +9,12 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::sent::Sent;
 use trirrr_bench::witness::Witness;
+use trirrr_client::{Action, Ask, Patience, Stream};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::Massless;
 use trirrr_core::torque::payload::Centred;
-use trirrr_host_sim::client::{Action, Ask, Patience, Stream};
 use trirrr_protocol::message::Message;
 use trirrr_protocol::wire::Counters;
 

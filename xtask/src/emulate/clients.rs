@@ -1,4 +1,4 @@
-//! The programs that talk to a board: `board-test`, `host-sim stream`, the Python client.
+//! The programs that talk to a board: `board-test`, `trirrr stream`, the Python client.
 
 use super::board::Board;
 use crate::client::{self, rounding};
@@ -118,10 +118,10 @@ impl Clients {
         output(&mut self.board_test("report", scene, scalar, board))
     }
 
-    /// The table that `host-sim run` writes.
+    /// The table that `trirrr run` writes.
     pub(super) fn run(&self, scene: &SceneFile, scalar: &str) -> Result<PathBuf> {
         let out = folder(scene, scalar, "run");
-        let mut command = Command::new(&self.0.host_sim);
+        let mut command = Command::new(&self.0.trirrr);
         command.arg("run").arg(&scene.path);
         command
             .args(["--fast", "--scalar", scalar, "--out"])
@@ -130,7 +130,7 @@ impl Clients {
         Ok(out.join("ticks.csv"))
     }
 
-    /// The job with `host-sim stream`, whose table has to be the expected one.
+    /// The job with `trirrr stream`, whose table has to be the expected one.
     pub(super) fn stream(
         &self,
         scene: &SceneFile,
@@ -141,7 +141,7 @@ impl Clients {
         let (mut command, out) = self.stream_command(scene, scalar, board);
         output(&mut command)?;
         // What the board sends, and what the same core computes from it: all in the bits.
-        client::compare(expected, &out.join("ticks.csv"), 0.0).context("host-sim stream")
+        client::compare(expected, &out.join("ticks.csv"), 0.0).context("trirrr stream")
     }
 
     /// The same with the Python client, whose own columns may be some roundings off.
@@ -158,7 +158,7 @@ impl Clients {
             .context("the Python client")
     }
 
-    /// `host-sim stream` on a board whose homing fails: it has to say so.
+    /// `trirrr stream` on a board whose homing fails: it has to say so.
     pub(super) fn stream_in_vain(
         &self,
         scene: &SceneFile,
@@ -181,7 +181,7 @@ impl Clients {
 
     fn stream_command(&self, scene: &SceneFile, scalar: &str, board: &Board) -> (Command, PathBuf) {
         let out = folder(scene, scalar, "stream");
-        let mut command = Command::new(&self.0.host_sim);
+        let mut command = Command::new(&self.0.trirrr);
         command.arg("stream").arg(&scene.path);
         command.args(["--port", board.address(), "--scalar", scalar]);
         command.args(["--telemetry", "1", "--out"]).arg(&out);

@@ -193,7 +193,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
             client(clients, scene, scalar, &board).with_context(about)?;
             board.end()?;
         }
-        names += ", host-sim, python";
+        names += ", trirrr, python";
     } else if with_all_clients {
         let expected = clients.run(scene, scalar).with_context(about)?;
         let board = Board::boot(image)?;
@@ -206,7 +206,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
             .python(scene, scalar, &board, &expected)
             .with_context(about)?;
         board.end()?;
-        names += ", host-sim, python";
+        names += ", trirrr, python";
     }
     Ok(vec![
         scene.name.clone(),

@@ -1,4 +1,4 @@
-//! The truth of every case of the work-precision study (`host-sim report --section work-precision`,
+//! The truth of every case of the work-precision study (`trirrr report --section work-precision`,
 //! by Radau IIA) against the stiff solver of the crate diffsol, which is itself held against the
 //! reference file of 21 digits.
 //!
@@ -8,11 +8,11 @@
 mod bdf;
 mod truth;
 
-use trirrr_host_sim::report::work_precision::COMPARED_S;
-use trirrr_host_sim::report::work_precision::cases::{CASES, Case};
-use trirrr_host_sim::report::{Block, docs};
 use trirrr_integrate::{Direction, System};
 use trirrr_plant::{Plant, layout_of};
+use trirrr_report::work_precision::COMPARED_S;
+use trirrr_report::work_precision::cases::{CASES, Case};
+use trirrr_report::{Block, docs};
 use truth::{build, known};
 
 /// Poses are compared every so often, s; between events the signs of their functions are, too.

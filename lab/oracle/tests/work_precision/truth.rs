@@ -1,11 +1,11 @@
 //! The truth of a case as the study has it, with what the study does not show: its events.
 
-use trirrr_host_sim::report::work_precision::cases::Case;
-use trirrr_host_sim::report::work_precision::{COMPARED_S, TRUTH, truth};
 use trirrr_integrate::{Action, Direction, End, Integrator, Matrix, Method, System};
 use trirrr_plant::simulate::control_of;
 use trirrr_plant::source::Pipeline;
 use trirrr_plant::{Plant, Refusal};
+use trirrr_report::work_precision::cases::Case;
+use trirrr_report::work_precision::{COMPARED_S, TRUTH, truth};
 
 /// A plant that notes its events.
 struct Noted<const N: usize> {

@@ -1,0 +1,86 @@
+//! How a job ends when it does not end at its end.
+
+use crate::describe::{self, Units};
+use trirrr_protocol::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
+
+/// Why a job was not played to its end. Moves are counted from 0 here and from 1 in messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure<N: Transmit> {
+    /// The machine was not idle and empty when the conversation began.
+    Occupied(State),
+    /// A command was refused.
+    Refused {
+        /// The move that it was about.
+        index: Option<u32>,
+        /// Why.
+        refusal: Refusal<N>,
+    },
+    /// The machine took a move and found that it breaks a limit.
+    Inadmissible {
+        /// The move.
+        index: u32,
+        /// What it would break.
+        violation: Violation<N>,
+    },
+    /// A fault is latched.
+    Fault(Fault<N>),
+    /// The user stopped the job.
+    Stopped {
+        /// Moves played to their end.
+        done: u32,
+    },
+    /// The machine stopped by itself and dropped the rest of the job.
+    Dropped {
+        /// Moves played to their end.
+        done: u32,
+        /// What acted last.
+        acting: Acting,
+    },
+    /// The machine knows nothing of the job any more: it started anew, and why.
+    Restarted(Start),
+}
+
+impl<N: Transmit> Failure<N> {
+    /// The failure in words and SI units. `ticks`: the duration of the move that it is about, if it is
+    /// about one.
+    pub(crate) fn describe(&self, ticks: u32, units: &Units) -> String {
+        match self {
+            Self::Occupied(State::Idle) => "the machine has moves of another job".into(),
+            Self::Occupied(state) => format!(
+                "the machine is not free: {}",
+                describe::state(*state, Acting::Nothing)
+            ),
+            Self::Refused { index, refusal } => {
+                let why = describe::refusal(refusal, ticks, units);
+                match index {
+                    Some(index) => format!("move {} is refused: {why}", index + 1),
+                    None => why,
+                }
+            }
+            Self::Inadmissible { index, violation } => format!(
+                "move {} is not admitted: {}",
+                index + 1,
+                describe::violation(violation, ticks, units)
+            ),
+            Self::Fault(fault) => describe::fault(fault, units),
+            Self::Stopped { done } => format!("stopped, {done} moves done"),
+            Self::Dropped { done, acting } => format!(
+                "the machine stopped by itself and dropped the rest of the job, {done} moves done: {}",
+                describe::state(State::Idle, *acting)
+            ),
+            Self::Restarted(start) => format!(
+                "the machine started anew during the job: {}",
+                describe::board::start(start)
+            ),
+        }
+    }
+
+    /// The move that it is about.
+    pub(crate) fn index(&self) -> Option<u32> {
+        match self {
+            Self::Refused { index, .. } => *index,
+            Self::Inadmissible { index, .. } => Some(*index),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
+//!
+//! A link knows nothing of what it carries; [`Frames`] does. It is gone once a call has failed;
+//! whoever holds it opens a new one.
+
+mod address;
+mod frames;
+mod serial;
+mod tcp;
+
+pub use address::{Address, listening};
+pub use frames::Frames;
+pub use tcp::{Listener, TcpLink};
+
+use std::io;
+use std::time::Duration;
+
+/// A write that the far end takes nothing of for this long fails: it does not read.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// An open link, used from one thread.
+pub trait Link: Send {
+    /// Waits up to `timeout` for bytes and takes those that are there, at most as many as
+    /// `buffer` holds. None in that time: 0.
+    ///
+    /// # Errors
+    /// The link is gone; [`io::ErrorKind::UnexpectedEof`] where the far end closed it.
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize>;
+
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// The link is gone; [`io::ErrorKind::TimedOut`] where the far end does not read.
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// Why a link cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// No such serial port: the cable is out, or the name is wrong.
+    #[error("{0}: no such port")]
+    Missing(Address),
+    /// Another program has the port.
+    #[error("{0}: busy, another program has it open")]
+    Busy(Address),
+    /// The user may not open it.
+    #[error("{0}: not allowed to open it; on Linux, the user has to be in the group of the port")]
+    Forbidden(Address),
+    /// Nothing listens at that address.
+    #[error("{0}: nothing listens there; `trirrr device` does, or an emulated board")]
+    Refused(Address),
+    /// Anything else, in the words of the system.
+    #[error("{address}: cannot be opened: {reason}")]
+    Other {
+        /// What was to be opened.
+        address: Address,
+        /// Why not.
+        reason: String,
+    },
+}
+
+impl OpenError {
+    /// Whether opening may succeed a moment later, without anyone changing the request: a cable
+    /// put in again, a device started again.
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Missing(_) | Self::Busy(_) | Self::Refused(_) | Self::Other { .. } => true,
+            Self::Forbidden(_) => false,
+        }
+    }
+}
+
+/// Opens the link to `address`; `baud` is the rate of a serial port.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open(address: &Address, baud: u32) -> Result<Box<dyn Link>, OpenError> {
+    match address {
+        Address::Tcp(host_and_port) => tcp::connect(host_and_port)
+            .map(|link| Box::new(link) as Box<dyn Link>)
+            .map_err(|error| classify_tcp(address, &error)),
+        Address::Serial(path) => serial::open(path, baud)
+            .map(|link| Box::new(link) as Box<dyn Link>)
+            .map_err(|error| classify_serial(address, &error)),
+    }
+}
+
+fn classify_tcp(address: &Address, error: &io::Error) -> OpenError {
+    match error.kind() {
+        io::ErrorKind::ConnectionRefused => OpenError::Refused(address.clone()),
+        _ => OpenError::Other {
+            address: address.clone(),
+            reason: error.to_string(),
+        },
+    }
+}
+
+fn classify_serial(address: &Address, error: &serialport::Error) -> OpenError {
+    use serialport::ErrorKind;
+    let address = address.clone();
+    match error.kind {
+        ErrorKind::Io(io::ErrorKind::NotFound) => OpenError::Missing(address),
+        ErrorKind::Io(io::ErrorKind::PermissionDenied) => OpenError::Forbidden(address),
+        // A port that is locked; one that is not there has a kind of its own.
+        ErrorKind::NoDevice => OpenError::Busy(address),
+        _ => OpenError::Other {
+            address,
+            reason: error.description.clone(),
+        },
+    }
+}
+
+/// The error of a link that the far end closed.
+fn closed() -> io::Error {
+    io::Error::new(io::ErrorKind::UnexpectedEof, "closed by the far end")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(address: &str) -> OpenError {
+        match open(&address.parse().unwrap(), 115_200) {
+            Ok(_) => panic!("{address} was opened"),
+            Err(error) => error,
+        }
+    }
+
+    #[test]
+    fn why_a_port_cannot_be_opened_is_said_by_name() {
+        let missing = refusal("/dev/tty-that-is-not-there");
+        assert!(matches!(missing, OpenError::Missing(_)), "{missing:?}");
+        assert_eq!(
+            missing.to_string(),
+            "/dev/tty-that-is-not-there: no such port"
+        );
+        // A port that was free a moment ago, and that nothing listens at.
+        let port = Listener::bind("127.0.0.1:0").unwrap().address();
+        let refused = refusal(&format!("tcp:{port}"));
+        assert!(matches!(refused, OpenError::Refused(_)), "{refused:?}");
+        let unknown = refusal("tcp:no-such-host.invalid:1");
+        assert!(matches!(unknown, OpenError::Other { .. }), "{unknown:?}");
+        assert!(unknown.to_string().contains("no-such-host.invalid:1"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_serial_port_is_opened_once() {
+        use serialport::SerialPort;
+        // A pseudo-terminal: its far end is a serial port like any other.
+        let (mut near, far) = serialport::TTYPort::pair().unwrap();
+        let name = far.name().unwrap();
+        drop(far);
+        let mut link = open(&name.parse().unwrap(), 115_200).unwrap();
+        let busy = refusal(&name);
+        assert!(matches!(busy, OpenError::Busy(_)), "{busy:?}");
+
+        link.send(b"to the board").unwrap();
+        let mut buffer = [0; 64];
+        let length = io::Read::read(&mut near, &mut buffer).unwrap();
+        assert_eq!(&buffer[..length], b"to the board");
+        io::Write::write_all(&mut near, b"\x00\r\n\x11\xff").unwrap();
+        let length = link.receive(&mut buffer, Duration::from_secs(10)).unwrap();
+        assert_eq!(&buffer[..length], b"\x00\r\n\x11\xff", "untouched");
+        assert_eq!(link.receive(&mut buffer, Duration::ZERO).unwrap(), 0);
+        drop(near);
+        assert!(link.receive(&mut buffer, Duration::from_secs(10)).is_err());
+    }
+}

@@ -1,0 +1,228 @@
+//! Which column of the table holds what.
+
+use csv::ByteRecord;
+
+/// A column: its name, for messages, and where it stands in a row.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    pub(super) name: String,
+    pub(super) index: usize,
+}
+
+/// The columns of one leg.
+#[derive(Clone, Debug)]
+pub(super) struct LegColumns {
+    pub(super) base: [Column; 2],
+    pub(super) proximal: Column,
+    pub(super) distal: Column,
+    pub(super) joint_radius: Column,
+    pub(super) joint_angle: Column,
+    pub(super) elbow: Column,
+}
+
+/// Where the setpoint comes from.
+#[derive(Clone, Debug)]
+pub(super) enum Motion {
+    /// x, y, alpha, vx, vy, valpha, acx, acy, acalpha.
+    State([Column; 9]),
+    /// A move from rest to rest.
+    Move(MoveColumns),
+}
+
+/// The columns of a move.
+#[derive(Clone, Debug)]
+pub(super) struct MoveColumns {
+    /// x0, y0, a0.
+    pub(super) from: [Column; 3],
+    /// xf, yf, af.
+    pub(super) to: [Column; 3],
+    pub(super) duration: Column,
+    pub(super) time: Column,
+}
+
+/// Columns of a table of cases, by their names in its header.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    case: Option<Column>,
+    pub(super) legs: [LegColumns; 3],
+    pub(super) mass: Column,
+    pub(super) inertia: Column,
+    /// Missing ones of these count as 0.
+    pub(super) link_mass: Option<Column>,
+    pub(super) gravity: [Option<Column>; 2],
+    pub(super) wrench: [Option<Column>; 3],
+    pub(super) motion: Motion,
+    /// Fields in a whole row.
+    pub(super) width: usize,
+}
+
+const STATE: [&str; 9] = [
+    "x", "y", "alpha", "vx", "vy", "valpha", "acx", "acy", "acalpha",
+];
+const MOVE: [&str; 8] = ["x0", "xf", "y0", "yf", "a0", "af", "T", "t"];
+
+impl Columns {
+    /// Finds the columns in the header.
+    ///
+    /// # Errors
+    /// Which columns are missing, or which one is there twice.
+    pub fn find(header: &ByteRecord) -> Result<Self, String> {
+        let mut finder = Finder {
+            header,
+            missing: Vec::new(),
+            twice: Vec::new(),
+        };
+        let columns = Self {
+            case: finder.optional("case"),
+            legs: [1, 2, 3].map(|leg| finder.leg(leg)),
+            mass: finder.required("m"),
+            inertia: finder.required("I"),
+            link_mass: finder.optional("ml"),
+            gravity: ["gx", "gy"].map(|name| finder.optional(name)),
+            wrench: ["Wx", "Wy", "Wa"].map(|name| finder.optional(name)),
+            motion: finder.motion(),
+            width: header.len(),
+        };
+        if let Some(name) = finder.twice.first() {
+            return Err(format!("column {name} is there more than once"));
+        }
+        match finder.missing.as_slice() {
+            [] => Ok(columns),
+            [name] => Err(format!("column {name} is missing")),
+            names => Err(format!("columns {} are missing", names.join(", "))),
+        }
+    }
+
+    /// Label of the case in `row`, if the table has a column for labels.
+    pub fn label<'a>(&self, row: &'a ByteRecord) -> Option<&'a [u8]> {
+        row.get(self.case.as_ref()?.index)
+    }
+}
+
+/// Looks columns up and notes what is wrong.
+struct Finder<'a> {
+    header: &'a ByteRecord,
+    missing: Vec<String>,
+    twice: Vec<String>,
+}
+
+impl Finder<'_> {
+    fn optional(&mut self, name: &str) -> Option<Column> {
+        let mut places = self
+            .header
+            .iter()
+            .enumerate()
+            .filter(|(_, field)| field.trim_ascii() == name.as_bytes());
+        let (index, _) = places.next()?;
+        if places.next().is_some() {
+            self.twice.push(name.into());
+        }
+        Some(Column {
+            name: name.into(),
+            index,
+        })
+    }
+
+    /// A column that is missing is noted; what is returned for it is not used then.
+    fn required(&mut self, name: &str) -> Column {
+        self.optional(name).unwrap_or_else(|| {
+            self.missing.push(name.into());
+            Column {
+                name: name.into(),
+                index: 0,
+            }
+        })
+    }
+
+    fn leg(&mut self, leg: usize) -> LegColumns {
+        let mut column = |quantity: &str| self.required(&format!("{quantity}_{leg}"));
+        LegColumns {
+            base: [column("ax"), column("ay")],
+            proximal: column("z1"),
+            distal: column("z2"),
+            joint_radius: column("h"),
+            joint_angle: column("lam"),
+            elbow: column("sg"),
+        }
+    }
+
+    /// The state if it is complete, otherwise the move; if neither is, the one that has more of
+    /// its columns says which are missing.
+    fn motion(&mut self) -> Motion {
+        let has = |name: &&&str| {
+            self.header
+                .iter()
+                .any(|f| f.trim_ascii() == name.as_bytes())
+        };
+        let state = STATE.iter().filter(has).count();
+        let in_move = MOVE.iter().filter(has).count();
+        let take_state = state == STATE.len()
+            || (in_move < MOVE.len() && state * MOVE.len() >= in_move * STATE.len());
+        if take_state {
+            return Motion::State(STATE.map(|name| self.required(name)));
+        }
+        Motion::Move(MoveColumns {
+            from: ["x0", "y0", "a0"].map(|name| self.required(name)),
+            to: ["xf", "yf", "af"].map(|name| self.required(name)),
+            duration: self.required("T"),
+            time: self.required("t"),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(motion: &[&str], without: &str) -> ByteRecord {
+        let legs = (1..=3).flat_map(|leg| {
+            ["ax", "ay", "z1", "z2", "h", "lam", "sg"].map(|name| format!("{name}_{leg}"))
+        });
+        let rest = ["m", "I"]
+            .iter()
+            .chain(motion)
+            .map(|name| (*name).to_string());
+        let names: Vec<String> = legs.chain(rest).filter(|name| name != without).collect();
+        ByteRecord::from(names)
+    }
+
+    #[test]
+    fn missing_columns_are_named() {
+        for missing in ["z2_3", "m", "I", "alpha", "acx"] {
+            let error = Columns::find(&header(&STATE, missing)).unwrap_err();
+            assert_eq!(error, format!("column {missing} is missing"));
+        }
+        for missing in ["T", "t", "yf"] {
+            let error = Columns::find(&header(&MOVE, missing)).unwrap_err();
+            assert_eq!(error, format!("column {missing} is missing"));
+        }
+        let error = Columns::find(&header(&[], "")).unwrap_err();
+        assert_eq!(
+            error,
+            "columns x, y, alpha, vx, vy, valpha, acx, acy, acalpha are missing"
+        );
+    }
+
+    #[test]
+    fn the_state_goes_before_the_move_and_an_incomplete_state_behind_it() {
+        let both: Vec<&str> = MOVE.iter().chain(&STATE).copied().collect();
+        let columns = Columns::find(&header(&both, "")).unwrap();
+        assert!(matches!(columns.motion, Motion::State(_)));
+        let columns = Columns::find(&header(&both, "vx")).unwrap();
+        assert!(matches!(columns.motion, Motion::Move(_)));
+    }
+
+    #[test]
+    fn a_column_that_is_there_twice_is_refused() {
+        let mut twice = header(&STATE, "");
+        twice.push_field(b" z1_2 ");
+        assert_eq!(
+            Columns::find(&twice).unwrap_err(),
+            "column z1_2 is there more than once"
+        );
+        let mut unknown_twice = header(&STATE, "");
+        unknown_twice.push_field(b"note");
+        unknown_twice.push_field(b"note");
+        assert!(Columns::find(&unknown_twice).is_ok());
+    }
+}

@@ -1,0 +1,31 @@
+//! Arguments that several commands share.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use trirrr_scene::NumberType;
+
+/// Scene that is run when none is named.
+pub(crate) const DEFAULT_SCENE: &str = "scenes/thesis.toml";
+
+/// Parser of a number type by its name.
+pub(crate) fn number_type() -> impl TypedValueParser<Value = NumberType> {
+    let named = |number: NumberType| PossibleValue::new(number.name()).help(help(number));
+    PossibleValuesParser::new(NumberType::ALL.map(named)).try_map(|name| name.parse::<NumberType>())
+}
+
+fn help(number: NumberType) -> &'static str {
+    match number {
+        NumberType::F64 => "IEEE binary64",
+        NumberType::F32 => "IEEE binary32",
+        NumberType::Fixed => "32-bit fixed point, in units chosen for the machine and its job",
+        NumberType::Micromath => "binary32 with micromath's coarse functions",
+    }
+}
+
+/// Reads a positive number.
+pub(crate) fn factor(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        // Beyond these, no time is left to count or none to see.
+        Ok(value) if (1e-3..=1e6).contains(&value) => Ok(value),
+        _ => Err("expected a number from 0.001 to 1000000".into()),
+    }
+}

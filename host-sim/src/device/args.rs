@@ -1,0 +1,40 @@
+//! Arguments of `trirrr device`.
+
+use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use clap::Args;
+use std::path::PathBuf;
+use trirrr_client::transport::listening;
+use trirrr_scene::NumberType;
+
+/// `trirrr device`.
+///
+/// Listens for one client at a time and answers it as a board with the scene's image would: same
+/// service, same wire, same bits. Says on standard output where it listens, who comes and goes, what
+/// the machine does and what it refuses.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Ctrl-C ends the device. A client that is lost leaves the machine to the scene's silence timeout: it \
+comes to rest on its path. The client may come back and go on.")]
+pub struct DeviceArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// Where to listen: tcp:HOST:PORT; port 0 takes one that is free and prints it
+    #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7333", value_parser = listening)]
+    pub listen: String,
+    /// Number type to compute in [default: the scene's]
+    #[arg(long, value_parser = number_type())]
+    pub scalar: Option<NumberType>,
+    /// The machine's seconds per second of real time: 10 for ten times as fast
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
+    pub speed: f64,
+    /// In a scene with homing, how far the motors are from where the machine counts from when it is
+    /// switched on, rad [default: one of its own for each scene]
+    #[arg(
+        long,
+        value_names = ["A", "B", "C"],
+        num_args = 3,
+        allow_hyphen_values = true
+    )]
+    pub offset_rad: Option<Vec<f64>>,
+}

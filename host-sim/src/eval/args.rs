@@ -1,0 +1,46 @@
+//! Arguments of `trirrr eval`.
+
+use crate::arguments::number_type;
+use clap::Args;
+use std::path::PathBuf;
+use trirrr_scene::NumberType;
+
+/// `trirrr eval`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = EVAL_COLUMNS)]
+pub struct EvalArgs {
+    /// Table of cases, CSV with a header (columns: see --help)
+    #[arg(value_name = "CASES.csv")]
+    pub cases: PathBuf,
+    /// Number type to compute in
+    #[arg(long, default_value = "f64", value_parser = number_type())]
+    pub scalar: NumberType,
+    /// File for the results [default: standard output]
+    #[arg(long, value_name = "RESULTS.csv")]
+    pub out: Option<PathBuf>,
+}
+
+const EVAL_COLUMNS: &str = "\
+Columns of CASES.csv, in any order, SI units and radians; others are ignored:
+  case                          name of the row; its number if the column is missing
+  for each leg i = 1, 2, 3:
+    ax_i, ay_i                  base joint A
+    z1_i, z2_i                  proximal and distal link length
+    h_i, lam_i                  platform joint C in polar coordinates about D
+    sg_i                        elbow sign, 1 or -1
+  m, I                          platform mass and moment of inertia
+  ml                            mass of each of the six links, uniform rods (0 if missing)
+  gx, gy                        gravity (0 if missing)
+  Wx, Wy, Wa                    wrench on the platform at D (0 if missing)
+and either the state
+  x, y, alpha, vx, vy, valpha, acx, acy, acalpha
+or a move from rest to rest along a cubic, at the time t from 0 to T
+  x0, xf, y0, yf, a0, af, T, t
+The move is used only where the table does not have every column of the state.
+
+Columns of the results, i = 1, 2, 3 side by side:
+  case, status, th1_i, th2_i, dth1_i, dth2_i, ddth1_i, ddth2_i, D_i (named D1, D2, D3), detA,
+  tau_i, P_i (named tau1, P1 and so on)
+status is `ok`, or begins with why there are no numbers: `unreachable: leg 1`,
+`serial singular: leg 2`, `parallel singular`, `out of range ...`, or `invalid: ` with column,
+value and reason. Such rows do not change the exit code.";

@@ -1,0 +1,59 @@
+//! `trirrr report`: errors, run times and extremes, by the crate `trirrr-report`.
+
+use crate::failure::Failure;
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+use trirrr_report::{ReportError, Section, refresh, write};
+
+/// `trirrr report`.
+///
+/// Writes report.md with its tables as CSV and its figures as SVG. Instruction counts are those
+/// that were checked in when this program was built; everything else is measured now.
+#[derive(Args, Clone, Debug)]
+pub struct ReportArgs {
+    /// Folder for what is written, made if missing; files of an earlier report are replaced
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    pub out: PathBuf,
+    /// A part of the report; repeat for more [default: all of them]
+    #[arg(long, value_parser = section())]
+    pub section: Vec<Section>,
+    /// A Markdown file whose copies of the report's parts are replaced, and the figures in
+    /// `images` beside it
+    #[arg(long, value_name = "FILE.md")]
+    pub docs: Option<PathBuf>,
+}
+
+fn section() -> impl TypedValueParser<Value = Section> {
+    let named = |section: Section| PossibleValue::new(section.name()).help(section.about());
+    PossibleValuesParser::new(Section::ALL.map(named)).try_map(|name| name.parse::<Section>())
+}
+
+/// Writes the report and, where asked to, refreshes the copies in a document.
+///
+/// # Errors
+/// Refused: a document that cannot be read or whose markers do not match. Failed: something cannot
+/// be written.
+pub fn command(args: &ReportArgs) -> Result<(), Failure> {
+    let sections = match args.section.as_slice() {
+        [] => &Section::ALL,
+        some => some,
+    };
+    let report = write(sections, &args.out)?;
+    for file in &report.files {
+        println!("{}", file.display());
+    }
+    match &args.docs {
+        Some(document) => Ok(refresh(document, &report)?),
+        None => Ok(()),
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        match error {
+            ReportError::Refused(reason) => Failure::Refused(reason),
+            ReportError::Failed(reason) => Failure::Failed(reason),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Arguments of `trirrr run`.
+
+use crate::arguments::{DEFAULT_SCENE, number_type};
+use clap::Args;
+use std::path::PathBuf;
+use trirrr_scene::NumberType;
+
+/// `trirrr run`.
+///
+/// Plays the job through the machine's service, in real time against absolute deadlines, and reports
+/// how well they were kept.
+/// Writes ticks.csv (one row per tick, SI units) and the figures as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Ctrl-C ends the run cleanly: what was computed so far is written. So does a move that the machine \
+refuses (unreachable, singular, beyond a limit); the move, the leg or motor and the time in it are \
+named.")]
+pub struct RunArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// Compute as fast as it goes instead of in real time
+    #[arg(long)]
+    pub fast: bool,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number type to compute in [default: the scene's]
+    #[arg(long, value_parser = number_type())]
+    pub scalar: Option<NumberType>,
+}
+
+impl Default for RunArgs {
+    /// What `trirrr run` without arguments does.
+    fn default() -> Self {
+        Self {
+            scene: DEFAULT_SCENE.into(),
+            fast: false,
+            out: None,
+            scalar: None,
+        }
+    }
+}

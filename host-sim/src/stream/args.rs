@@ -1,0 +1,54 @@
+//! Arguments of `trirrr stream`.
+
+use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use clap::Args;
+use std::path::PathBuf;
+use trirrr_client::transport::Address;
+use trirrr_scene::NumberType;
+
+/// `trirrr stream`.
+///
+/// Offers the scene's moves to a board as it has room for them, starts the job, and stays with it
+/// to its end. Repeats what is not answered, opens the port anew when it is lost, and goes on where
+/// the board is. Writes ticks.csv from the telemetry (one row per sample, SI units) and the figures
+/// as SVG.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+The scene must be the one that the board's image was built from. Ctrl-C stops the machine on its \
+path and ends the stream; a second one ends the stream at once, and the board's silence timeout \
+stops the machine. With --keys, a line `hold`, `resume` or `stop` on standard input does that.")]
+pub struct StreamArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `trirrr device`
+    #[arg(long, value_name = "PORT")]
+    pub port: Address,
+    /// Rate of a serial port
+    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
+    pub baud: u32,
+    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// [default: out/NAME, after the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number type of the board's image [default: the scene's]
+    #[arg(long, value_parser = number_type())]
+    pub scalar: Option<NumberType>,
+    /// Ticks from one telemetry sample to the next [default: the scene's, more where the port is too
+    /// slow for them]
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..))]
+    pub telemetry: Option<u16>,
+    /// Seconds without an answer, or without the port, after which the stream gives up
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
+    pub patience: f64,
+    /// Acknowledge a latched fault, and bring the machine to where the job starts: one that is not
+    /// homed by homing it, any other by moving its motors there in so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = factor)]
+    pub recover: Option<f64>,
+    /// Do not home a machine that is not homed: the stream ends instead
+    #[arg(long)]
+    pub no_homing: bool,
+    /// Take `hold`, `resume` and `stop` from standard input, a line each
+    #[arg(long)]
+    pub keys: bool,
+}

@@ -1,0 +1,12 @@
+//! Errors of a report.
+
+/// Reason why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A document, a scene or a machine is refused.
+    #[error("{0}")]
+    Refused(String),
+    /// A file cannot be written, or a measurement failed.
+    #[error("{0}")]
+    Failed(String),
+}

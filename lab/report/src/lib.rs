@@ -1,0 +1,123 @@
+//! Report on the numbers: errors and run times of every number type, extremes, integrators.
+//!
+//! Each section lies in a folder of its own and writes its part of one page. All errors and times
+//! are measured anew by every call.
+
+#![forbid(unsafe_code)]
+
+pub mod docs;
+mod error;
+mod exact;
+mod extremes;
+mod numbers;
+mod page;
+mod scenes;
+mod table;
+pub mod work_precision;
+
+pub use error::ReportError;
+pub use page::Block;
+
+use page::{Page, unwritable};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Part of the report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// Error and run time of every number type.
+    Numbers,
+    /// Extreme machines, moves and poses in every number type.
+    Extremes,
+    /// Error and run time of every method of integration.
+    WorkPrecision,
+}
+
+impl Section {
+    /// All of them, in order.
+    pub const ALL: [Self; 3] = [Self::Numbers, Self::Extremes, Self::WorkPrecision];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Section::Numbers => "numbers",
+            Section::Extremes => "extremes",
+            Section::WorkPrecision => "work-precision",
+        }
+    }
+
+    /// Contents in one line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Section::Numbers => "Error and run time of every number type",
+            Section::Extremes => "Extreme machines, moves and poses in every number type",
+            Section::WorkPrecision => "Error and run time of every method of integration",
+        }
+    }
+
+    fn write(self, page: &mut Page<'_>) -> Result<(), ReportError> {
+        match self {
+            Section::Numbers => numbers::write(page),
+            Section::Extremes => extremes::write(page),
+            Section::WorkPrecision => work_precision::write(page),
+        }
+    }
+}
+
+impl FromStr for Section {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|section| section.name() == text)
+            .ok_or_else(|| "expected numbers, extremes or work-precision".into())
+    }
+}
+
+/// Written report.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Parts that documents may copy.
+    pub blocks: Vec<Block>,
+    /// Files, the page first.
+    pub files: Vec<PathBuf>,
+}
+
+/// Writes `sections` into `folder`, which is made if it is missing.
+///
+/// # Errors
+/// Failed: something cannot be written.
+pub fn write(sections: &[Section], folder: &Path) -> Result<Report, ReportError> {
+    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+    let mut page = Page::new(folder, "Report");
+    for section in sections {
+        section.write(&mut page)?;
+    }
+    let (blocks, files) = page.finish("report.md")?;
+    Ok(Report { blocks, files })
+}
+
+/// Replaces the copies in `document`, and the figures in the folder `images` beside it.
+///
+/// # Errors
+/// Refused: the document cannot be read, or its markers do not match. Failed: something cannot be
+/// written.
+pub fn refresh(document: &Path, report: &Report) -> Result<(), ReportError> {
+    let refused =
+        |reason: String| ReportError::Refused(format!("{}: {reason}", document.display()));
+    let text = std::fs::read_to_string(document)
+        .map_err(|error| refused(format!("cannot be read: {error}")))?;
+    let text = docs::refreshed(&text, &report.blocks).map_err(refused)?;
+    std::fs::write(document, &text).map_err(|error| unwritable(document, &error))?;
+    let images = document.with_file_name("images");
+    let figures = report.files.iter().filter(|file| {
+        let name = file.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| text.contains(&format!("(images/{name})")))
+    });
+    for figure in figures {
+        std::fs::create_dir_all(&images).map_err(|error| unwritable(&images, &error))?;
+        let copy = images.join(figure.file_name().unwrap_or_default());
+        std::fs::copy(figure, &copy).map_err(|error| unwritable(&copy, &error))?;
+    }
+    Ok(())
+}

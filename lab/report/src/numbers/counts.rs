@@ -1,0 +1,63 @@
+//! Instructions per tick on the microcontrollers, as they are checked in: CI measures them anew
+//! and compares.
+
+use crate::error::ReportError;
+use serde::Deserialize;
+
+const CHECKED_IN: &str = include_str!("../../../../xtask/budgets/insns.json");
+
+/// The cores, in the order of tables.
+pub(crate) const CORES: [&str; 4] = ["m4f", "m3", "m0", "rv32imc"];
+
+/// Instructions of one core, number type and scene.
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct Count {
+    pub(crate) core: String,
+    pub(crate) scalar: String,
+    pub(crate) scene: String,
+    pub(crate) min: f64,
+    pub(crate) mean: f64,
+    pub(crate) max: f64,
+}
+
+#[derive(Deserialize)]
+struct Budget {
+    rows: Vec<Count>,
+}
+
+/// All counts.
+pub(crate) fn checked_in() -> Result<Vec<Count>, ReportError> {
+    let budget: Budget = serde_json::from_str(CHECKED_IN)
+        .map_err(|error| ReportError::Failed(format!("xtask/budgets/insns.json: {error}")))?;
+    Ok(budget.rows)
+}
+
+/// The count of one core, number type and scene.
+pub(crate) fn find<'a>(
+    counts: &'a [Count],
+    core: &str,
+    scalar: &str,
+    scene: &str,
+) -> Option<&'a Count> {
+    counts
+        .iter()
+        .find(|count| count.core == core && count.scalar == scalar && count.scene == scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_two_scenes_are_counted_for_f32_and_micromath_on_every_core() {
+        let counts = checked_in().unwrap();
+        for core in CORES {
+            for scalar in ["f32", "micromath"] {
+                for scene in ["thesis", "thesis-links"] {
+                    let count = find(&counts, core, scalar, scene).unwrap();
+                    assert!(0.0 < count.min && count.min <= count.mean && count.mean <= count.max);
+                }
+            }
+        }
+    }
+}

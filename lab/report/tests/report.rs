@@ -1,0 +1,61 @@
+//! The report's copies in the documents are what the program prints.
+
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+use trirrr_report::{Section, docs, write};
+
+/// Figures whose every coordinate is an error or a count.
+const FIGURES: [&str; 3] = [
+    "numbers-massless.svg",
+    "numbers-links.svg",
+    "numbers-tool.svg",
+];
+
+#[test]
+fn numerics_md_is_what_the_report_says() {
+    let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let folder = TempDir::new().unwrap();
+    let report = write(&[Section::Numbers, Section::Extremes], folder.path()).unwrap();
+    let document = fs::read_to_string(documents.join("numerics.md")).unwrap();
+    let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
+    let outdated = docs::outdated(&document, &report.blocks).unwrap();
+    assert!(outdated.is_empty(), "{outdated:?}: {how}");
+    assert!(report.blocks.len() >= 6, "{}", report.blocks.len());
+    for figure in FIGURES {
+        let drawn = fs::read(folder.path().join(figure)).unwrap();
+        let shown = fs::read(documents.join("images").join(figure));
+        assert!(shown.is_ok_and(|shown| shown == drawn), "{figure}: {how}");
+        assert!(document.contains(&format!("(images/{figure})")), "{figure}");
+    }
+}
+
+/// Errors and counts of the study of integrators; times are those of one machine.
+#[test]
+fn numerics_md_is_what_the_study_of_integrators_says() {
+    let folder = TempDir::new().unwrap();
+    let report = write(&[Section::WorkPrecision], folder.path()).unwrap();
+    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/numerics.md");
+    let document = fs::read_to_string(document).unwrap();
+    let outdated = docs::outdated(&document, &report.blocks).unwrap();
+    let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
+    assert!(outdated.is_empty(), "{outdated:?}: {how}");
+    check_runs(&folder.path().join("work-precision.csv"));
+    let compared = report.blocks.iter().filter(|block| block.reproducible);
+    assert_eq!(compared.count(), 2);
+}
+
+/// No run of the study hangs, for this is reached; each has an error or names why it ended early.
+fn check_runs(file: &Path) {
+    let mut runs = csv::Reader::from_path(file).unwrap();
+    let mut count = 0;
+    for run in runs.records() {
+        let run = run.unwrap();
+        let (error, ended) = (&run[4], &run[7]);
+        let known = error.parse().is_ok_and(|error: f64| error.is_finite());
+        assert!(known || !ended.is_empty(), "{run:?}");
+        assert!(!run.iter().any(|field| field.contains("NaN")), "{run:?}");
+        count += 1;
+    }
+    assert!(count > 150, "{count}");
+}
