@@ -16,7 +16,7 @@ use trirrr_scene::Scene;
 const CORE: &str = "m4f";
 const SCALAR: &str = "f32";
 
-/// The image's own code as that of the station.
+/// The image's own code as that of the firmware's background.
 const FOR_SIZE: &str = r#"profile.device.package.trirrr-insns.opt-level="z""#;
 
 /// Figures of one scene's moves, in instructions.

@@ -1,6 +1,7 @@
 //! Builds images for microcontrollers, one per scene, number type and target.
 
 use crate::repository::{SceneFile, cargo, target_directory};
+use crate::rp2040;
 use crate::size::FIRMWARE_TARGET;
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -39,11 +40,22 @@ impl<'a> Image<'a> {
     /// The image of the STM32F405 that is flashed.
     pub(crate) fn firmware(scene: &'a SceneFile, scalar: &'static str) -> Self {
         Self {
-            package: "trirrr-firmware",
+            package: "trirrr-stm32f405",
             binary: "trirrr-firmware",
             scene,
             scalar,
             target: FIRMWARE_TARGET,
+        }
+    }
+
+    /// The image of the RP2040 that is flashed.
+    pub(crate) fn rp2040(scene: &'a SceneFile, scalar: &'static str) -> Self {
+        Self {
+            package: "trirrr-rp2040",
+            binary: "trirrr-firmware-rp2040",
+            scene,
+            scalar,
+            target: rp2040::TARGET,
         }
     }
 

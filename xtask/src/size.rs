@@ -130,7 +130,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
         ..row("firmware", firmware.scalar, FIRMWARE_TARGET, measured)
     });
     if rp2040::is_for(scene) {
-        let (measured, stack) = rp2040::measure()?;
+        let (measured, stack) = rp2040::measure(scene)?;
         rows.push(Row {
             stack: Some(stack.into()),
             ..row("firmware", firmware.scalar, rp2040::TARGET, measured)

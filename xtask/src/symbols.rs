@@ -24,7 +24,7 @@ struct Mark {
     used: fn(&Scene) -> bool,
 }
 
-/// What only images for an emulator hold, with the feature `switches`.
+/// What only images for an emulator hold, with the feature `ruled-switches`.
 const RULED_SWITCHES: &str = "13RuledSwitches";
 
 const MARKS: &[Mark] = &[

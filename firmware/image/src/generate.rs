@@ -35,8 +35,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// Writes `OUT_DIR/scene.rs` from the scene that `SCENE` names (a path, relative to
 /// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
 /// (without it, the scene's own, where `f64`, meant for hosts, becomes `f32`), and tells Cargo when to
-/// do it again. The kind of the scene's drives is set as `cfg(drive = "...")`, and
-/// `cfg(homing)` where it has homing.
+/// do it again. Sets the kind of the scene's drives as `cfg(drive = "...")`, and `cfg(homing)` for a scene with
+/// homing. A package with a `links` key hands both on to the build scripts of its dependents.
 ///
 /// # Errors
 /// A scene that is refused, with the file, key, value and reason, or that does not fit the number
@@ -62,17 +62,7 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     let drives = drive(&scene, scalar, &units(&scene, scalar)?)
         .map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
-    say_kinds(&scene);
-    Ok(())
-}
-
-/// For a crate that takes the scene from another, whose build script is [`build_script`]: sets the
-/// `cfg`s alone.
-///
-/// # Errors
-/// A scene that is refused.
-pub fn kinds_script(root: &Path) -> Result<(), Box<dyn Error>> {
-    say_kinds(&chosen(root)?.1);
+    print_kinds(&scene);
     Ok(())
 }
 
@@ -87,18 +77,21 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     Ok((file, scene))
 }
 
-fn say_kinds(scene: &Scene) {
-    let kinds: Vec<String> = drive::KINDS
+/// Sets the kinds of the scene as `cfg`s, and tells them to the build scripts of dependent packages
+/// (`DEP_..._DRIVES`, `DRIVE` and `HOMING`).
+fn print_kinds(scene: &Scene) {
+    let drives: Vec<String> = drive::KINDS
         .iter()
         .map(|kind| format!("{kind:?}"))
         .collect();
-    println!(
-        "cargo:rustc-check-cfg=cfg(drive, values({}))",
-        kinds.join(", ")
-    );
-    println!("cargo:rustc-cfg=drive=\"{}\"", kind(scene));
+    let (drives, drive) = (drives.join(", "), kind(scene));
+    println!("cargo:rustc-check-cfg=cfg(drive, values({drives}))");
+    println!("cargo:drives={drives}");
+    println!("cargo:rustc-cfg=drive={drive:?}");
+    println!("cargo:drive={drive}");
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
+        println!("cargo:homing=yes");
     }
 }

@@ -19,7 +19,7 @@ const FAILURES: [(&str, &[&str]); 4] = [
         "panic",
         &[
             "start: a panic in",
-            "provoke.rs",
+            "fault_injection.rs",
             "fault: the board has started anew",
         ],
     ),
@@ -63,8 +63,8 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
     for (failure, expected) in FAILURES {
         let elf = image.build_as(&format!("-{failure}"), |cargo| {
             cargo
-                .args(["--features", "provoke"])
-                .env("PROVOKE", failure);
+                .args(["--features", "fault-injection"])
+                .env("FAULT", failure);
         })?;
         let checked = callgraph::check(&elf).map_err(|error| format!("{error:#}"));
         match REFUSED.iter().find(|(of, _)| *of == failure) {

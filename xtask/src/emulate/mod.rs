@@ -53,7 +53,7 @@ enum Part {
     Jobs,
     /// Random jobs over a line that damages every fifth frame; a client that goes
     Line,
-    /// Provoke failures, read their causes after the reset
+    /// Inject failures, read their causes after the reset
     Failures,
 }
 
@@ -92,7 +92,7 @@ impl Built {
     /// The same with switches that close by rule, which no image that is flashed has.
     fn with_switches(scene: &SceneFile, scalar: &'static str) -> Result<Self> {
         let image = Image::firmware(scene, scalar).build_as("-switches", |cargo| {
-            cargo.args(["--features", "switches"]);
+            cargo.args(["--features", "ruled-switches"]);
         })?;
         symbols::check_ruled_switches(&image)?;
         Ok(Self {

@@ -1,0 +1,88 @@
+//! Work below the tick, a bounded slice at a time.
+
+use crate::heartbeat::Monitor;
+use crate::line::{Line, Received};
+use crate::log;
+use crate::scene::Scalar;
+use crate::service::{self, MessageRef};
+use embedded_hal_nb::serial::Write;
+use trirrr_protocol::message::Event;
+
+/// Half of the service that talks, with the line, the log and the watchdog's condition.
+///
+/// `W` is the line's transmitter, `L` that of the log.
+pub struct Background<W, L> {
+    service: service::Background,
+    line: Line,
+    transmitter: W,
+    log: L,
+    heartbeat: Monitor,
+}
+
+impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
+    /// Joins the service's half with the queue of received bytes and both transmitters.
+    pub fn new(service: service::Background, received: Received, transmitter: W, log: L) -> Self {
+        Self {
+            service,
+            line: Line::new(received),
+            transmitter,
+            log,
+            heartbeat: Monitor::default(),
+        }
+    }
+
+    /// Works below every interrupt and never returns. Calls `feed_watchdog` after each tick that was in time.
+    pub fn run(&mut self, mut feed_watchdog: impl FnMut()) -> ! {
+        // No sleep: out of sleep a tick starts late, a debugger loses the core, and in an emulator time
+        // jumps with the host's.
+        loop {
+            if self.heartbeat.has_beaten() {
+                feed_watchdog();
+            }
+            self.line.send(&mut self.transmitter);
+            step(&mut self.service, &mut self.line);
+            log::drain(&mut self.log);
+        }
+    }
+}
+
+/// One slice: puts the next message on the line, checks a part of a move.
+// A call: inlined, the board's crate would compile the whole background for speed.
+#[inline(never)]
+fn step(service: &mut service::Background, line: &mut Line) {
+    if line.is_free() {
+        put_next(service, line);
+    }
+    service.step();
+}
+
+/// Replies first, then events, then telemetry.
+fn put_next(service: &mut service::Background, line: &mut Line) {
+    if let Some((request, checksum)) = line.request() {
+        line.put(&MessageRef::Reply {
+            sequence: request.sequence,
+            reply: &service.receive(&request, checksum),
+        });
+        return;
+    }
+    service.send_next(|message| {
+        if let MessageRef::Event(event) = message {
+            log_event(event);
+        }
+        line.put(message);
+    });
+}
+
+fn log_event(event: &Event<Scalar>) {
+    match event {
+        Event::Verdict(verdict) if verdict.violation.is_some() => {
+            defmt::warn!("move {=u32} is not admitted", verdict.number);
+        }
+        Event::Verdict(_) => {}
+        // As a number: names would be in the image. docs/wire.md lists them in this order.
+        Event::State { state, done, .. } => {
+            defmt::info!("state {=u8}, {=u32} moves done", *state as u8, done);
+        }
+        Event::Fault(fault) => defmt::error!("fault in tick {=u32}", fault.tick),
+    }
+}

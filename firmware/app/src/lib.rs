@@ -1,0 +1,74 @@
+//! Program that every board runs: the service of one scene between a serial line and the motors.
+//!
+//! A board package owns pins, clocks, interrupts and priorities. It calls, in the order of a tick: the
+//! line's interrupt puts bytes into a queue, the [`Background`] makes requests of the bytes and moves of the
+//! requests, the [`Tick`] plays the moves and hands its outputs to the drives.
+//!
+//! | priority | task | code |
+//! |---|---|---|
+//! | highest | step pulses, then bytes from the line | board |
+//! | above the background | the tick: inputs, service, drives, time | [`Tick`] |
+//! | lowest | requests, admission, telemetry, log, watchdog | [`Background`] |
+//!
+//! # Optimisation
+//! The profile `device` compiles this crate for size and the board's crate for speed. Generic code is
+//! compiled in the crate that names its types. So [`Tick`] is generic over inputs and outputs and becomes
+//! fast in the board's crate. The work of the [`Background`] is a function without parameters and stays small
+//! here.
+#![cfg_attr(target_os = "none", no_std)]
+
+#[cfg(target_os = "none")]
+mod background;
+#[cfg(target_os = "none")]
+pub mod cause;
+#[cfg(target_os = "none")]
+pub mod failure;
+#[cfg(all(target_os = "none", feature = "fault-injection"))]
+mod fault_injection;
+#[cfg(target_os = "none")]
+mod heartbeat;
+#[cfg(target_os = "none")]
+pub mod inputs;
+#[cfg(target_os = "none")]
+mod line;
+#[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
+mod memory;
+#[cfg(target_os = "none")]
+pub mod outputs;
+#[cfg(all(target_os = "none", feature = "ruled-switches"))]
+mod ruled_switches;
+pub mod scene;
+#[cfg(target_os = "none")]
+mod service;
+#[cfg(all(target_os = "none", drive = "stepper"))]
+pub mod slots;
+#[cfg(target_os = "none")]
+mod tick;
+#[cfg(target_os = "none")]
+mod tick_clock;
+
+#[cfg(target_os = "none")]
+pub use background::Background;
+#[cfg(target_os = "none")]
+pub use heartbeat::WATCHDOG_MS;
+#[cfg(target_os = "none")]
+pub use line::{BAUD, LOG_BAUD, RECEIVED};
+#[cfg(target_os = "none")]
+pub use service::{Channels, Output, build};
+#[cfg(target_os = "none")]
+pub use tick::Tick;
+#[cfg(target_os = "none")]
+pub use tick_clock::{TickClock, period};
+
+/// Ends a board's program that was started on a host, and tells how to build the image: with `command`.
+#[cfg(not(target_os = "none"))]
+pub fn refuse_host(command: &str) -> ! {
+    eprintln!(
+        "this image of scene {} ({} ticks per second) is for a board: build it with `{command}`",
+        scene::NAME,
+        scene::TICK_RATE_HZ
+    );
+    std::process::exit(2);
+}

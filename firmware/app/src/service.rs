@@ -1,0 +1,98 @@
+//! Service of the scene: its types, its memory, its construction.
+
+#[cfg(homing)]
+use crate::scene::HOMING;
+use crate::scene::{
+    COEFFICIENTS, Links, NAME, PARTS, Payload, SETTINGS, START, Scalar, TICK_RATE_HZ,
+};
+use trirrr_protocol::message::{Board, Clock, Start};
+#[cfg(homing)]
+use trirrr_service::WithHoming;
+use trirrr_service::{
+    self, BackgroundOf, Compiled, ForegroundOf, MessageOf, MessageRefOf, RequestOf, Settings,
+};
+
+/// Places for moves; one stays empty.
+const MOVES: usize = 16;
+
+/// Places for telemetry samples; one stays empty. The background sends while the tick adds.
+const SAMPLES: usize = 8;
+
+type Known = Compiled<'static, Scalar, Payload, Links>;
+
+#[cfg(not(homing))]
+type Scene = Known;
+
+#[cfg(homing)]
+type Scene = WithHoming<'static, Scalar, Known>;
+
+/// Memory between both halves.
+pub type Channels = trirrr_service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
+
+/// Half that ticks.
+pub(crate) type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// Half that talks.
+pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+
+/// Message to the host.
+pub(crate) type Message = MessageOf<Scalar, Payload, Links, Scene>;
+
+/// Message to the host, its parts borrowed.
+pub(crate) type MessageRef<'m> = MessageRefOf<'m, Scalar, Payload, Links, Scene>;
+
+/// Request of the host.
+pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;
+
+/// Output of a tick.
+pub type Output = trirrr_service::Output<Scalar>;
+
+/// Builds both halves of the scene's service. The machine stands at the start of its job, and every
+/// coefficient is in the image.
+// A call: inlined, the board's crate would compile it for speed.
+#[inline(never)]
+pub fn build(channels: &'static mut Channels, board: Board) -> (Foreground, Background) {
+    let scene = Compiled {
+        coefficients: &COEFFICIENTS,
+        parts: PARTS,
+    };
+    #[cfg(homing)]
+    let scene = WithHoming {
+        scene,
+        homing: Some(&HOMING),
+    };
+    log_start(&board);
+    // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
+    // floats as text into the image.
+    let Ok(halves) = channels.split(scene, START, Settings { board, ..SETTINGS }) else {
+        panic!("the start is out of reach");
+    };
+    halves
+}
+
+/// Logs how the board has started.
+fn log_start(board: &Board) {
+    defmt::info!("scene {=str}, {=f64} ticks per second", NAME, TICK_RATE_HZ);
+    match board.clock {
+        Clock::Crystal | Clock::Emulated | Clock::Host => {}
+        Clock::Internal => defmt::warn!("the crystal does not start: internal oscillator and PLL"),
+        Clock::Slow => defmt::warn!("no crystal and no PLL: internal oscillator"),
+    }
+    match &board.start {
+        Start::Power | Start::Reset => {}
+        Start::Watchdog => defmt::error!("started by the watchdog"),
+        Start::Panic { file, line } => {
+            defmt::error!(
+                "started after a panic in {=[u8]:a}, line {=u32}",
+                *file,
+                line
+            );
+        }
+        Start::HardFault(at) => {
+            defmt::error!("started after a hard fault at {=u32:#x}", at.pc);
+        }
+        Start::StackOverflow(at) => {
+            defmt::error!("started after a stack overflow at {=u32:#x}", at.pc);
+        }
+    }
+}

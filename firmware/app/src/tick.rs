@@ -1,0 +1,96 @@
+//! The tick: inputs, service, drives, and the time that all of it took.
+
+use crate::heartbeat;
+use crate::inputs::{Inputs, Wired, wire};
+use crate::outputs::Outputs;
+use crate::scene::Scalar;
+use crate::service::Foreground;
+use crate::tick_clock::TickClock;
+use trirrr_core::number::Number;
+use trirrr_drives::Failure;
+use trirrr_protocol::message::{Board, FaultCode};
+
+/// Half of the service that ticks, between the inputs `I` and the outputs `O` of a board.
+pub struct Tick<I, O> {
+    foreground: Foreground,
+    inputs: Wired<I>,
+    outputs: O,
+    clock: TickClock,
+}
+
+impl<I: Inputs, O: Outputs> Tick<I, O> {
+    /// Joins the parts. A `board` that has started after a failure has the fault `Board` latched from here
+    /// on, and its drives stay off until the host clears the fault.
+    pub fn new(
+        mut foreground: Foreground,
+        board: &Board,
+        inputs: I,
+        outputs: O,
+        clock: TickClock,
+    ) -> Self {
+        if board.start.is_failure() {
+            foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
+        }
+        Self {
+            foreground,
+            inputs: wire(inputs, board),
+            outputs,
+            clock,
+        }
+    }
+
+    /// Runs one tick. The outputs stand and the tick is timed when this returns.
+    #[inline]
+    pub fn run(&mut self) {
+        self.step();
+        self.report_timing();
+    }
+
+    #[inline]
+    fn step(&mut self) {
+        // A unit without homing.
+        #[allow(clippy::let_unit_value)]
+        let closed = self.inputs.read(&self.foreground.output().motors);
+        self.foreground.tick_with(closed);
+        if let Some(by) = self.foreground.shift() {
+            self.outputs.shift(by);
+            self.inputs.shift(by);
+        }
+        if let Err(failure) = self.outputs.apply(self.foreground.output()) {
+            self.fail(&failure);
+        }
+    }
+
+    /// Latches the failure of a drive as a fault and switches all drives off.
+    #[cold]
+    fn fail(&mut self, failure: &Failure<Scalar>) {
+        let Failure {
+            drive,
+            value,
+            limit,
+            ..
+        } = *failure;
+        self.foreground.raise(failure.code(), drive, value, limit);
+        if let Some(angles) = self.outputs.angles() {
+            self.foreground.motors_are_at(angles);
+        }
+        self.switch_off();
+    }
+
+    /// Carries out the output after a fault, which has the drives off.
+    fn switch_off(&mut self) {
+        // Off does not fail: every tick from now on repeats it.
+        let _ = self.outputs.apply(self.foreground.output());
+    }
+
+    /// Reports the time since the tick was due. A tick in time is a heartbeat, any other a fault.
+    #[inline]
+    fn report_timing(&mut self) {
+        let (duration, period) = (self.clock.elapsed(), self.clock.period());
+        if self.foreground.took(duration, period) {
+            heartbeat::beat();
+        } else {
+            self.switch_off();
+        }
+    }
+}

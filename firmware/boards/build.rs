@@ -1,0 +1,54 @@
+//! Takes the kinds of the scene over from `trirrr-app`, and tells the linker about the memory of the board.
+
+use std::env;
+use std::error::Error;
+use std::path::Path;
+
+/// Boards: package, Rust target, and linker script.
+const BOARDS: [(&str, &str, &str); 2] = [
+    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the root of the workspace.
+    ("trirrr-stm32f405", "thumbv7em-none-eabihf", "link.x"),
+    // A whole one of its own: any `memory.x` would be that of the root.
+    ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo:rerun-if-changed=../build.rs");
+    let drives = env::var("DEP_TRIRRR_APP_DRIVES")?;
+    println!("cargo:rustc-check-cfg=cfg(drive, values({drives}))");
+    let drive = env::var("DEP_TRIRRR_APP_DRIVE")?;
+    println!("cargo:rustc-cfg=drive={drive:?}");
+    println!("cargo:rustc-check-cfg=cfg(homing)");
+    if env::var_os("DEP_TRIRRR_APP_HOMING").is_some() {
+        println!("cargo:rustc-cfg=homing");
+    }
+    if env::var("CARGO_CFG_TARGET_OS")? == "none" {
+        link()?;
+    }
+    Ok(())
+}
+
+fn link() -> Result<(), Box<dyn Error>> {
+    let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);
+    let (_, _, script) = BOARDS
+        .iter()
+        .find(|(of, on, _)| *of == package && *on == target)
+        .ok_or_else(|| format!("{package} is for another board than {target}"))?;
+    let here = env::var("CARGO_MANIFEST_DIR")?;
+    let own = Path::new(&here).join(script);
+    let script = match own.exists() {
+        true => {
+            println!("cargo:rerun-if-changed={}", own.display());
+            own.display().to_string()
+        }
+        false => {
+            println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            (*script).to_owned()
+        }
+    };
+    let script = format!("-T{script}");
+    for argument in ["--nmagic", "--icf=all", &script, "-Tdefmt.x"] {
+        println!("cargo:rustc-link-arg-bins={argument}");
+    }
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! Clock: the crystal and the PLL, waited for with a bound.
+
+use core::convert::Infallible;
+use rp2040_hal::clocks::{Clock, ClocksManager};
+use rp2040_hal::fugit::{HertzU32, RateExtU32};
+use rp2040_hal::pac::{CLOCKS, PLL_SYS, RESETS, XOSC};
+use rp2040_hal::pll::PhaseLockedLoop;
+use rp2040_hal::pll::common_configs::PLL_SYS_125MHZ;
+use rp2040_hal::xosc::CrystalOscillator;
+
+/// Clock of the core, Hz.
+pub(super) const CORE_HZ: u32 = 125_000_000;
+
+/// Crystal, MHz: the boot ROM takes no other.
+pub(super) const CRYSTAL_MHZ: u8 = 12;
+
+/// Time for the start of the crystal, ms: slow ones take so long.
+const START_MS: u32 = 64;
+
+/// Reads of a flag before the wait ends: 100 ms at least, at some 10 cycles each and at most 12 MHz of the
+/// ring oscillator.
+const READS: u32 = 120_000;
+
+/// Starts crystal, PLL and the clocks made of it. Returns the clock of the UARTs, or `None` if one of them
+/// does not start.
+pub(super) fn start(
+    crystal: XOSC,
+    clocks: CLOCKS,
+    pll: PLL_SYS,
+    resets: &mut RESETS,
+) -> Option<HertzU32> {
+    let crystal = CrystalOscillator::new(crystal)
+        .initialize(u32::from(CRYSTAL_MHZ).MHz(), START_MS)
+        .ok()?;
+    let stable = within(|| crystal.await_stabilization())?;
+    let crystal = crystal.get_stable(stable);
+
+    let mut clocks = ClocksManager::new(clocks);
+    // A debugger's reset leaves both clocks at a PLL, which is about to stand still.
+    within(|| clocks.system_clock.reset_source_await())?;
+    within(|| clocks.reference_clock.reset_source_await())?;
+    let pll = PhaseLockedLoop::new(pll, crystal.operating_frequency(), PLL_SYS_125MHZ).ok()?;
+    let pll = pll.initialize(resets);
+    let locked = within(|| pll.await_lock())?;
+    let pll = pll.get_locked(locked);
+
+    let exact = crystal.operating_frequency();
+    clocks
+        .reference_clock
+        .configure_clock(&crystal, exact)
+        .ok()?;
+    clocks
+        .system_clock
+        .configure_clock(&pll, CORE_HZ.Hz())
+        .ok()?;
+    let system = &clocks.system_clock;
+    clocks
+        .peripheral_clock
+        .configure_clock(system, system.freq())
+        .ok()?;
+    Some(clocks.peripheral_clock.freq())
+}
+
+/// Result of `look`, if there is one within [`READS`] calls.
+fn within<T>(mut look: impl FnMut() -> nb::Result<T, Infallible>) -> Option<T> {
+    (0..READS).find_map(|_| look().ok())
+}

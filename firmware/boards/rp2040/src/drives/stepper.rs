@@ -1,0 +1,118 @@
+//! Steppers: PWM slice 7, without an output, calls the slots.
+
+use super::{Angle, Parts};
+use crate::clock::CORE_HZ;
+use rp2040_hal::gpio::{DynPinId, FunctionSioOutput, Pin, PinState, PullDown};
+use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
+use trirrr_app::Output;
+use trirrr_app::outputs::Outputs;
+use trirrr_app::scene::Scalar;
+use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
+use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
+use trirrr_drives::stepper::{Axis, Slots, Steppers};
+use trirrr_drives::{Active, Enable, Failure};
+
+/// Cycles of the core from one slot to the next.
+const CYCLES: u32 = CORE_HZ / SLOT_HZ;
+
+/// Least cycles between two slots, twice the instructions of one: fewer would starve the tick.
+const LEAST_CYCLES: u32 = 1200;
+
+const _: () = assert!(
+    CYCLES >= LEAST_CYCLES,
+    "step_rate_limit_hz of the scene: the RP2040 has at most 104,000 slots per second, two for each \
+     step and one more in each tick"
+);
+
+/// Divider in front of the timer, whose counts have 16 bits.
+const DIVIDER: u8 = {
+    let divider = CYCLES.div_ceil(1 << 16);
+    // Slots of the slowest ticks take fewer.
+    assert!(divider <= 255);
+    divider as u8
+};
+
+/// Last count of a slot; cut, so that there are enough slots.
+const TOP: u16 = (CYCLES / DIVIDER as u32 - 1) as u16;
+
+/// Drives, as the tick sees them.
+pub(crate) struct Drives(Steppers<'static, Scalar>);
+
+impl Outputs for Drives {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        self.0.apply(output)
+    }
+
+    fn angles(&self) -> Option<[Angle; 3]> {
+        Some(self.0.angles())
+    }
+
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.0.shift(by);
+    }
+}
+
+type OutPin = Pin<DynPinId, FunctionSioOutput, PullDown>;
+
+/// Slots, as the timer sees them.
+pub(crate) struct Slot {
+    slots: Slots<'static, OutPin, OutPin, OutPin>,
+    timer: Slice<Pwm7, FreeRunning>,
+}
+
+impl Slot {
+    /// Runs one slot.
+    #[inline(always)]
+    pub(crate) fn run(&mut self) {
+        self.timer.clear_interrupt();
+        let Ok(()) = self.slots.slot();
+    }
+}
+
+/// Builds the drives, off, and starts the slots.
+// A function of its own: its symbol shows that the image holds these drives.
+#[inline(never)]
+pub(crate) fn build(parts: Parts) -> (Drives, Slot) {
+    let (active, off) = match ENABLE_HIGH {
+        true => (Active::High, PinState::Low),
+        false => (Active::Low, PinState::High),
+    };
+    let enable = parts.enable.into_push_pull_output_in_state(off);
+    let Ok(enable) = Enable::new(enable.into_dyn_pin(), active);
+    let (step_1, step_2, step_3) = parts.step;
+    let (direction_1, direction_2, direction_3) = parts.direction;
+    let [r1, r2, r3] = REVERSED;
+    let low = PinState::Low;
+    let Ok(axis_1) = Axis::new(
+        step_1.into_push_pull_output_in_state(low).into_dyn_pin(),
+        direction_1
+            .into_push_pull_output_in_state(low)
+            .into_dyn_pin(),
+        r1,
+    );
+    let Ok(axis_2) = Axis::new(
+        step_2.into_push_pull_output_in_state(low).into_dyn_pin(),
+        direction_2
+            .into_push_pull_output_in_state(low)
+            .into_dyn_pin(),
+        r2,
+    );
+    let Ok(axis_3) = Axis::new(
+        step_3.into_push_pull_output_in_state(low).into_dyn_pin(),
+        direction_3
+            .into_push_pull_output_in_state(low)
+            .into_dyn_pin(),
+        r3,
+    );
+    let slots = Slots::new(&LINE, [axis_1, axis_2, axis_3], enable, PER_TICK);
+
+    let mut timer = parts.slices.pwm7;
+    timer.set_div_int(DIVIDER);
+    timer.set_top(TOP);
+    timer.clear_interrupt();
+    timer.enable_interrupt();
+    timer.enable();
+    let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
+    (Drives(steppers), Slot { slots, timer })
+}

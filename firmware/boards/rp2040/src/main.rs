@@ -1,0 +1,180 @@
+//! RP2040: the line on UART0 (GP0 TX, GP1 RX), the log on UART1 (GP4 TX), the tick on SysTick. Core 1
+//! stays in the boot ROM.
+//!
+//! | priority | interrupt | task |
+//! |---|---|---|
+//! | 4 | PWM_IRQ_WRAP | a slot of the step pulses, in images for steppers |
+//! | 3 | UART0_IRQ | bytes from the line into their queue |
+//! | 2 | SysTick | the tick |
+//! | none | | the background |
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod chip;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
+mod drives;
+#[cfg(target_os = "none")]
+mod start;
+#[cfg(target_os = "none")]
+mod switches;
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = rp2040_hal::pac, peripherals = true)]
+mod app {
+    use super::clock::{self, CORE_HZ};
+    use super::drives::{self, Drives, Slot};
+    use super::start;
+    use super::switches::{self, Switches};
+    use embedded_hal_nb::serial::Read;
+    use heapless::spsc::{Producer, Queue};
+    use rp2040_hal::fugit::{ExtU32, RateExtU32};
+    use rp2040_hal::gpio::bank0::{Gpio0, Gpio1, Gpio4};
+    use rp2040_hal::gpio::{self, FunctionUart, Pin, PullNone, PullUp};
+    use rp2040_hal::pac::{UART0, UART1};
+    use rp2040_hal::pwm::Slices;
+    use rp2040_hal::typelevel::{OptionTNone, OptionTSome};
+    use rp2040_hal::uart::{
+        self, DataBits, FifoWatermark, Reader, StopBits, UartConfig, UartPeripheral, Writer,
+    };
+    use rp2040_hal::{Sio, Watchdog};
+    use trirrr_app::{BAUD, LOG_BAUD, RECEIVED, WATCHDOG_MS};
+    use trirrr_app::{Background, Channels, Tick, TickClock, period};
+    use trirrr_protocol::message::{Board, Clock};
+
+    type Transmit<P> = Pin<P, FunctionUart, PullNone>;
+    type LinePins = (Transmit<Gpio0>, Pin<Gpio1, FunctionUart, PullUp>);
+    type LogPins = uart::Pins<OptionTSome<Transmit<Gpio4>>, OptionTNone, OptionTNone, OptionTNone>;
+
+    /// Capacity of the receiver, bytes.
+    const FIFO: usize = 32;
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        receiver: Reader<UART0, LinePins>,
+        received: Producer<'static, u8>,
+        tick: Tick<Switches, Drives>,
+        slot: Slot,
+        background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
+        watchdog: Watchdog,
+    }
+
+    #[init(local = [
+        channels: Channels = Channels::new(),
+        bytes: Queue<u8, RECEIVED> = Queue::new(),
+    ])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let init::LocalResources {
+            channels, bytes, ..
+        } = context.local;
+        let device = context.device;
+        let start = start::cause(&device.WATCHDOG, &device.VREG_AND_CHIP_RESET);
+        let mut resets = device.RESETS;
+        let mut watchdog = Watchdog::new(device.WATCHDOG);
+        let Some(line_clock) =
+            clock::start(device.XOSC, device.CLOCKS, device.PLL_SYS, &mut resets)
+        else {
+            // The ring oscillator is too slow and too inexact for a line. So the board starts anew until the
+            // crystal does.
+            panic!("the crystal or the PLL does not start");
+        };
+        watchdog.enable_tick_generation(clock::CRYSTAL_MHZ);
+
+        let sio = Sio::new(device.SIO);
+        let pins = gpio::Pins::new(
+            device.IO_BANK0,
+            device.PADS_BANK0,
+            sio.gpio_bank0,
+            &mut resets,
+        );
+        let settings = |baud: u32| UartConfig::new(baud.Hz(), DataBits::Eight, None, StopBits::One);
+        let line_pins = (pins.gpio0.reconfigure(), pins.gpio1.reconfigure());
+        let line = UartPeripheral::new(device.UART0, line_pins, &mut resets)
+            .enable(settings(BAUD), line_clock);
+        let log_pins = uart::Pins::default().tx(pins.gpio4.reconfigure());
+        let log = UartPeripheral::new(device.UART1, log_pins, &mut resets)
+            .enable(settings(LOG_BAUD), line_clock);
+        let (Ok(mut line), Ok(log)) = (line, log) else {
+            panic!("the clock does not divide into the baud rates");
+        };
+        line.set_rx_watermark(FifoWatermark::Bytes4);
+        let (mut receiver, line) = line.split();
+        receiver.enable_rx_interrupt();
+        let (_, log) = log.split();
+
+        let board = Board {
+            timer_hz: CORE_HZ,
+            clock: Clock::Crystal,
+            start,
+        };
+        let (foreground, background) = trirrr_app::build(channels, board);
+        let parts = drives::Parts {
+            step: (pins.gpio6, pins.gpio7, pins.gpio8),
+            direction: (pins.gpio9, pins.gpio10, pins.gpio11),
+            enable: pins.gpio12,
+            slices: Slices::new(device.PWM, &mut resets),
+            angles: foreground.output().motors.map(|motor| motor.angle),
+        };
+        let (outputs, slot) = drives::build(parts);
+        let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
+        watchdog.start(WATCHDOG_MS.millis());
+        let (received, bytes) = bytes.split();
+        let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });
+        let local = Local {
+            receiver,
+            received,
+            tick: Tick::new(foreground, &board, inputs, outputs, clock),
+            slot,
+            background: Background::new(background, bytes, line, log),
+            watchdog,
+        };
+        (Shared {}, local)
+    }
+
+    /// One slot of the steppers. Above all else: the time of a pulse is its value.
+    #[cfg(drive = "stepper")]
+    #[task(binds = PWM_IRQ_WRAP, priority = 4, local = [slot])]
+    fn slot(context: slot::Context) {
+        context.local.slot.run();
+    }
+
+    /// Moves bytes from the line into their queue. Above the tick: the receiver interrupts with four bytes, or
+    /// when no more come, and has room for 28 more.
+    #[task(binds = UART0_IRQ, priority = 3, local = [receiver, received])]
+    fn line(context: line::Context) {
+        let line::LocalResources {
+            receiver, received, ..
+        } = context.local;
+        // Bounded: bytes beyond the receiver's capacity come later.
+        for _ in 0..FIFO {
+            match receiver.read() {
+                // A damaged byte, or one without room, damages its frame, which the host repeats.
+                Ok(byte) => {
+                    let _ = received.enqueue(byte);
+                }
+                Err(nb::Error::WouldBlock) => return,
+                Err(nb::Error::Other(_)) => {}
+            }
+        }
+    }
+
+    #[task(binds = SysTick, priority = 2, local = [tick])]
+    fn tick(context: tick::Context) {
+        context.local.tick.run();
+    }
+
+    #[idle(local = [background, watchdog])]
+    fn idle(context: idle::Context) -> ! {
+        let watchdog = context.local.watchdog;
+        context.local.background.run(|| watchdog.feed())
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    trirrr_app::refuse_host("cargo fw-rp2040")
+}

@@ -1,0 +1,113 @@
+//! Clock: a crystal and the PLL if they start, else the internal oscillator. No wait is without bound, so a
+//! dead crystal makes a slower or less exact board and not a dead one.
+//!
+//! The HAL's own start waits for ever, panics, and searches the PLL's factors at run time. Here factors and
+//! clocks are constants. The HAL takes its clocks for those of the reset; [`dividers`](crate::dividers)
+//! corrects the dividers that follow from them.
+
+use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC};
+use trirrr_protocol::message::Clock;
+
+/// The internal oscillator, Hz.
+const HSI_HZ: u32 = 16_000_000;
+
+/// Reads of a ready flag before the wait ends: 100 ms at 16 MHz and some 10 cycles each. A crystal takes a few
+/// ms, the PLL a third of one.
+const READS: u32 = 160_000;
+
+/// Crystal, MHz: `CRYSTAL_MHZ` when the image is built.
+const CRYSTAL_MHZ: u32 = match option_env!("CRYSTAL_MHZ") {
+    None => 8,
+    Some(text) => match u32::from_str_radix(text, 10) {
+        Ok(mhz) if mhz >= 4 && mhz <= 26 => mhz,
+        _ => panic!("CRYSTAL_MHZ has to be a whole number from 4 to 26"),
+    },
+};
+
+/// Rates of the clocks, Hz.
+#[derive(Clone, Copy)]
+pub(super) struct Clocks {
+    /// Core and memories.
+    pub(super) core: u32,
+    /// Serial ports and CAN controller, on APB1.
+    pub(super) apb1: u32,
+    /// Timers on APB1, which run twice as fast as their bus where that is slower than the core.
+    // Only some drives have one.
+    #[allow(dead_code)]
+    pub(super) timers: u32,
+}
+
+/// Clocks with the PLL; APB1 is at its limit.
+pub(super) const FAST: Clocks = Clocks {
+    core: 168_000_000,
+    apb1: 42_000_000,
+    timers: 84_000_000,
+};
+
+/// Clocks without the PLL, as after a reset.
+pub(super) const SLOW: Clocks = Clocks {
+    core: HSI_HZ,
+    apb1: HSI_HZ,
+    timers: HSI_HZ,
+};
+
+/// Starts the crystal and the PLL, as far as both start.
+pub(super) fn start(rcc: &RCC, flash: &FLASH, debug: &DBGMCU) -> (Clock, Clocks) {
+    rcc.cr().modify(|_, w| w.hseon().set_bit());
+    let crystal = becomes(|| rcc.cr().read().hserdy().bit_is_set());
+    if !crystal {
+        rcc.cr().modify(|_, w| w.hseon().clear_bit());
+    }
+    match (crystal, start_pll(rcc, flash, crystal)) {
+        (true, true) => (Clock::Crystal, FAST),
+        (false, true) => (Clock::Internal, FAST),
+        // Only an emulator has no identity. Its core runs at full speed in any case.
+        (_, false) if debug.idcode().read().bits() == 0 => (Clock::Emulated, FAST),
+        (_, false) => (Clock::Slow, SLOW),
+    }
+}
+
+/// Runs the core from the PLL, fed by the crystal or the internal oscillator (RM0090, 7.2.3 and 3.5.1): from
+/// 1 MHz by 336 and then through 2. Returns `false`, with everything as before, if the PLL does not lock.
+fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
+    const TIMES: u16 = (FAST.core / 1_000_000 * 2) as u16;
+    let source_mhz = if crystal {
+        CRYSTAL_MHZ
+    } else {
+        HSI_HZ / 1_000_000
+    };
+    // The reset leaves the PLL off, and only then it takes settings. 7 makes 48 MHz, which is not used.
+    // SAFETY: 4 to 26 through the first divider and 336 times are within the fields and what they allow.
+    #[allow(unsafe_code)]
+    rcc.pllcfgr().write(|w| unsafe {
+        w.pllsrc().bit(crystal);
+        w.pllm().bits(source_mhz as u8);
+        w.plln().bits(TIMES);
+        w.pllp().div2();
+        w.pllq().bits(7)
+    });
+    rcc.cr().modify(|_, w| w.pllon().set_bit());
+    if !becomes(|| rcc.cr().read().pllrdy().bit_is_set()) {
+        rcc.cr().modify(|_, w| w.pllon().clear_bit());
+        return false;
+    }
+    // At 168 MHz and 2.7 to 3.6 V the flash takes 5 more cycles. Set before the clock gets faster.
+    flash.acr().modify(|_, w| {
+        w.latency().ws5();
+        w.prften().set_bit();
+        w.icen().set_bit();
+        w.dcen().set_bit()
+    });
+    rcc.cfgr().modify(|_, w| {
+        w.ppre1().div4();
+        w.ppre2().div2()
+    });
+    // The switch to a locked PLL takes a few cycles.
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    true
+}
+
+/// Returns `true` once `is_so` does, `false` after [`READS`] calls.
+fn becomes(is_so: impl Fn() -> bool) -> bool {
+    (0..READS).any(|_| is_so())
+}

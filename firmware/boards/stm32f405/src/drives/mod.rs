@@ -1,0 +1,63 @@
+//! Drives of the scene on the pins of this board; `docs/board.md` has the table.
+//!
+//! | drive | pins | peripherals |
+//! |---|---|---|
+//! | stepper | step PC0 to PC2, direction PC3 to PC5, enable PB12 | TIM7: a slot |
+//! | bldc | PWM PC6 to PC8, direction PC3 to PC5, enable PB12 | TIM3: PWM at 20 kHz |
+//! | can | PB8 receive, PB9 transmit | CAN1 |
+//!
+//! Motors 1 to 3 have the pins in this order. All timers are on APB1. An image holds the drive that its scene
+//! names, or none.
+
+#[cfg(drive = "bldc")]
+mod bldc;
+#[cfg(drive = "odrive")]
+mod can;
+#[cfg(drive = "odrive")]
+mod controller;
+#[cfg(drive = "none")]
+mod none;
+#[cfg(drive = "stepper")]
+mod stepper;
+
+#[cfg(drive = "bldc")]
+pub(super) use bldc::{Drives, Slot, build};
+#[cfg(drive = "odrive")]
+pub(super) use can::{Drives, Slot, build};
+#[cfg(drive = "none")]
+pub(super) use none::{Drives, Slot, build};
+#[cfg(drive = "stepper")]
+pub(super) use stepper::{Drives, Slot, build};
+
+#[cfg(drive = "moteus")]
+compile_error!(
+    "drive.protocol = \"moteus\": its frames take CAN FD, and the controllers of the STM32F405 are \
+     of classic CAN"
+);
+
+use crate::clock::Clocks;
+use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
+use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
+use trirrr_app::scene::Scalar;
+use trirrr_core::number::Number;
+
+pub(super) type Angle = <Scalar as Number>::Angle;
+
+/// Parts of the board for drives.
+// Each kind of drive takes some of them.
+#[allow(dead_code)]
+pub(super) struct Parts {
+    pub(super) pb8: PB8,
+    pub(super) pb9: PB9,
+    pub(super) pb12: PB12,
+    pub(super) port_c: GPIOC,
+    pub(super) tim3: TIM3,
+    pub(super) tim7: TIM7,
+    pub(super) can1: CAN1,
+    /// Rates of the clocks.
+    pub(super) clocks: Clocks,
+    /// An emulator runs this image.
+    pub(super) is_emulated: bool,
+    /// Joint angles at the start.
+    pub(super) angles: [Angle; 3],
+}

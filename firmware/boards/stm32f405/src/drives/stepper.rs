@@ -1,0 +1,121 @@
+//! Steppers: TIM7 calls the slots.
+
+use super::{Angle, Parts};
+use crate::dividers;
+use crate::pins::OutputC;
+use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
+use stm32f4xx_hal::pac::TIM7;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
+use trirrr_app::Output;
+use trirrr_app::outputs::Outputs;
+use trirrr_app::scene::Scalar;
+use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
+use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
+use trirrr_core::number::Number;
+use trirrr_drives::stepper::{Axis, Slots, Steppers};
+use trirrr_drives::{Active, Enable, Failure};
+use trirrr_protocol::message::DriveFault;
+
+/// Least cycles of the core between two slots, three times those of one slot: fewer would starve the tick.
+const LEAST_CYCLES: u32 = 400;
+
+/// Drives, as the tick sees them.
+pub(crate) struct Drives {
+    steppers: Steppers<'static, Scalar>,
+    /// The core is fast enough for the slots.
+    runs: bool,
+}
+
+impl Outputs for Drives {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        if output.enabled && !self.runs {
+            return Err(too_slow());
+        }
+        self.steppers.apply(output)
+    }
+
+    fn angles(&self) -> Option<[Angle; 3]> {
+        Some(self.steppers.angles())
+    }
+
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.steppers.shift(by);
+    }
+}
+
+/// Failure of a board on which neither crystal nor PLL starts: the slots of a fast stepper are too many.
+#[cold]
+fn too_slow() -> Failure<Scalar> {
+    Failure {
+        what: DriveFault::StepRate,
+        drive: None,
+        value: Scalar::ZERO,
+        limit: Scalar::ONE,
+    }
+}
+
+/// Slots, as the timer sees them.
+pub(crate) struct Slot {
+    slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
+    timer: TIM7,
+}
+
+impl Slot {
+    /// Runs one slot.
+    #[inline(always)]
+    pub(crate) fn run(&mut self) {
+        // First: the write has to reach the timer before the interrupt returns.
+        dividers::clear(&self.timer);
+        let Ok(()) = self.slots.slot();
+    }
+}
+
+/// Builds the drives, off, and starts the slots if the core is fast enough.
+// A function of its own: its symbol shows that the image holds these drives.
+#[inline(never)]
+pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+    let c = parts.port_c.split(rcc);
+    let (active, off) = match ENABLE_HIGH {
+        true => (Active::High, PinState::Low),
+        false => (Active::Low, PinState::High),
+    };
+    let enable = parts.pb12.into_push_pull_output_in_state(off);
+    let Ok(enable) = Enable::new(enable, active);
+    let [r1, r2, r3] = REVERSED;
+    let low = PinState::Low;
+    let Ok(axis_1) = Axis::new(
+        c.pc0.into_push_pull_output_in_state(low).into(),
+        c.pc3.into_push_pull_output_in_state(low).into(),
+        r1,
+    );
+    let Ok(axis_2) = Axis::new(
+        c.pc1.into_push_pull_output_in_state(low).into(),
+        c.pc4.into_push_pull_output_in_state(low).into(),
+        r2,
+    );
+    let Ok(axis_3) = Axis::new(
+        c.pc2.into_push_pull_output_in_state(low).into(),
+        c.pc5.into_push_pull_output_in_state(low).into(),
+        r3,
+    );
+    let axes = [axis_1, axis_2, axis_3];
+    let slots = Slots::new(&LINE, axes, enable, PER_TICK);
+
+    let (timer, clocks) = (parts.tim7, parts.clocks);
+    TIM7::enable(rcc);
+    TIM7::reset(rcc);
+    let runs = clocks.core / SLOT_HZ >= LEAST_CYCLES;
+    if runs {
+        dividers::start(&timer, clocks.timers, SLOT_HZ);
+    } else {
+        defmt::error!(
+            "{=u32} slots per second are too many for {=u32} Hz",
+            SLOT_HZ,
+            clocks.core
+        );
+    }
+    let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
+    (Drives { steppers, runs }, Slot { slots, timer })
+}

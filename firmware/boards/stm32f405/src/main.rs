@@ -1,0 +1,153 @@
+//! STM32F405: the line on USART2 (PA2 TX, PA3 RX), the log on USART3 (PB10 TX), the tick on SysTick.
+//!
+//! | priority | interrupt | task |
+//! |---|---|---|
+//! | 4 | TIM7 | a slot of the step pulses, in images for steppers |
+//! | 3 | USART2 | a byte from the line into its queue |
+//! | 2 | SysTick | the tick |
+//! | none | | the background |
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod chip;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
+mod dividers;
+#[cfg(target_os = "none")]
+mod drives;
+#[cfg(target_os = "none")]
+mod pins;
+#[cfg(target_os = "none")]
+mod start;
+#[cfg(target_os = "none")]
+mod switches;
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use super::clock::{self, FAST, SLOW};
+    use super::dividers::set_bauds;
+    use super::drives::{self, Drives, Slot};
+    use super::start;
+    use super::switches::{self, Switches};
+    use embedded_hal_nb::serial::Read;
+    use heapless::spsc::{Producer, Queue};
+    use stm32f4xx_hal::pac::{USART2, USART3};
+    use stm32f4xx_hal::prelude::*;
+    use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+    use trirrr_app::{BAUD, LOG_BAUD, RECEIVED, WATCHDOG_MS};
+    use trirrr_app::{Background, Channels, Tick, TickClock, period};
+    use trirrr_protocol::message::{Board, Clock};
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        receiver: Rx<USART2>,
+        received: Producer<'static, u8>,
+        tick: Tick<Switches, Drives>,
+        slot: Slot,
+        background: Background<Tx<USART2>, Tx<USART3>>,
+        watchdog: IndependentWatchdog,
+    }
+
+    #[init(local = [
+        channels: Channels = Channels::new(),
+        bytes: Queue<u8, RECEIVED> = Queue::new(),
+    ])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let init::LocalResources {
+            channels, bytes, ..
+        } = context.local;
+        let device = context.device;
+        let start = start::cause(&device.RCC);
+        let (clock, clocks) = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU);
+        let period = match clock {
+            Clock::Slow => const { period(SLOW.core) },
+            _ => const { period(FAST.core) },
+        };
+        let mut rcc = device.RCC.constrain();
+
+        let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
+        let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
+        let line = Serial::new(device.USART2, (a.pa2, a.pa3), settings(BAUD), &mut rcc);
+        let log = device.USART3.tx(b.pb10, settings(LOG_BAUD), &mut rcc);
+        let (Ok(line), Ok(log)) = (line, log) else {
+            panic!("the slowest clock does not divide into the baud rates");
+        };
+        set_bauds(clocks.apb1, BAUD, LOG_BAUD);
+        let (line, mut receiver) = line.split();
+        receiver.listen();
+
+        let board = Board {
+            timer_hz: clocks.core,
+            clock,
+            start,
+        };
+        let (foreground, background) = trirrr_app::build(channels, board);
+        let parts = drives::Parts {
+            pb8: b.pb8,
+            pb9: b.pb9,
+            pb12: b.pb12,
+            port_c: device.GPIOC,
+            tim3: device.TIM3,
+            tim7: device.TIM7,
+            can1: device.CAN1,
+            clocks,
+            is_emulated: clock == Clock::Emulated,
+            angles: foreground.output().motors.map(|motor| motor.angle),
+        };
+        let (outputs, slot) = drives::build(parts, &mut rcc);
+        let inputs = switches::build(b.pb13, b.pb14, b.pb15);
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.stop_on_debug(&device.DBGMCU, true);
+        watchdog.start(WATCHDOG_MS.millis());
+        let (received, bytes) = bytes.split();
+        let clock = TickClock::start(context.core.SYST, period);
+        let local = Local {
+            receiver,
+            received,
+            tick: Tick::new(foreground, &board, inputs, outputs, clock),
+            slot,
+            background: Background::new(background, bytes, line, log),
+            watchdog,
+        };
+        (Shared {}, local)
+    }
+
+    /// One slot of the steppers. Above all else: the time of a pulse is its value.
+    #[cfg(drive = "stepper")]
+    #[task(binds = TIM7, priority = 4, local = [slot])]
+    fn slot(context: slot::Context) {
+        context.local.slot.run();
+    }
+
+    /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at
+    /// 921,600 baud the next comes 1,822 cycles later, less than a tick may take.
+    #[task(binds = USART2, priority = 3, local = [receiver, received])]
+    fn line(context: line::Context) {
+        // A damaged byte, or one without room, damages its frame, which the host repeats.
+        if let Ok(byte) = context.local.receiver.read() {
+            let _ = context.local.received.enqueue(byte);
+        }
+    }
+
+    #[task(binds = SysTick, priority = 2, local = [tick])]
+    fn tick(context: tick::Context) {
+        context.local.tick.run();
+    }
+
+    #[idle(local = [background, watchdog])]
+    fn idle(context: idle::Context) -> ! {
+        let watchdog = context.local.watchdog;
+        context.local.background.run(|| watchdog.feed())
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    trirrr_app::refuse_host("cargo fw")
+}
