@@ -1,8 +1,8 @@
-//! The line that switches all power stages on.
+//! Enable line: switches all power stages on and off.
 
 use embedded_hal::digital::OutputPin;
 
-/// The level at which a power stage is on.
+/// Level at which a power stage is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Active {
     /// Low: A4988, DRV8825 and TMC22xx call it `EN` with a bar.
@@ -11,7 +11,7 @@ pub enum Active {
     High,
 }
 
-/// The enable line. It knows what it said last, so that saying it again costs nothing.
+/// Enable line with its last state: setting the same state again writes no pin.
 #[derive(Debug)]
 pub struct Enable<E> {
     pin: E,
@@ -23,7 +23,7 @@ impl<E: OutputPin> Enable<E> {
     /// Takes the line and switches off.
     ///
     /// # Errors
-    /// The pin's.
+    /// Those of the pin.
     pub fn new(pin: E, active: Active) -> Result<Self, E::Error> {
         let mut enable = Self {
             pin,
@@ -34,7 +34,7 @@ impl<E: OutputPin> Enable<E> {
         Ok(enable)
     }
 
-    /// Switches; whether that was a change.
+    /// Switches. Returns `true` if that was a change.
     #[inline(always)]
     pub(crate) fn switch(&mut self, on: bool) -> Result<bool, E::Error> {
         if on == self.on {

@@ -1,18 +1,18 @@
-//! What went wrong, as the service takes it.
+//! Failure of a drive, as the service takes it.
 
 use trirrr_core::number::Number;
 use trirrr_protocol::message::{DriveFault, FaultCode};
 
-/// What a drive did not do.
+/// Failure of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure<N> {
-    /// What.
+    /// Kind of the failure.
     pub what: DriveFault,
-    /// Which drive, where it is one.
+    /// Index of the drive, if a single one has failed.
     pub drive: Option<u8>,
-    /// The value, as [`DriveFault`] says; 0 where there is none.
+    /// Value that belongs to [`DriveFault`]; 0 without one.
     pub value: N,
-    /// The limit that it broke; 0 where there is none.
+    /// Limit that the value broke; 0 without one.
     pub limit: N,
 }
 
@@ -26,7 +26,7 @@ impl<N: Number> Failure<N> {
         }
     }
 
-    /// The code to latch.
+    /// Fault code to latch.
     pub fn code(&self) -> FaultCode {
         FaultCode::Drive(self.what)
     }

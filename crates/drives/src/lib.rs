@@ -1,8 +1,7 @@
-//! Drives: what the tick commands, on the pins and frames of the electronics behind it.
+//! Drives: from the angles and torques of a tick to step pulses, PWM duty, and CAN frames.
 //!
 //! No board and no timer: pins are `embedded_hal::digital::OutputPin`, PWM outputs
-//! `embedded_hal::pwm::SetDutyCycle`, the bus `embedded_can::nb::Can`. The arithmetic is that of
-//! [`crate::command`].
+//! `embedded_hal::pwm::SetDutyCycle`, the bus is `embedded_can::nb::Can`.
 //!
 //! | scene | module | once per tick | above the tick |
 //! |---|---|---|---|
@@ -10,26 +9,40 @@
 //! | `kind = "bldc"` | [`bldc`] | [`bldc::Bldcs::apply`] | |
 //! | `kind = "can"` | [`can`] | [`can::CanDrives::apply`] | |
 //!
-//! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor
-//! panics. What a drive does not do comes back as a [`Failure`], to be latched by
-//! [`Foreground::raise`](trirrr_service::Foreground::raise). Where the output is not enabled,
-//! the drives are off.
+//! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor panics. A drive that
+//! fails gives a [`Failure`], to be latched by [`Foreground::raise`](trirrr_service::Foreground::raise). While
+//! the output is not enabled, drives are off.
 //!
-//! Motors and drives are counted from 0; angles, rates and torques are those of the joint, positive
-//! counter-clockwise. A `reversed` drive turns its joint clockwise where it thinks that it turns
-//! forward.
+//! The arithmetic has no pin, no timer and no device:
+//!
+//! ```text
+//! tick::Motor ──> joint::Reference ──> joint::Loop ──> bldc::Bldc ──> current, duty
+//!                        │               (torque)
+//!                        └──────────> stepper::StepMotor ──> stepper::Schedule ──> steps
+//! ```
+//! An inner loop ([`joint`]) runs at a rate of its own, above that of the ticks. [`count`] makes whole numbers of
+//! angles and duties.
+//!
+//! Motors and drives are counted from 0. Angles, rates and torques are those of the joint, positive
+//! counter-clockwise. A `reversed` drive turns its joint clockwise when it turns forward.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
-// A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a
-// value is refused, which `x <= limit` would let pass.
+// Comparisons with not-a-number are false. Guards are written `!(x > limit)`, so that such a value is refused;
+// `x <= limit` would let it pass.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod bldc;
 pub mod can;
-pub mod command;
+pub mod count;
 mod enable;
 mod failure;
+pub mod joint;
 pub mod stepper;
+mod winding;
 
 pub use enable::{Active, Enable};
 pub use failure::Failure;
+
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct ReadmeExamples;

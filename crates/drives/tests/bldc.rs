@@ -8,9 +8,9 @@ use std::cell::Cell;
 use std::convert::Infallible;
 use std::rc::Rc;
 use trirrr_core::number::Fixed;
+use trirrr_drives::bldc::{Bldc, BldcParameters};
 use trirrr_drives::bldc::{BldcMotor, Bldcs};
-use trirrr_drives::command::bldc::{Bldc, BldcParameters};
-use trirrr_drives::command::count::Countable;
+use trirrr_drives::count::Countable;
 use trirrr_drives::{Active, Enable};
 
 /// 84 MHz over 20 kHz.

@@ -271,7 +271,7 @@ const GEAR: f64 = 8.0;
 const ZERO: f64 = 0.3;
 const START: [f64; 3] = [2.9, -0.4, -3.0];
 
-fn drives<N: trirrr_drives::command::count::Countable>(
+fn drives<N: trirrr_drives::count::Countable>(
     bus: &Mailboxes,
     units: [f64; 2],
 ) -> CanDrives<N, Odrive, Mailboxes> {
@@ -336,7 +336,7 @@ fn fields(text: &str) -> [f64; 3] {
 
 /// Over several turns of the joints: what the rotors are told is N theta / 2 pi from the zero,
 /// unwrapped, N w / 2 pi and tau / N.
-fn rotors<N: trirrr_drives::command::count::Countable>(units: [f64; 2], tolerance: f64) {
+fn rotors<N: trirrr_drives::count::Countable>(units: [f64; 2], tolerance: f64) {
     let bus = Mailboxes::default();
     let mut drives = drives::<N>(&bus, units);
     let (mut turned, mut farthest) = (0.0, 0.0_f64);

@@ -10,7 +10,7 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::Massless;
 use trirrr_core::torque::payload::Centred;
-use trirrr_drives::command::stepper::StepsPerTurn;
+use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
 use trirrr_drives::{Active, Enable};
 use trirrr_protocol::message::{

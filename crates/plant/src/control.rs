@@ -6,7 +6,7 @@ use crate::motor::{Motor, Winding, wrapped};
 use crate::path::JobPath;
 use crate::refusal::Refusal;
 use crate::source::WholeTick;
-use trirrr_drives::command::bldc::DriveLimit;
+use trirrr_drives::bldc::DriveLimit;
 use trirrr_scene::{Controller, Scene};
 
 /// What is measured of a motor.

@@ -1,7 +1,7 @@
 //! Why the plant has no motion, or none that means anything.
 
 use trirrr_core::status::Status;
-use trirrr_drives::command::stepper::TooManySteps;
+use trirrr_drives::stepper::TooManySteps;
 
 /// The plant's own reasons to stop. Legs and motors are numbered from 1 in messages.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,10 +6,10 @@ use crate::refusal::Refusal;
 use crate::source::TickSource;
 use std::f64::consts::TAU;
 use trirrr_core::number::Number;
-use trirrr_drives::command::bldc::{Bldc, BldcParameters};
-use trirrr_drives::command::count::Countable;
-use trirrr_drives::command::joint::{Loop, Reference};
-use trirrr_drives::command::stepper::{Schedule, StepMotor, StepsPerTurn};
+use trirrr_drives::bldc::{Bldc, BldcParameters};
+use trirrr_drives::count::Countable;
+use trirrr_drives::joint::{Loop, Reference};
+use trirrr_drives::stepper::{Schedule, StepMotor, StepsPerTurn};
 use trirrr_scene::{DriveKind, Scene, Timing};
 
 /// The controllers of the three joints in the number type `N`.

@@ -7,7 +7,7 @@ use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
 use trirrr_core::units::Units;
-use trirrr_drives::command::joint::Reference;
+use trirrr_drives::joint::Reference;
 use trirrr_scene::{JobPlayer, Scene};
 
 /// The core's tick with room for every mass that a machine may have.

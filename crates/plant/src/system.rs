@@ -6,7 +6,7 @@ use crate::model::{Control, Plant};
 use crate::motor::{Motor, wrapped};
 use crate::refusal::Refusal;
 use crate::watch::{Cause, Ending, Watch};
-use trirrr_drives::command::bldc::DriveLimit;
+use trirrr_drives::bldc::DriveLimit;
 use trirrr_integrate::{Action, Direction, System};
 
 impl<const N: usize> System<N> for Plant<N> {

@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use trirrr_client::describe::Units;
 use trirrr_client::job;
 use trirrr_client::local;
-use trirrr_drives::command::joint::Reference;
+use trirrr_drives::joint::Reference;
 use trirrr_plant::Refusal;
 use trirrr_plant::simulate::Outcome;
 use trirrr_plant::source::{JointReferences, Pipeline, TickSource};

@@ -110,8 +110,8 @@ mod kind {
     use super::{Angle, Failure, Infallible, Ordering, Output, Pin, REGISTER, Scalar};
     use crate::scene::drive::{MOTORS, REVERSED};
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+    use trirrr_drives::bldc::Bldc;
     use trirrr_drives::bldc::{BldcMotor, Bldcs};
-    use trirrr_drives::command::bldc::Bldc;
     use trirrr_drives::{Active, Enable};
 
     /// A PWM output of 4,200 counts.

@@ -1,8 +1,8 @@
-//! Frames and bit timing of classic CAN, for controllers whose driver is the board's own.
+//! Frames and bit timing of classic CAN, for controllers with a driver of the board's own.
 
 use embedded_can::{Frame, Id};
 
-/// A data frame of up to eight bytes.
+/// Data frame of up to eight bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClassicFrame {
     id: Id,
@@ -12,7 +12,7 @@ pub struct ClassicFrame {
 }
 
 impl ClassicFrame {
-    /// The frame as a controller's registers have it: `length` bytes, at most eight, of `data`.
+    /// Frame from a controller's registers: the first `length` bytes of `data`, at most eight.
     pub fn of(id: Id, length: u8, data: [u8; 8]) -> Self {
         let length = length.min(8);
         let mut kept = [0; 8];
@@ -26,7 +26,7 @@ impl ClassicFrame {
         }
     }
 
-    /// The bytes, zeros behind the [length](Frame::dlc), as two words, the first byte lowest.
+    /// Bytes as two words, the first byte lowest, zeros behind the [length](Frame::dlc).
     #[inline(always)]
     pub fn words(&self) -> [u32; 2] {
         let [a, b, c, d, e, f, g, h] = self.data;
@@ -49,7 +49,7 @@ impl Frame for ClassicFrame {
         })
     }
 
-    /// Remote frames are not sent to these drives.
+    /// None: these drives take no remote frames.
     fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
         None
     }
@@ -77,7 +77,7 @@ impl Frame for ClassicFrame {
     }
 }
 
-/// A bit on the bus in time quanta: one to synchronise, then these, the sample between them.
+/// One bit on the bus in time quanta: one to synchronise, then those before and those after the sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitTiming {
     /// Cycles of the controller's clock per quantum.
@@ -89,8 +89,8 @@ pub struct BitTiming {
 }
 
 impl BitTiming {
-    /// Exactly `bit_rate_hz` from a clock of `clock_hz`, sampled at 7/8 of the bit or as near as eight to
-    /// sixteen quanta allow; none where the clock does not divide into it.
+    /// Timing of exactly `bit_rate_hz` from a clock of `clock_hz`, sampled near 7/8 of the bit, in eight to
+    /// sixteen quanta. `None` if the clock is no multiple of the rate.
     pub const fn new(clock_hz: u32, bit_rate_hz: u32) -> Option<Self> {
         let mut quanta = 16;
         while quanta >= 8 {

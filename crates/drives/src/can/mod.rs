@@ -1,12 +1,11 @@
-//! Drives of their own on the CAN bus: position, velocity and torque, once per tick.
+//! Drives on the CAN bus: position, velocity and torque, once per tick.
 //!
-//! The frames are those of ODrive ([`Odrive`]) or moteus ([`Moteus`]). Both are told what the rotor
-//! does: the gear is the scene's, so set up the drive without one of its own. Positions are absolute
-//! and unwrapped: 0 of the drive is a joint angle of the scene, and at the start a drive is within
-//! half a turn of the joint from there.
+//! The frames are those of ODrive ([`Odrive`]) or moteus ([`Moteus`]). Commands are those of the rotor: the scene
+//! has the gear, so set up the drive without one. Positions are absolute and unwrapped. Position 0 of the drive
+//! is a joint angle of the scene, and at the start the joint is within half a turn of that angle.
 //!
-//! When the drives go on, a protocol may need some ticks to prepare ([`Protocol::PREPARATION`]);
-//! meanwhile the drive hears no position. As long as they are off, they are told so in every tick.
+//! A protocol may need some ticks to prepare before the first command ([`Protocol::PREPARATION`]). While drives
+//! are off, every tick repeats the frame that switches them off.
 
 mod classic;
 mod moteus;
@@ -19,50 +18,50 @@ pub use odrive::Odrive;
 pub use rotor::{RotorCommand, RotorScale};
 
 use crate::Failure;
-use crate::command::count::Countable;
+use crate::count::Countable;
 use embedded_can::Frame;
 use rotor::Rotor;
 use trirrr_protocol::message::DriveFault;
 use trirrr_service::Output;
 
-/// A controller on the bus, with room for the frames of one tick: one for each drive.
+/// Controller on the bus, with room for the frames of one tick: one for each drive.
 pub trait Bus: embedded_can::nb::Can {
-    /// Drops the frames that have not gone out.
+    /// Drops frames that have not gone out.
     fn abort(&mut self);
 }
 
-/// What a drive is told in a tick.
+/// Order to a drive in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Say {
-    /// Be off.
+    /// Switch off.
     Off,
-    /// Get ready: step so many of [`Protocol::PREPARATION`], from 0.
+    /// Prepare: a step of [`Protocol::PREPARATION`], counted from 0.
     Prepare(u8, RotorCommand),
-    /// Do this.
+    /// Follow this command.
     Move(RotorCommand),
 }
 
-/// Why there is no frame.
+/// Refusal to make a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoFrame {
-    /// The frame type of this bus does not hold it: moteus takes CAN FD.
+    /// Frames of this bus are too short: moteus needs CAN FD.
     TooLong,
-    /// A value is beyond what its field holds.
+    /// A value does not fit its field.
     Range,
 }
 
-/// Frames of a kind of drive.
+/// Protocol of a kind of drive.
 pub trait Protocol {
-    /// Ticks from the switching on to the first command.
+    /// Ticks from switching on to the first command.
     const PREPARATION: u8;
 
-    /// The frame that tells drive `node`.
+    /// Frame with an order for drive `node`.
     ///
     /// # Errors
     /// [`NoFrame`].
     fn frame<F: Frame>(&self, node: u8, say: &Say) -> Result<F, NoFrame>;
 
-    /// The error, if it is one, that a drive reports in `frame`, with its node: never 0.
+    /// Node and error code, never 0, if `frame` reports an error.
     fn error<F: Frame>(&self, frame: &F) -> Option<(u8, u32)>;
 }
 
@@ -81,7 +80,7 @@ pub struct CanDrives<N: Countable, P, B> {
 const HEARD: usize = 3;
 
 impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
-    /// Drives at `nodes`, whose joints stand at `angles`.
+    /// Drives at `nodes` with joints at `angles`.
     pub fn new(
         protocol: P,
         bus: B,
@@ -99,12 +98,12 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
         }
     }
 
-    /// Sends what the tick wants to each drive. Off where the output is.
+    /// Sends the command of the tick to each drive. Switches the drives off unless the output is enabled.
     ///
     /// # Errors
     /// [`DriveFault::BusBusy`]: the frames of the tick before have not all gone out.
-    /// [`DriveFault::BusOff`]: the controller is off the bus. [`DriveFault::Range`]: a command that
-    /// the frame cannot hold. [`DriveFault::Reported`]: a drive says that it has an error.
+    /// [`DriveFault::BusOff`]: the controller is off the bus. [`DriveFault::Range`]: a command does not fit
+    /// its frame. [`DriveFault::Reported`]: a drive reports an error.
     #[inline(always)]
     pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
         if !output.enabled {
@@ -128,8 +127,8 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
         self.listen()
     }
 
-    /// Tells all drives to be off, in place of what they were told and have not heard. It is said in
-    /// every tick, so a frame that finds no room is said again.
+    /// Switches all drives off and drops commands that have not gone out. Every tick repeats this, so a frame
+    /// without room may be lost.
     #[inline(never)]
     pub fn off(&mut self) {
         if self.on.take().is_some() {
@@ -138,7 +137,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
         for node in self.nodes {
             let _ = send(&self.protocol, &mut self.bus, node, &Say::Off);
         }
-        // What they report is of no interest as long as they are off.
+        // Reports of drives that are off do not matter.
         for _ in 0..HEARD {
             let _ = self.bus.receive();
         }
@@ -152,7 +151,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
                 Err(nb::Error::WouldBlock) => break,
                 Err(nb::Error::Other(_)) => return Err(Failure::of(DriveFault::BusOff, None)),
             };
-            // While they prepare, an error may be the old one, which is being cleared.
+            // During the preparation an error may be the old one, which is being cleared.
             if self.on < Some(P::PREPARATION) {
                 continue;
             }
@@ -169,7 +168,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
     }
 }
 
-/// One frame into the bus.
+/// Sends one frame.
 #[inline(always)]
 fn send<P: Protocol, B: Bus>(
     protocol: &P,
@@ -183,7 +182,7 @@ fn send<P: Protocol, B: Bus>(
     };
     match bus.transmit(&frame) {
         Ok(None) => Ok(()),
-        // A frame was pushed out: one of these drives has not heard its own.
+        // The controller has dropped an older frame for this one: a drive has missed its command.
         Ok(Some(_)) | Err(nb::Error::WouldBlock) => Err(DriveFault::BusBusy),
         Err(nb::Error::Other(_)) => Err(DriveFault::BusOff),
     }

@@ -12,11 +12,11 @@
 //! | `50` | no operation, up to a length that CAN FD has |
 //!
 //! A frame takes 11 or 17 bytes, padded to 12 or 20, at 1 Mbit/s and 5 Mbit/s in the data: CAN FD.
-//! moteus has no form of this for the eight bytes of classic CAN ("no easy way to use moteus with
-//! CAN 2.0", its author in moteus issue 44), so a frame type that holds eight refuses every command.
+//! moteus has no such command for the eight bytes of classic CAN ("no easy way to use moteus with CAN 2.0", its
+//! author in moteus issue 44). A frame type that holds eight bytes refuses every command.
 //!
 //! Positions and torques of moteus are those of its output shaft: set `motor_position.rotor_to_output_ratio`
-//! to 1. Its own watchdog (`servo.default_timeout_s`) stops a motor whose commands stay out.
+//! to 1. The watchdog of moteus (`servo.default_timeout_s`) stops a motor without commands.
 
 use super::odrive::whole;
 use super::{NoFrame, Protocol, Say};
@@ -25,17 +25,17 @@ use embedded_can::{Frame, Id, StandardId};
 /// moteus; nodes 1 to 127. The source is 0, and no reply is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moteus {
-    /// How values are written.
+    /// Encoding of values.
     pub resolution: Resolution,
 }
 
-/// How values are written.
+/// Encoding of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
     /// 12 bytes: steps of 0.0001 turns, 0.00025 turns/s and 0.01 N m, up to 3.2767 turns, 8.19175
     /// turns/s and 327.67 N m.
     Int16,
-    /// 20 bytes: what is computed.
+    /// 20 bytes: binary32.
     Float,
 }
 
@@ -80,7 +80,7 @@ impl Protocol for Moteus {
         }
     }
 
-    /// Nothing is asked for, so nothing comes but what other masters asked for.
+    /// None: no reply is asked for, and replies to other masters do not count.
     fn error<F: Frame>(&self, _: &F) -> Option<(u8, u32)> {
         None
     }

@@ -12,8 +12,8 @@
 //! | 0x0C | Set Input Pos | position f32, turns; velocity i16, 0.001 turns/s; torque i16, 0.001 N m |
 //! | 0x18 | Clear Errors | |
 //!
-//! To go on: clear errors, position control without a filter, the position where the joint is, closed
-//! loop; to be off: idle. An estop is not used for that: it is an error, and this is none.
+//! To switch on: clear errors, position control without a filter, the present position, closed loop. To switch
+//! off: idle, not an estop, which is an error of the drive.
 
 use super::{NoFrame, Protocol, RotorCommand, Say};
 use embedded_can::{Frame, Id, StandardId};
@@ -57,7 +57,8 @@ impl Protocol for Odrive {
     }
 }
 
-/// What is said on the way on, and while the drive is off.
+/// Frames of the preparation, and of a drive that is off.
+// Apart from the command of each tick, which is inlined.
 #[inline(never)]
 fn seldom<F: Frame>(node: u8, say: &Say) -> Result<F, NoFrame> {
     match say {
@@ -91,18 +92,18 @@ fn input<F: Frame>(node: u8, command: &RotorCommand) -> Result<F, NoFrame> {
     frame(node, SET_INPUT_POS, &[p0, p1, p2, p3, v0, v1, t0, t1])
 }
 
-/// To the nearest thousandth.
+/// Nearest whole number of thousandths.
 #[inline(always)]
 fn thousandths(value: f32) -> Result<i16, NoFrame> {
     whole(value * 1000.0)
 }
 
-/// The nearest whole number.
+/// Nearest whole number.
 #[inline(always)]
 pub(super) fn whole(value: f32) -> Result<i16, NoFrame> {
     if value > -32767.5 && value < 32767.5 {
         let half = if value < 0.0 { -0.5 } else { 0.5 };
-        // By way of i32: a cast to i16 asks again what has just been asked.
+        // By way of i32: a cast to i16 checks the range a second time.
         Ok((value + half) as i32 as i16)
     } else {
         Err(NoFrame::Range)

@@ -1,21 +1,21 @@
 //! From the joint to the rotor behind its gear, and from radians to turns.
 
-use crate::command::count::Countable;
-use crate::command::winding::Winding;
+use crate::count::Countable;
+use crate::winding::Winding;
 use trirrr_core::tick::Motor;
 
-/// What a rotor has to do, as drives take it.
+/// Command of a rotor, in the units of drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotorCommand {
     /// Position, turns.
     pub position: f32,
     /// Velocity, turns per second.
     pub velocity: f32,
-    /// Torque of the rotor, N m, that the motion takes.
+    /// Torque of the rotor for this motion, N m.
     pub torque: f32,
 }
 
-/// From a joint in a machine's own units to its rotor.
+/// Conversion from a joint, in the machine's units, to its rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotorScale {
     /// Turns of the rotor per turn of the joint, negative where reversed.
@@ -24,14 +24,14 @@ pub struct RotorScale {
     velocity: f32,
     /// N m of the rotor per unit of joint torque.
     torque: f32,
-    /// The joint angle at which the drive's position is 0, turns.
+    /// Joint angle at which the drive's position is 0, rad.
     zero: f64,
 }
 
 impl RotorScale {
-    /// A gear of `gear_ratio` turns of the rotor per turn of the joint, `reversed` or not; the drive's
-    /// position is 0 at joint angle `zero_rad`. A unit of rate is `rate_rad_s`, a unit of torque
-    /// `torque_nm`: both 1 for the float types.
+    /// Gear of `gear_ratio` turns of the rotor per turn of the joint, `reversed` or not. The drive's position is
+    /// 0 at joint angle `zero_rad`. The machine's unit of rate is `rate_rad_s`, that of torque `torque_nm`: both
+    /// 1 for the float types.
     pub const fn new(
         gear_ratio: f64,
         reversed: bool,
@@ -49,7 +49,7 @@ impl RotorScale {
     }
 }
 
-/// A rotor, with the turns of its joint.
+/// Rotor with the turns of its joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rotor<N: Countable> {
     scale: RotorScale,
@@ -71,7 +71,7 @@ impl<N: Countable> Rotor<N> {
     #[inline(always)]
     pub(super) fn command(&mut self, motor: &Motor<N>) -> RotorCommand {
         self.winding = self.winding.after::<N>(motor.angle - self.zero);
-        // Within half a turn of a whole one, so that what is near 0 is not rounded as a turn is.
+        // Within half a turn of a whole one: a small angle must not be rounded like a whole turn.
         let part = self.winding.part as i32;
         let whole = self.winding.whole.wrapping_add(i32::from(part < 0));
         let turns = whole as f32 + part as f32 * (1.0 / 4_294_967_296.0);

@@ -1,10 +1,9 @@
-//! Between the tick and the slots.
+//! From the tick to the slots.
 
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 
-/// Where the motors have to be, handed from the tick to the slots. Written by the tick alone; no one
-/// waits. The slots preempt the tick, so what they find is whole: the positions count once the round
-/// does.
+/// Wanted positions of the motors. The tick writes, the slots read, neither waits. The slots preempt the tick
+/// and never see half a set: positions count once the round has changed.
 #[derive(Debug)]
 pub struct Line {
     positions: [AtomicI32; 3],
@@ -29,19 +28,19 @@ impl Line {
         }
     }
 
-    /// The next round: positions in microsteps, drives on.
+    /// Starts the next round: positions in microsteps, drives on.
     #[inline(always)]
     pub(super) fn give(&self, positions: [i32; 3]) {
         for (place, position) in self.positions.iter().zip(positions) {
             place.store(position, Ordering::Relaxed);
         }
-        // Not a read-modify-write, which not every core has: nobody else writes.
+        // No read-modify-write, which a Cortex-M0+ lacks: the tick alone writes.
         let round = self.round.load(Ordering::Relaxed);
         self.round.store(round.wrapping_add(1), Ordering::Release);
         self.on.store(true, Ordering::Release);
     }
 
-    /// Drives off: no pulse from the next slot on.
+    /// Switches the drives off: no pulse from the next slot on.
     #[inline(always)]
     pub(super) fn off(&self) {
         self.on.store(false, Ordering::Release);

@@ -1,21 +1,21 @@
-//! The half above the tick: from positions to pulses.
+//! Half above the tick: from positions to pulses.
 
 use super::line::Line;
+use super::schedule::{Schedule, Walk};
 use crate::Enable;
-use crate::command::stepper::{Schedule, Walk};
 use embedded_hal::digital::{ErrorType, OutputPin};
 
-/// The pins of one driver.
+/// Pins of one driver.
 #[derive(Debug)]
 pub struct Axis<S, D> {
     step: S,
     direction: D,
     reversed: bool,
-    /// The level of the direction pin stands for fewer microsteps.
+    /// The direction pin has the level for fewer microsteps.
     backward: bool,
     /// The step pin is high.
     high: bool,
-    /// Microsteps given.
+    /// Microsteps given so far.
     position: i32,
     walk: Walk,
 }
@@ -40,7 +40,7 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
         Ok(axis)
     }
 
-    /// Ends a pulse; whether there was one.
+    /// Ends a pulse. Returns `true` if there was one.
     #[inline(always)]
     fn fall(&mut self) -> Result<bool, S::Error> {
         let high = self.high;
@@ -51,7 +51,7 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
         Ok(high)
     }
 
-    /// Sets the direction; whether that was a change.
+    /// Sets the direction. Returns `true` if that was a change.
     #[inline(always)]
     fn turn(&mut self, backward: bool) -> Result<bool, S::Error> {
         if backward == self.backward {
@@ -65,7 +65,7 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
         Ok(true)
     }
 
-    /// Sets out for `position`, within `slots` slots; whether the direction changes.
+    /// Sets out for `position`, within `slots` slots. Returns `true` if the direction changes.
     #[inline(always)]
     fn set_out(&mut self, position: i32, slots: u32) -> Result<bool, S::Error> {
         let steps = position.wrapping_sub(self.position);
@@ -105,7 +105,7 @@ where
     D: OutputPin<Error = S::Error>,
     E: OutputPin<Error = S::Error>,
 {
-    /// Drivers that get `per_tick` slots in each tick, [`slots_per_tick`](super::slots_per_tick).
+    /// Drivers with `per_tick` slots in each tick, [`slots_per_tick`](super::slots_per_tick).
     pub fn new(line: &'l Line, axes: [Axis<S, D>; 3], enable: Enable<E>, per_tick: u32) -> Self {
         Self {
             line,
@@ -116,15 +116,15 @@ where
         }
     }
 
-    /// Microsteps given by each motor since it was switched on, modulo 2^32.
+    /// Microsteps that each motor was given since the start, modulo 2^32.
     pub fn positions(&self) -> [i32; 3] {
         self.axes.each_ref().map(|axis| axis.position)
     }
 
-    /// One slot.
+    /// Runs one slot.
     ///
     /// # Errors
-    /// A pin's; none where pins are registers.
+    /// Those of a pin. Pins that are registers have none.
     #[inline]
     pub fn slot(&mut self) -> Result<(), <S as ErrorType>::Error> {
         let on = self.line.is_on();

@@ -1,9 +1,9 @@
-//! The half in the tick: from angles to positions.
+//! Half in the tick: from angles to positions.
 
 use super::line::Line;
+use super::motor::{StepMotor, StepsPerTurn, TooManySteps};
 use crate::Failure;
-use crate::command::count::Countable;
-use crate::command::stepper::{StepMotor, StepsPerTurn, TooManySteps};
+use crate::count::Countable;
 use trirrr_protocol::message::DriveFault;
 use trirrr_service::Output;
 
@@ -15,7 +15,7 @@ pub struct Steppers<'l, N: Countable> {
 }
 
 impl<'l, N: Countable> Steppers<'l, N> {
-    /// Motors that stand at the joint angles `angles` and take up to `most` microsteps in a tick.
+    /// Motors at the joint angles `angles` that take up to `most` microsteps in a tick.
     pub fn new(
         per_turn: [StepsPerTurn; 3],
         most: [u32; 3],
@@ -29,7 +29,8 @@ impl<'l, N: Countable> Steppers<'l, N> {
         }
     }
 
-    /// Has the motors where this tick wants them by the next. Off where the output is.
+    /// Sends the motors to the angles of this tick, to arrive by the next. Switches the drives off unless the
+    /// output is enabled.
     ///
     /// # Errors
     /// [`DriveFault::StepRate`]: a motor would have to step faster than its driver can. None of the
@@ -51,11 +52,11 @@ impl<'l, N: Countable> Steppers<'l, N> {
         Ok(())
     }
 
-    /// None of the motors has moved.
+    /// Returns all motors to the angles `before`.
     #[cold]
     fn take_back(&mut self, before: [N::Angle; 3], drive: u8, refused: TooManySteps) -> Failure<N> {
         for (motor, angle) in self.motors.iter_mut().zip(before) {
-            // As many steps as there, or none.
+            // Not refused: the steps back are those that were just accepted.
             let _ = motor.move_to(angle);
         }
         Failure {
@@ -65,22 +66,21 @@ impl<'l, N: Countable> Steppers<'l, N> {
         }
     }
 
-    /// Drives off.
+    /// Switches the drives off.
     pub fn off(&mut self) {
         self.line.off();
     }
 
-    /// The joint angles that the motors were last moved to. After a failure the motors are here, and
-    /// not where the tick wanted them.
+    /// Joint angles that the motors were last moved to. After a failure the motors stand here, not at the
+    /// angles of the tick.
     pub fn angles(&self) -> [N::Angle; 3] {
         self.motors.each_ref().map(|motor| motor.angle())
     }
 
-    /// The motors stand where they are, and their joint angles turn out to be by so much more than they
-    /// were thought to be: no step is taken for it.
+    /// Follows a new zero of the joint angles: all are greater `by` so much. No step is taken.
     pub fn shift(&mut self, by: [N::Angle; 3]) {
         for (motor, by) in self.motors.iter_mut().zip(by) {
-            motor.stands_at(motor.angle() + by);
+            motor.set_angle(motor.angle() + by);
         }
     }
 }

@@ -4,8 +4,8 @@ use super::FIXED;
 use std::fmt::{self, Write};
 use trirrr_core::number::{Fixed, Number};
 use trirrr_core::units::Units;
-use trirrr_drives::command::bldc::{Bldc, BldcParameters};
-use trirrr_drives::command::stepper::StepsPerTurn;
+use trirrr_drives::bldc::{Bldc, BldcParameters};
+use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_scene::{Can, CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
 /// The kinds of drive, as `cfg(drive = "...")` has them in an image.
@@ -124,13 +124,13 @@ fn steppers(scene: &Scene, drives: &[Drive; 3]) -> Result<String, DriveError> {
             );
         }
         per_turn.push(format!(
-            "trirrr_drives::command::stepper::StepsPerTurn::new({microsteps}, {:?})",
+            "trirrr_drives::stepper::StepsPerTurn::new({microsteps}, {:?})",
             drive.gear_ratio
         ));
         most.push(most_per_tick(index, &stepper, scene.tick_rate_hz)?);
     }
     Ok(format!(
-        "pub const PER_TURN: [trirrr_drives::command::stepper::StepsPerTurn; 3] = [{}];\n\
+        "pub const PER_TURN: [trirrr_drives::stepper::StepsPerTurn; 3] = [{}];\n\
          pub const MOST_PER_TICK: [u32; 3] = {most:?};",
         per_turn.join(", ")
     ))
@@ -197,10 +197,10 @@ fn bldcs(drives: &[Drive; 3], scalar: &str, units: &Units) -> Result<String, Dri
                 }
             }
         }
-        motors.push(format!("trirrr_drives::command::bldc::{parameters:?}"));
+        motors.push(format!("trirrr_drives::bldc::{parameters:?}"));
     }
     Ok(format!(
-        "pub const MOTORS: [trirrr_drives::command::bldc::BldcParameters; 3] = [{}];",
+        "pub const MOTORS: [trirrr_drives::bldc::BldcParameters; 3] = [{}];",
         motors.join(", ")
     ))
 }

@@ -12,8 +12,8 @@ use trirrr_app::Output;
 use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
+use trirrr_drives::bldc::Bldc;
 use trirrr_drives::bldc::{BldcMotor, Bldcs};
-use trirrr_drives::command::bldc::Bldc;
 use trirrr_drives::{Active, Enable, Failure};
 
 /// PWM, Hz: above hearing, and 4,200 counts of duty at 168 MHz.

@@ -1,20 +1,20 @@
-//! How far a joint has turned, over any number of turns.
+//! Angle of a joint over any number of turns.
 
-use super::count::Countable;
+use crate::count::Countable;
 
-/// An angle with its whole turns: it follows angles that are known up to a turn, the short way
-/// round, and adds up nothing but whole turns.
+/// Angle with its whole turns. It follows angles that are known up to a turn, the short way round, and sums
+/// whole turns only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Winding {
+pub(crate) struct Winding {
     /// Whole turns,
-    pub whole: i32,
-    /// and the rest in 2^-32 of a turn.
-    pub part: u32,
+    pub(crate) whole: i32,
+    /// and the fraction in 2^-32 of a turn.
+    pub(crate) part: u32,
 }
 
 impl Winding {
     /// At `angle`, within the turn from 0 up.
-    pub fn at<N: Countable>(angle: N::Angle) -> Self {
+    pub(crate) fn at<N: Countable>(angle: N::Angle) -> Self {
         Self {
             whole: 0,
             part: N::turn(angle),
@@ -22,7 +22,7 @@ impl Winding {
     }
 
     /// At `angle`, within half a turn of 0.
-    pub fn near_zero<N: Countable>(angle: N::Angle) -> Self {
+    pub(crate) fn near_zero<N: Countable>(angle: N::Angle) -> Self {
         let part = N::turn(angle);
         Self {
             whole: if part >> 31 == 0 { 0 } else { -1 },
@@ -30,10 +30,10 @@ impl Winding {
         }
     }
 
-    /// Where it is once it has turned to `angle`.
+    /// Winding after a turn to `angle`, the short way round.
     #[inline(always)]
     #[must_use]
-    pub fn after<N: Countable>(self, angle: N::Angle) -> Self {
+    pub(crate) fn after<N: Countable>(self, angle: N::Angle) -> Self {
         let part = N::turn(angle);
         let forward = (part.wrapping_sub(self.part) as i32) >= 0;
         let crossed = match forward {

@@ -1,6 +1,6 @@
-//! A brushless motor in torque mode: torque to current, current to duty.
+//! From torque to current, and from current to duty.
 //!
-//! The winding as a direct-current equivalent behind a gear of ratio N, with joint torque tau and
+//! The winding is a direct-current equivalent behind a gear of ratio N, with joint torque tau and
 //! joint rate w, both positive counter-clockwise:
 //!
 //! ```text
@@ -10,7 +10,7 @@
 
 use trirrr_core::number::Number;
 
-/// A brushless motor and its supply, SI units.
+/// Brushless motor and its supply, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BldcParameters {
     /// N: turns of the rotor per turn of the joint.
@@ -27,8 +27,8 @@ pub struct BldcParameters {
     pub current_limit_a: f64,
 }
 
-/// Built coefficients. Current and voltage are fractions of the limit and of the supply, so that
-/// they are of order one in any number type.
+/// Coefficients of a motor. Current and voltage are fractions of the limit and of the supply, of order one in
+/// any number type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bldc<N> {
     /// 1 / (N Kt I_max)
@@ -39,29 +39,28 @@ pub struct Bldc<N> {
     duty_per_rate: N,
 }
 
-/// What the power stage is told.
+/// Command for the power stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BldcCommand<N> {
-    /// Current asked for, as a fraction of the limit, -1 to 1.
+    /// Current, as a fraction of the limit, -1 to 1.
     pub current: N,
     /// Voltage across the winding as a fraction of the supply, -1 to 1.
     pub duty: N,
-    /// The limit that acts, if one does: the torque asked for is not delivered.
+    /// Limit that acts, if one does: the motor gives less than the torque asked for.
     pub limited: Option<DriveLimit>,
 }
 
-/// A limit of the drive.
+/// Limit of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveLimit {
-    /// The torque takes more than the largest current.
+    /// The torque needs more than the largest current.
     Current,
-    /// Current and back-EMF take more than the supply.
+    /// Current and back-EMF need more than the supply.
     Voltage,
 }
 
 impl<N: Number> Bldc<N> {
-    /// Builds the coefficients for torques in N m and rates in rad/s. The values are taken as
-    /// checked: all positive.
+    /// Builds the coefficients for torques in N m and rates in rad/s. All parameters have to be positive.
     pub fn build(p: &BldcParameters) -> Self {
         let per_ampere = p.gear_ratio * p.torque_constant_nm_a;
         Self {
@@ -71,7 +70,7 @@ impl<N: Number> Bldc<N> {
         }
     }
 
-    /// The coefficients by name, for whoever has to know their size.
+    /// Coefficients by name: an image generator checks that they fit the number type.
     pub fn coefficients(&self) -> [(&'static str, N); 3] {
         [
             ("current over torque", self.current_per_torque),
@@ -80,8 +79,7 @@ impl<N: Number> Bldc<N> {
         ]
     }
 
-    /// The command for `torque` at the joint while the joint turns at `rate`. The current is
-    /// limited first, then the voltage.
+    /// Command for `torque` at a joint that turns at `rate`. Limits the current first, then the voltage.
     #[inline(always)]
     pub fn command(&self, torque: N, rate: N) -> BldcCommand<N> {
         let (current, over_current) = limit(torque * self.current_per_torque);
@@ -104,10 +102,10 @@ impl<N: Number> Bldc<N> {
     }
 }
 
-/// `x` within -1 to 1, and whether it was outside. What is not a number becomes 0: no torque.
+/// Limits `x` to -1 to 1; `true` if `x` was outside. Not a number becomes 0: no torque.
 #[inline(always)]
 fn limit<N: Number>(x: N) -> (N, bool) {
-    // Two comparisons for what is within, which is most of it.
+    // Two comparisons for a value within, the usual case.
     if x >= -N::ONE {
         if x <= N::ONE {
             (x, false)

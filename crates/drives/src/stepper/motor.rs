@@ -1,25 +1,26 @@
-//! A stepper on step and direction: from angles to whole microsteps, and where in a tick each of
-//! them falls. Whole numbers keep the sum exact: the position after a tick is the tick's own angle,
-//! rounded, and nothing is left over from the ticks before. No step is ever lost in the arithmetic.
+//! From angles to whole microsteps.
+//!
+//! Whole numbers keep the sum exact: the position after a tick is the rounded angle of that tick, and no
+//! rounding is left over from the ticks before.
 
-use super::count::Countable;
-use super::winding::Winding;
+use crate::count::Countable;
+use crate::winding::Winding;
 use core::fmt;
 
-/// Microsteps per turn of a joint: not whole behind every gear.
+/// Microsteps per turn of a joint. Behind a gear the number need not be whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepsPerTurn {
     whole: u32,
-    /// The rest, in 2^-32.
+    /// Fraction, in 2^-32.
     part: u32,
 }
 
 impl StepsPerTurn {
-    /// The most that can be counted with.
+    /// Largest number of microsteps per turn.
     pub const MAX: f64 = 2_147_483_647.0;
 
-    /// `per_turn` microsteps per turn of the rotor behind a gear of `gear_ratio`, positive. Their
-    /// product is taken as checked against [`Self::MAX`]; beyond, it is cut.
+    /// `per_turn` microsteps per turn of the rotor, and `gear_ratio` turns of the rotor per turn of the joint,
+    /// positive. A product above [`Self::MAX`] is cut to that.
     pub const fn new(per_turn: u32, gear_ratio: f64) -> Self {
         let steps = per_turn as f64 * gear_ratio;
         let steps = if steps < Self::MAX { steps } else { Self::MAX };
@@ -41,28 +42,28 @@ impl StepsPerTurn {
     }
 }
 
-/// A stepper behind a gear, its position counted in microsteps from where it was switched on.
+/// Stepper behind a gear, with its position in microsteps from the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepMotor<N: Countable> {
     per_turn: StepsPerTurn,
-    /// Largest number of microsteps in a tick.
+    /// Most microsteps in a tick.
     most_per_tick: u32,
-    /// The joint angle that it was commanded last,
+    /// Last commanded joint angle,
     angle: N::Angle,
     /// with its turns.
     winding: Winding,
-    /// What [`StepsPerTurn::times`] gives at position 0.
+    /// [`StepsPerTurn::times`] at position 0.
     origin: i64,
     /// Microsteps from the start.
     position: i32,
 }
 
-/// More microsteps than the driver can take in a tick.
+/// Refusal of more microsteps than the driver takes in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManySteps {
-    /// The microsteps asked for, of either sign.
+    /// Microsteps asked for, of either sign.
     pub steps: i32,
-    /// The most of either sign.
+    /// Most microsteps of either sign.
     pub most: u32,
 }
 
@@ -79,8 +80,7 @@ impl fmt::Display for TooManySteps {
 impl core::error::Error for TooManySteps {}
 
 impl<N: Countable> StepMotor<N> {
-    /// A motor that stands at joint angle `angle`, and whose driver takes `most_per_tick`
-    /// microsteps in a tick.
+    /// Motor at joint angle `angle`, whose driver takes up to `most_per_tick` microsteps in a tick.
     pub fn new(per_turn: StepsPerTurn, most_per_tick: u32, angle: N::Angle) -> Self {
         let winding = Winding::at::<N>(angle);
         Self {
@@ -99,22 +99,20 @@ impl<N: Countable> StepMotor<N> {
         self.position
     }
 
-    /// The joint angle that the motor was last moved to.
+    /// Joint angle that the motor was last moved to.
     pub fn angle(&self) -> N::Angle {
         self.angle
     }
 
-    /// The motor has been found to stand at joint angle `angle`: no step is taken. Its place
-    /// between two microsteps is that of the angle.
-    pub fn stands_at(&mut self, angle: N::Angle) {
+    /// Sets the joint angle of a motor that stands elsewhere than counted. No step is taken.
+    pub fn set_angle(&mut self, angle: N::Angle) {
         self.angle = angle;
         self.winding = Winding::at::<N>(angle);
         let position = i64::from(self.position) << 32;
         self.origin = self.per_turn.times(self.winding).wrapping_sub(position);
     }
 
-    /// The microsteps that bring the motor to `angle`, the short way round, within half a
-    /// microstep.
+    /// Moves the motor to `angle`, the short way round, to the nearest microstep. Returns the microsteps.
     ///
     /// # Errors
     /// [`TooManySteps`]; the motor stays where it is.
@@ -137,80 +135,9 @@ impl<N: Countable> StepMotor<N> {
     }
 }
 
-/// Microsteps spread evenly over the slots of a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Schedule {
-    steps: i32,
-    slots: u32,
-}
-
-impl Schedule {
-    /// `steps` over `slots` slots, at least one.
-    pub const fn new(steps: i32, slots: u32) -> Self {
-        Self {
-            steps,
-            slots: if slots == 0 { 1 } else { slots },
-        }
-    }
-
-    /// Microsteps due by the end of `slot`, counted from 0: `steps` by the end of the last.
-    #[inline]
-    pub fn due(&self, slot: u32) -> i32 {
-        let done = i64::from(slot.saturating_add(1).min(self.slots));
-        // No more than `steps`, so it fits.
-        (i64::from(self.steps) * done / i64::from(self.slots)) as i32
-    }
-
-    /// The same slot by slot, without a division.
-    pub const fn walk(&self) -> Walk {
-        Walk {
-            left: self.steps.unsigned_abs(),
-            each: self.steps.unsigned_abs(),
-            slots: self.slots,
-            reached: 0,
-        }
-    }
-}
-
-/// A [`Schedule`] slot by slot. No more than one step to a slot: what is more comes later.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Walk {
-    /// Steps that have not come yet.
-    left: u32,
-    each: u32,
-    slots: u32,
-    /// Parts of a step, `slots` to one.
-    reached: u32,
-}
-
-impl Walk {
-    /// Steps that have not come yet.
-    #[inline(always)]
-    pub fn left(&self) -> u32 {
-        self.left
-    }
-
-    /// Whether a step falls into this slot; to be asked once per slot. With `may` not set none
-    /// does, and what is due comes in a later one.
-    #[inline(always)]
-    pub fn step(&mut self, may: bool) -> bool {
-        if self.left == 0 {
-            return false;
-        }
-        self.reached = self.reached.saturating_add(self.each);
-        if !may || self.reached < self.slots {
-            return false;
-        }
-        self.reached -= self.slots;
-        self.left -= 1;
-        true
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::vec::Vec;
     use trirrr_core::number::Fixed;
 
     #[test]
@@ -273,64 +200,12 @@ mod tests {
     fn a_motor_found_elsewhere_takes_no_step() {
         let mut motor = StepMotor::<f64>::new(StepsPerTurn::new(200, 1.0), 100, 0.0);
         assert_eq!(motor.move_to(0.5), Ok(16)); // 15.9
-        motor.stands_at(-2.0);
+        motor.set_angle(-2.0);
         assert_eq!((motor.position(), motor.angle()), (16, -2.0));
         assert_eq!(motor.move_to(-2.0), Ok(0));
         // 31.8 microsteps from there.
         assert_eq!(motor.move_to(-1.0), Ok(32));
         assert_eq!(motor.position(), 48);
-    }
-
-    #[test]
-    fn steps_are_spread_evenly_and_all_of_them() {
-        for (steps, slots) in [(7, 100), (100, 7), (-13, 10), (0, 5), (5, 1), (i32::MIN, 3)] {
-            let schedule = Schedule::new(steps, slots);
-            let due: Vec<i64> = (0..slots).map(|slot| schedule.due(slot).into()).collect();
-            assert_eq!(*due.last().unwrap(), i64::from(steps));
-            let even = i64::from(steps) / i64::from(slots);
-            let mut before = 0;
-            for now in due {
-                let delta = now - before;
-                assert!((delta - even).abs() <= 1, "{steps} over {slots}: {delta}");
-                before = now;
-            }
-        }
-    }
-
-    #[test]
-    fn a_walk_is_the_schedule_slot_by_slot() {
-        for (steps, slots) in [
-            (7, 100),
-            (-13, 29),
-            (50, 101),
-            (0, 5),
-            (1, 1),
-            (1, 2),
-            (100, 100),
-        ] {
-            let schedule = Schedule::new(steps, slots);
-            let mut walk = schedule.walk();
-            let mut done = 0;
-            for slot in 0..slots {
-                done += i32::from(walk.step(true));
-                assert_eq!(
-                    done,
-                    schedule.due(slot).abs(),
-                    "{steps} over {slots}: {slot}"
-                );
-            }
-            assert_eq!(walk.left(), 0);
-            assert!(!walk.step(true));
-        }
-    }
-
-    #[test]
-    fn a_step_that_may_not_come_comes_later() {
-        let mut walk = Schedule::new(2, 4).walk();
-        let may = [true, false, true, true, true];
-        let came = may.map(|may| walk.step(may));
-        assert_eq!(came, [false, false, true, true, false]);
-        assert_eq!(walk.left(), 0);
     }
 
     #[test]

@@ -1,34 +1,36 @@
 //! Brushless motors in torque mode: PWM and direction.
 //!
-//! Torque to current to duty as [`crate::command::bldc`] has it, with the current limit and the
-//! back-EMF of the rate that the tick commands. Each motor has a PWM input for the share of the supply
-//! and a direction input; one enable line serves all.
+//! [`Bldc`] has the arithmetic from torque to current to duty, with the current limit and the back-EMF of the
+//! commanded rate. Each motor has a PWM input for the share of the supply and a direction input; one enable
+//! line serves all.
 //!
-//! Nothing here measures: the duty is that of the commanded motion, so the torque is that of a motor
-//! which keeps to it. What it does not keep to has to be closed around it, in the power stage or by an
-//! encoder and [`crate::command::joint::Loop`]; alone, positions drift.
+//! Nothing here measures. The duty belongs to the commanded motion, and so does the torque. A power stage or an
+//! encoder with [`crate::joint::Loop`] has to close the loop around the motor; alone, positions drift.
 
-use crate::command::bldc::Bldc;
-use crate::command::count::Countable;
+mod command;
+
+pub use command::{Bldc, BldcCommand, BldcParameters, DriveLimit};
+
+use crate::count::Countable;
 use crate::{Enable, Failure};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 use trirrr_core::number::Number;
 use trirrr_service::Output;
 
-/// One motor with its PWM output and direction pin.
+/// Motor with its PWM output and direction pin.
 #[derive(Debug)]
 pub struct BldcMotor<N, W, D> {
     drive: Bldc<N>,
     pwm: W,
-    /// Its largest duty.
+    /// Largest duty of the PWM output.
     full: u16,
     direction: D,
     reversed: bool,
 }
 
 impl<N, W: SetDutyCycle, D: OutputPin> BldcMotor<N, W, D> {
-    /// The direction pin is high for counter-clockwise voltage, low for it if `reversed`.
+    /// Motor whose direction pin is high for counter-clockwise voltage, or low if `reversed`.
     pub fn new(drive: Bldc<N>, pwm: W, direction: D, reversed: bool) -> Self {
         Self {
             drive,
@@ -54,18 +56,18 @@ where
     D: OutputPin,
     E: OutputPin,
 {
-    /// All duties 0, drives off.
+    /// Motors with duty 0, drives off.
     pub fn new(motors: [BldcMotor<N, W, D>; 3], enable: Enable<E>) -> Self {
         let mut bldcs = Self { motors, enable };
         bldcs.off();
         bldcs
     }
 
-    /// Sets duties and directions, then enables. Off where the output is.
+    /// Sets duties and directions, then enables. Switches the drives off unless the output is enabled.
     ///
     /// # Errors
     /// [`DriveFault::Reported`](trirrr_protocol::message::DriveFault::Reported): a pin or a PWM output
-    /// fails; those of a microcontroller do not.
+    /// fails. Those of a microcontroller do not.
     #[inline(always)]
     pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
         if !output.enabled {
@@ -90,7 +92,7 @@ where
         }
     }
 
-    /// Enable off, then all duties 0. As much of it as can be done is.
+    /// Switches the enable line off, then sets all duties to 0. A pin that fails stops neither.
     #[inline]
     pub fn off(&mut self) {
         let _ = self.enable.switch(false);

@@ -1,19 +1,20 @@
-//! The inner loop of one joint: proportional and derivative, with the torque of the tick fed
-//! forward where that is wanted.
+//! Inner loop of one joint: proportional and derivative, with or without the torque of the tick fed forward.
+//!
+//! The loop runs faster than the ticks: [`Reference::after`] extrapolates the setpoint of a tick.
 
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
 
-/// What a joint is to do at one instant.
+/// Setpoint of a joint at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<N: Number> {
-    /// theta_1; taken modulo a turn.
+    /// theta_1, modulo a turn.
     pub angle: N::Angle,
-    /// Its rate.
+    /// Rate of theta_1.
     pub rate: N,
-    /// Its acceleration.
+    /// Acceleration of theta_1.
     pub acceleration: N,
-    /// Torque of the motor on the joint that the motion takes.
+    /// Torque of the motor on the joint for this motion.
     pub torque: N,
 }
 
@@ -29,7 +30,7 @@ impl<N: Number> From<&Motor<N>> for Reference<N> {
 }
 
 impl<N: Number> Reference<N> {
-    /// The reference `elapsed` seconds later, at constant acceleration and torque.
+    /// Reference `elapsed` seconds later, at constant acceleration and torque.
     #[inline(always)]
     pub fn after(&self, elapsed: N) -> Self {
         let gained = self.acceleration * elapsed;
@@ -43,7 +44,7 @@ impl<N: Number> Reference<N> {
     }
 }
 
-/// tau = kp (theta_ref - theta) + kd (rate_ref - rate) \[+ tau_ref\].
+/// Controller tau = kp (theta_ref - theta) + kd (rate_ref - rate) \[+ tau_ref\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop<N> {
     kp: N,
@@ -53,7 +54,7 @@ pub struct Loop<N> {
 }
 
 impl<N: Number> Loop<N> {
-    /// With `kp` in N m/rad and `kd` in N m s/rad at the joint.
+    /// Controller with `kp` in N m/rad and `kd` in N m s/rad at the joint.
     pub fn build(kp: f64, kd: f64, feed_forward: bool) -> Self {
         Self {
             kp: N::from_f64(kp),
@@ -63,8 +64,8 @@ impl<N: Number> Loop<N> {
         }
     }
 
-    /// How far the joint at `angle` has to turn to the reference, the short way round. Both
-    /// angles are within a turn of each other.
+    /// Angle from the joint at `angle` to the reference, the short way round, rad. Both angles have to be
+    /// within a turn of each other.
     #[inline(always)]
     pub fn error(&self, reference: &Reference<N>, angle: N::Angle) -> N {
         let error = N::radians(reference.angle - angle);
@@ -77,7 +78,7 @@ impl<N: Number> Loop<N> {
         }
     }
 
-    /// The torque to command for a joint measured at `angle` with `rate`.
+    /// Torque for a joint measured at `angle` with `rate`.
     #[inline(always)]
     pub fn torque(&self, reference: &Reference<N>, angle: N::Angle, rate: N) -> N {
         let error = self.error(reference, angle);

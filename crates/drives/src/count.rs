@@ -1,20 +1,18 @@
-//! From numbers to the whole parts that hardware counts in.
+//! From numbers to counts of the hardware.
 
 use trirrr_core::number::{Coarse, Fixed, Number};
 
-/// A number type whose angles and fractions can be counted.
+/// Number type whose angles and fractions become counts.
 pub trait Countable: Number {
-    /// The angle within its turn, in 2^-32 of a turn: differences are the short way round when they
-    /// are read as an `i32`, and wrap as the angle does. Within three half turns of 0, to the
-    /// precision of the type, 2^-30 of a turn at best for those of 32 bits. What is not a number
-    /// gives 0.
+    /// Angle within its turn, in 2^-32 of a turn. A difference read as `i32` is the short way round. `angle`
+    /// has to be within three half turns of 0. Precise to the number type, at best 2^-30 of a turn for 32 bits.
+    /// Not a number gives 0.
     fn turn(angle: Self::Angle) -> u32;
 
-    /// abs(self) in parts of which `full` are 1, to the nearest, at most `full`. 0 for what is not
-    /// a number.
+    /// abs(self) times `full`, to the nearest, at most `full`. Not a number gives 0.
     fn parts(self, full: u16) -> u16;
 
-    /// The nearest binary32 number.
+    /// Nearest binary32 number.
     fn to_f32(self) -> f32;
 }
 
