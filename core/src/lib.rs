@@ -96,6 +96,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod arithmetic;
 pub mod dyad;
 pub mod forward;
 pub mod inverse;

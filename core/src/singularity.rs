@@ -11,7 +11,7 @@
 
 use crate::inverse::{LegPosition, Position};
 use crate::machine::Parameters;
-use crate::number::{Number, cross};
+use crate::number::{Arithmetic, Number, cross};
 use nalgebra::Vector2;
 
 /// Coefficients of the distances; only who asks for the distances holds them.
@@ -93,7 +93,7 @@ pub fn greatest_det_a(parameters: &Parameters) -> f64 {
     });
     let side = |a: usize, b: usize| {
         let edge: Vector2<f64> = joints[b] - joints[a];
-        Number::sqrt(edge.x * edge.x + edge.y * edge.y)
+        Arithmetic::sqrt(edge.x * edge.x + edge.y * edge.y)
     };
     let half_perimeter = (side(0, 1) + side(1, 2) + side(2, 0)) / 2.0;
     parameters

@@ -123,7 +123,7 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             true => motion.fits() && load.fits(),
             false => motion.joints_fit(),
         };
-        if N::SPREADS || fits {
+        if N::PROPAGATES_NON_FINITE || fits {
             Ok((motion, load))
         } else {
             Err(Status::OutOfRange)
@@ -175,8 +175,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         let [vx, vy, turning] = setpoint.velocity.into();
         let [ax, ay, angular] = setpoint.acceleration.into();
         let place = setpoint.pose.position;
-        let near = N::is_near(place.x) && N::is_near(place.y);
-        if !(near && N::fit([vx, vy, turning * turning, ax, ay, angular])) {
+        let near = N::within_reach_range(place.x) && N::within_reach_range(place.y);
+        if !(near && N::in_range([vx, vy, turning * turning, ax, ay, angular])) {
             return Err(Status::OutOfRange);
         }
         let rotation = Rotation::new(setpoint.pose.angle);
@@ -194,10 +194,10 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         // with a part that is not finite is not finite.
         let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
         let [t1, t2, t3] = torques;
-        let lost = match (N::SPREADS, P::Balance::TORQUES) {
+        let lost = match (N::PROPAGATES_NON_FINITE, P::Balance::TORQUES) {
             (true, true) => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
             (true, false) => !(a1 + a2 + a3).is_finite(),
-            (false, torques_count) => torques_count && !N::fit(torques),
+            (false, torques_count) => torques_count && !N::in_range(torques),
         };
         if lost {
             return Err(Status::OutOfRange);
@@ -250,7 +250,7 @@ mod tests {
             assert!(a.torque != N::ZERO && b.torque == N::ZERO);
         }
 
-        if N::SPREADS {
+        if N::PROPAGATES_NON_FINITE {
             return;
         }
         parameters.platform.mass_kg = 1e3;

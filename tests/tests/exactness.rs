@@ -4,7 +4,7 @@
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 use std::cell::RefCell;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Setpoint};
 use trirrr_tests::bound::Worst;
 use trirrr_tests::random::for_all;

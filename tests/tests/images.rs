@@ -6,6 +6,7 @@
 
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
+use trirrr_core::number::WideArithmetic;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::Section;
 use trirrr_service::{Coefficients, Parts, name};
@@ -57,7 +58,7 @@ macro_rules! images {
                 let [x, y, alpha] = first;
                 let start = trirrr_core::setpoint::Pose::<Scalar>::from_f64(x, y, alpha);
                 assert_eq!(format!("{START:?}"), format!("{start:?}"));
-                let period = <Scalar as trirrr_core::number::Number>::factor_from_f64(PERIOD);
+                let period = <Scalar as WideArithmetic>::factor_from_f64(PERIOD);
                 assert_eq!(format!("{:?}", SETTINGS.period), format!("{period:?}"));
                 assert_eq!(SETTINGS.scene.name, name(NAME));
                 assert_eq!(SETTINGS.scene.tick_rate_hz, TICK_RATE_HZ);

@@ -31,7 +31,7 @@ impl<N: Number> LegMotion<N> {
     /// does.
     #[inline(always)]
     pub fn fits(&self) -> bool {
-        self.joints_fit() && N::fit([self.accelerations.distal])
+        self.joints_fit() && N::in_range([self.accelerations.distal])
     }
 
     /// The same for who forms no torques: the distal link's acceleration is not looked at, and so
@@ -39,7 +39,7 @@ impl<N: Number> LegMotion<N> {
     #[inline(always)]
     pub fn joints_fit(&self) -> bool {
         let (rates, acc) = (&self.rates, &self.accelerations);
-        N::fit([
+        N::in_range([
             rates.proximal * rates.proximal,
             rates.distal * rates.distal,
             acc.proximal,

@@ -1,6 +1,6 @@
 //! Position: thesis (3.2) to (3.9), by vectors.
 
-use crate::dyad::{self, OutOfReach};
+use crate::dyad::{DyadPosition, OutOfReach};
 use crate::machine::{Geometry, Leg};
 use crate::number::Number;
 use crate::setpoint::Pose;
@@ -20,7 +20,7 @@ pub struct LegPosition<N: Number> {
     /// c: from the platform's reference point D to the platform joint C, in the fixed frame.
     pub platform_joint: Vector2<N>,
     /// The two links.
-    pub links: dyad::Position<N>,
+    pub links: DyadPosition<N>,
 }
 
 /// Where every joint is.
@@ -93,7 +93,7 @@ impl<N: Number> Geometry<N> {
     /// by d^2 leaves the number type.
     #[inline]
     pub fn position(&self, pose: &Pose<N>) -> Result<Position<N>, Status> {
-        if !(N::is_near(pose.position.x) && N::is_near(pose.position.y)) {
+        if !(N::within_reach_range(pose.position.x) && N::within_reach_range(pose.position.y)) {
             return Err(Status::OutOfRange);
         }
         let rotation = Rotation::new(pose.angle);

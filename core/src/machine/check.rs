@@ -28,7 +28,7 @@ impl Parameters {
         // The torques divide by det A; where it overflowed they would come out as zero.
         finite::<N>(Quantity::GreatestDetA, singularity::greatest_det_a(self))?;
         // Factors of the tick, which reach as far as an f64 where they are no quantities of it.
-        if N::SPREADS {
+        if N::PROPAGATES_NON_FINITE {
             not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
             not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;
         } else {
@@ -51,27 +51,32 @@ fn check_leg<N: Number>(leg: &LegParameters) -> Result<(), BuildError> {
     finite::<N>(Quantity::Base, leg.base_m.x)?;
     finite::<N>(Quantity::Base, leg.base_m.y)?;
     for place in [leg.base_m.x, leg.base_m.y] {
-        require::<N>(N::is_near(N::from_f64(place)), Quantity::Base, place, NEAR)?;
+        require::<N>(
+            N::within_reach_range(N::from_f64(place)),
+            Quantity::Base,
+            place,
+            NEAR,
+        )?;
     }
     positive::<N>(Quantity::ProximalLength, leg.proximal_m)?;
     positive::<N>(Quantity::DistalLength, leg.distal_m)?;
     // The dyad multiplies differences of squared lengths.
     let reach = leg.proximal_m + leg.distal_m;
-    if N::SPREADS {
+    if N::PROPAGATES_NON_FINITE {
         let fourth_power = N::from_f64(reach * reach * reach * reach);
         let held = fourth_power > N::ZERO && fourth_power.is_finite();
         require::<N>(held, Quantity::Reach, reach, FOURTH_POWER)?;
     } else {
-        let held = N::fit([N::from_f64(reach)]);
+        let held = N::in_range([N::from_f64(reach)]);
         require::<N>(held, Quantity::Reach, reach, IN_RANGE)?;
     }
     not_negative::<N>(Quantity::JointRadius, leg.joint_radius_m)?;
-    if !N::SPREADS {
+    if !N::PROPAGATES_NON_FINITE {
         let held = leg.joint_radius_m <= 0.5;
         require::<N>(held, Quantity::JointRadius, leg.joint_radius_m, WITHIN_HALF)?;
     }
     // An angle is no quantity of the tick: its sine and cosine are taken here.
-    if N::SPREADS {
+    if N::PROPAGATES_NON_FINITE {
         finite::<N>(Quantity::JointAngle, leg.joint_angle_rad)?;
     } else {
         finite::<f64>(Quantity::JointAngle, leg.joint_angle_rad)?;

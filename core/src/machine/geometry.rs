@@ -2,7 +2,7 @@
 
 use super::{BuildError, Parameters};
 use crate::dyad::Rrr;
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use nalgebra::Vector2;
 
 /// One leg: where it is fixed, where it holds the platform, and the dyad between.
@@ -30,7 +30,7 @@ impl<N: Number> Geometry<N> {
         parameters.check::<N>()?;
         Ok(Self {
             legs: parameters.legs.map(|leg| {
-                let (sin, cos) = f64::sin_cos(leg.joint_angle_rad);
+                let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
                 Leg {
                     base: leg.base_m.map(N::from_f64),
                     joint: Vector2::new(

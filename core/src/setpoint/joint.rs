@@ -116,6 +116,7 @@ pub fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::number::{Arithmetic, WideArithmetic};
     use core::f64::consts::PI;
 
     #[test]
@@ -151,7 +152,7 @@ mod tests {
     /// The turn in between is more than the number type holds.
     #[test]
     fn takes_the_shorter_way_round_in_fixed_point() {
-        use crate::number::{Fixed, Number};
+        use crate::number::Fixed;
         let angle = Fixed::angle_from_f64;
         let (from, to) = ([3.1, -3.1, 0.0], [-3.1, 3.1, 3.0]);
         let period = Fixed::factor_from_f64(0.1);

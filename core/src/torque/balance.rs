@@ -131,8 +131,8 @@ impl<N: Number> Solve<N> for Balance<N> {
             N::round(force.y.widen() - N::sum_ab_plus_cd(f2, d2.y, f3, d3.y)),
         );
         let f1 = N::round_scaled(sum_dot(d1, left), self.inverse_l2_sq);
-        let loads_fit = N::fit([force.x, force.y, moment, moment2, moment3, across]);
-        if !(loads_fit && N::fit([f1, f2, f3, left.x, left.y])) {
+        let loads_fit = N::in_range([force.x, force.y, moment, moment2, moment3, across]);
+        if !(loads_fit && N::in_range([f1, f2, f3, left.x, left.y])) {
             return Err(Status::OutOfRange);
         }
         Ok(Forces {

@@ -23,7 +23,7 @@ impl<N: Number> LegLoad<N> {
     /// Whether the load [fits](Number::fit).
     #[inline(always)]
     pub fn fits(&self) -> bool {
-        let fits = |load: Option<N>| load.is_none_or(|load| N::fit([load]));
+        let fits = |load: Option<N>| load.is_none_or(|load| N::in_range([load]));
         fits(self.at_motor) && fits(self.distal_over_l2_sq)
     }
 }

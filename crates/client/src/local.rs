@@ -9,9 +9,10 @@ use trirrr_core::tick::Motor;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, Transmit};
+use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::{Homing, Scene};
+use trirrr_service::ServiceNumber;
 use trirrr_service::{
     Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError, Settings,
     Setup, Take, WithHoming,
@@ -25,7 +26,7 @@ const MOVES: usize = 16 + 1;
 const SAMPLES: usize = 63 + 1;
 
 /// A machine that is talked to: the core's service, with both of its halves in one hand.
-pub trait LocalService<N: Transmit> {
+pub trait LocalService<N: ServiceNumber> {
     /// One tick.
     fn tick(&mut self);
 
@@ -63,7 +64,7 @@ pub struct Unbuildable {
 }
 
 /// What a client says first to the machine of `scene`.
-pub fn hello<N: Transmit>(scene: &Scene) -> Hello {
+pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
     Hello {
         protocol: PROTOCOL,
         schema: schema::key::<Request<N>, Message<N>>(),
@@ -77,7 +78,7 @@ pub fn hello<N: Transmit>(scene: &Scene) -> Hello {
 /// # Errors
 /// A machine, limits or a pose that the scene's reader would have refused, or that the number type
 /// cannot hold.
-pub fn with_machine<N: Transmit, T>(
+pub fn with_machine<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
@@ -88,14 +89,14 @@ pub fn with_machine<N: Transmit, T>(
 ///
 /// # Errors
 /// As [`with_machine`].
-pub fn with_machine_switched_on<N: Transmit, T>(
+pub fn with_machine_switched_on<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
     build(scene, scene.homing.as_ref(), play)
 }
 
-fn build<N: Transmit, T>(
+fn build<N: ServiceNumber, T>(
     scene: &Scene,
     homing: Option<&Homing>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
@@ -130,7 +131,7 @@ fn build<N: Transmit, T>(
 }
 
 /// What a service is built from, in the machine's units.
-struct Described<N: Transmit> {
+struct Described<N: ServiceNumber> {
     parameters: Parameters,
     limits: LimitParameters,
     start: Pose<N>,
@@ -143,7 +144,7 @@ fn with_payload<N, P, T>(
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, ServiceError>
 where
-    N: Transmit,
+    N: ServiceNumber,
     P: Payload<N> + Send + 'static,
 {
     match LinksKind::of(&described.parameters) {
@@ -161,7 +162,7 @@ fn with_links<N, P, L, T>(
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, ServiceError>
 where
-    N: Transmit,
+    N: ServiceNumber,
     P: Payload<N> + Send + 'static,
     L: Links<N> + Send + 'static,
 {
@@ -190,7 +191,7 @@ struct Service<F, B> {
 impl<'q, N, P, L, S, T, U, H> LocalService<N>
     for Service<Foreground<'q, N, P, L, T, H>, Background<'q, N, P, L, S, U>>
 where
-    N: Transmit,
+    N: ServiceNumber,
     P: Payload<N>,
     L: Links<N>,
     S: trirrr_service::Scene<N, P, L, Replacement = Section, Part = Section>,

@@ -93,6 +93,7 @@ impl Countable for Fixed {
 mod tests {
     use super::*;
     use core::f64::consts::{PI, TAU};
+    use trirrr_core::number::Arithmetic;
 
     /// How far `angle` is from where `turn` says, in turns.
     fn off<N: Countable>(angle: f64) -> f64 {

@@ -51,7 +51,7 @@ impl Winding {
 mod tests {
     use super::*;
     use core::f64::consts::TAU;
-    use trirrr_core::number::{Fixed, Number};
+    use trirrr_core::number::{Arithmetic, Fixed};
 
     #[test]
     fn whole_turns_are_counted_both_ways() {

@@ -139,8 +139,8 @@ fn fixed_point_drives_too() {
         (1.2, 1.0, 297.5),
     ] {
         let command = drive.command(
-            trirrr_core::number::Number::from_f64(torque),
-            trirrr_core::number::Number::from_f64(rate),
+            trirrr_core::number::Arithmetic::from_f64(torque),
+            trirrr_core::number::Arithmetic::from_f64(rate),
         );
         let found = f64::from(command.duty.parts(FULL));
         // 2^-28 of the duty is 2e-5 counts: either side of a half.

@@ -6,7 +6,7 @@ mod common;
 use common::{Pin, Scope};
 use core::f64::consts::{PI, TAU};
 use std::path::Path;
-use trirrr_core::number::Number;
+use trirrr_core::number::WideArithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::Massless;
 use trirrr_core::torque::payload::Centred;

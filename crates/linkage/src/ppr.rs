@@ -25,7 +25,7 @@ use super::motion::{
     GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration, turned,
 };
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, cross, dot, perpendicular};
+use trirrr_core::number::{Arithmetic, Number, cross, dot, perpendicular};
 
 /// Coefficients of a PPR dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl<N: Number> Ppr<N> {
     /// The dyad with arms `z2` and `z3` and the angles `gamma`, `delta` and `beta` (rad).
     pub fn new(z2: f64, gamma: f64, delta: f64, z3: f64, beta: f64) -> Self {
         let unit = |angle: f64| {
-            let (sin, cos) = <f64 as Number>::sin_cos(angle);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
             Vector2::new(cos, sin)
         };
         let offset = -(unit(gamma) * z2) - unit(gamma + delta + beta) * z3;
@@ -191,7 +191,7 @@ mod tests {
     use core::f64::consts::{FRAC_PI_2, PI};
 
     fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
         Vector2::new(cos, sin)
     }
 
@@ -210,7 +210,7 @@ mod tests {
         let right = b + unit(phi4) * at.second_slide.length + unit(phi3) * z3;
         assert!((left - right).abs().max() < 4e-16, "{left:?} {right:?}");
         assert!((at.link.direction - unit(phi4)).abs().max() < 4e-16);
-        let sine = <f64 as Number>::sin_cos(phi4 - phi1).0.abs();
+        let sine = <f64 as Arithmetic>::sin_cos(phi4 - phi1).0.abs();
         assert!((at.singularity_distance - sine).abs() < 2e-16);
     }
 

@@ -28,7 +28,7 @@ use super::motion::{
     GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration,
 };
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, cross, dot, perpendicular};
+use trirrr_core::number::{Arithmetic, Number, cross, dot, perpendicular};
 
 /// Coefficients of a PRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,8 +95,8 @@ impl<N: Number> Position<N> {
 impl<N: Number> Prp<N> {
     /// The dyad with arms `z2` and `z3` at the angles `gamma` and `beta` (rad).
     pub fn new(z2: f64, gamma: f64, z3: f64, beta: f64) -> Self {
-        let (sin_gamma, cos_gamma) = <f64 as Number>::sin_cos(gamma);
-        let (sin_beta, cos_beta) = <f64 as Number>::sin_cos(beta);
+        let (sin_gamma, cos_gamma) = <f64 as Arithmetic>::sin_cos(gamma);
+        let (sin_beta, cos_beta) = <f64 as Arithmetic>::sin_cos(beta);
         Self::from_offsets(
             Vector2::new(-(z2 * cos_gamma), -(z2 * sin_gamma)),
             Vector2::new(-(z3 * cos_beta), z3 * sin_beta),
@@ -232,7 +232,7 @@ mod tests {
     use core::f64::consts::PI;
 
     fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
         Vector2::new(cos, sin)
     }
 
@@ -260,7 +260,7 @@ mod tests {
         let right = b.position + unit(phi4) * at.second_slide.length + unit(phi3) * z3;
         assert!((left - right).abs().max() < 4e-16, "{left:?} {right:?}");
         assert!((left - at.joint.position).abs().max() < 4e-16);
-        let sine = <f64 as Number>::sin_cos(phi4 - phi1).0;
+        let sine = <f64 as Arithmetic>::sin_cos(phi4 - phi1).0;
         assert!((at.singularity_distance - sine).abs() < 2e-16);
     }
 

@@ -33,7 +33,7 @@
 use super::LinkageStatus;
 use super::motion::{LinkMotion, PointMotion, SlideMotion, turned};
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, cross, dot};
+use trirrr_core::number::{Arithmetic, Number, cross, dot};
 
 /// Coefficients of an RPR dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,8 +98,8 @@ impl<N: Number> Rpr<N> {
     /// The dyad with arms `z1` at A and `z3` at B, the angles `beta` and `alpha` (rad) between the
     /// arms and the guide, and the sign of s as `branch`.
     pub fn new(z1: f64, beta: f64, z3: f64, alpha: f64, branch: f64) -> Self {
-        let (sin_beta, cos_beta) = <f64 as Number>::sin_cos(beta);
-        let (sin_alpha, cos_alpha) = <f64 as Number>::sin_cos(alpha);
+        let (sin_beta, cos_beta) = <f64 as Arithmetic>::sin_cos(beta);
+        let (sin_alpha, cos_alpha) = <f64 as Arithmetic>::sin_cos(alpha);
         Self::from_offsets(
             z1 * cos_beta + z3 * cos_alpha,
             z1 * sin_beta - z3 * sin_alpha,
@@ -218,7 +218,7 @@ mod tests {
     use core::f64::consts::PI;
 
     fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
         Vector2::new(cos, sin)
     }
 
@@ -237,7 +237,7 @@ mod tests {
         for branch in [1.0, -1.0] {
             let dyad = Rpr::<f64>::new(z1, beta, z3, alpha, branch);
             let at = dyad.position(a - b).unwrap();
-            let phi2 = <f64 as Number>::atan2(at.direction.y, at.direction.x);
+            let phi2 = <f64 as Arithmetic>::atan2(at.direction.y, at.direction.x);
             let (phi1, phi3) = (phi2 - PI + beta, phi2 - alpha);
             let left = unit(phi1) * z1 - unit(phi2) * at.length - unit(phi3) * z3;
             assert!((left - (b - a)).abs().max() < 4e-16, "{left:?}");
@@ -254,7 +254,7 @@ mod tests {
         let b = PointMotion::fixed(Vector2::new(0.4, 0.0));
         let at = dyad.solve(&a, &b).unwrap();
         // The example counts its angle along A -> B, the dyad along B -> A.
-        let phi2 = <f64 as Number>::atan2(-at.first.direction.y, -at.first.direction.x);
+        let phi2 = <f64 as Arithmetic>::atan2(-at.first.direction.y, -at.first.direction.x);
         for (found, true_value) in [
             (phi2, 0.245_494_981_327_606_6),
             (at.slide.length, 0.300_688_584_228_405_1),

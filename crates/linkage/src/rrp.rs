@@ -34,7 +34,7 @@ use super::motion::{
     GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration, turned,
 };
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, cross, dot, perpendicular};
+use trirrr_core::number::{Arithmetic, Number, cross, dot, perpendicular};
 
 /// Coefficients of an RRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +105,7 @@ impl<N: Number> Rrp<N> {
     /// The dyad with the link `z4`, positive, the offset `z3` at the angle `gamma` (rad) to the
     /// guide, and the sign `branch`.
     pub fn new(z4: f64, z3: f64, gamma: f64, branch: f64) -> Self {
-        let (sin, cos) = <f64 as Number>::sin_cos(gamma);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(gamma);
         Self::from_offsets(z4, z3 * cos, z3 * sin, branch)
     }
 
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Number>::sin_cos(angle);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
         Vector2::new(cos, sin)
     }
 

@@ -4,7 +4,7 @@
 use crate::motion::{LinkMotion, PointMotion};
 use crate::status::LinkageStatus;
 use nalgebra::Vector2;
-pub use trirrr_core::dyad::{Accelerations, OutOfReach, Position, Rates, Rrr};
+pub use trirrr_core::dyad::{Accelerations, DyadPosition, OutOfReach, Rates, Rrr};
 use trirrr_core::number::Number;
 
 /// Motion of the links of a dyad between two moving joints.
@@ -60,6 +60,7 @@ impl<N: Number> SolveRrr<N> for Rrr<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trirrr_core::number::Arithmetic;
 
     #[test]
     fn solve_carries_both_ends() {
@@ -79,7 +80,7 @@ mod tests {
             assert!((found.acceleration - asked.acceleration).abs().max() < 1e-13);
         }
         let angle = at.second.angle() - at.first.angle();
-        let sine = <f64 as Number>::sin_cos(angle).0.abs();
+        let sine = <f64 as Arithmetic>::sin_cos(angle).0.abs();
         assert!((at.singularity_distance - sine).abs() < 1e-15);
     }
 

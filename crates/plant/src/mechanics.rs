@@ -25,7 +25,7 @@ use super::refusal::Refusal;
 use nalgebra::Vector2;
 use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::machine::Parameters;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, WideArithmetic};
 use trirrr_core::status::Status;
 
 /// The machine's coefficients. What it has not is `None` and takes no part in its equations.
@@ -129,7 +129,7 @@ impl Mechanics {
         trirrr_core::machine::Geometry::<f64>::build(parameters)
             .map_err(|error| Refusal::Machine(error.to_string()))?;
         let legs = parameters.legs.map(|leg| {
-            let (sin, cos) = <f64 as Number>::sin_cos(leg.joint_angle_rad);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
             let (l1, l2) = (leg.proximal_m, leg.distal_m);
             let (m1, c1) = (leg.proximal.mass_kg, leg.proximal.com_m);
             let rotor = if rotors { leg.rotor_inertia_kgm2 } else { 0.0 };
@@ -177,7 +177,7 @@ impl Mechanics {
     /// [`Status::Unreachable`], or [`Status::SerialSingular`] where a leg is exactly stretched.
     #[inline(always)]
     pub fn legs(&self, q: [f64; 3], v: [f64; 3]) -> Result<[LegState; 3], Status> {
-        let rotation = <f64 as Number>::sin_cos(q[2]);
+        let rotation = <f64 as Arithmetic>::sin_cos(q[2]);
         Ok([
             self.leg(0, q, v, rotation)?,
             self.leg(1, q, v, rotation)?,
@@ -225,7 +225,7 @@ impl Mechanics {
     /// theta_i1 of leg `index`, in (-pi, pi].
     #[inline(always)]
     pub fn motor_angle(&self, index: usize, leg: &LegState) -> f64 {
-        <f64 as Number>::direction(leg.r1.x, leg.r1.y, &self.legs[index].l1)
+        <f64 as WideArithmetic>::direction(leg.r1.x, leg.r1.y, &self.legs[index].l1)
     }
 
     /// (x'', y'', alpha'') under the joints' moments.
@@ -245,7 +245,7 @@ impl Mechanics {
         let mut m = [self.mass, 0.0, 0.0, self.mass, 0.0, self.inertia];
         let mut right = self.wrench;
         if let Some(centre) = self.centre {
-            let (sin, cos) = <f64 as Number>::sin_cos(q[2]);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(q[2]);
             let s = turned(centre, sin, cos) * self.mass;
             m[2] = -s.y;
             m[4] = s.x;
@@ -330,7 +330,7 @@ impl Mechanics {
     }
 
     fn centre_of_mass(&self, alpha: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Number>::sin_cos(alpha);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(alpha);
         self.centre
             .map_or(Vector2::zeros(), |centre| turned(centre, sin, cos))
     }

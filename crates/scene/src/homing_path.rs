@@ -7,7 +7,7 @@ use crate::read::{Document, Place};
 use core::f64::consts::{PI, TAU};
 use trirrr_core::forward::{Forward, Track, Tracker};
 use trirrr_core::machine::Geometry;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::singularity::Distances;
 use trirrr_service::{Contact, HomingMotor};
 
@@ -182,8 +182,8 @@ impl Chain<'_> {
 
 /// `angle` in (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
-    let (sin, cos) = <f64 as Number>::sin_cos(angle);
-    <f64 as Number>::atan2(sin, cos)
+    let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
+    <f64 as Arithmetic>::atan2(sin, cos)
 }
 
 /// A number to four significant digits, without trailing zeros.

@@ -9,7 +9,7 @@ use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
 use trirrr_core::limits::{self, LimitParameters};
 use trirrr_core::machine::{BuildError, Geometry, Leg, Parameters};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
@@ -218,7 +218,7 @@ impl Workspace<'_> {
         let (sin, cos) = f64::sin_cos(pose.angle);
         let c = Vector2::new(joint.x * cos - joint.y * sin, joint.x * sin + joint.y * cos);
         let span = pose.position - base + c;
-        let distance = Number::sqrt(span.x * span.x + span.y * span.y);
+        let distance = Arithmetic::sqrt(span.x * span.x + span.y * span.y);
         let longest = parameters.proximal_m + parameters.distal_m;
         let shortest = (parameters.proximal_m - parameters.distal_m).abs();
         let (excess, bound) = match distance > longest {

@@ -427,7 +427,7 @@ pub fn units_of_scene(scene: &Scene) -> Result<Units, RangeError> {
 /// # Errors
 /// [`RangeError`].
 pub fn units<N: Number>(scene: &Scene) -> Result<Units, RangeError> {
-    match N::SPREADS {
+    match N::PROPAGATES_NON_FINITE {
         true => Ok(Units::SI),
         false => units_of_scene(scene),
     }

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use trirrr_core::forward::Forward;
 use trirrr_core::machine::{Geometry, Parameters};
-use trirrr_core::number::{Fixed, Number};
+use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;

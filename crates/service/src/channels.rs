@@ -7,11 +7,10 @@ use super::link::{Order, Planned, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use crate::admission::Admission;
+use crate::admission::{Admission, Enclose};
 use core::fmt;
 use heapless::spsc::Queue;
 use trirrr_core::machine::BuildError;
-use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::status::Status;
 use trirrr_core::torque::links::Links;
@@ -34,7 +33,7 @@ const EVENTS: usize = 12;
 /// `S` is the [kind of scene](Scene).
 pub struct Channels<N, P, L, S, const MOVES: usize, const SAMPLES: usize>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,
@@ -105,7 +104,7 @@ impl From<BuildError> for ServiceError {
 
 impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Channels<N, P, L, S, MOVES, SAMPLES>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,
@@ -208,7 +207,7 @@ where
 impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Default
     for Channels<N, P, L, S, MOVES, SAMPLES>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

@@ -1,9 +1,8 @@
 //! What a service works with.
 
-use crate::admission::{EnclosedPath, Path};
+use crate::admission::{Enclose, EnclosedPath, Path};
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters, Quantity};
-use trirrr_core::number::Number;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::balance::Solve;
@@ -13,7 +12,7 @@ use trirrr_core::torque::payload::Payload;
 /// The coefficients of all that a service computes, in its number type: plain numbers, so that
 /// whoever builds an image can build them too and write them as constants.
 #[derive(Clone, Copy, Debug)]
-pub struct Coefficients<N: Number, P: Payload<N>, L: Links<N>> {
+pub struct Coefficients<N: Enclose, P: Payload<N>, L: Links<N>> {
     /// Of the tick.
     pub tick: Tick<N, P, L>,
     /// What its results must keep.
@@ -24,7 +23,7 @@ pub struct Coefficients<N: Number, P: Payload<N>, L: Links<N>> {
     pub path: EnclosedPath<N, P, L>,
 }
 
-impl<N: Number, P: Payload<N>, L: Links<N>> Coefficients<N, P, L> {
+impl<N: Enclose, P: Payload<N>, L: Links<N>> Coefficients<N, P, L> {
     /// Checks the machine and its limits, in its own units, and builds the coefficients.
     /// `ramp_ticks`, positive, is how long a hold or a stop takes from normal speed to rest; a tick
     /// lasts `period`.

@@ -40,6 +40,7 @@ mod foreground;
 mod guard;
 mod homing;
 mod link;
+mod number;
 mod pace;
 mod queue;
 mod scene;
@@ -58,5 +59,6 @@ pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
     HomingTimes, NoHoming, Plan, Progress, WithHoming,
 };
+pub use number::ServiceNumber;
 pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take};
 pub use settings::{SceneIdentity, Settings, key, name};

@@ -8,6 +8,7 @@ use super::coefficients::Coefficients;
 use super::homing::{Homing, NoHoming, Plan};
 use super::queue::{Receiver, Sender};
 use super::settings::Settings;
+use crate::admission::Enclose;
 use heapless::spsc::Queue;
 use serde::Serialize;
 use trirrr_core::limits::{LimitParameters, Limits};
@@ -24,7 +25,7 @@ use trirrr_protocol::message::{Refusal, Replacement, Unread, Written};
 
 /// What the tick works with, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup<N: Number, P: Payload<N>, L> {
+pub struct Setup<N: Enclose, P: Payload<N>, L> {
     /// The pipeline.
     pub(super) tick: Tick<N, P, L>,
     /// What its results must keep.
@@ -34,7 +35,7 @@ pub struct Setup<N: Number, P: Payload<N>, L> {
 }
 
 /// A scene, as the background keeps it.
-pub trait Scene<N: Number, P: Payload<N>, L: Links<N>> {
+pub trait Scene<N: Enclose, P: Payload<N>, L: Links<N>> {
     /// Room for a setup on its way to the tick.
     type Slot: Slot<Setup<N, P, L>>;
 
@@ -109,7 +110,7 @@ pub trait Take<T> {
 /// A scene that stays as it is. Its coefficients may have been built long before, on another
 /// machine; its description is only passed on.
 #[derive(Clone, Copy, Debug)]
-pub struct Compiled<'a, N: Number, P: Payload<N>, L: Links<N>> {
+pub struct Compiled<'a, N: Enclose, P: Payload<N>, L: Links<N>> {
     /// What the service works with, in the machine's units.
     pub coefficients: &'a Coefficients<N, P, L>,
     /// Its description.
@@ -148,7 +149,7 @@ impl Adjustable {
         }
     }
 
-    fn has_room_for<N: Number, P: Payload<N>>(
+    fn has_room_for<N: Enclose, P: Payload<N>>(
         &self,
         parameters: &Parameters,
         limits: &LimitParameters,
@@ -233,7 +234,7 @@ impl<T> Take<T> for QueueTake<'_, T> {
     }
 }
 
-impl<'a, N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'a, N, P, L> {
+impl<'a, N: Enclose, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'a, N, P, L> {
     type Slot = NoSlot;
     type Replacement = Unread;
     type Part = Written<'a>;
@@ -273,7 +274,7 @@ impl<'a, N: Number, P: Payload<N>, L: Links<N>> Scene<N, P, L> for Compiled<'a, 
 
 impl<N, P, L> Scene<N, P, L> for Adjustable
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
 {

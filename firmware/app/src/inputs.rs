@@ -1,11 +1,11 @@
 //! From the machine to the tick: homing switches, or drives that report a stall.
 
 use crate::scene::Scalar;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
 
 /// Joint angle in the scene's number type.
-pub(crate) type Angle = <Scalar as Number>::Angle;
+pub(crate) type Angle = <Scalar as Arithmetic>::Angle;
 
 /// One flag for each motor, set while the switch is closed or the drive stalls.
 #[cfg(homing)]

@@ -6,7 +6,7 @@ use crate::outputs::Outputs;
 use crate::scene::Scalar;
 use crate::service::Foreground;
 use crate::tick_clock::TickClock;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
 use trirrr_protocol::message::{Board, FaultCode};
 

@@ -21,9 +21,9 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::transport::Listener;
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_protocol::message::Transmit;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_service::ServiceNumber;
 
 /// From one look at the link to the next, while no tick is due.
 const LOOK: Duration = Duration::from_micros(500);
@@ -73,7 +73,7 @@ struct Device<'a> {
 }
 
 impl Device<'_> {
-    fn play<N: Transmit>(self) -> Result<(), Failure> {
+    fn play<N: ServiceNumber>(self) -> Result<(), Failure> {
         let Self {
             scene,
             listener,
@@ -110,7 +110,7 @@ impl Device<'_> {
 }
 
 /// Ticks at `rate_hz` until `stop` is raised.
-fn run<N: Transmit>(
+fn run<N: ServiceNumber>(
     mut server: Server<N>,
     rate_hz: f64,
     stop: &AtomicBool,

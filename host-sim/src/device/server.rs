@@ -7,13 +7,14 @@ use std::io;
 use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
 use trirrr_client::transport::Listener;
-use trirrr_protocol::message::{Message, Transmit};
+use trirrr_protocol::message::Message;
+use trirrr_service::ServiceNumber;
 
 /// Slices of background work between two looks at the link.
 const SLICES: u32 = 64;
 
 /// A machine that listens: one client at a time, the next one when that has gone.
-pub(super) struct Server<'a, N: Transmit> {
+pub(super) struct Server<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     /// The motors, where the machine has to find them.
     motors: Option<Motors>,
@@ -24,7 +25,7 @@ pub(super) struct Server<'a, N: Transmit> {
     diary: Diary,
 }
 
-impl<'a, N: Transmit> Server<'a, N> {
+impl<'a, N: ServiceNumber> Server<'a, N> {
     pub(super) fn new(
         machine: &'a mut dyn LocalService<N>,
         motors: Option<Motors>,

@@ -135,7 +135,7 @@ fn evaluate_in<N: Number>(
 /// The motion of a row, or its status.
 fn evaluate_row<N: Number>(columns: &Columns, record: &ByteRecord) -> Result<Record, String> {
     let invalid = |reason: String| format!("invalid: {reason}");
-    if N::SPREADS {
+    if N::PROPAGATES_NON_FINITE {
         let case = cases::read::<N>(columns, record).map_err(invalid)?;
         return motion(&case.parameters, Units::SI, &case.setpoint);
     }

@@ -27,10 +27,11 @@ use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_protocol::message::{Telemetry, Transmit};
+use trirrr_protocol::message::Telemetry;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline;
+use trirrr_service::ServiceNumber;
 
 /// Samples that may wait for the recorder before a tick has to.
 const WAITING: usize = 16_384;
@@ -139,7 +140,7 @@ pub fn simulate(
     }
 }
 
-fn simulate_in<N: Transmit>(
+fn simulate_in<N: ServiceNumber>(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
@@ -191,13 +192,13 @@ fn simulate_in<N: Transmit>(
 
 /// What becomes of the samples. It has a thread of its own, so that a slow disk does not delay a
 /// tick.
-struct Recording<'a, N: Transmit> {
+struct Recording<'a, N: ServiceNumber> {
     samples: Samples<'a, N>,
     recorder: Recorder,
     progress: Progress,
 }
 
-impl<N: Transmit> Recording<'_, N> {
+impl<N: ServiceNumber> Recording<'_, N> {
     /// Takes every sample until the sender is gone. After an error no more are taken, which the
     /// sender notices.
     fn record_all(mut self, samples: &Receiver<Telemetry<N>>) -> Result<Recorder, Failure> {

@@ -11,12 +11,13 @@ use trirrr_client::describe::{self, Units};
 use trirrr_client::local::{self, LocalService};
 use trirrr_client::records::is_of_a_job;
 use trirrr_protocol::message::{
-    Command, Message, Move, Refusal, Reply, Request, Status, Telemetry, Transmit, Violation,
+    Command, Message, Move, Refusal, Reply, Request, Status, Telemetry, Violation,
 };
 use trirrr_scene::Scene;
+use trirrr_service::ServiceNumber;
 
 /// A job on its way through a machine.
-pub(super) struct Player<'a, N: Transmit> {
+pub(super) struct Player<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     units: Units,
     moves: Vec<Move<N>>,
@@ -39,7 +40,7 @@ enum After {
     End(End),
 }
 
-impl<'a, N: Transmit> Player<'a, N> {
+impl<'a, N: ServiceNumber> Player<'a, N> {
     /// Of `moves`, the job of a scene that `machine` was built from.
     pub(super) fn new(
         machine: &'a mut dyn LocalService<N>,

@@ -12,14 +12,15 @@ use trirrr_drives::joint::Reference;
 use trirrr_plant::Refusal;
 use trirrr_plant::simulate::Outcome;
 use trirrr_plant::source::{JointReferences, Pipeline, TickSource};
-use trirrr_protocol::message::{Telemetry, Transmit};
+use trirrr_protocol::message::Telemetry;
 use trirrr_scene::Scene;
+use trirrr_service::ServiceNumber;
 
 /// Ticks that the service may be ahead of the drives.
 const AHEAD: usize = 1024;
 
 /// What the service tells the drives, tick by tick.
-struct Served<N: Transmit> {
+struct Served<N: ServiceNumber> {
     samples: Receiver<Telemetry<N>>,
     /// The sample of the first tick, until it is asked for.
     first: Option<Telemetry<N>>,
@@ -30,7 +31,7 @@ struct Served<N: Transmit> {
     rest: Pipeline<N>,
 }
 
-impl<N: Transmit> TickSource for Served<N> {
+impl<N: ServiceNumber> TickSource for Served<N> {
     fn start(&mut self) -> Result<JointReferences, Refusal> {
         // The service has judged the job and is on its way before the plant's time begins.
         self.first = Some(self.samples.recv().map_err(|_| Refusal::Service)?);
@@ -65,7 +66,7 @@ impl<N: Transmit> TickSource for Served<N> {
 /// # Errors
 /// Refused: what `simulate` refuses, or a scene that no service can be built of. Failed: the
 /// service refuses the job or has a fault.
-pub(super) fn with_service<N: Transmit>(
+pub(super) fn with_service<N: ServiceNumber>(
     scene: &Scene,
     stop: &AtomicBool,
     simulate: impl FnOnce(Box<dyn TickSource>) -> Result<Outcome, Refusal>,

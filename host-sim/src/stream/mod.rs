@@ -25,12 +25,13 @@ use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
 use trirrr_client::{Patience, Stream};
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_protocol::message::{Telemetry, Transmit};
+use trirrr_protocol::message::Telemetry;
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline;
+use trirrr_service::ServiceNumber;
 
 /// Of the bytes that a serial port carries, this part may be telemetry.
 const TELEMETRY_SHARE: f64 = 0.8;
@@ -54,7 +55,7 @@ pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
     }
 }
 
-fn stream<N: Transmit>(
+fn stream<N: ServiceNumber>(
     args: &StreamArgs,
     scene: &Scene,
     scalar: NumberType,
@@ -142,7 +143,7 @@ fn stream<N: Transmit>(
 
 /// Ticks from one telemetry sample to the next: as asked for, or as the scene has it, or more where
 /// a serial port does not carry as many.
-fn telemetry_every<N: Transmit>(args: &StreamArgs, scene: &Scene, display: &Display) -> u16 {
+fn telemetry_every<N: ServiceNumber>(args: &StreamArgs, scene: &Scene, display: &Display) -> u16 {
     // The scene's reader holds it to the same range.
     let wanted = u16::try_from(scene.service.telemetry_ticks).unwrap_or(u16::MAX);
     let least = match &args.port {
@@ -190,7 +191,7 @@ fn patience(total: Duration) -> Patience {
 }
 
 /// The stream, which brings the machine to the start of its job as the user wants it.
-fn to_start<N: Transmit>(args: &StreamArgs, stream: Stream<N>) -> Stream<N> {
+fn to_start<N: ServiceNumber>(args: &StreamArgs, stream: Stream<N>) -> Stream<N> {
     let stream = match args.no_homing {
         true => stream.without_homing(),
         false => stream,

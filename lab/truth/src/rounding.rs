@@ -17,7 +17,7 @@ pub enum Rounding {
 impl Rounding {
     /// The rounding of `N`, which runs in `units`.
     pub fn of<N: Number>(units: Units) -> Self {
-        match N::SPREADS {
+        match N::PROPAGATES_NON_FINITE {
             true => Self::Relative(N::UNIT_ROUNDOFF.to_f64()),
             false => Self::Absolute(units),
         }

@@ -5,6 +5,7 @@
 //! bits, on the way to and from a hold too.
 
 use postcard::to_slice;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::{Move, State, Telemetry, Transmit};
@@ -289,7 +290,7 @@ fn segment<N: Transmit>(each: &Move<N>, period: N::Factor) -> Segment<N> {
 }
 
 /// Angle, rate, acceleration and torque of each motor.
-type Motors<N> = [(<N as trirrr_core::number::Number>::Angle, N, N, N); 3];
+type Motors<N> = [(<N as Arithmetic>::Angle, N, N, N); 3];
 
 /// The motors that a sample tells of.
 fn told<N: Transmit>(sample: &Telemetry<N>) -> Motors<N> {

@@ -7,7 +7,8 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trirrr_bench::witness::Witness;
-use trirrr_protocol::message::{Acting, Message, Move, State, Telemetry, Transmit};
+use trirrr_protocol::message::{Acting, Message, Move, State, Telemetry};
+use trirrr_service::ServiceNumber;
 
 /// Ticks of the way back to the start of the job, in seconds of the machine.
 const BACK_S: f64 = 2.0;
@@ -15,7 +16,7 @@ const BACK_S: f64 = 2.0;
 /// The machine may take this long to stop, on a clock that an emulator may not keep.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-pub(crate) fn run<N: Transmit>(expected: &Expected<N>, mut port: Port) -> Result<()> {
+pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> Result<()> {
     port.wait_for_board::<N>()?;
     let moves = expected.moves();
     let mut witness = Witness::new(&moves, 0, expected.ramp(), expected.period());

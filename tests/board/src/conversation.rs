@@ -9,7 +9,8 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
 use trirrr_client::{Action, Ask, Failure, Patience, Stream};
-use trirrr_protocol::message::{Message, Move, Reply, Telemetry, Transmit};
+use trirrr_protocol::message::{Message, Move, Reply, Telemetry};
+use trirrr_service::ServiceNumber;
 
 /// Longest look at the line while there is something else to do.
 const LOOK: Duration = Duration::from_millis(2);
@@ -132,7 +133,7 @@ impl Conversation {
     ///
     /// # Errors
     /// The job does not end as it should, or `see` complains.
-    pub(crate) fn play<N: Transmit>(
+    pub(crate) fn play<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
@@ -148,7 +149,7 @@ impl Conversation {
     ///
     /// # Errors
     /// The job does not end, or `see` complains.
-    pub(crate) fn converse<N: Transmit>(
+    pub(crate) fn converse<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
@@ -234,7 +235,7 @@ impl Conversation {
     }
 
     /// Hands on what reaches the client.
-    fn hear<N: Transmit>(&mut self, client: &mut Stream<N>, now: Duration) -> Result<()> {
+    fn hear<N: ServiceNumber>(&mut self, client: &mut Stream<N>, now: Duration) -> Result<()> {
         while let Some(bytes) = self.to_client.receive() {
             let mut messages: Vec<Message<N>> = Vec::new();
             self.frames
@@ -268,7 +269,7 @@ impl Conversation {
     }
 
     /// Now and then the user holds the job, and resumes it.
-    fn ask_for_holds<N: Transmit>(&mut self, client: &mut Stream<N>) {
+    fn ask_for_holds<N: ServiceNumber>(&mut self, client: &mut Stream<N>) {
         if let Some(random) = &mut self.random
             && random.below(HOLD_EVERY) == 0
         {

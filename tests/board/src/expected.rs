@@ -7,25 +7,24 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
 use trirrr_image::RuledSwitches;
-use trirrr_protocol::message::{
-    Command, Hello, Message, Move, Reply, Request, State, Telemetry, Transmit,
-};
+use trirrr_protocol::message::{Command, Hello, Message, Move, Reply, Request, State, Telemetry};
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_service::HomingCoefficients;
+use trirrr_service::ServiceNumber;
 
 /// Ticks after which the host's own machine is taken for one that does not come to an end.
 const LONGEST: usize = 1_000_000;
 
 /// A scene in the number type `N`.
-pub(crate) struct Expected<N: Transmit> {
+pub(crate) struct Expected<N: ServiceNumber> {
     pub(crate) scene: Scene,
     pub(crate) hello: Hello,
     pub(crate) units: Units,
     evaluator: Box<dyn Pipeline<N>>,
 }
 
-impl<N: Transmit> Expected<N> {
+impl<N: ServiceNumber> Expected<N> {
     pub(crate) fn of(scene: &Scene) -> Result<Self> {
         let units = trirrr_scene::units::<N>(scene).map_err(|error| anyhow!("{error}"))?;
         Ok(Self {
@@ -97,7 +96,7 @@ pub(crate) enum Inputs {
 }
 
 /// Ticks of a board that follow from one command, and what it does until then.
-pub(crate) struct Stretch<N: Transmit> {
+pub(crate) struct Stretch<N: ServiceNumber> {
     /// The sample of any tick before.
     pub(crate) standing: Telemetry<N>,
     /// The samples of every tick, and of the first one in which it stands again.
@@ -105,7 +104,7 @@ pub(crate) struct Stretch<N: Transmit> {
 }
 
 /// The host's own machine and its client.
-struct Host<'a, N: Transmit> {
+struct Host<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     switches: Option<RuledSwitches<'a, N>>,
     sequence: u32,
@@ -113,7 +112,7 @@ struct Host<'a, N: Transmit> {
     offered: usize,
 }
 
-impl<N: Transmit> Host<'_, N> {
+impl<N: ServiceNumber> Host<'_, N> {
     fn play(mut self, hello: Hello) -> Result<Vec<Stretch<N>>> {
         self.ask(Command::Hello(hello));
         self.sequence = 0;

@@ -22,9 +22,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::transport::Address;
 use trirrr_core::number::{Coarse, Fixed};
-use trirrr_protocol::message::Transmit;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_service::ServiceNumber;
 
 #[derive(Parser)]
 #[command(about = "Tests of a board over its line")]
@@ -107,7 +107,7 @@ fn main() -> Result<()> {
     }
 }
 
-fn run<N: Transmit>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
+fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
     let expected = Expected::<N>::of(scene)?;
     let port = port::Port::open(
         &board.port,

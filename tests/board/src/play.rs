@@ -6,13 +6,14 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
 use trirrr_client::Failure;
-use trirrr_protocol::message::{State, Telemetry, Transmit};
+use trirrr_protocol::message::{State, Telemetry};
+use trirrr_service::ServiceNumber;
 
 /// Numbers in a sample that are compared: state, acting, move, place (2), setpoint (9), motors
 /// (12), tool.
 const VALUES: usize = 27;
 
-pub(crate) fn run<N: Transmit>(
+pub(crate) fn run<N: ServiceNumber>(
     expected: &Expected<N>,
     mut port: Port,
     inputs: Inputs,
@@ -71,7 +72,7 @@ pub(crate) fn run<N: Transmit>(
 }
 
 /// Compares sample by sample.
-struct Player<'a, N: Transmit> {
+struct Player<'a, N: ServiceNumber> {
     stretches: &'a [Stretch<N>],
     /// Of these the one under way,
     stretch: usize,
@@ -89,7 +90,7 @@ struct Player<'a, N: Transmit> {
     longest: u32,
 }
 
-impl<N: Transmit> Player<'_, N> {
+impl<N: ServiceNumber> Player<'_, N> {
     fn see(&mut self, sample: &Telemetry<N>, moment: Moment) -> Result<ControlFlow<()>> {
         if moment.quiet {
             self.timed += 1;

@@ -5,13 +5,14 @@ use crate::port::{self, Port};
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
-use trirrr_protocol::message::{Command, Identity, Message, Reply, Request, Status, Transmit};
+use trirrr_protocol::message::{Command, Identity, Message, Reply, Request, Status};
+use trirrr_service::ServiceNumber;
 
 /// From one look at the board to the next, while nothing has happened.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Asks the board until it has failed, or for `patience`, and prints what it says.
-pub(crate) fn run<N: Transmit>(
+pub(crate) fn run<N: ServiceNumber>(
     expected: &Expected<N>,
     mut port: Port,
     patience: Duration,
@@ -32,7 +33,7 @@ pub(crate) fn run<N: Transmit>(
 }
 
 /// Both answers; none where one does not come.
-fn ask<N: Transmit>(
+fn ask<N: ServiceNumber>(
     expected: &Expected<N>,
     port: &mut Port,
 ) -> Result<Option<(Identity, Status<N>)>> {
@@ -48,7 +49,7 @@ fn ask<N: Transmit>(
     }
 }
 
-fn request<N: Transmit>(
+fn request<N: ServiceNumber>(
     port: &mut Port,
     sequence: u32,
     command: Command<N>,
@@ -71,7 +72,7 @@ fn request<N: Transmit>(
     Ok(None)
 }
 
-fn print<N: Transmit>(identity: &Identity, status: &Status<N>) {
+fn print<N: ServiceNumber>(identity: &Identity, status: &Status<N>) {
     let units = Units::of(identity);
     println!("clock: {:?}", identity.board.clock);
     println!("start: {}", describe::board::start(&identity.board.start));

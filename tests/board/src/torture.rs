@@ -9,12 +9,13 @@ use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::witness::Witness;
 use trirrr_client::job;
-use trirrr_protocol::message::{Move, State, Transmit};
+use trirrr_protocol::message::{Move, State};
+use trirrr_service::ServiceNumber;
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
 const DEVIATIONS: f64 = 6.0;
 
-pub(crate) fn run<N: Transmit>(
+pub(crate) fn run<N: ServiceNumber>(
     expected: &Expected<N>,
     mut port: Port,
     frames: u64,
@@ -85,7 +86,7 @@ pub(crate) fn run<N: Transmit>(
 }
 
 /// A random job where the scene's starts.
-fn job_of<N: Transmit>(expected: &Expected<N>, random: &mut Random) -> Vec<Move<N>> {
+fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<Move<N>> {
     let mut scene = expected.scene.clone();
     let moves = random_job(random, scene.job.start);
     scene.job.moves = moves

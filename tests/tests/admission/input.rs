@@ -3,9 +3,9 @@
 use crate::judge::{Judged, Setting, judge};
 use crate::thesis_move;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move};
+use trirrr_service::admission::Enclose;
 use trirrr_tests::machines::thesis;
 
 fn setting() -> Setting {
@@ -22,12 +22,12 @@ fn setting() -> Setting {
     }
 }
 
-fn refused<N: Number>(offered: &Move<N>) -> (Bounded, Option<u8>) {
+fn refused<N: Enclose>(offered: &Move<N>) -> (Bounded, Option<u8>) {
     let violation = judge(&setting(), offered).verdict.expect_err("no move");
     (violation.what, violation.index)
 }
 
-fn values_that_are_none<N: Number>() {
+fn values_that_are_none<N: Enclose>() {
     let good = thesis_move::<N>(100);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for index in 0..3 {
@@ -60,7 +60,7 @@ fn values_that_are_no_numbers_are_refused_by_name() {
     values_that_are_none::<f32>();
 }
 
-fn far_out<N: Number>(most: f64) {
+fn far_out<N: Enclose>(most: f64) {
     let good = thesis_move::<N>(100);
     for size in [10.0, 1e6, 1e18, most] {
         for sign in [1.0, -1.0] {

@@ -2,11 +2,10 @@
 
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::number::Number;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload};
 use trirrr_protocol::message::{Move, Violation};
-use trirrr_service::admission::{Admission, Verdict};
+use trirrr_service::admission::{Admission, Enclose, Verdict};
 
 /// A machine with what it has to keep.
 #[derive(Clone, Copy, Debug)]
@@ -18,19 +17,19 @@ pub(crate) struct Setting {
 }
 
 /// The verdict, and the steps that it took.
-pub(crate) struct Judged<N: Number> {
+pub(crate) struct Judged<N: Enclose> {
     pub(crate) verdict: Result<(), Violation<N>>,
     pub(crate) steps: u32,
 }
 
-pub(crate) fn judge<N: Number>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
     match PayloadKind::of(&setting.parameters) {
         PayloadKind::Centred => with_payload::<N, Centred<N>>(setting, offered),
         PayloadKind::Offset => with_payload::<N, Offset<N>>(setting, offered),
     }
 }
 
-fn with_payload<N: Number, P: Payload<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+fn with_payload<N: Enclose, P: Payload<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
     match LinksKind::of(&setting.parameters) {
         LinksKind::Massless => with::<N, P, Massless>(setting, offered),
         LinksKind::Rotors => with::<N, P, Rotors<N>>(setting, offered),
@@ -39,7 +38,7 @@ fn with_payload<N: Number, P: Payload<N>>(setting: &Setting, offered: &Move<N>) 
     }
 }
 
-fn with<N: Number, P: Payload<N>, L: Links<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+fn with<N: Enclose, P: Payload<N>, L: Links<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
     let limits = Limits::build(&setting.limits).expect("good limits");
     let mut admission = Admission::<N, P, L>::build(
         &setting.parameters,

@@ -6,9 +6,10 @@ use crate::moves::in_type;
 use std::fs;
 use std::path::Path;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::number::{Fixed, Number};
+use trirrr_core::number::Fixed;
 use trirrr_protocol::message::{Bounded, Move};
 use trirrr_scene::{Scene, units};
+use trirrr_service::admission::Enclose;
 
 fn scenes() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
@@ -21,7 +22,7 @@ fn scenes() -> Vec<Scene> {
 }
 
 /// The scene's machine and moves in the units of `N`.
-fn in_units<N: Number>(scene: &Scene) -> Option<(Setting, Vec<Move<N>>)> {
+fn in_units<N: Enclose>(scene: &Scene) -> Option<(Setting, Vec<Move<N>>)> {
     let units = units::<N>(scene).ok()?;
     let setting = Setting {
         parameters: units.parameters(&scene.parameters),
@@ -44,7 +45,7 @@ fn in_units<N: Number>(scene: &Scene) -> Option<(Setting, Vec<Move<N>>)> {
     Some((setting, moves.collect()))
 }
 
-fn jobs_are_admitted<N: Number>(least: usize) {
+fn jobs_are_admitted<N: Enclose>(least: usize) {
     let mut found = 0;
     for scene in scenes() {
         let Some((setting, moves)) = in_units::<N>(&scene) else {
@@ -67,7 +68,7 @@ fn the_jobs_of_all_scenes_are_admitted() {
 }
 
 /// Limits a fiftieth above what the tick in `N` reaches are kept, a fiftieth below broken.
-fn limits_are_kept<N: Number>() {
+fn limits_are_kept<N: Enclose>() {
     let density = Density {
         samples: 2000,
         every_speed: false,
@@ -82,7 +83,7 @@ fn limits_are_kept<N: Number>() {
             let label = format!("{}: {offered:?} {found:?}", scene.name);
             // The units of fixed point are chosen for normal speed: the ramp of a hold may leave
             // its range, and then there is nothing to compare with.
-            if !found.possible && !N::SPREADS {
+            if !found.possible && !N::PROPAGATES_NON_FINITE {
                 continue;
             }
             assert!(found.possible, "{label}");

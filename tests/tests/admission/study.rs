@@ -6,7 +6,7 @@ use crate::judge::judge;
 use crate::moves::{Draw, in_type, machines, offer, within_a_turn};
 use std::fmt;
 use std::thread;
-use trirrr_core::number::Number;
+use trirrr_service::admission::Enclose;
 
 /// What came of so many moves.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +83,7 @@ impl fmt::Display for Tally {
     }
 }
 
-fn tally<N: Number>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tally {
+fn tally<N: Enclose>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tally {
     let density = Density {
         samples,
         every_speed: false,
@@ -123,7 +123,7 @@ fn tally<N: Number>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tall
     tally
 }
 
-fn on_two_threads<N: Number>(moves: usize, samples: u32, nearest: f64) -> Tally {
+fn on_two_threads<N: Enclose>(moves: usize, samples: u32, nearest: f64) -> Tally {
     thread::scope(|scope| {
         let halves =
             [1, 2].map(|seed| scope.spawn(move || tally::<N>(seed, moves / 2, samples, nearest)));

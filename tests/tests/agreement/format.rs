@@ -37,7 +37,7 @@ pub(crate) fn results<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<f64>,
 ) -> (Results, Setpoint<f64>, Units) {
-    let units = match N::SPREADS {
+    let units = match N::PROPAGATES_NON_FINITE {
         true => Units::SI,
         false => match trirrr_scene::units_of_setpoints(parameters, [setpoint]) {
             Ok(units) => units,

@@ -8,7 +8,7 @@
 
 use core::f64::consts::{PI, TAU};
 use core::ops::RangeInclusive;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_linkage::closure::{Closed, Closure, Input, Length, Reference, Term};
 use trirrr_linkage::{Drive, LinkMotion, SlideMotion};
 use trirrr_tests::bound::Worst;

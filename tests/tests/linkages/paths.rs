@@ -4,7 +4,7 @@
 use super::agreement::drive;
 use core::f64::consts::TAU;
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_linkage::closure::Input;
 use trirrr_linkage::mechanism::{fairbairn, inserter, quick_return, two_loop};
 use trirrr_linkage::{Drive, LinkMotion, PointMotion};

@@ -1,7 +1,7 @@
 //! The links have their lengths and close the loops; the elbows are on their sides.
 
 use std::cell::RefCell;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_tests::bound::Worst;
 use trirrr_tests::evaluate::{distances, evaluate};
 use trirrr_tests::random::{LEAST_DISTANCE, case, for_all};

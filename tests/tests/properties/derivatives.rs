@@ -10,7 +10,7 @@ use core::f64::consts::TAU;
 use nalgebra::Vector3;
 use proptest::strategy::Strategy;
 use std::cell::RefCell;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_tests::bound::Worst;
 use trirrr_tests::double_double::DoubleDouble;
 use trirrr_tests::evaluate::{distances, evaluate};

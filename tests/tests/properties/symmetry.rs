@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use nalgebra::{Vector2, Vector3};
 use std::cell::RefCell;
 use trirrr_core::machine::{Elbow, Parameters};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::tick::Motion;
 use trirrr_tests::bound::{Worst, angle_difference};

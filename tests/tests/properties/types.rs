@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use std::cell::RefCell;
 use trirrr_core::machine::{LinkParameters, Parameters};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motion;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};

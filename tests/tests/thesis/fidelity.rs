@@ -1,7 +1,7 @@
 //! What the program gets right.
 
 use crate::{job, motion, program, state};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_tests::bound::{Worst, angle_difference};
 use trirrr_tests::machines;
 use trirrr_tests::results;

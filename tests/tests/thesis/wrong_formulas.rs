@@ -3,7 +3,7 @@
 use crate::{assert_figures, job, motion, program, state};
 use core::f64::consts::PI;
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_tests::bound::angle_difference;
 use trirrr_tests::machines;
 use trirrr_tests::results;

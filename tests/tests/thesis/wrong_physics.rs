@@ -4,7 +4,7 @@ use crate::{assert_figures, job, kinetic_power, motion, peaks, program, state, t
 use core::f64::consts::PI;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{Elbow, Parameters};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_tests::bound::Worst;
 use trirrr_tests::evaluate::evaluate;

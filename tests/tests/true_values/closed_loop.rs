@@ -4,7 +4,7 @@
 //! The states lie off the commanded path, at 1201 instants that no other file has. Its angles and
 //! rates have 17 digits: half a unit in the last place of the truth is granted for that.
 
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, RestToRest, Setpoint};
 use trirrr_tests::bound::{Worst, error};
 use trirrr_tests::evaluate::evaluate;

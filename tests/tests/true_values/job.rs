@@ -1,7 +1,7 @@
 //! The thesis's move as the core runs it: its own setpoints, and the torques of those.
 
 use crate::{MOVE, is_f32, moves};
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, RestToRest};
 use trirrr_tests::bound::Worst;
 use trirrr_tests::evaluate::evaluate;

@@ -5,11 +5,11 @@ use crate::scene::Scalar;
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 use embedded_hal::digital::OutputPin;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
 use trirrr_service::Output;
 
-type Angle = <Scalar as Number>::Angle;
+type Angle = <Scalar as Arithmetic>::Angle;
 
 /// What stands for a register: what is written to it is not left out although nobody reads it.
 #[used]

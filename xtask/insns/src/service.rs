@@ -3,7 +3,7 @@
 use crate::drives::Drives;
 use crate::scene::{COEFFICIENTS, Links, MOVES, PARTS, Payload, SETTINGS, START, Scalar};
 use nalgebra::Vector3;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
 use trirrr_protocol::message::{Command, Reply};

@@ -6,7 +6,7 @@
 use crate::scene::{Links, Payload, Scalar};
 use nalgebra::Vector2;
 use trirrr_core::dyad::{OutOfReach, Rrr};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
 use trirrr_core::tick::{Motor, Tick};

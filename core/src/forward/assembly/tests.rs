@@ -1,7 +1,7 @@
 use super::*;
 use crate::forward::random::{Closed, any, closed, deterministic, scan, turned};
 use crate::machine::{Geometry, Parameters, example};
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::singularity;
 use nalgebra::Vector2;
 use std::cell::Cell;

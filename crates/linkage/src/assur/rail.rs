@@ -4,7 +4,7 @@ use super::description::{JointKind, Linkage, Prismatic};
 use super::state::unit;
 use crate::motion::LinkMotion;
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, dot, perpendicular};
+use trirrr_core::number::{Arithmetic, dot, perpendicular};
 
 /// A line in one link and how the other link lies on it. The other does not turn against it.
 #[derive(Clone, Copy, Debug)]

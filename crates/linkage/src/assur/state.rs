@@ -2,7 +2,7 @@
 
 use crate::motion::LinkMotion;
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 
 /// Motion of a link in binary64.
 pub(super) type Motion = LinkMotion<f64>;
@@ -20,7 +20,7 @@ pub struct State {
 
 /// The unit vector at `angle`.
 pub(super) fn unit(angle: f64) -> Vector2<f64> {
-    let (sin, cos) = <f64 as Number>::sin_cos(angle);
+    let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
     Vector2::new(cos, sin)
 }
 

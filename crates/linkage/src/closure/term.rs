@@ -2,7 +2,7 @@
 
 use super::ClosureError;
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 
 /// The length of a vector; negative lengths point backwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl<N: Number> Term<N> {
         let offset = if offset_rad == 0.0 {
             Vector2::new(N::ONE, N::ZERO)
         } else {
-            let (sin, cos) = <f64 as Number>::sin_cos(offset_rad);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(offset_rad);
             Vector2::new(N::from_f64(cos), N::from_f64(sin))
         };
         let factor = match length {

@@ -2,6 +2,7 @@
 
 use super::*;
 use core::f64::consts::PI;
+use trirrr_core::number::Arithmetic;
 
 /// z1 e^(i phi1) + z2 e^(i phi2) + z3 e^(i (phi2 - delta)) - z4 = 0 in phi2 and z2.
 fn worked_example<N: Number>() -> [Term<N>; 4] {

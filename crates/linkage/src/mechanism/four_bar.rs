@@ -9,7 +9,7 @@ use super::{Crank, DimensionError, branch, lengths};
 use crate::rrr::{self, Rrr, SolveRrr};
 use crate::{Drive, LinkMotion, LinkageStatus, PointMotion};
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 
 /// Lengths in m and the branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,7 +153,7 @@ fn angle_between(a: f64, b: f64, c: f64) -> Option<f64> {
     let four_areas_sq = distinct * over;
     let two_dots = a * a + b * b - c * c;
     (distinct >= 0.0 && over >= 0.0 && a > 0.0 && b > 0.0)
-        .then(|| <f64 as Number>::atan2(<f64 as Number>::sqrt(four_areas_sq), two_dots))
+        .then(|| <f64 as Arithmetic>::atan2(<f64 as Arithmetic>::sqrt(four_areas_sq), two_dots))
 }
 
 impl<N: Number> FourBar<N> {

@@ -34,7 +34,7 @@ pub mod two_loop;
 use super::{Drive, LinkMotion, PointMotion};
 use core::fmt;
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 
 /// A dimension that no mechanism can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +123,7 @@ impl<N: Number> Crank<N> {
 
 /// A fixed guide through `point` at `angle` (rad).
 fn fixed_guide<N: Number>(point: Vector2<f64>, angle: f64) -> LinkMotion<N> {
-    let (sin, cos) = <f64 as Number>::sin_cos(angle);
+    let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
     LinkMotion::fixed(
         point.map(N::from_f64),
         Vector2::new(N::from_f64(cos), N::from_f64(sin)),

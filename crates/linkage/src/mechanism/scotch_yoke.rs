@@ -5,7 +5,7 @@ use super::{Crank, DimensionError, fixed_guide, lengths};
 use crate::ppr::Ppr;
 use crate::{Drive, GuideMotion, LinkMotion, LinkageStatus, SlideMotion};
 use nalgebra::Vector2;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 
 /// Length in m, angle in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl<N: Number> ScotchYoke<N> {
     /// [`DimensionError`]: also for a slot parallel to the guide.
     pub fn new(dimensions: &Dimensions) -> Result<Self, DimensionError> {
         lengths([("crank", dimensions.crank)])?;
-        let (sin, cos) = <f64 as Number>::sin_cos(dimensions.slot_angle);
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(dimensions.slot_angle);
         // Below this not even binary64 tells the slot from the guide.
         if !(sin.abs() > 2.0 * f64::EPSILON) {
             return Err(DimensionError {
@@ -106,7 +106,7 @@ mod tests {
                 acceleration: 0.5,
             };
             let at = linkage.at(&drive).unwrap();
-            let (sin, cos) = <f64 as Number>::sin_cos(angle);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
             assert!((at.slide.length - 0.1 * cos).abs() < 1e-16);
             assert!((at.pin.length - 0.1 * sin).abs() < 1e-16);
             assert!((at.slide.rate + 0.2 * sin).abs() < 1e-15);

@@ -4,7 +4,7 @@ use super::parameters::RedundantParameters;
 use nalgebra::Vector2;
 use trirrr_core::inverse::{LegPosition, Rotation};
 use trirrr_core::machine::{BuildError, Geometry, Leg};
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::reaction::LegMasses;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::greatest_det_a;
@@ -80,7 +80,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
                 inertia: MassiveLeg::build(given),
                 masses: LegMasses::build(given),
                 slider: parameters.sliders[index].map(|slider| {
-                    let (sin, cos) = <f64 as Number>::sin_cos(slider.direction_rad);
+                    let (sin, cos) = <f64 as Arithmetic>::sin_cos(slider.direction_rad);
                     let direction = Vector2::new(N::from_f64(cos), N::from_f64(sin));
                     (direction, N::from_f64(slider.mass_kg))
                 }),
@@ -98,12 +98,15 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         }
         let joint = |index: usize| {
             let leg = &parameters.legs[index];
-            let (sin, cos) = <f64 as Number>::sin_cos(leg.joint_angle_rad);
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
             Vector2::new(cos, sin) * leg.joint_radius_m
         };
         let arm = (1..LEGS).fold(0.0, |arm, leg| {
             let offset: Vector2<f64> = joint(leg) - joint(0);
-            f64::max(arm, Number::sqrt(offset.x * offset.x + offset.y * offset.y))
+            f64::max(
+                arm,
+                Arithmetic::sqrt(offset.x * offset.x + offset.y * offset.y),
+            )
         });
         Ok(Self {
             legs: core::array::from_fn(leg),
@@ -111,7 +114,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
             gravity: parameters.gravity_m_s2.map(N::from_f64),
             // Joints in one point hold no moment, however it is scaled.
             arm: N::from_f64(if arm > 0.0 { arm } else { 1.0 }),
-            greatest: N::from_f64(Number::sqrt(sum)),
+            greatest: N::from_f64(Arithmetic::sqrt(sum)),
         })
     }
 

@@ -16,14 +16,15 @@
 
 use super::Breach;
 use super::taylor::{Float, TaylorModel};
+use crate::admission::Enclose;
 use trirrr_core::limits::Limits;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::torque::balance::Solve;
 use trirrr_protocol::message::Bounded;
 
 /// One motor over an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MotorBounds<N: Number> {
+pub(super) struct MotorBounds<N: Enclose> {
     /// w.
     pub(super) rate: TaylorModel<N>,
     /// e.
@@ -36,7 +37,7 @@ pub(super) struct MotorBounds<N: Number> {
 
 /// Torque of one motor over an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TorqueBounds<N: Number> {
+pub(super) struct TorqueBounds<N: Enclose> {
     /// g.
     pub(super) at_rest: TaylorModel<N>,
     /// d.
@@ -45,7 +46,7 @@ pub(super) struct TorqueBounds<N: Number> {
     pub(super) ramp: TaylorModel<N>,
 }
 
-impl<N: Number> MotorBounds<N> {
+impl<N: Enclose> MotorBounds<N> {
     /// To be filled in.
     pub(super) const UNMEASURED: Self = Self {
         rate: TaylorModel::ZERO,
@@ -133,7 +134,7 @@ impl<N: Number> MotorBounds<N> {
 
 /// `model` times `factor`, which is not negative.
 #[inline(never)]
-fn scaled<N: Number>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
+fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
     TaylorModel {
         constant: model.constant * factor,
         linear: model.linear * factor,
@@ -143,7 +144,7 @@ fn scaled<N: Number>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> 
 
 /// Largest size on a ramp up or down.
 #[inline(never)]
-fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float<N> {
+fn either_ramp<N: Enclose>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float<N> {
     greater((steady + ramp).magnitude(), (steady - ramp).magnitude())
 }
 
@@ -152,7 +153,7 @@ fn either_ramp<N: Number>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float
 ///
 /// It is linear in the two products w a and w c, so its greatest size is at corners of the
 /// rectangle that they lie in.
-fn greatest_power<N: Number>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorModel<N>) -> Float<N> {
+fn greatest_power<N: Enclose>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorModel<N>) -> Float<N> {
     let ends = |model: TaylorModel<N>| {
         let radius = model.radius();
         [model.constant - radius, model.constant + radius]

@@ -1,6 +1,7 @@
 //! What a move breaks.
 
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move, Violation};
 
@@ -51,7 +52,7 @@ impl<N: Number> Breach<N> {
     }
 
     /// In the type of the tick.
-    pub(super) fn violation<M: Number<Bound = N>>(&self, at: N) -> Violation<M> {
+    pub(super) fn violation<M: Enclose<Bound = N>>(&self, at: N) -> Violation<M> {
         Violation {
             what: self.what,
             index: self.index,
@@ -65,7 +66,7 @@ impl<N: Number> Breach<N> {
 }
 
 /// What makes `offered` no move at all.
-pub(super) fn of_input<N: Number>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
+pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
     let breach = |index, value, limit| Breach {
         what: Bounded::Range,
         index,

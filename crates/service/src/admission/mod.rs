@@ -29,11 +29,13 @@
 
 mod bounds;
 mod breach;
+mod enclose;
 mod path;
 mod scan;
 mod shortest;
 mod taylor;
 
+pub use enclose::Enclose;
 pub use path::Path;
 pub use taylor::{AngleModel, TaylorModel};
 
@@ -43,7 +45,7 @@ use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
 use trirrr_core::torque::links::{Links, Massless};
 use trirrr_core::torque::payload::{Centred, Payload};
@@ -52,7 +54,7 @@ use trirrr_protocol::message::{Move, Violation};
 /// Judges one move at a time. The parameters are those of the tick that will play the moves.
 pub struct Admission<N, P = Centred<N>, L = Massless>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
 {
@@ -66,7 +68,7 @@ pub type EnclosedPath<N, P, L> =
 
 /// What is under way.
 #[derive(Clone, Copy, Debug)]
-enum Work<N: Number> {
+enum Work<N: Enclose> {
     /// Nothing.
     None,
     /// The move itself.
@@ -86,7 +88,7 @@ enum Work<N: Number> {
 
 /// How far the judgement of a move is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict<N: Number> {
+pub enum Verdict<N: Enclose> {
     /// No move was offered.
     Nothing,
     /// Not decided yet: go on with [`Admission::step`].
@@ -99,7 +101,7 @@ pub enum Verdict<N: Number> {
 
 /// What the path of a move depends on, besides its duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Ends<N: Number> {
+struct Ends<N: Enclose> {
     from: Pose<N>,
     to: Pose<N>,
     start_velocity: [N; 3],
@@ -109,7 +111,7 @@ struct Ends<N: Number> {
     period: N::Bound,
 }
 
-impl<N: Number> Ends<N> {
+impl<N: Enclose> Ends<N> {
     /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
     fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>> {
         let pose = |pose: &Pose<N>| Pose {
@@ -129,7 +131,7 @@ impl<N: Number> Ends<N> {
 
 impl<N, P, L> Admission<N, P, L>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
 {

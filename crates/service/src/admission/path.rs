@@ -3,12 +3,13 @@
 use super::Breach;
 use super::bounds::{MotorBounds, TorqueBounds};
 use super::taylor::{Float, TaylorModel};
+use crate::admission::Enclose;
 use nalgebra::{Vector2, Vector3};
-use trirrr_core::dyad::{Accelerations, Rates};
+use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, Leg, Parameters};
-use trirrr_core::number::{Apex, Number, dot};
+use trirrr_core::number::{Arithmetic, dot};
 use trirrr_core::setpoint::{Segment, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
@@ -21,7 +22,7 @@ use trirrr_protocol::message::Bounded;
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
 /// admission.
 #[derive(Clone, Copy, Debug)]
-pub struct Path<N: Number, P: Payload<TaylorModel<N>>, L> {
+pub struct Path<N: Enclose, P: Payload<TaylorModel<N>>, L> {
     /// The tick, on Taylor models.
     pub tick: Tick<TaylorModel<N>, P, L>,
     /// The distances, likewise.
@@ -40,7 +41,7 @@ type Model<N> = TaylorModel<N>;
 
 impl<N, P, L> Path<N, P, L>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<Model<N>>,
     L: Links<Model<N>>,
 {
@@ -274,12 +275,12 @@ where
 }
 
 /// A leg to be filled in. No constant, which would take its place in an image.
-fn unsolved<N: Number>() -> LegMotion<Model<N>> {
+fn unsolved<N: Enclose>() -> LegMotion<Model<N>> {
     let zero = Vector2::new(Model::ZERO, Model::ZERO);
     LegMotion {
         position: LegPosition {
             platform_joint: zero,
-            links: Apex {
+            links: DyadPosition {
                 r1: zero,
                 r2: zero,
                 r1_cross_r2: Model::ZERO,
@@ -300,7 +301,7 @@ fn unsolved<N: Number>() -> LegMotion<Model<N>> {
 
 /// The motion of leg `index`.
 #[inline(never)]
-fn solve<N: Number>(
+fn solve<N: Enclose>(
     index: usize,
     leg: &Leg<Model<N>>,
     setpoint: &Setpoint<Model<N>>,

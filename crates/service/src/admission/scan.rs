@@ -3,7 +3,8 @@
 use super::Breach;
 use super::path::Path;
 use super::taylor::{Float, TaylorModel};
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
@@ -56,12 +57,12 @@ impl Scan {
     }
 
     /// The start of the interval, as a fraction of the move.
-    pub(super) fn at<N: Number>(&self) -> N {
+    pub(super) fn at<N: Arithmetic>(&self) -> N {
         N::ratio(self.index, 1 << self.level)
     }
 
     /// The interval.
-    pub(super) fn interval<N: Number>(&self) -> TaylorModel<N> {
+    pub(super) fn interval<N: Enclose>(&self) -> TaylorModel<N> {
         let halves = 2 << self.level;
         TaylorModel::span(
             <Float<N>>::ratio(2 * self.index + 1, halves),
@@ -86,7 +87,7 @@ impl Scan {
         segment: &Segment<TaylorModel<N>>,
     ) -> Scanned<Float<N>>
     where
-        N: Number,
+        N: Enclose,
         P: Payload<TaylorModel<N>>,
         L: Links<TaylorModel<N>>,
     {

@@ -5,7 +5,8 @@ use super::bounds::MotorBounds;
 use super::path::Path;
 use super::scan::{Scan, Scanned};
 use super::taylor::{Float, TaylorModel};
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
@@ -22,7 +23,7 @@ const MOST_UPWARDS: u32 = 15;
 
 /// A search under way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search<N: Number> {
+pub(super) struct Search<N: Enclose> {
     offered: Ends<N>,
     segment: Segment<TaylorModel<N>>,
     scan: Scan,
@@ -61,7 +62,7 @@ pub(super) enum Found {
     Shortest(Option<u32>),
 }
 
-impl<N: Number> Search<N> {
+impl<N: Enclose> Search<N> {
     pub(super) fn new(offered: Ends<N>) -> Self {
         Self {
             segment: offered.segment(offered.ticks),
@@ -141,7 +142,7 @@ impl<N: Number> Search<N> {
     }
 }
 
-impl<N: Number> Ends<N> {
+impl<N: Enclose> Ends<N> {
     /// Ticks of the move at `speed`, 0 to 1, at least one more than offered.
     fn slower(&self, speed: Float<N>) -> u32 {
         // Doubled until it is slow enough, then halved down: without a conversion of N to integers.
@@ -202,7 +203,7 @@ impl Trial {
 
 /// The greatest speed up to `fast`, which is too fast, that `keeps` allows, to 2^-16 of `fast` and
 /// from below; that small a part if none is.
-fn greatest<N: Number>(fast: N, keeps: impl Fn(N) -> bool) -> N {
+fn greatest<N: Arithmetic>(fast: N, keeps: impl Fn(N) -> bool) -> N {
     let mut step = fast;
     let mut slow = N::ZERO;
     for _ in 0..SPEED_BITS {

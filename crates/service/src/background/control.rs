@@ -6,6 +6,7 @@ use super::super::link::{Order, Recover};
 use super::super::pace::Pace;
 use super::super::scene::{Put, Scene, Setup};
 use super::Background;
+use crate::admission::Enclose;
 use trirrr_core::inverse::Position;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, Pose};
@@ -16,7 +17,7 @@ use trirrr_protocol::message::{Bounded, FaultCode, Recovery, Refusal, State, Vio
 
 impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

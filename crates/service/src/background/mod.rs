@@ -9,7 +9,7 @@ use super::link::{Ahead, Order, Planned, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Put, Scene, Setup};
 use super::settings::Settings;
-use crate::admission::Admission;
+use crate::admission::{Admission, Enclose};
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
@@ -26,7 +26,7 @@ use trirrr_protocol::message::{
 /// The half of the service that receives commands, judges moves and has what is to be sent.
 pub struct Background<'q, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
 {
@@ -121,7 +121,7 @@ pub(super) struct Ends<'q, N: Number, U> {
 
 impl<'q, N, P, L, S, U> Background<'q, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

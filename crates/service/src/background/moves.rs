@@ -5,6 +5,7 @@ use super::super::scene::{Put, Scene, Setup};
 use super::super::tool::Tool;
 use super::{Background, ends};
 use crate::admission;
+use crate::admission::Enclose;
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
@@ -14,7 +15,7 @@ use trirrr_protocol::message::{Event, Move, Refusal, State, Verdict};
 
 impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

@@ -4,9 +4,8 @@ use super::super::coefficients::Coefficients;
 use super::super::link::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
-use crate::admission::Admission;
+use crate::admission::{Admission, Enclose};
 use trirrr_core::forward::Forward;
-use trirrr_core::number::Number;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::scene::Section;
@@ -18,7 +17,7 @@ const MOST_STEPS: u32 = 32;
 
 impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

@@ -3,14 +3,14 @@
 use super::super::link::count;
 use super::super::scene::{Put, Scene, Setup};
 use super::{Background, Last};
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
 
 impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

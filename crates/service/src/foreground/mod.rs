@@ -14,6 +14,7 @@ use super::pace::{Pace, Place};
 use super::queue::{Receiver, Sender};
 use super::scene::Setup;
 use super::settings::Settings;
+use crate::admission::Enclose;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
@@ -107,7 +108,7 @@ pub(super) struct Ends<'q, N: Number, T> {
 
 impl<'q, N, P, L, T, H> Foreground<'q, N, P, L, T, H>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     T: super::scene::Take<Setup<N, P, L>>,

@@ -5,14 +5,14 @@ use super::super::link::{Order, Planned};
 use super::super::pace::Place;
 use super::super::scene::{Setup, Take};
 use super::{Foreground, Path};
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,

@@ -5,6 +5,7 @@ use super::super::homing::Homing;
 use super::super::link::Planned;
 use super::super::scene::{Setup, Take};
 use super::{Foreground, Path};
+use crate::admission::Enclose;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
@@ -25,7 +26,7 @@ pub struct Output<N: Number> {
 
 impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,

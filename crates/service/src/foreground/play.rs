@@ -5,7 +5,7 @@ use super::super::homing::{Homing, Progress};
 use super::super::pace::{Place, Stride};
 use super::super::scene::{Setup, Take};
 use super::{Foreground, Path, Target};
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
@@ -13,7 +13,7 @@ use trirrr_protocol::message::{Acting, State};
 
 impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,

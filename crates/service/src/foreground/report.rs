@@ -4,7 +4,7 @@ use super::super::homing::Homing;
 use super::super::link::{Report, count};
 use super::super::scene::{Setup, Take};
 use super::Foreground;
-use trirrr_core::number::Number;
+use crate::admission::Enclose;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::torque::links::Links;
 use trirrr_core::torque::payload::Payload;
@@ -12,7 +12,7 @@ use trirrr_protocol::message::Telemetry;
 
 impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     T: Take<Setup<N, P, L>>,

@@ -5,6 +5,7 @@ use super::super::scene::Scene;
 use super::super::settings::Settings;
 use super::parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 use super::{Cycle, Plan};
+use crate::admission::Enclose;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::number::Number;
@@ -106,7 +107,7 @@ pub struct WithHoming<'a, N: Number, S> {
 
 impl<'a, N, P, L, S> Scene<N, P, L> for WithHoming<'a, N, S>
 where
-    N: Number,
+    N: Enclose,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L>,

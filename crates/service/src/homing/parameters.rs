@@ -1,6 +1,6 @@
 //! What a scene says of homing.
 
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{shorter_way, wrapped};
 
 /// What a motor meets at its reference.
@@ -92,7 +92,7 @@ impl HomingTimes {
             let time = |way: f64, ramp: f64| {
                 let by_rate = 1.5 * way / rate;
                 let of_ramp = 1.5 * way * ramp;
-                let root = Number::sqrt(of_ramp * of_ramp + 24.0 * way * acceleration);
+                let root = Arithmetic::sqrt(of_ramp * of_ramp + 24.0 * way * acceleration);
                 let by_acceleration = (of_ramp + root) / (2.0 * acceleration);
                 if by_rate > by_acceleration {
                     by_rate
@@ -104,7 +104,7 @@ impl HomingTimes {
             back_off = most(back_off, time(motor.back_off_rad + overrun, 0.0) / period);
             let way = shorter_way::<f64>(start - motor.park_rad());
             let ramp = 1.0 / (f64::from(ramp_ticks) * period);
-            to_start = most(to_start, time(Number::abs(way), ramp) / period);
+            to_start = most(to_start, time(Arithmetic::abs(way), ramp) / period);
         }
         let [a, b, c] = motors;
         Self {

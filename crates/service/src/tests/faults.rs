@@ -1,7 +1,7 @@
 //! Faults, and the way out of them.
 
 use super::*;
-use trirrr_core::number::Fixed;
+use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
 
 fn running() -> Rig<f64> {

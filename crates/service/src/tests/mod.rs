@@ -9,18 +9,18 @@ mod states;
 mod threads;
 
 use super::*;
+use crate::admission::Enclose;
 use std::boxed::Box;
 use std::vec::Vec;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Parameters, example};
-use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::torque::links::{Links, Massless};
 use trirrr_core::torque::payload::{Centred, Payload};
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
     Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
-    State, Status, Telemetry, Transmit,
+    State, Status, Telemetry,
 };
 use trirrr_protocol::wire::{Decoder, encode};
 
@@ -35,7 +35,7 @@ type InputsOf<N, S> = <<S as Scene<N, Centred<N>, Massless>>::Homing as Homing<N
 type Background<N, S> = BackgroundOf<'static, N, Centred<N>, Massless, S>;
 
 /// A whole service, both halves in one thread.
-pub(super) struct Rig<N: Number, S: Scene<N, Centred<N>, Massless> + 'static = Adjustable> {
+pub(super) struct Rig<N: Enclose, S: Scene<N, Centred<N>, Massless> + 'static = Adjustable> {
     pub(super) foreground: Foreground<N, S>,
     pub(super) background: Background<N, S>,
     sequence: u32,
@@ -52,7 +52,7 @@ pub(super) fn hear<'q, N, P, L, S>(
     command: Command<N>,
 ) -> Reply<N>
 where
-    N: Transmit,
+    N: ServiceNumber,
     P: Payload<N>,
     L: Links<N>,
     S: Scene<N, P, L> + 'q,
@@ -68,15 +68,15 @@ where
 }
 
 /// Where the thesis's move starts.
-pub(super) fn home<N: Number>() -> Pose<N> {
+pub(super) fn home<N: Enclose>() -> Pose<N> {
     pose(0.21, 0.22, 0.157)
 }
 
-pub(super) fn pose<N: Number>(x: f64, y: f64, alpha: f64) -> Pose<N> {
+pub(super) fn pose<N: Enclose>(x: f64, y: f64, alpha: f64) -> Pose<N> {
     Pose::from_f64(x, y, alpha)
 }
 
-pub(super) fn rest<N: Number>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u32) -> Move<N> {
+pub(super) fn rest<N: Enclose>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u32) -> Move<N> {
     Move {
         number,
         from,
@@ -89,11 +89,11 @@ pub(super) fn rest<N: Number>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u3
     }
 }
 
-pub(super) fn settings<N: Number>() -> Settings<N> {
+pub(super) fn settings<N: Enclose>() -> Settings<N> {
     settings_in(Units::SI)
 }
 
-fn settings_in<N: Number>(units: Units) -> Settings<N> {
+fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
     Settings {
         period: N::factor_from_f64(units.time(PERIOD_S)),
         ramp_ticks: RAMP,
@@ -112,7 +112,7 @@ fn settings_in<N: Number>(units: Units) -> Settings<N> {
     }
 }
 
-impl<N: Transmit> Rig<N> {
+impl<N: ServiceNumber> Rig<N> {
     pub(super) fn new() -> Self {
         Self::with(example(), LimitParameters::default())
     }
@@ -124,7 +124,7 @@ impl<N: Transmit> Rig<N> {
 
 impl<N, S> Rig<N, S>
 where
-    N: Transmit,
+    N: ServiceNumber,
     S: Scene<N, Centred<N>, Massless> + 'static,
 {
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {

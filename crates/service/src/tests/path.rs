@@ -6,7 +6,7 @@ use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{Acting, Bounded, FaultCode};
 
-fn segment<N: Transmit>(each: &Move<N>) -> Segment<N> {
+fn segment<N: ServiceNumber>(each: &Move<N>) -> Segment<N> {
     let period = N::factor_from_f64(PERIOD_S);
     let (start, end) = (each.start_velocity.into(), each.end_velocity.into());
     if each.is_rest_to_rest() {
@@ -19,7 +19,7 @@ fn segment<N: Transmit>(each: &Move<N>) -> Segment<N> {
 }
 
 /// A chain without a stop, one move of two ticks, one of a single tick, and a stop in the middle.
-pub(super) fn chain<N: Transmit>() -> Vec<Move<N>> {
+pub(super) fn chain<N: ServiceNumber>() -> Vec<Move<N>> {
     let v = |x: f64, y: f64, a: f64| [x, y, a].map(N::from_f64);
     let poses = [
         (0.21, 0.22, 0.157),
@@ -56,7 +56,7 @@ pub(super) fn chain<N: Transmit>() -> Vec<Move<N>> {
         .collect()
 }
 
-fn ready<N: Transmit>() -> Rig<N> {
+fn ready<N: ServiceNumber>() -> Rig<N> {
     let mut rig = Rig::new();
     for each in chain() {
         rig.offer(each);
@@ -66,7 +66,7 @@ fn ready<N: Transmit>() -> Rig<N> {
 }
 
 /// The setpoints of the job as they are without a service.
-pub(super) fn expected<N: Transmit>() -> Vec<Setpoint<N>> {
+pub(super) fn expected<N: ServiceNumber>() -> Vec<Setpoint<N>> {
     let chain = chain::<N>();
     let mut all: Vec<Setpoint<N>> = Vec::new();
     for each in &chain {
@@ -78,7 +78,7 @@ pub(super) fn expected<N: Transmit>() -> Vec<Setpoint<N>> {
     all
 }
 
-fn plays_in_the_segments_own_bits<N: Transmit>() {
+fn plays_in_the_segments_own_bits<N: ServiceNumber>() {
     let mut rig = ready::<N>();
     rig.until(State::Idle);
     let samples: Vec<&Telemetry<N>> = rig
@@ -196,7 +196,7 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
 /// In fixed point too: the segment's own bits, a hold, and exactly the end.
 #[test]
 fn fixed_point_plays_and_holds() {
-    use trirrr_core::number::Fixed;
+    use trirrr_core::number::{Arithmetic, Fixed, WideArithmetic};
     use trirrr_protocol::message::scene::{Section, SectionName};
     // A quarter of a metre, a quarter of a second, half a kilogram: with them all values of the
     // tick fit the format.

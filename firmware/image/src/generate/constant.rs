@@ -7,14 +7,14 @@ const NAMES: &str = "\
 use nalgebra::Vector2;
 use trirrr_service::admission::{Path, TaylorModel};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::dyad::Rrr;
+use trirrr_core::dyad::{Rrr, Triangle};
 use trirrr_core::machine::Elbow::{Negative, Positive};
 use trirrr_core::machine::{
     Geometry, Leg, LegParameters, LinkParameters, Parameters, PlatformParameters,
 };
 use trirrr_protocol::message::{Board, Clock::Host, Start::Power};
 use trirrr_core::number::fixed::{Factor, Length, Sum, Turns};
-use trirrr_core::number::{Coarse, Fixed, Triangle};
+use trirrr_core::number::{Coarse, Fixed};
 use trirrr_service::Contact::{Stall, Switch, Unfelt};
 use trirrr_service::{
     Coefficients, HomingAxis, HomingCoefficients, HomingTimes, SceneIdentity, Settings,

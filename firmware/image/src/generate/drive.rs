@@ -2,7 +2,7 @@
 
 use super::FIXED;
 use std::fmt::{self, Write};
-use trirrr_core::number::{Fixed, Number};
+use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_core::units::Units;
 use trirrr_drives::bldc::{Bldc, BldcParameters};
 use trirrr_drives::stepper::StepsPerTurn;

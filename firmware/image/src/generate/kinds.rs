@@ -3,10 +3,10 @@
 use super::constant::constant;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, LinksKind, Parameters, PayloadKind};
-use trirrr_core::number::Number;
 use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
 use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_service::Coefficients;
+use trirrr_service::admission::Enclose;
 
 /// What the coefficients are built from, in the machine's units.
 pub(super) struct Machine<'a> {
@@ -47,7 +47,7 @@ impl Machine<'_> {
     ///
     /// # Errors
     /// The first quantity that does not fit the number type.
-    pub(super) fn coefficients<N: Number>(&self) -> Result<String, BuildError> {
+    pub(super) fn coefficients<N: Enclose>(&self) -> Result<String, BuildError> {
         match PayloadKind::of(self.parameters) {
             _ if !self.torque => self.with::<N, PositionOnly, Massless>(),
             PayloadKind::Centred => self.with_payload::<N, Centred<N>>(),
@@ -55,7 +55,7 @@ impl Machine<'_> {
         }
     }
 
-    fn with_payload<N: Number, P: Payload<N>>(&self) -> Result<String, BuildError> {
+    fn with_payload<N: Enclose, P: Payload<N>>(&self) -> Result<String, BuildError> {
         match LinksKind::of(self.parameters) {
             LinksKind::Massless => self.with::<N, P, Massless>(),
             LinksKind::Rotors => self.with::<N, P, Rotors<N>>(),
@@ -64,7 +64,7 @@ impl Machine<'_> {
         }
     }
 
-    fn with<N: Number, P: Payload<N>, L: Links<N>>(&self) -> Result<String, BuildError> {
+    fn with<N: Enclose, P: Payload<N>, L: Links<N>>(&self) -> Result<String, BuildError> {
         Coefficients::<N, P, L>::build(self.parameters, self.limits, self.ramp_ticks, self.period)
             .map(|coefficients| constant(&coefficients))
     }

@@ -9,11 +9,11 @@ use std::fmt::Write;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::Transmit;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
 use trirrr_service::HomingCoefficients;
+use trirrr_service::ServiceNumber;
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -29,7 +29,7 @@ pub fn source(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
     }
 }
 
-fn source_in<N: Transmit>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
+fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
     let units = trirrr_scene::units::<N>(scene)?;
     let parameters = &units.parameters(&scene.parameters);
     let limits = &units.limits(&scene.limits);

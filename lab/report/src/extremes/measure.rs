@@ -46,7 +46,7 @@ fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
     let refused = |error: String| format!("does not fit: {error}");
     let (machine, setpoint, units) = match &case.motion {
         Motion::State(state) => {
-            let units = match N::SPREADS {
+            let units = match N::PROPAGATES_NON_FINITE {
                 true => Units::SI,
                 false => trirrr_scene::units_of_setpoints(&case.parameters, [state])
                     .map_err(|error| refused(error.to_string()))?,

@@ -1,20 +1,21 @@
 //! Angles over an interval.
 
 use super::{Float, Roundoffs};
+use crate::admission::Enclose;
 use core::ops::{Add, Neg, Sub};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 
 /// An angle over an interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AngleModel<N: Number> {
-    pub(super) constant: <Float<N> as Number>::Angle,
+pub struct AngleModel<N: Enclose> {
+    pub(super) constant: <Float<N> as Arithmetic>::Angle,
     /// In radians.
     pub(super) linear: Float<N>,
     /// In radians.
     pub(super) error: Float<N>,
 }
 
-impl<N: Number> AngleModel<N> {
+impl<N: Enclose> AngleModel<N> {
     /// An angle of the tick, the same at all times.
     pub fn of(angle: N::Angle) -> Self {
         let constant = N::angle_bound(angle);
@@ -27,7 +28,7 @@ impl<N: Number> AngleModel<N> {
     }
 }
 
-impl<N: Number> Add for AngleModel<N> {
+impl<N: Enclose> Add for AngleModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -44,7 +45,7 @@ impl<N: Number> Add for AngleModel<N> {
     }
 }
 
-impl<N: Number> Neg for AngleModel<N> {
+impl<N: Enclose> Neg for AngleModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -57,7 +58,7 @@ impl<N: Number> Neg for AngleModel<N> {
     }
 }
 
-impl<N: Number> Sub for AngleModel<N> {
+impl<N: Enclose> Sub for AngleModel<N> {
     type Output = Self;
 
     #[inline(never)]

@@ -23,16 +23,17 @@ mod number;
 
 pub use angle::AngleModel;
 
+use crate::admission::Enclose;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 
 /// The float that the numbers of a model of `N` are.
-pub(super) type Float<N> = <N as Number>::Bound;
+pub(super) type Float<N> = <N as Enclose>::Bound;
 
 /// A quantity of the type `N` over an interval of time.
 #[derive(Clone, Copy, Debug)]
-pub struct TaylorModel<N: Number> {
+pub struct TaylorModel<N: Enclose> {
     /// Value in the middle of the interval, without the error.
     pub constant: Float<N>,
     /// Change from the middle of the interval to its end, as far as it is linear.
@@ -41,7 +42,7 @@ pub struct TaylorModel<N: Number> {
     pub error: Float<N>,
 }
 
-impl<N: Number> TaylorModel<N> {
+impl<N: Enclose> TaylorModel<N> {
     /// A value of the tick, the same at all times.
     pub fn of(value: N) -> Self {
         Self::near(value.bound())
@@ -163,7 +164,7 @@ enum Roundoffs {
 
 impl Roundoffs {
     #[inline(always)]
-    fn of<N: Number>(self, size: Float<N>) -> Float<N> {
+    fn of<N: Enclose>(self, size: Float<N>) -> Float<N> {
         let one = N::roundoff(size);
         let two = one + one;
         match self {
@@ -175,7 +176,7 @@ impl Roundoffs {
     }
 }
 
-impl<N: Number> Add for TaylorModel<N> {
+impl<N: Enclose> Add for TaylorModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -192,7 +193,7 @@ impl<N: Number> Add for TaylorModel<N> {
     }
 }
 
-impl<N: Number> Neg for TaylorModel<N> {
+impl<N: Enclose> Neg for TaylorModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -205,7 +206,7 @@ impl<N: Number> Neg for TaylorModel<N> {
     }
 }
 
-impl<N: Number> Sub for TaylorModel<N> {
+impl<N: Enclose> Sub for TaylorModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -216,7 +217,7 @@ impl<N: Number> Sub for TaylorModel<N> {
 
 /// A product whose rounding is not counted yet, with a bound of the size of its terms.
 #[inline(always)]
-fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Float<N>) {
+fn product<N: Enclose>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Float<N>) {
     // The term in t^2 lies between 0 and its value at the ends: half of it is known.
     let half_square = <Float<N>>::HALF * (a.linear * b.linear);
     let (size_a, size_b) = (
@@ -232,7 +233,7 @@ fn product<N: Number>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, 
     (model, size_a * size_b)
 }
 
-impl<N: Number> Mul for TaylorModel<N> {
+impl<N: Enclose> Mul for TaylorModel<N> {
     type Output = Self;
 
     #[inline(never)]
@@ -248,28 +249,28 @@ impl<N: Number> Mul for TaylorModel<N> {
     }
 }
 
-impl<N: Number> AddAssign for TaylorModel<N> {
+impl<N: Enclose> AddAssign for TaylorModel<N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<N: Number> SubAssign for TaylorModel<N> {
+impl<N: Enclose> SubAssign for TaylorModel<N> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl<N: Number> MulAssign for TaylorModel<N> {
+impl<N: Enclose> MulAssign for TaylorModel<N> {
     #[inline(always)]
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
     }
 }
 
-impl<N: Number> PartialOrd for TaylorModel<N> {
+impl<N: Enclose> PartialOrd for TaylorModel<N> {
     /// The order that holds at all times; `None` where there is no such order.
     #[inline(never)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
@@ -287,7 +288,7 @@ impl<N: Number> PartialOrd for TaylorModel<N> {
     }
 }
 
-impl<N: Number> PartialEq for TaylorModel<N> {
+impl<N: Enclose> PartialEq for TaylorModel<N> {
     fn eq(&self, other: &Self) -> bool {
         self.partial_cmp(other) == Some(Ordering::Equal)
     }

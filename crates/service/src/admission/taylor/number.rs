@@ -1,13 +1,13 @@
 //! Taylor models as numbers of the pipeline.
 
 use super::{AngleModel, Float, Roundoffs, TaylorModel, product};
-use trirrr_core::number::Number;
-use trirrr_core::number::simple::rounds_every_step;
+use crate::admission::Enclose;
+use trirrr_core::number::{Arithmetic, RoundsEachStep};
 
-impl<N: Number> Number for TaylorModel<N> {
+impl<N: Enclose> RoundsEachStep for TaylorModel<N> {}
+
+impl<N: Enclose> Arithmetic for TaylorModel<N> {
     type Angle = AngleModel<N>;
-    type Bound = Self;
-    rounds_every_step!();
 
     const ZERO: Self = Self {
         constant: <Float<N>>::ZERO,
@@ -83,30 +83,6 @@ impl<N: Number> Number for TaylorModel<N> {
             ratio,
             Roundoffs::Two,
         )
-    }
-
-    #[inline(always)]
-    fn bound(self) -> Self {
-        self
-    }
-
-    fn conversion(_: Self) -> Self {
-        Self::ZERO
-    }
-
-    #[inline(always)]
-    fn angle_bound(angle: Self::Angle) -> Self::Angle {
-        angle
-    }
-
-    #[inline(always)]
-    fn from_bound(bound: Self) -> Self {
-        bound
-    }
-
-    #[inline(always)]
-    fn roundoff(size: Self) -> Self {
-        Self::point(N::roundoff(size.magnitude()))
     }
 
     #[inline(never)]
@@ -221,11 +197,6 @@ impl<N: Number> Number for TaylorModel<N> {
             linear,
             error: error + Roundoffs::Eight.of::<N>(size),
         }
-    }
-
-    /// Without use of the length, which only makes the angle cheaper to compute.
-    fn direction(x: Self, y: Self, _length: &Self) -> Self::Angle {
-        Self::atan2(y, x)
     }
 
     #[inline(always)]

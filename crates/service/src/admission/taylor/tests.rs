@@ -1,8 +1,9 @@
 //! The models hold what the number type computes.
 
 use super::*;
+use crate::admission::Enclose;
 use proptest::prelude::*;
-use trirrr_core::number::Fixed;
+use trirrr_core::number::{Arithmetic, Fixed};
 
 /// A model by its three numbers, and where in it the quantity is: t and the part of the error.
 type Drawn = ([f64; 3], [f64; 2]);
@@ -21,7 +22,7 @@ fn drawn() -> impl Strategy<Value = Drawn> {
     })
 }
 
-fn model<N: Number>(numbers: [f64; 3]) -> TaylorModel<N> {
+fn model<N: Enclose>(numbers: [f64; 3]) -> TaylorModel<N> {
     let [constant, linear, error] = numbers.map(<Float<N>>::from_f64);
     TaylorModel {
         constant,
@@ -31,18 +32,18 @@ fn model<N: Number>(numbers: [f64; 3]) -> TaylorModel<N> {
 }
 
 /// The quantity there, in the number type.
-fn value<N: Number>([c, l, e]: [f64; 3], [t, part]: [f64; 2]) -> N {
+fn value<N: Enclose>([c, l, e]: [f64; 3], [t, part]: [f64; 2]) -> N {
     N::from_f64(c + l * t + e * part)
 }
 
 /// Whether `found`, the type's own result of an operation, lies in the operation's `model`.
-fn holds<N: Number>(model: TaylorModel<N>, t: f64, found: f64) -> bool {
+fn holds<N: Enclose>(model: TaylorModel<N>, t: f64, found: f64) -> bool {
     let [c, l, e] = [model.constant, model.linear, model.error].map(<Float<N>>::to_f64);
     // Exact differences of near numbers, and products with halves.
     !model.is_finite() || ((found - c) - l * t).abs() <= e
 }
 
-fn operations<N: Number>((x, at_x): Drawn, (y, at_y): Drawn) {
+fn operations<N: Enclose>((x, at_x): Drawn, (y, at_y): Drawn) {
     // One t for both.
     let (t, at_y) = (at_x[0], [at_x[0], at_y[1]]);
     let (a, b) = (value::<N>(x, at_x), value::<N>(y, at_y));

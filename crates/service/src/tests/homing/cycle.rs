@@ -96,7 +96,7 @@ fn a_machine_whose_motors_are_known_has_no_homing() {
     assert_eq!(rig.foreground.shift(), None);
 }
 
-fn homes<N: Transmit>(contact: Contact) {
+fn homes<N: ServiceNumber>(contact: Contact) {
     let mut machine = Machine::<N>::new(parameters(contact), [0.2, -0.1, -0.5]);
     assert!(machine.errors().iter().any(|error| error.abs() > 0.4));
     machine.rig.done(Command::Home);

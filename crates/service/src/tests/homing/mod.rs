@@ -75,7 +75,7 @@ pub(super) enum Defect {
 }
 
 /// A machine that is homed, with the motors as they truly are.
-pub(super) struct Machine<N: Transmit> {
+pub(super) struct Machine<N: ServiceNumber> {
     pub(super) rig: Rig<N, Homed<N>>,
     pub(super) parameters: HomingParameters,
     /// Where the motors truly are, rad, unwrapped.
@@ -90,7 +90,7 @@ pub(super) struct Machine<N: Transmit> {
     before: [f64; 3],
 }
 
-impl<N: Transmit> Machine<N> {
+impl<N: ServiceNumber> Machine<N> {
     /// Switched on with the motors `offset` rad beyond where they are at [`home`].
     pub(super) fn new(parameters: HomingParameters, offset: [f64; 3]) -> Self {
         let limits = LimitParameters {

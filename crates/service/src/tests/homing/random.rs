@@ -38,7 +38,7 @@ fn motor() -> impl Strategy<Value = (HomingMotor, f64)> {
         )
 }
 
-fn machine<N: Transmit>(
+fn machine<N: ServiceNumber>(
     contact: Contact,
     debounce_ticks: u16,
     motors: [(HomingMotor, f64); 3],
@@ -71,7 +71,7 @@ fn machine<N: Transmit>(
     Machine::new(timed(parameters), offset)
 }
 
-fn homes<N: Transmit>(contact: Contact, debounce: u16, motors: [(HomingMotor, f64); 3]) {
+fn homes<N: ServiceNumber>(contact: Contact, debounce: u16, motors: [(HomingMotor, f64); 3]) {
     let mut machine = machine::<N>(contact, debounce, motors);
     for _ in 0..debounce {
         machine.tick();

@@ -26,9 +26,9 @@ use rp2040_hal::gpio::bank0::{Gpio6, Gpio7, Gpio8, Gpio9, Gpio10, Gpio11, Gpio12
 use rp2040_hal::gpio::{FunctionNull, Pin, PullDown};
 use rp2040_hal::pwm::Slices;
 use trirrr_app::scene::Scalar;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 
-pub(super) type Angle = <Scalar as Number>::Angle;
+pub(super) type Angle = <Scalar as Arithmetic>::Angle;
 
 type Unused<P> = Pin<P, FunctionNull, PullDown>;
 

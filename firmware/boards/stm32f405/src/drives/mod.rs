@@ -39,9 +39,9 @@ use crate::clock::Clocks;
 use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
 use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
 use trirrr_app::scene::Scalar;
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 
-pub(super) type Angle = <Scalar as Number>::Angle;
+pub(super) type Angle = <Scalar as Arithmetic>::Angle;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.

@@ -4,7 +4,7 @@ use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_image::Move;
 use trirrr_insns::scene::{LIMITS, Links, MOVES, PARAMETERS, PERIOD, Payload, RAMP_TICKS, Scalar};

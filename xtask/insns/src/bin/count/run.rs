@@ -5,7 +5,7 @@ use core::hint::black_box;
 use nalgebra::Vector2;
 use semihosting::{println, process};
 use trirrr_core::dyad::{OutOfReach, Rrr};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};
 use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD, Scalar};

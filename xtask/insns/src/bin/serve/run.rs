@@ -163,8 +163,8 @@ pub(crate) fn run() -> ! {
     let back = Move {
         to: start(),
         from: pose,
-        start_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Number>::from_f64),
-        end_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Number>::from_f64),
+        start_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Arithmetic>::from_f64),
+        end_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Arithmetic>::from_f64),
         ticks: 10 * offered(0, 0).ticks.max(100),
         ..offered(0, host.number)
     };

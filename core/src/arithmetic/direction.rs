@@ -54,11 +54,11 @@ direction!(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::{Coarse, Fixed, Number};
+    use crate::arithmetic::{Coarse, Fixed, WideArithmetic};
 
     #[test]
     fn half_a_turn_is_the_direction_of_the_negative_axis() {
-        fn is_half_a_turn<N: Number>() {
+        fn is_half_a_turn<N: WideArithmetic>() {
             let one = N::length_from_f64(1.0);
             assert_eq!(N::direction(-N::ONE, N::ZERO, &one), N::half_turn());
         }

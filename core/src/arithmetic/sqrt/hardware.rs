@@ -2,16 +2,16 @@
 //! rounded. Machines without one get the software root under the same name.
 
 #[cfg(target_arch = "x86_64")]
-pub(in crate::number) use x86_64::{sqrt_f32, sqrt_f64};
+pub(in crate::arithmetic) use x86_64::{sqrt_f32, sqrt_f64};
 
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
-pub(in crate::number) use {super::software::sqrt_f64, arm::sqrt_f32};
+pub(in crate::arithmetic) use {super::software::sqrt_f64, arm::sqrt_f32};
 
 #[cfg(not(any(
     target_arch = "x86_64",
     all(target_arch = "arm", target_abi = "eabihf")
 )))]
-pub(in crate::number) use super::software::{sqrt_f32, sqrt_f64};
+pub(in crate::arithmetic) use super::software::{sqrt_f32, sqrt_f64};
 
 /// SSE2 is part of every x86-64.
 #[cfg(target_arch = "x86_64")]
@@ -23,14 +23,14 @@ mod x86_64 {
 
     #[inline(always)]
     #[allow(unused_unsafe, unsafe_code)]
-    pub(in crate::number) fn sqrt_f32(x: f32) -> f32 {
+    pub(in crate::arithmetic) fn sqrt_f32(x: f32) -> f32 {
         // SAFETY: the instructions are in the baseline of the architecture.
         unsafe { _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))) }
     }
 
     #[inline(always)]
     #[allow(unused_unsafe, unsafe_code)]
-    pub(in crate::number) fn sqrt_f64(x: f64) -> f64 {
+    pub(in crate::arithmetic) fn sqrt_f64(x: f64) -> f64 {
         // SAFETY: as above.
         unsafe { _mm_cvtsd_f64(_mm_sqrt_sd(_mm_setzero_pd(), _mm_set_sd(x))) }
     }
@@ -48,7 +48,7 @@ mod arm {
     use core::arch::asm;
 
     #[inline(always)]
-    pub(in crate::number) fn sqrt_f32(x: f32) -> f32 {
+    pub(in crate::arithmetic) fn sqrt_f32(x: f32) -> f32 {
         sqrtf(x)
     }
 

@@ -1,4 +1,4 @@
-//! [`Number`] for binary32 with the coarse functions of the micromath crate: what they save, and
+//! [`Arithmetic`] for binary32 with the coarse functions of the micromath crate: what they save, and
 //! what they cost.
 //!
 //! Sums and products are those of `f32`. The square root is an affine map of the bits, up to 6.1 %
@@ -11,8 +11,7 @@
 //! The functions are called by micromath's own type, not by its extension trait: where the
 //! standard library is linked, `f32` has methods of the same names, and those win.
 
-use super::Number;
-use super::simple::rounds_every_step;
+use super::{Arithmetic, RoundsEachStep};
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use micromath::F32;
 use postcard_schema::Schema;
@@ -53,37 +52,14 @@ impl Neg for Coarse {
     }
 }
 
-impl Number for Coarse {
+impl Arithmetic for Coarse {
     type Angle = Self;
-    /// With accurate functions: bounds are those of the true motion.
-    type Bound = f32;
-    rounds_every_step!();
 
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);
     const HALF: Self = Self(0.5);
     const UNIT_ROUNDOFF: Self = Self(f32::EPSILON / 2.0);
 
-    #[inline(always)]
-    fn bound(self) -> f32 {
-        self.0
-    }
-    #[inline(always)]
-    fn conversion(_: f32) -> f32 {
-        0.0
-    }
-    #[inline(always)]
-    fn angle_bound(angle: Self) -> f32 {
-        angle.0
-    }
-    #[inline(always)]
-    fn from_bound(bound: f32) -> Self {
-        Self(bound)
-    }
-    #[inline(always)]
-    fn roundoff(size: f32) -> f32 {
-        f32::roundoff(size)
-    }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self(x as f32)
@@ -116,14 +92,6 @@ impl Number for Coarse {
     #[inline(always)]
     fn ratio(numerator: u32, denominator: u32) -> Self {
         Self(f32::ratio(numerator, denominator))
-    }
-    #[inline(always)]
-    fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        a * b + c * d
-    }
-    #[inline(always)]
-    fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        a * b - c * d
     }
     #[inline(always)]
     fn div(self, divisor: Self) -> Self {
@@ -161,20 +129,24 @@ impl Number for Coarse {
         }
         Self(F32(y.0).atan2(F32(x.0)).0)
     }
-    /// As [`atan2`](Number::atan2), which makes nothing of the length. The vector must not be zero.
-    #[inline(always)]
-    fn direction(x: Self, y: Self, _length: &Self) -> Self {
-        Self(F32(y.0).atan2(F32(x.0)).0)
-    }
     #[inline(always)]
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }
 }
 
+impl RoundsEachStep for Coarse {
+    /// As [`atan2`](Arithmetic::atan2), which has no use for the length. The vector must not be zero.
+    #[inline(always)]
+    fn direction_at_length(x: Self, y: Self, _length: Self) -> Self {
+        Self(F32(y.0).atan2(F32(x.0)).0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arithmetic::WideArithmetic;
     use core::f64::consts::{PI, TAU};
 
     /// The worst of `errors` lies in `bracket`: beyond it the documentation is wrong, below it so.

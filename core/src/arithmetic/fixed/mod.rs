@@ -22,7 +22,7 @@
 //! | operation | error | beyond the range |
 //! |---|---|---|
 //! | `a + b`, `a - b`, `-a`, `abs` | exact | saturates |
-//! | `a * b`, `ab_plus_cd`, `ab_minus_cd`, [`round`](Number::round) | 0.5 unit, one rounding | saturates |
+//! | `a * b`, `ab_plus_cd`, `ab_minus_cd`, [`round`](WideArithmetic::round) | 0.5 unit, one rounding | saturates |
 //! | `sum_ab_plus_cd`, `widen`, sums of sums | exact | the caller adds up to four products of values in range |
 //! | `scaled`, `round_scaled` | 0.5 unit + 2^-30 of the value | saturates |
 //! | `reciprocal`, products and quotients of factors | 2^-30 of the value | - |
@@ -32,15 +32,13 @@
 //! | `direction`, `atan2` | 1.2 units of an angle, 2^-32 of a turn | - |
 //! | `fraction` | 0.75 unit, exact at both ends | - |
 //! | `angle`, `radians` | 0.5 unit of the result + 2^-30 of the value | `radians` saturates |
-//! | `apex` | see there | flat or open triangles are refused |
 
-mod apex;
 mod count;
 mod direction;
 mod factor;
-mod product;
-mod reciprocal;
-mod root;
+pub(crate) mod product;
+pub(crate) mod reciprocal;
+pub(crate) mod root;
 mod sin_cos;
 mod turns;
 
@@ -48,9 +46,8 @@ pub use count::Count;
 pub use factor::Factor;
 pub use turns::Turns;
 
-use super::{Apex, Number, OutOfReach, Triangle};
+use super::{Arithmetic, WideArithmetic};
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
-use nalgebra::Vector2;
 use postcard_schema::Schema;
 use product::{normalised, saturated, signed};
 use serde::{Deserialize, Serialize};
@@ -79,7 +76,7 @@ pub struct Length {
 }
 
 /// Bits behind the point.
-const FRACTION: u32 = 29;
+pub(crate) const FRACTION: u32 = 29;
 
 /// 2 pi / 8 in 2^-30, from 2^-32 of a turn to 2^-29 rad; and its reciprocal.
 const RADIANS: i64 = 843_314_857;
@@ -183,58 +180,14 @@ impl Neg for Sum {
     }
 }
 
-impl Number for Fixed {
+impl Arithmetic for Fixed {
     type Angle = Turns;
-    /// A format this narrow has no room for bounds.
-    type Bound = f32;
-    type Sum = Sum;
-    type Factor = Factor;
-    type Count = Count;
-    type Length = Length;
-
-    const SPREADS: bool = false;
-
+    const PROPAGATES_NON_FINITE: bool = false;
     const ZERO: Self = Self(0);
     const ONE: Self = Self(1 << FRACTION);
     const HALF: Self = Self(1 << (FRACTION - 1));
     // Half of it is what the format has no room for.
     const UNIT_ROUNDOFF: Self = Self(1);
-
-    fn bound(self) -> f32 {
-        if self.is_finite() {
-            self.0 as f32 * Self::UNIT as f32
-        } else {
-            f32::INFINITY
-        }
-    }
-
-    fn conversion(size: f32) -> f32 {
-        Self::roundoff(size)
-    }
-
-    fn angle_bound(angle: Turns) -> f32 {
-        const TURN: f32 = (core::f64::consts::TAU / 4_294_967_296.0) as f32;
-        angle.0 as f32 * TURN
-    }
-
-    /// As [`from_f64`](Number::from_f64), by what every step leaves exact in binary32.
-    fn from_bound(bound: f32) -> Self {
-        if bound.is_nan() {
-            return Self(i32::MIN);
-        }
-        let scaled = bound * (1u32 << FRACTION) as f32;
-        // The conversion saturates.
-        let whole = scaled as i32;
-        let rest = scaled - whole as f32;
-        let away = i32::from(rest >= 0.5) - i32::from(rest <= -0.5);
-        Self(whole.saturating_add(away))
-    }
-
-    /// The unit and the float's own.
-    #[inline(always)]
-    fn roundoff(size: f32) -> f32 {
-        size * f32::UNIT_ROUNDOFF + Self::UNIT as f32
-    }
 
     /// Beyond the range one of the rails, as for what is not a number.
     fn from_f64(x: f64) -> Self {
@@ -279,6 +232,82 @@ impl Number for Fixed {
     fn ratio(numerator: u32, denominator: u32) -> Self {
         Self::ONE.scaled(Self::quotient(numerator, denominator))
     }
+
+    #[inline(always)]
+    fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+        Self::round(Self::sum_ab_plus_cd(a, b, c, d))
+    }
+
+    #[inline(always)]
+    fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+        Self::round(Self::sum_ab_minus_cd(a, b, c, d))
+    }
+
+    #[inline(always)]
+    fn div(self, divisor: Self) -> Self {
+        if divisor.0 == 0 {
+            return Self(i32::MAX);
+        }
+        self.scaled(divisor.reciprocal())
+    }
+
+    fn sqrt(self) -> Self {
+        match u64::try_from(self.0) {
+            Ok(raw) => Self(root::integer_root(raw << FRACTION) as i32),
+            Err(_) => Self(i32::MIN),
+        }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.wrapping_abs())
+    }
+
+    #[inline(always)]
+    fn sin_cos(angle: Turns) -> (Self, Self) {
+        let (sin, cos) = sin_cos::sin_cos(angle.0 as u32);
+        (Self(sin), Self(cos))
+    }
+
+    fn atan2(y: Self, x: Self) -> Turns {
+        let square = |raw: i32| u64::from(raw.unsigned_abs()) * u64::from(raw.unsigned_abs());
+        let length_sq = square(x.0) + square(y.0);
+        if length_sq == 0 {
+            return Turns(0);
+        }
+        // The length shifted to [2^29, 2^30): its square then has 4 or 5 leading zeros.
+        let (z, zeros) = normalised(length_sq);
+        let (z, zeros) = (z >> (zeros & 1), zeros & !1);
+        let inverse = root::inverse_root(z);
+        let place = |raw: i32| match zeros >> 1 {
+            0 => raw >> 2,
+            1 => raw >> 1,
+            up => raw << (up - 2),
+        };
+        Turns(direction::direction(place(x.0), place(y.0), inverse))
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.0 > i32::MIN + Self::MARGIN && self.0 < i32::MAX - Self::MARGIN
+    }
+
+    /// `true` if all are below 2 in size.
+    #[inline(always)]
+    fn in_range<const COUNT: usize>(values: [Self; COUNT]) -> bool {
+        // A value is in range if its two highest bits are the same.
+        let beyond = values
+            .iter()
+            .fold(0, |beyond, value| beyond | (value.0 ^ (value.0 << 1)));
+        beyond >= 0
+    }
+}
+
+impl WideArithmetic for Fixed {
+    type Sum = Sum;
+    type Factor = Factor;
+    type Count = Count;
+    type Length = Length;
 
     fn count(ticks: u32) -> Count {
         Count::new(ticks)
@@ -355,83 +384,6 @@ impl Number for Fixed {
         Self(f.times(sum.0))
     }
 
-    #[inline(always)]
-    fn apex(triangle: &Triangle<Self>, base: Vector2<Self>) -> Result<Apex<Self>, OutOfReach> {
-        apex::apex(triangle, base)
-    }
-
-    #[inline(always)]
-    fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        Self::round(Self::sum_ab_plus_cd(a, b, c, d))
-    }
-
-    #[inline(always)]
-    fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        Self::round(Self::sum_ab_minus_cd(a, b, c, d))
-    }
-
-    #[inline(always)]
-    fn half_difference(a: Self, b: Self) -> Self {
-        // Both from 0 to 4.
-        Self(a.0.wrapping_sub(b.0) >> 1)
-    }
-
-    /// What wraps is at least 2 long: 8 less twice 2.75 less 1/2.
-    #[inline(always)]
-    fn span(place: Self, base: Self, arm: Self) -> Self {
-        Self(place.0.wrapping_sub(base.0).wrapping_add(arm.0))
-    }
-
-    #[inline(always)]
-    fn is_near(place: Self) -> bool {
-        const NEAR: i32 = 11 << (FRACTION - 2);
-        place.0 >= -NEAR && place.0 <= NEAR
-    }
-
-    #[inline(always)]
-    fn div(self, divisor: Self) -> Self {
-        if divisor.0 == 0 {
-            return Self(i32::MAX);
-        }
-        self.scaled(divisor.reciprocal())
-    }
-
-    fn sqrt(self) -> Self {
-        match u64::try_from(self.0) {
-            Ok(raw) => Self(root::integer_root(raw << FRACTION) as i32),
-            Err(_) => Self(i32::MIN),
-        }
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.wrapping_abs())
-    }
-
-    #[inline(always)]
-    fn sin_cos(angle: Turns) -> (Self, Self) {
-        let (sin, cos) = sin_cos::sin_cos(angle.0 as u32);
-        (Self(sin), Self(cos))
-    }
-
-    fn atan2(y: Self, x: Self) -> Turns {
-        let square = |raw: i32| u64::from(raw.unsigned_abs()) * u64::from(raw.unsigned_abs());
-        let length_sq = square(x.0) + square(y.0);
-        if length_sq == 0 {
-            return Turns(0);
-        }
-        // The length shifted to [2^29, 2^30): its square then has 4 or 5 leading zeros.
-        let (z, zeros) = normalised(length_sq);
-        let (z, zeros) = (z >> (zeros & 1), zeros & !1);
-        let inverse = root::inverse_root(z);
-        let place = |raw: i32| match zeros >> 1 {
-            0 => raw >> 2,
-            1 => raw >> 1,
-            up => raw << (up - 2),
-        };
-        Turns(direction::direction(place(x.0), place(y.0), inverse))
-    }
-
     fn length_from_f64(x: f64) -> Length {
         let value = Self::from_f64(x);
         // Scaled as a float, so that the reciprocal is one of the length and not of its rounding.
@@ -458,21 +410,6 @@ impl Number for Fixed {
             y.0 << shift,
             length.inverse,
         ))
-    }
-
-    #[inline(always)]
-    fn is_finite(self) -> bool {
-        self.0 > i32::MIN + Self::MARGIN && self.0 < i32::MAX - Self::MARGIN
-    }
-
-    /// Whether all are below 2.
-    #[inline(always)]
-    fn fit<const COUNT: usize>(values: [Self; COUNT]) -> bool {
-        // A value fits if its two highest bits are the same.
-        let beyond = values
-            .iter()
-            .fold(0, |beyond, value| beyond | (value.0 ^ (value.0 << 1)));
-        beyond >= 0
     }
 }
 

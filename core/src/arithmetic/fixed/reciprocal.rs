@@ -19,7 +19,7 @@ static LINES: [(u16, u16); 32] = [
 /// The line is off by less than 2^-12 of the value; one step of the third order takes that below
 /// the rounding. The error is below 0.51 units, at z = 1/2, which has no room, 1 unit.
 #[inline(always)]
-pub(super) fn reciprocal(z: u32) -> i32 {
+pub(crate) fn reciprocal(z: u32) -> i32 {
     let part = (z >> 26) & 31;
     let (start, fall) = LINES[part as usize];
     let within = (z >> 10) & 0xffff;

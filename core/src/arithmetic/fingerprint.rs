@@ -1,14 +1,14 @@
 //! One number that stands for the bits of every kernel over a lattice of arguments: equal on two
 //! machines only if they compute alike.
 
-use super::Number;
+use super::WideArithmetic;
 
 /// FNV-1a over the bits, as f64, of what each function of a float returns: ordinary arguments,
 /// angles of every size up to 2^100, vectors from 2^-100 to 2^100, subnormal roots. What is not a
 /// number is left out, for its bits are the machine's choice.
 #[doc(hidden)]
 #[must_use]
-pub fn fingerprint<N: Number<Angle = N>>() -> u64 {
+pub fn fingerprint<N: WideArithmetic<Angle = N>>() -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut note = |value: N| {
         for byte in value.to_f64().to_bits().to_le_bytes() {
@@ -49,7 +49,7 @@ pub fn fingerprint<N: Number<Angle = N>>() -> u64 {
 }
 
 /// 2^exponent, by doubling or halving.
-fn power<N: Number>(exponent: i32) -> N {
+fn power<N: WideArithmetic>(exponent: i32) -> N {
     let factor = if exponent < 0 {
         N::HALF
     } else {

@@ -14,15 +14,17 @@
 //! links. Both ends may move: the stages take position, velocity and acceleration of C relative
 //! to A. Source: thesis (3.2) to (3.21), corrected; the sign of r2 is B -> C.
 
-/// Configuration of a dyad: the corner B of its triangle.
-pub use crate::number::Apex as Position;
-pub use crate::number::OutOfReach;
-use crate::number::{Number, Triangle, sum_dot};
+mod fixed;
+mod kernel;
+
+pub use kernel::{DyadKernel, DyadPosition, OutOfReach, Triangle};
+
+use crate::arithmetic::{WideArithmetic, sum_dot};
 use nalgebra::Vector2;
 
 /// Coefficients of an RRR dyad, built from its two lengths and its branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rrr<N: Number> {
+pub struct Rrr<N: WideArithmetic> {
     /// A, B and C.
     pub triangle: Triangle<N>,
     /// l1^2 + l2^2
@@ -53,7 +55,7 @@ pub struct Accelerations<N> {
     pub distal: N,
 }
 
-impl<N: Number> Rrr<N> {
+impl<N: DyadKernel> Rrr<N> {
     /// The dyad with lengths `l1` (A -> B) and `l2` (B -> C), both positive, whose inner joint
     /// lies to the left of A -> C for `branch` = +1, to the right for -1.
     pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
@@ -68,25 +70,25 @@ impl<N: Number> Rrr<N> {
 
     /// The configuration for `d`, the vector A -> C.
     #[inline(always)]
-    pub fn position(&self, d: Vector2<N>) -> Result<Position<N>, OutOfReach> {
-        N::apex(&self.triangle, d)
+    pub fn position(&self, d: Vector2<N>) -> Result<DyadPosition<N>, OutOfReach> {
+        N::intersect_circles(&self.triangle, d)
     }
 
     /// Direction of A -> B, counter-clockwise from the x axis, in (-pi, pi].
     #[inline(always)]
-    pub fn proximal_angle(&self, at: &Position<N>) -> N::Angle {
+    pub fn proximal_angle(&self, at: &DyadPosition<N>) -> N::Angle {
         N::direction(at.r1.x, at.r1.y, &self.l1)
     }
 
     /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
     #[inline(always)]
-    pub fn r1_dot_r2(&self, at: &Position<N>) -> N {
+    pub fn r1_dot_r2(&self, at: &DyadPosition<N>) -> N {
         N::half_difference(at.base_sq, self.sum_of_squares)
     }
 
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).
     #[inline(always)]
-    pub fn rates(&self, at: &Position<N>, v: Vector2<N>) -> Rates<N> {
+    pub fn rates(&self, at: &DyadPosition<N>, v: Vector2<N>) -> Rates<N> {
         Rates {
             proximal: N::round_scaled(sum_dot(at.r2, v), at.inverse_cross),
             distal: -N::round_scaled(sum_dot(at.r1, v), at.inverse_cross),
@@ -97,7 +99,7 @@ impl<N: Number> Rrr<N> {
     #[inline(always)]
     pub fn accelerations(
         &self,
-        at: &Position<N>,
+        at: &DyadPosition<N>,
         rates: &Rates<N>,
         a: Vector2<N>,
     ) -> Accelerations<N> {
@@ -129,7 +131,7 @@ impl<N: Number> Rrr<N> {
     /// abs(r1 x r2) / (l1 l2): 0 where the dyad is stretched or folded, 1 where it is at right
     /// angles.
     #[inline]
-    pub fn singularity_distance(&self, at: &Position<N>) -> N {
+    pub fn singularity_distance(&self, at: &DyadPosition<N>) -> N {
         let (l1, l2) = self.lengths();
         at.r1_cross_r2.abs().div(l1 * l2)
     }

@@ -8,7 +8,7 @@ macro_rules! software_sqrt {
     ($(#[$doc:meta])* $name:ident, $float:ident, $bits:ident, $significand:expr, $bias:expr) => {
         $(#[$doc])*
         #[allow(dead_code)]
-        pub(in crate::number) fn $name(x: $float) -> $float {
+        pub(in crate::arithmetic) fn $name(x: $float) -> $float {
             // Significand bits including the hidden one, and the same count plus the guard bit.
             const SIGNIFICAND: u32 = $significand;
             const ROOT: u32 = SIGNIFICAND + 1;

@@ -6,7 +6,7 @@ macro_rules! horner {
         $last
     };
     ($x:expr; $first:expr, $($rest:expr),+) => {
-        $first + $x * $crate::number::polynomial::horner!($x; $($rest),+)
+        $first + $x * $crate::arithmetic::polynomial::horner!($x; $($rest),+)
     };
 }
 pub(super) use horner;

@@ -8,26 +8,26 @@
 /// a b.
 #[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
 #[inline(always)]
-pub(super) fn signed(a: i32, b: i32) -> i64 {
+pub(crate) fn signed(a: i32, b: i32) -> i64 {
     i64::from(a) * i64::from(b)
 }
 
 /// a b.
 #[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
 #[inline(always)]
-pub(super) fn unsigned(a: u32, b: u32) -> u64 {
+pub(crate) fn unsigned(a: u32, b: u32) -> u64 {
     u64::from(a) * u64::from(b)
 }
 
 #[cfg(all(target_arch = "arm", not(target_has_atomic = "32")))]
-pub(super) use halves::{signed, unsigned};
+pub(crate) use halves::{signed, unsigned};
 
 /// Products from those of 16 by 16 bits, for cores whose multiplication gives 32 bits.
 #[cfg(any(test, all(target_arch = "arm", not(target_has_atomic = "32"))))]
 mod halves {
     /// a b.
     #[inline(never)]
-    pub(in crate::number::fixed) fn signed(a: i32, b: i32) -> i64 {
+    pub(crate) fn signed(a: i32, b: i32) -> i64 {
         let (a_high, a_low) = (a >> 16, a & 0xffff);
         let (b_high, b_low) = (b >> 16, b & 0xffff);
         let low = (a_low as u32).wrapping_mul(b_low as u32);
@@ -42,7 +42,7 @@ mod halves {
 
     /// a b.
     #[inline(never)]
-    pub(in crate::number::fixed) fn unsigned(a: u32, b: u32) -> u64 {
+    pub(crate) fn unsigned(a: u32, b: u32) -> u64 {
         let (a_high, a_low) = (a >> 16, a & 0xffff);
         let (b_high, b_low) = (b >> 16, b & 0xffff);
         let low = a_low * b_low;
@@ -84,13 +84,13 @@ mod halves {
 
 /// a b / 2^32, rounded down.
 #[inline(always)]
-pub(super) fn signed_high(a: i32, b: i32) -> i32 {
+pub(crate) fn signed_high(a: i32, b: i32) -> i32 {
     (signed(a, b) >> 32) as i32
 }
 
 /// `wide` / 2^`BITS`, rounded to nearest, for values that are known to fit; `BITS` is 1 to 31.
 #[inline(always)]
-pub(super) fn rounded<const BITS: u32>(wide: i64) -> i32 {
+pub(crate) fn rounded<const BITS: u32>(wide: i64) -> i32 {
     carried::<BITS>((wide >> 32) as i32, wide as u32)
 }
 
@@ -139,7 +139,7 @@ fn carried<const BITS: u32>(high: i32, low: u32) -> i32 {
 /// takes for unsigned, and a product of a signed and an unsigned one costs three multiplications.
 #[inline(always)]
 #[allow(unsafe_code)]
-pub(super) fn opaque(value: i32) -> i32 {
+pub(crate) fn opaque(value: i32) -> i32 {
     #[cfg(all(target_arch = "arm", target_has_atomic = "32"))]
     {
         let mut value = value;
@@ -156,7 +156,7 @@ pub(super) fn opaque(value: i32) -> i32 {
 /// The top 32 bits of `wide`, which is not zero, shifted left until its highest bit is set; and
 /// the shift.
 #[inline(always)]
-pub(super) fn normalised(wide: u64) -> (u32, u32) {
+pub(crate) fn normalised(wide: u64) -> (u32, u32) {
     let (high, low) = ((wide >> 32) as u32, wide as u32);
     if high != 0 {
         let shift = high.leading_zeros() & 31;
@@ -169,7 +169,7 @@ pub(super) fn normalised(wide: u64) -> (u32, u32) {
 
 /// The high word of (high, low) shifted left by `shift`, 0 to 31.
 #[inline(always)]
-pub(super) fn joined(high: u32, low: u32, shift: u32) -> u32 {
+pub(crate) fn joined(high: u32, low: u32, shift: u32) -> u32 {
     let shift = shift & 31;
     (high << shift) | (low >> 1 >> (shift ^ 31))
 }

@@ -1,34 +1,34 @@
 //! The operations on plane vectors that the whole pipeline is made of.
 
-use super::Number;
+use super::WideArithmetic;
 use nalgebra::Vector2;
 
 /// Scalar product a . b.
 #[inline(always)]
-pub fn dot<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N {
+pub fn dot<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N {
     N::ab_plus_cd(a.x, b.x, a.y, b.y)
 }
 
 /// Plane cross product a x b = ax by - ay bx, positive when b lies counter-clockwise of a.
 #[inline(always)]
-pub fn cross<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N {
+pub fn cross<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N {
     N::ab_minus_cd(a.x, b.y, a.y, b.x)
 }
 
 /// Scalar product a . b, not rounded.
 #[inline(always)]
-pub fn sum_dot<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
+pub fn sum_dot<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
     N::sum_ab_plus_cd(a.x, b.x, a.y, b.y)
 }
 
 /// Plane cross product a x b, not rounded.
 #[inline(always)]
-pub fn sum_cross<N: Number>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
+pub fn sum_cross<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
     N::sum_ab_minus_cd(a.x, b.y, a.y, b.x)
 }
 
 /// `v` turned by +90 degrees (E v in the documentation).
 #[inline(always)]
-pub fn perpendicular<N: Number>(v: Vector2<N>) -> Vector2<N> {
+pub fn perpendicular<N: WideArithmetic>(v: Vector2<N>) -> Vector2<N> {
     Vector2::new(-v.y, v.x)
 }

@@ -1,40 +1,17 @@
-//! [`Number`] for the two IEEE floats.
+//! [`Arithmetic`] for the two IEEE floats.
 
-use super::simple::rounds_every_step;
-use super::{Number, atan2, direction, sin_cos, sqrt};
+use super::{Arithmetic, RoundsEachStep, atan2, direction, sin_cos, sqrt};
 
 macro_rules! float {
     ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $direction:path) => {
-        impl Number for $float {
+        impl Arithmetic for $float {
             type Angle = $float;
-            type Bound = $float;
-            rounds_every_step!();
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
             const UNIT_ROUNDOFF: Self = $float::EPSILON / 2.0;
 
-            #[inline(always)]
-            fn bound(self) -> Self {
-                self
-            }
-            #[inline(always)]
-            fn conversion(_: Self) -> Self {
-                0.0
-            }
-            #[inline(always)]
-            fn angle_bound(angle: Self) -> Self {
-                angle
-            }
-            #[inline(always)]
-            fn from_bound(bound: Self) -> Self {
-                bound
-            }
-            #[inline(always)]
-            fn roundoff(size: Self) -> Self {
-                size * Self::UNIT_ROUNDOFF
-            }
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 x as $float
@@ -69,14 +46,6 @@ macro_rules! float {
                 numerator as $float / denominator as $float
             }
             #[inline(always)]
-            fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-                a * b + c * d
-            }
-            #[inline(always)]
-            fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-                a * b - c * d
-            }
-            #[inline(always)]
             fn div(self, divisor: Self) -> Self {
                 self / divisor
             }
@@ -97,12 +66,15 @@ macro_rules! float {
                 $atan2(y, x)
             }
             #[inline(always)]
-            fn direction(x: Self, y: Self, length: &Self) -> Self {
-                $direction(x, y, *length)
-            }
-            #[inline(always)]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
+            }
+        }
+
+        impl RoundsEachStep for $float {
+            #[inline(always)]
+            fn direction_at_length(x: Self, y: Self, length: Self) -> Self {
+                $direction(x, y, length)
             }
         }
     };
@@ -148,7 +120,7 @@ mod tests {
 
     #[test]
     fn division_by_zero_is_not_finite() {
-        assert!(!Number::is_finite(Number::div(1.0f32, 0.0)));
-        assert!(!Number::is_finite(Number::div(0.0f64, 0.0)));
+        assert!(!Arithmetic::is_finite(Arithmetic::div(1.0f32, 0.0)));
+        assert!(!Arithmetic::is_finite(Arithmetic::div(0.0f64, 0.0)));
     }
 }

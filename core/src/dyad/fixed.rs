@@ -1,23 +1,53 @@
-//! The third corner of a triangle in fixed point.
+//! The dyad's kernel in fixed point.
 //!
 //! d^2 and what is compared with it are held in 2^-58, exactly. Near a fold d, k and S are small
-//! together, and the corner is what they make of each other: they are shifted left as far as d
-//! allows before they are rounded, so that the corner is as accurate as d is.
+//! together, and the inner joint is a ratio of them. They are shifted left as far as d allows before
+//! they are rounded, so that the joint is as accurate as d is.
 
-use super::Fixed;
-use super::factor::Factor;
-use super::product::{joined, normalised, opaque, rounded, signed, signed_high, unsigned};
-use super::reciprocal::reciprocal;
-use super::root::inverse_root;
-use crate::number::{Apex, OutOfReach, Triangle};
+use super::kernel::{DyadKernel, DyadPosition, OutOfReach, Triangle};
+use crate::arithmetic::Fixed;
+use crate::arithmetic::fixed::product::{
+    joined, normalised, opaque, rounded, signed, signed_high, unsigned,
+};
+use crate::arithmetic::fixed::reciprocal::reciprocal;
+use crate::arithmetic::fixed::root::inverse_root;
+use crate::arithmetic::fixed::{FRACTION, Factor};
 use nalgebra::Vector2;
 
-/// The apex over `d`. The two lengths are below 2 together.
+impl DyadKernel for Fixed {
+    #[inline(always)]
+    fn intersect_circles(
+        triangle: &Triangle<Self>,
+        d: Vector2<Self>,
+    ) -> Result<DyadPosition<Self>, OutOfReach> {
+        intersect_circles(triangle, d)
+    }
+
+    #[inline(always)]
+    fn half_difference(a: Self, b: Self) -> Self {
+        // Both lie between 0 and 4, so that their difference does not wrap.
+        Self(a.0.wrapping_sub(b.0) >> 1)
+    }
+
+    /// A result that wraps is at least 2 long: 8 less twice 2.75 less 1/2.
+    #[inline(always)]
+    fn span(place: Self, base: Self, arm: Self) -> Self {
+        Self(place.0.wrapping_sub(base.0).wrapping_add(arm.0))
+    }
+
+    #[inline(always)]
+    fn within_reach_range(place: Self) -> bool {
+        const FARTHEST: i32 = 11 << (FRACTION - 2);
+        place.0 >= -FARTHEST && place.0 <= FARTHEST
+    }
+}
+
+/// The two lengths are below 2 together.
 #[inline(always)]
-pub(super) fn apex(
+fn intersect_circles(
     triangle: &Triangle<Fixed>,
     d: Vector2<Fixed>,
-) -> Result<Apex<Fixed>, OutOfReach> {
+) -> Result<DyadPosition<Fixed>, OutOfReach> {
     let square = |raw: i32| signed(raw, raw) as u64;
     let x = square(d.x.0) + square(d.y.0);
     let (stretched, folded) = (triangle.stretched_sq.0 as u64, triangle.folded_sq.0 as u64);
@@ -71,7 +101,7 @@ pub(super) fn apex(
         rounded::<30>(signed(along, dx) - signed(across, dy)),
         rounded::<30>(signed(along, dy) + signed(across, dx)),
     );
-    Ok(Apex {
+    Ok(DyadPosition {
         r1: r1.map(Fixed),
         // Not longer than the second length: it fits.
         r2: Vector2::new(

@@ -20,7 +20,7 @@ static LINES: [(u16, u16); 48] = [
 /// The line is off by less than 2.3e-4 of the value; one step of the third order takes that below
 /// the rounding. The error is below 0.54 units, at z = 1/4, which has no room, 1 unit.
 #[inline(always)]
-pub(super) fn inverse_root(z: u32) -> i32 {
+pub(crate) fn inverse_root(z: u32) -> i32 {
     let part = (z >> 26).saturating_sub(16);
     // 1/4 <= z < 1 has no part beyond the table; the limit is for the compiler.
     let (start, fall) = LINES[if part < 48 { part as usize } else { 47 }];

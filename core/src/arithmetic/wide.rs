@@ -1,0 +1,182 @@
+//! Operations whose operands or results are not rounded to the number type.
+//!
+//! A float gains nothing from them, since it rounds every step. Fixed point accumulates sums of
+//! products in 64 bits and rounds once.
+
+use super::Arithmetic;
+use core::fmt::Debug;
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// Sums of products, factors, fractions of a count, and directions of vectors of known length.
+pub trait WideArithmetic: Arithmetic {
+    /// A sum of products that is not yet rounded to `Self`. Floats round every step, so theirs is
+    /// the float itself; fixed point holds 64 bits and rounds once, in [`round`](Self::round).
+    type Sum: Copy
+        + Debug
+        + PartialOrd
+        + Send
+        + Sync
+        + 'static
+        + Add<Output = Self::Sum>
+        + Sub<Output = Self::Sum>
+        + Neg<Output = Self::Sum>;
+
+    /// A multiplier of any size: a reciprocal, a rate of ticks. For floats the float itself; fixed
+    /// point holds a significand and an exponent.
+    type Factor: Copy
+        + Debug
+        + PartialEq
+        + Send
+        + Sync
+        + 'static
+        + Mul<Output = Self::Factor>
+        + Neg<Output = Self::Factor>;
+
+    /// A positive count of ticks, prepared so that a [fraction](Self::fraction) of it costs no wide
+    /// division.
+    type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
+
+    /// The known length of a vector, prepared for [`direction`](Self::direction).
+    type Length: Copy + Debug + PartialEq + Send + Sync + 'static;
+
+    /// Prepares the count that fractions are taken of.
+    fn count(ticks: u32) -> Self::Count;
+    /// `numerator / count` of ticks, the numerator not above the count: exact at 0 and 1, within
+    /// one unit in the last place between.
+    fn fraction(numerator: u32, count: &Self::Count) -> Self;
+
+    /// The factor nearest to `x`. For building coefficients, not for the tick.
+    fn factor_from_f64(x: f64) -> Self::Factor;
+    /// The factor as a binary64 number, exactly.
+    fn factor_to_f64(factor: Self::Factor) -> f64;
+    /// `numerator / denominator` as a factor.
+    fn quotient(numerator: u32, denominator: u32) -> Self::Factor;
+    /// f / g. For building coefficients, not for the tick.
+    fn factor_over(f: Self::Factor, g: Self::Factor) -> Self::Factor;
+    /// 1 / self, for multiplying by. Of zero, a factor whose products are not
+    /// [finite](Arithmetic::is_finite).
+    fn reciprocal(self) -> Self::Factor;
+    /// self f.
+    fn scaled(self, f: Self::Factor) -> Self;
+    /// self f g.
+    fn scaled_twice(self, f: Self::Factor, g: Self::Factor) -> Self;
+
+    /// The sum nearest to `x`. For building coefficients, not for the tick.
+    fn sum_from_f64(x: f64) -> Self::Sum;
+    /// The value as a sum, exactly.
+    fn widen(self) -> Self::Sum;
+    /// a b, not rounded.
+    fn product(a: Self, b: Self) -> Self::Sum;
+    /// a b + c d, not rounded.
+    fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
+    /// a b - c d, not rounded.
+    fn sum_ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
+    /// The sum, rounded.
+    fn round(sum: Self::Sum) -> Self;
+    /// sum f, rounded once.
+    fn round_scaled(sum: Self::Sum, f: Self::Factor) -> Self;
+
+    /// Prepares a positive length. For building coefficients, not for the tick.
+    fn length_from_f64(x: f64) -> Self::Length;
+    /// The length itself.
+    fn length(length: &Self::Length) -> Self;
+    /// Angle of the vector (x, y) whose length is known to be `length`, in (-pi, pi]: cheaper than
+    /// [`atan2`](Arithmetic::atan2), and as accurate as the length is.
+    fn direction(x: Self, y: Self, length: &Self::Length) -> Self::Angle;
+}
+
+/// A type that rounds every operation: its own sum of products, its own factor, its own length.
+///
+/// Its [`WideArithmetic`] and its dyad kernel follow from its [`Arithmetic`].
+pub trait RoundsEachStep: Arithmetic {
+    /// [`WideArithmetic::direction`]. Types that gain nothing from the length leave it to
+    /// [`atan2`](Arithmetic::atan2).
+    #[inline(always)]
+    fn direction_at_length(x: Self, y: Self, _length: Self) -> Self::Angle {
+        Self::atan2(y, x)
+    }
+}
+
+impl<T: RoundsEachStep> WideArithmetic for T {
+    type Sum = Self;
+    type Factor = Self;
+    type Count = u32;
+    type Length = Self;
+
+    #[inline(always)]
+    fn count(ticks: u32) -> u32 {
+        ticks
+    }
+    #[inline(always)]
+    fn fraction(numerator: u32, count: &u32) -> Self {
+        Self::ratio(numerator, *count)
+    }
+    #[inline(always)]
+    fn factor_from_f64(x: f64) -> Self {
+        Self::from_f64(x)
+    }
+    #[inline(always)]
+    fn factor_to_f64(factor: Self) -> f64 {
+        factor.to_f64()
+    }
+    #[inline(always)]
+    fn quotient(numerator: u32, denominator: u32) -> Self {
+        Self::ratio(numerator, denominator)
+    }
+    #[inline(always)]
+    fn factor_over(f: Self, g: Self) -> Self {
+        f.div(g)
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Self::ONE.div(self)
+    }
+    #[inline(always)]
+    fn scaled(self, f: Self) -> Self {
+        self * f
+    }
+    #[inline(always)]
+    fn scaled_twice(self, f: Self, g: Self) -> Self {
+        self * f * g
+    }
+    #[inline(always)]
+    fn sum_from_f64(x: f64) -> Self {
+        Self::from_f64(x)
+    }
+    #[inline(always)]
+    fn widen(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn product(a: Self, b: Self) -> Self {
+        a * b
+    }
+    #[inline(always)]
+    fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+        Self::ab_plus_cd(a, b, c, d)
+    }
+    #[inline(always)]
+    fn sum_ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
+        Self::ab_minus_cd(a, b, c, d)
+    }
+    #[inline(always)]
+    fn round(sum: Self) -> Self {
+        sum
+    }
+    #[inline(always)]
+    fn round_scaled(sum: Self, f: Self) -> Self {
+        sum * f
+    }
+    #[inline(always)]
+    fn length_from_f64(x: f64) -> Self {
+        Self::from_f64(x)
+    }
+    #[inline(always)]
+    fn length(length: &Self) -> Self {
+        *length
+    }
+    #[inline(always)]
+    fn direction(x: Self, y: Self, length: &Self) -> Self::Angle {
+        Self::direction_at_length(x, y, *length)
+    }
+}

@@ -1,0 +1,149 @@
+//! The inner joint of a dyad: the intersection of two circles about the end joints.
+//!
+//! With d = A -> C, x = d^2, l1 and l2 the radii and sigma the side of d that the inner joint B lies
+//! on (+1 for the left):
+//!
+//! ```text
+//! k   = (x + l1^2 - l2^2) / 2
+//! S^2 = ((l1 + l2)^2 - x) (x - (l1 - l2)^2) / 4            twice the area of A B C, squared
+//! r1  = (k d + sigma S E d) / x                             A -> B
+//! r1 x r2 = -sigma S,  r2 = d - r1
+//! ```
+//!
+//! S^2 is formed from its factors: near a flat triangle the expanded form x l1^2 - k^2 loses every
+//! digit.
+
+use crate::arithmetic::{RoundsEachStep, WideArithmetic, dot};
+use nalgebra::Vector2;
+
+/// The part of the dyad that depends on the number type: a division and a root for floats,
+/// exponents of their own for x, k and S in fixed point.
+pub trait DyadKernel: WideArithmetic {
+    /// Intersects the circle of radius l1 about the start of `d` with the circle of radius l2 about
+    /// its end, on the side of `d` that `triangle` names.
+    ///
+    /// # Errors
+    /// [`OutOfReach`].
+    fn intersect_circles(
+        triangle: &Triangle<Self>,
+        d: Vector2<Self>,
+    ) -> Result<DyadPosition<Self>, OutOfReach>;
+
+    /// (a - b) / 2 for squares of lengths, neither negative.
+    #[inline(always)]
+    fn half_difference(a: Self, b: Self) -> Self {
+        Self::HALF * (a - b)
+    }
+
+    /// (place - base) + arm. The two places are exact inputs and are subtracted first, so that a
+    /// large common offset cancels before any rounding. The arm is at most 1/2 long where values
+    /// have to be [in range](crate::number::Arithmetic::in_range).
+    #[inline(always)]
+    fn span(place: Self, base: Self, arm: Self) -> Self {
+        (place - base) + arm
+    }
+
+    /// `true` if a [`span`](Self::span) from any other such place is right, or longer than any leg.
+    #[inline(always)]
+    fn within_reach_range(_place: Self) -> bool {
+        true
+    }
+}
+
+/// Coefficients of the triangle A B C, built from two lengths and the side of B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle<N: WideArithmetic> {
+    /// (l1 + l2)^2
+    pub stretched_sq: N::Sum,
+    /// (l1 - l2)^2
+    pub folded_sq: N::Sum,
+    /// l1^2 - l2^2
+    pub difference_of_squares: N::Sum,
+    /// sigma
+    pub branch: N,
+}
+
+/// Configuration of a dyad: its inner joint, and the quantities that the later stages reuse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DyadPosition<N: WideArithmetic> {
+    /// From A to the inner joint B.
+    pub r1: Vector2<N>,
+    /// From the inner joint B to C.
+    pub r2: Vector2<N>,
+    /// r1 x r2 = -sigma S: zero where the triangle is flat, at most l1 l2 in size.
+    pub r1_cross_r2: N,
+    /// 1 / (r1 x r2).
+    pub inverse_cross: N::Factor,
+    /// d^2.
+    pub base_sq: N,
+}
+
+/// Refusal of two circles that do not cross: the end joints are too far apart or too close, or the
+/// circles touch. The two links then lie on one line, where B has no defined velocity.
+///
+/// As wide as a number: behind a narrower error the compiler copies the position, in a [`Result`]
+/// that is not taken apart in registers, from odd addresses, byte by byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum OutOfReach {
+    /// d > l1 + l2 or d < |l1 - l2|.
+    Unreachable,
+    /// d = l1 + l2 or d = |l1 - l2|: stretched or folded, a serial singularity.
+    Singular,
+}
+
+impl<N: WideArithmetic> Triangle<N> {
+    /// The triangle with the lengths `l1` at the start of d and `l2` at its end, both positive,
+    /// whose corner B lies to the left of d for `branch` = +1, to the right for -1.
+    pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
+        Self {
+            stretched_sq: N::sum_from_f64((l1 + l2) * (l1 + l2)),
+            folded_sq: N::sum_from_f64((l1 - l2) * (l1 - l2)),
+            difference_of_squares: N::sum_from_f64((l1 - l2) * (l1 + l2)),
+            branch: N::from_f64(branch),
+        }
+    }
+
+    /// The shortest and the longest d.
+    pub fn reach(&self) -> (N, N) {
+        let root = |square| N::round(square).sqrt();
+        (root(self.folded_sq), root(self.stretched_sq))
+    }
+}
+
+impl<N: RoundsEachStep> DyadKernel for N {
+    /// By one root and two divisions.
+    #[inline(always)]
+    fn intersect_circles(
+        triangle: &Triangle<N>,
+        d: Vector2<N>,
+    ) -> Result<DyadPosition<N>, OutOfReach> {
+        let base_sq = dot(d, d);
+        let four_s_sq = (triangle.stretched_sq - base_sq) * (base_sq - triangle.folded_sq);
+        // Not a number compares as false and is refused as well.
+        if !(four_s_sq > N::ZERO) {
+            return Err(if four_s_sq == N::ZERO {
+                OutOfReach::Singular
+            } else {
+                OutOfReach::Unreachable
+            });
+        }
+        let two_sigma_s = triangle.branch * four_s_sq.sqrt();
+        let two_k = base_sq + triangle.difference_of_squares;
+        // 1 / (2 d^2): the halves of k and S are taken here, once.
+        let half_inverse = N::HALF.div(base_sq);
+        let along = two_k * half_inverse;
+        let across = two_sigma_s * half_inverse;
+        let r1 = Vector2::new(
+            N::ab_minus_cd(along, d.x, across, d.y),
+            N::ab_plus_cd(along, d.y, across, d.x),
+        );
+        Ok(DyadPosition {
+            r1,
+            r2: d - r1,
+            r1_cross_r2: -(N::HALF * two_sigma_s),
+            inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
+            base_sq,
+        })
+    }
+}
