@@ -95,7 +95,7 @@ mod tests {
     use core::f64::consts::{PI, TAU};
     use trirrr_core::number::Arithmetic;
 
-    /// How far `angle` is from where `turn` says, in turns.
+    /// Difference between `turn` and `angle`, in turns.
     fn off<N: Countable>(angle: f64) -> f64 {
         let turn = f64::from(N::turn(N::angle_from_f64(angle))) / 4_294_967_296.0;
         let off = turn - angle / TAU;

@@ -38,7 +38,7 @@ struct Machine<'a> {
     scope: Scope,
     forward: [bool; 3],
     pulses: [i64; 3],
-    /// What the service has given out, unwrapped, from the start.
+    /// Angles that the service has given out, unwrapped, from the start.
     turned: [f64; 3],
     last: [f64; 3],
 }

@@ -44,7 +44,7 @@ fn steppers<N: Countable>(line: &Line) -> Steppers<'_, N> {
     )
 }
 
-/// What the motors behind the pins do, and whether the pulses are such as a driver takes.
+/// Motors behind the pins. Checks the timing that a driver needs.
 struct Motors {
     /// Microsteps, counter-clockwise.
     position: [i64; 3],

@@ -1,12 +1,12 @@
-//! A checksum over results, equal exactly when all of them are the same bits.
+//! Checksum over results: equal if all results have the same bits.
 
 use trirrr_core::number::Number;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Motor;
 
-/// FNV-1a, 64 bits, over the values as binary64 (an exact conversion for every number type here).
+/// FNV-1a, 64 bits, over the values as binary64, which is exact for every number type.
 ///
-/// For comparing what two machines computed, not against malice.
+/// Compares results of two machines. No protection against forged results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Checksum(u64);
 
@@ -27,7 +27,7 @@ impl Checksum {
         }
     }
 
-    /// Adds the status that stands in the place of a motion.
+    /// Adds the status of a setpoint without a motion.
     pub fn add_status(&mut self, status: Status) {
         self.word(match status {
             Status::Unreachable { leg } => 0x10 + leg as u64,
@@ -37,7 +37,7 @@ impl Checksum {
         });
     }
 
-    /// The checksum of what was added so far.
+    /// Checksum of everything added so far.
     pub fn value(self) -> u64 {
         self.0
     }

@@ -1,4 +1,4 @@
-//! Writes a scene as Rust source: its constants, and the types that it needs and no others.
+//! Writes a scene as Rust source: its constants and the types that it needs.
 //!
 //! A build script calls [`build_script`] and the image includes `OUT_DIR/scene.rs`.
 
@@ -15,15 +15,15 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 use trirrr_scene::{NumberType, Scene};
 
-/// Number types that an image can be built for: the name in scenes and tables, and the Rust type.
+/// Number types of images: name in scenes and tables, and Rust type.
 pub const SCALARS: &[(&str, &str)] = &[("f32", "f32"), ("fixed", FIXED), ("micromath", COARSE)];
 
-/// The number type whose scenes are in units of their own.
+/// Rust type of the number type whose scenes have units of their own.
 const FIXED: &str = "trirrr_core::number::Fixed";
 
 const COARSE: &str = "trirrr_core::number::Coarse";
 
-/// The number type that an image is built for when nothing but its scene says which.
+/// Number type of an image for a scene with `number`, unless `TRIRRR_SCALAR` names another.
 pub fn of_scene(number: NumberType) -> &'static str {
     match number {
         NumberType::F64 | NumberType::F32 => "f32",
@@ -32,16 +32,17 @@ pub fn of_scene(number: NumberType) -> &'static str {
     }
 }
 
-/// Writes `OUT_DIR/scene.rs` from the scene that `SCENE` names (a path, relative to
-/// `root`; without it, `scenes/thesis.toml`) in the number type that `TRIRRR_SCALAR` names
-/// (without it, the scene's own, where `f64`, meant for hosts, becomes `f32`), and tells Cargo when to
-/// do it again. Sets the kind of the scene's drives as `cfg(drive = "...")`, and `cfg(homing)` for a scene with
-/// homing. A package with a `links` key hands both on to the build scripts of its dependents.
+/// Writes `OUT_DIR/scene.rs`, and tells Cargo about the files and variables that this depends on.
+///
+/// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
+/// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
+///
+/// Sets the kind of the scene's drives as `cfg(drive = "...")`, and `cfg(homing)` for a scene with homing. A
+/// package with a `links` key hands both on to the build scripts of its dependents.
 ///
 /// # Errors
-/// A scene that is refused, with the file, key, value and reason, or that does not fit the number
-/// type, with the quantity and its range; drives that no board drives; an unknown number type; a file
-/// that cannot be written.
+/// A scene that is refused, with file, key, value and reason. A quantity outside the range of the number type.
+/// Drives that no board has. An unknown number type. A file that cannot be written.
 pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=TRIRRR_SCALAR");
     let (file, scene) = chosen(root)?;
@@ -66,7 +67,7 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The scene that `SCENE` names, and its file.
+/// Reads the scene that `SCENE` names. Returns the path, too.
 fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=SCENE");
     let file =

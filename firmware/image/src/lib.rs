@@ -1,8 +1,8 @@
 //! A scene inside an image.
 //!
-//! A build script turns a scene into constants and types (`generate`); the image then plays its
-//! moves ([`segments`]) and can prove by a [`Checksum`] that it computed the same bits as a host.
-//! Where there is nothing to press, [`RuledSwitches`] close by a rule.
+//! A build script turns a scene into constants and types (`generate`). The image plays the scene's moves
+//! ([`segments`]) and proves by a [`Checksum`] that it computed the same bits as a host. [`RuledSwitches`]
+//! stand in for the switches that an emulator lacks.
 #![cfg_attr(not(any(test, feature = "generate")), no_std)]
 #![forbid(unsafe_code)]
 

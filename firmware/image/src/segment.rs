@@ -1,10 +1,10 @@
-//! A scene's moves, from constants in the image to setpoints.
+//! Moves of a scene, from constants in the image to setpoints.
 
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{self, Hermite, Pose, RestToRest, Setpoint};
 
-/// A move as it stands in an image. Poses are (x m, y m, alpha rad), velocities
+/// Move as a constant in an image. Poses are (x m, y m, alpha rad), velocities
 /// (vx m/s, vy m/s, alphadot rad/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
@@ -17,7 +17,7 @@ pub enum Move {
         /// Length in ticks, positive.
         ticks: u32,
     },
-    /// Has a velocity at one end at least.
+    /// Has a velocity at one end or both.
     Hermite {
         /// First pose.
         from: [f64; 3],
@@ -32,7 +32,7 @@ pub enum Move {
     },
 }
 
-/// A move built in the number type `N`, with the ticks that are its own.
+/// Move built in the number type `N`, with the number of its own ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment<N: Number> {
     curve: setpoint::Segment<N>,
@@ -40,20 +40,20 @@ pub struct Segment<N: Number> {
 }
 
 impl<N: Number> Segment<N> {
-    /// How many ticks, from its first on, are this move's own: the tick between two moves belongs
-    /// to the later one, the job's last tick to the last move.
+    /// Number of ticks of this move alone, from its first. The tick between two moves belongs to the later one,
+    /// the last tick of the job to the last move.
     pub fn ticks(&self) -> u32 {
         self.ticks
     }
 
-    /// The setpoint at `tick`, counted from the start of the move.
+    /// Setpoint at `tick`, counted from the start of the move.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
         self.curve.at(tick)
     }
 }
 
-/// The moves one after another in the number type `N`, built as they are reached.
+/// Builds the moves one after another in the number type `N`, as the iterator reaches them.
 pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item = Segment<N>> {
     let period = N::factor_from_f64(period_s);
     moves.iter().enumerate().map(move |(index, one)| {

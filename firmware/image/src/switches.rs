@@ -1,26 +1,26 @@
-//! Switches where there are none: in an emulator, and in images that count instructions.
+//! Simulated homing switches, for emulators and for images that count instructions.
 
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::shorter_way;
 use trirrr_core::tick::Motor;
 use trirrr_service::HomingCoefficients;
 
-/// How far the motors stand from where they are counted from when the machine is switched on, rad:
-/// neither alike nor in one direction, and small enough for whatever way a scene leaves.
+/// True minus counted angle of each motor at the start, rad: different, of both signs, and within the travel of
+/// any scene.
 const OFFSETS_RAD: [f64; 3] = [0.05, -0.03, 0.02];
 
-/// The switches of a machine whose motors go exactly where they are commanded, but stand elsewhere
-/// than they are counted from: each is closed while its motor is at its reference or beyond. All in
-/// the machine's own numbers, so that a board and a host agree on every tick.
+/// Switches of a machine whose motors follow every command, but start at other angles than counted. Each
+/// switch is closed while its motor is at its reference or beyond. The arithmetic is the machine's, so that a
+/// board and a host agree on every tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RuledSwitches<'a, N: Number> {
     homing: &'a HomingCoefficients<N>,
-    /// From where each motor is counted to where it is.
+    /// True minus counted angle of each motor.
     offsets: [N::Angle; 3],
 }
 
 impl<'a, N: Number> RuledSwitches<'a, N> {
-    /// Those of a machine that has just been switched on.
+    /// Switches of a machine that has just been switched on.
     pub fn new(homing: &'a HomingCoefficients<N>) -> Self {
         Self {
             homing,
@@ -28,8 +28,8 @@ impl<'a, N: Number> RuledSwitches<'a, N> {
         }
     }
 
-    /// Which are closed with the motors where `motors` were commanded.
-    // A function of its own, so that its symbol shows it in an image that should not have it.
+    /// Returns `true` for each closed switch, with the motors at the commanded angles `motors`.
+    // A function of its own: its symbol shows an image that must not hold it.
     #[inline(never)]
     pub fn closed(&self, motors: &[Motor<N>; 3]) -> [bool; 3] {
         let mut closed = [false; 3];
@@ -44,7 +44,7 @@ impl<'a, N: Number> RuledSwitches<'a, N> {
         closed
     }
 
-    /// The motors are counted anew, from `by` further on, without a motion.
+    /// Follows a new zero of the joint angles: all are greater `by` so much, without a motion.
     pub fn shift(&mut self, by: [N::Angle; 3]) {
         for (offset, by) in self.offsets.iter_mut().zip(by) {
             *offset = *offset - by;

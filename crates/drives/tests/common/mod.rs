@@ -10,7 +10,7 @@ use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
 use trirrr_service::Output;
 
-/// What pins did, with the time that it was.
+/// Recorded changes of pins, with their times.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
     pub now: Rc<Cell<i64>>,
@@ -33,7 +33,7 @@ impl Scope {
         }
     }
 
-    /// What was written down, which is then forgotten.
+    /// Takes the record, and starts a new one.
     pub fn take(&self) -> Vec<Edge> {
         self.edges.borrow_mut().split_off(0)
     }
@@ -76,7 +76,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// What a tick wants: angle, rate and torque of each motor, all in SI.
+/// Output of a tick: angle, rate and torque of each motor, in SI units.
 pub fn output<N: Number>(wanted: [[f64; 3]; 3], enabled: bool) -> Output<N> {
     Output {
         motors: wanted.map(|[angle, rate, torque]| Motor {
