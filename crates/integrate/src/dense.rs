@@ -1,6 +1,6 @@
 //! Dense output: the solution between the two ends of a step.
 
-/// Which polynomial continues a step.
+/// Polynomial through a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interpolant {
     /// A straight line between the ends. No terms. Error of order h^2.

@@ -14,11 +14,11 @@ use crate::tally::Tally;
 pub(crate) struct DormandPrince<const N: usize> {
     tolerance: f64,
     scales: [f64; N],
-    /// What the error allows for the next step, in s; zero before the first.
+    /// Next step that the error allows, s; zero before the first.
     proposed: f64,
     /// Error of the last accepted step.
     last_error: f64,
-    /// Whether the derivative at the end of the last step holds at the start of the next.
+    /// The derivative at the end of the last step holds at the start of the next.
     slope_known: bool,
 }
 

@@ -25,7 +25,7 @@ struct Look {
 pub(crate) struct Crossing {
     pub(crate) event: usize,
     pub(crate) t: f64,
-    /// Whether the function came from below zero.
+    /// The function came from below zero.
     pub(crate) rising: bool,
 }
 
@@ -59,7 +59,7 @@ impl Watch {
         self.known = false;
     }
 
-    /// Whether any event function is watched in the present mode.
+    /// Returns `true` if any event function is watched in the present mode.
     pub(crate) fn any<const N: usize, S: System<N>>(&self, system: &S) -> bool {
         (0..self.before.len()).any(|event| system.direction(event).is_some())
     }

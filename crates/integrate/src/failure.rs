@@ -1,8 +1,8 @@
-//! How an integration fails: every end but a good one has a name here.
+//! Failures of an integration, each with a name.
 
 use std::fmt::{Debug, Display};
 
-/// Why a method cannot be used as asked; found before anything is integrated.
+/// Reason for which a method does not fit, found before anything is integrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// A fixed step is not a positive number.
@@ -87,7 +87,7 @@ pub enum Unfit {
     },
 }
 
-/// Why an integration ended before its time. `R` is the system's own refusal.
+/// Cause of an integration that ended early. `R` is the system's own refusal.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure<R: Debug + Display> {
     /// The method cannot be used as asked.
@@ -98,7 +98,7 @@ pub enum Failure<R: Debug + Display> {
     Refused {
         /// Time in s.
         t: f64,
-        /// What the system says.
+        /// Refusal of the system.
         cause: R,
     },
     /// The state left every bound because the step is too long for the method.
@@ -133,7 +133,7 @@ pub enum Failure<R: Debug + Display> {
         t: f64,
         /// The step in s.
         step_s: f64,
-        /// What kept the step from being accepted.
+        /// Reason of the rejection.
         reason: Reason,
     },
     /// The steps allowed for the run are used up.
@@ -160,7 +160,7 @@ pub enum Failure<R: Debug + Display> {
     },
 }
 
-/// What kept a step from being accepted.
+/// Reason for which a step was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// The estimated error is above the tolerance.

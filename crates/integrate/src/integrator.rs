@@ -15,7 +15,7 @@ use crate::walk::Clock;
 /// Steps allowed, accepted or not, where nothing else is chosen: a minute or so.
 const BUDGET: u64 = 50_000_000;
 
-/// How a stretch of time ended.
+/// End of a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     /// At its end.
@@ -91,7 +91,7 @@ impl<const N: usize> Integrator<N> {
         &self.method
     }
 
-    /// What it cost so far.
+    /// Cost up to now.
     pub fn tally(&self) -> &Tally {
         &self.clock.tally
     }

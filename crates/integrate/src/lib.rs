@@ -20,6 +20,11 @@
 
 #![forbid(unsafe_code)]
 
+// The example of the README is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod control;
 pub mod dense;
 mod dormand_prince;

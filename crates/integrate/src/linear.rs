@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use std::ops::{Div, Mul, Sub};
 
-/// What a matrix is made of.
+/// Entry of a matrix.
 pub(crate) trait Entry:
     Copy + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {

@@ -2,7 +2,7 @@
 
 use crate::failure::Unfit;
 
-/// How to integrate.
+/// Method of integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// Semi-implicit (symplectic) Euler: order 1, one derivative each step.

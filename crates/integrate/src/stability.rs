@@ -1,4 +1,4 @@
-//! What the linearisation says of a system: how stiff it is, and which steps are stable.
+//! Linearisation of a system: its stiffness, and the steps that are stable.
 
 use crate::failure::Unfit;
 use crate::method::Method;
@@ -173,12 +173,12 @@ fn first_step(radius: f64, unstable: impl Fn(f64) -> bool) -> f64 {
     stable
 }
 
-/// What the classical method multiplies a solution of y' = lambda y by, for z = h lambda.
+/// Factor of the classical method on a solution of y' = lambda y, for z = h lambda.
 fn rk4_amplification(z: Complex<f64>) -> Complex<f64> {
     ((z / 4.0 + 1.0) * z / 3.0 + 1.0) * z / 2.0 * z + z + 1.0
 }
 
-/// What Dormand and Prince's method of order 5 does.
+/// Factor of Dormand and Prince's method of order 5.
 fn dormand_prince_amplification(z: Complex<f64>) -> Complex<f64> {
     (((((z / 600.0 + 1.0 / 120.0) * z + 1.0 / 24.0) * z + 1.0 / 6.0) * z + 0.5) * z + 1.0) * z + 1.0
 }
@@ -234,7 +234,7 @@ pub fn choose(spectrum: &Spectrum, resolution_s: f64, tolerance: Option<f64>) ->
     }
 }
 
-/// What speaks against a method before it has taken a step.
+/// Warning about a method before its first step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// A fixed step is longer than the linearisation allows.
@@ -267,7 +267,7 @@ pub enum Warning {
 /// Steps for stability alone that are worth a warning.
 const MANY_STEPS: f64 = 1e5;
 
-/// What speaks against the method on this linearisation, for a run of `run_s`.
+/// Warns about `method` on this linearisation, for a run of `run_s` seconds.
 pub fn warning(
     spectrum: &Spectrum,
     method: &Method,

@@ -1,4 +1,4 @@
-//! What every method is to the loop that drives it.
+//! Common interface of the methods to the loop that drives them.
 
 use crate::dense::Dense;
 use crate::failure::Failure;
@@ -6,7 +6,7 @@ use crate::system::System;
 use crate::tally::Tally;
 use std::fmt::{Debug, Display};
 
-/// What has changed where the integration goes on afresh.
+/// Change after which the integration starts afresh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
     /// The inputs: the derivative jumps, the Jacobian hardly.

@@ -1,4 +1,4 @@
-//! What is integrated: ordinary differential equations y' = f(t, y) with events and, where a
+//! Systems to integrate: ordinary differential equations y' = f(t, y) with events and, where a
 //! controller is sampled, with instants at which their inputs change.
 
 use crate::jacobian;
@@ -16,7 +16,7 @@ pub type Matrix<const N: usize> = [[f64; N]; N];
 /// [`System::at_event`] and [`System::sample`]; between two such calls its derivative is smooth, so
 /// no method ever steps across a kink.
 pub trait System<const N: usize> {
-    /// Why the equations have no value somewhere.
+    /// Reason for which the equations have no value at a point.
     type Refusal: Clone + Debug + Display;
 
     /// Writes y' at the time `t` and the state `y`.
@@ -53,12 +53,12 @@ pub trait System<const N: usize> {
         0
     }
 
-    /// What the event function is called in messages, as in "motor 2 saturated".
+    /// Name of the event function in messages, as in "motor 2 saturated".
     fn event_name(&self, event: usize) -> String {
         format!("event {event}")
     }
 
-    /// Which zero crossings of an event function count in the present mode; `None` where it is not
+    /// Zero crossings of an event function that count in the present mode; `None` where it is not
     /// watched. An event function keeps its meaning in all modes, only this changes.
     fn direction(&self, event: usize) -> Option<Direction> {
         let _ = event;
@@ -94,7 +94,7 @@ pub trait System<const N: usize> {
     }
 }
 
-/// Which way an event function passes through zero.
+/// Direction in which an event function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From below zero.
@@ -106,7 +106,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Whether going from the value `before` to the value `after` counts.
+    /// Returns `true` if a change from `before` to `after` counts.
     pub(crate) fn crossed(self, before: f64, after: f64) -> bool {
         let rises = before < 0.0 && after >= 0.0;
         let falls = before > 0.0 && after <= 0.0;
@@ -118,7 +118,7 @@ impl Direction {
     }
 }
 
-/// How the integration goes on after an event or a sample.
+/// Continuation after an event or a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// As if nothing had happened: neither mode nor state has changed.

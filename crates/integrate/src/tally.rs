@@ -1,4 +1,4 @@
-//! What an integration cost.
+//! Cost of an integration.
 
 /// Counts of work: they repeat exactly, which time does not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

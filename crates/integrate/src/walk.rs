@@ -18,7 +18,7 @@ const CHATTER: u32 = 32;
 /// The window in s; with a longer fixed step, that step: it is then the method that makes them.
 const CHATTER_WINDOW_S: f64 = 32e-9;
 
-/// What the loop keeps, whatever the method.
+/// State of the loop, common to all methods.
 #[derive(Clone, Debug)]
 pub(crate) struct Clock<const N: usize> {
     dense: Dense<N>,
@@ -27,7 +27,7 @@ pub(crate) struct Clock<const N: usize> {
     /// Steps allowed, accepted or not.
     pub(crate) budget: u64,
     bounds: [f64; N],
-    /// Where the first step started: the linearisation there explains a failure.
+    /// Start of the first step: the linearisation there explains a failure.
     origin: Option<(f64, [f64; N])>,
     /// Events in the present window, when it began, and its length in s.
     chatter: (u32, f64, f64),
@@ -114,7 +114,7 @@ impl<const N: usize> Clock<N> {
         Ok(End::Reached)
     }
 
-    /// Whether the end of a step is within all bounds.
+    /// Checks that the end of a step is within all bounds.
     fn check<R: Clone + std::fmt::Debug + std::fmt::Display>(&self) -> Result<(), Failure<R>> {
         for (component, (value, bound)) in self.dense.y1.iter().zip(&self.bounds).enumerate() {
             if !value.is_finite() || value.abs() > *bound {

@@ -1,15 +1,14 @@
-//! What drives the motors: commands held from sample to sample, or a controller that acts at
-//! every instant.
+//! Commands of the motors: held from sample to sample, or by a controller that acts at every instant.
 
-use super::mechanics::Mechanics;
+use crate::mechanics::Mechanics;
 use crate::motor::{Motor, Winding, wrapped};
 use crate::path::JobPath;
 use crate::refusal::Refusal;
-use crate::source::WholeTick;
 use trirrr_drives::bldc::DriveLimit;
+use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_scene::{Controller, Scene};
 
-/// What is measured of a motor.
+/// Measurement of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Angle at the joint, rad, in -pi to pi.
@@ -18,28 +17,19 @@ pub struct Measured {
     pub rate: f64,
 }
 
-/// What a sampled controller gives.
+/// Commands of the drives at a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Commands {
-    /// What each motor is told until the next sample: torque in N m, voltage in V, or the angle of
+    /// Command of each motor until the next sample: torque in N m, voltage in V, or the angle of
     /// the field in rad at the joint from where it started.
     pub held: [f64; 3],
-    /// Where each joint should be at this instant, rad.
+    /// Reference angle of each joint at this instant, rad.
     pub angle: [f64; 3],
     /// The limit of each drive that acts.
     pub limited: [Option<DriveLimit>; 3],
 }
 
-/// A sampled controller.
-pub trait SampledController: Send {
-    /// Takes sample `tick` of the joint controller and gives what is held until the next.
-    ///
-    /// # Errors
-    /// What ends the run.
-    fn sample(&mut self, tick: u64, measured: &[Measured; 3]) -> Result<Commands, Refusal>;
-}
-
-/// Where a joint should be, with its rate and the torque that takes.
+/// Reference of a joint: angle, rate, and torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointReference {
     /// rad.
@@ -57,9 +47,9 @@ pub struct Continuous {
     under_way: usize,
     mechanics: Mechanics,
     /// Only where torques are fed forward.
-    tick: Option<Box<WholeTick<f64>>>,
+    pipeline: Option<Box<dyn Pipeline<f64>>>,
     controller: Controller,
-    /// Which limit acts in each motor: a mode, switched by events.
+    /// Limits that act in each motor: a mode, switched by events.
     pub limited: [Limited; 3],
 }
 
@@ -87,25 +77,24 @@ impl Continuous {
     /// # Errors
     /// A machine that the core refuses.
     pub fn build(scene: &Scene, controller: Controller) -> Result<Self, Refusal> {
-        let tick = match controller.feed_forward {
-            true => {
-                let tick = WholeTick::build(&scene.parameters);
-                let tick = tick.map_err(|error| Refusal::Machine(error.to_string()))?;
-                Some(Box::new(tick))
-            }
+        let pipeline = match controller.feed_forward {
+            true => Some(
+                pipeline::build::<f64>(&scene.parameters)
+                    .map_err(|error| Refusal::Machine(error.to_string()))?,
+            ),
             false => None,
         };
         Ok(Self {
             path: JobPath::new(scene),
             under_way: 0,
             mechanics: Mechanics::build(&scene.parameters, true)?,
-            tick,
+            pipeline,
             controller,
             limited: Default::default(),
         })
     }
 
-    /// When the move under way ends; `None` after the last.
+    /// End of the move under way, s; `None` after the last.
     pub fn segment_end(&self) -> Option<f64> {
         self.path.end_of(self.under_way)
     }
@@ -115,14 +104,14 @@ impl Continuous {
         self.under_way += 1;
     }
 
-    /// What the joints should do at `t`; the torque is 0 where it is not fed forward, for it takes
+    /// References of the joints at `t` seconds; the torque is 0 where it is not fed forward, for it takes
     /// longer than everything else.
     ///
     /// # Errors
     /// [`Refusal::Setpoint`].
     pub fn references(&self, t: f64) -> Result<[JointReference; 3], Refusal> {
         let setpoint = self.path.in_move(self.under_way, t);
-        let Some(tick) = &self.tick else {
+        let Some(pipeline) = &self.pipeline else {
             let pose = &setpoint.pose;
             let q = [pose.position.x, pose.position.y, pose.angle];
             let legs = self
@@ -135,8 +124,8 @@ impl Continuous {
                 torque: 0.0,
             }));
         };
-        let motion = tick.evaluate(&setpoint).map_err(Refusal::Setpoint)?;
-        Ok(motion.motors.map(|motor| JointReference {
+        let motors = pipeline.motors(&setpoint).map_err(Refusal::Setpoint)?;
+        Ok(motors.map(|motor| JointReference {
             angle: motor.angle,
             rate: motor.rate,
             torque: motor.torque,
@@ -152,7 +141,7 @@ impl Continuous {
             + reference.torque
     }
 
-    /// What motor `index` is told, by the formula of the limits that act.
+    /// Command of motor `index`, by the formula of the limits that act.
     #[inline]
     pub fn command(
         &self,
@@ -172,7 +161,7 @@ impl Continuous {
         }
     }
 
-    /// How far motor `index` is beyond its limits.
+    /// Margins of motor `index` to its limits.
     pub fn margins(
         &self,
         index: usize,

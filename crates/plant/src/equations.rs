@@ -1,8 +1,9 @@
 //! The plant's differential equations: from state and time to the state's derivatives.
 
-use super::control::{Continuous, Measured};
+use crate::control::{Continuous, Measured};
 use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
-use crate::mechanics::{JointMoments, LegState};
+use crate::leg::LegState;
+use crate::mechanics::JointMoments;
 use crate::model::{Control, Plant};
 use crate::motor::{Motor, wrapped};
 use crate::refusal::Refusal;
@@ -45,7 +46,7 @@ impl<const N: usize> Plant<N> {
         }
     }
 
-    /// What the motors are told at `t`.
+    /// Commands of the motors at `t` seconds.
     #[inline(always)]
     pub(crate) fn told(
         &self,

@@ -19,7 +19,7 @@ pub struct Friction {
     pub stick: f64,
 }
 
-/// Where a joint's rate is.
+/// Region of a joint's rate w.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Region {
     /// w < -w_stick.

@@ -11,7 +11,7 @@
 //! phi is the rotor's angle divided by the gear ratio: what the joint would have, were the
 //! transmission rigid.
 
-/// Which parts a state vector holds.
+/// Parts of a state vector besides the platform and the records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Rotors turn against an elastic transmission.

@@ -1,36 +1,60 @@
-//! The plant: the machine with its motors, transmissions and friction in forward dynamics, in
-//! binary64, under the control of a scene. `docs/plant.md` has the equations.
+//! Plant of the planar 3-RRR manipulator: the machine with its motors, transmissions and friction in
+//! forward dynamics, in binary64, under the control of a scene. `docs/plant.md` has the equations.
 //!
-//! | module | what |
+//! [`PlantRun`] follows the ticks of a service and simulates what the machine makes of them.
+//! [`Plant`] is the system of differential equations alone, for a run of one's own.
+//!
+//! | module | contents |
 //! |---|---|
-//! | [`mechanics`] | the rigid bodies: torques to accelerations, energies |
-//! | [`friction`], [`motor`] | what acts in the joints |
-//! | [`layout`], [`model`], `equations`, `system` | all together, as differential equations |
-//! | [`outputs`] | what can be seen besides the state |
-//! | [`watch`] | where they change or end |
-//! | [`control`] | what commands the motors |
-//! | [`path`], [`source`], [`sampled`] | the job in time, its ticks, and the drives' inner loops that follow them |
-//! | [`simulate`] | a whole run |
-//! | [`statistics`], [`table`] | what is gathered over a run |
+//! | [`mechanics`], [`leg`] | rigid bodies: torques to accelerations, energies |
+//! | [`friction`], [`motor`] | moments in the joints |
+//! | [`layout`], [`model`], `equations`, `system` | differential equations of the whole |
+//! | [`outputs`] | quantities besides the state |
+//! | [`watch`], `events` | instants at which the equations change or the run ends |
+//! | [`control`], [`path`] | continuous controller and its setpoints |
+//! | `drives`, `driven`, `joint_control`, `steppers`, `driver` | drives as on a board, between ticks and motors |
+//! | `sampling` | measurements of the drives, and their commands |
+//! | [`run`], [`job`], [`outcome`] | a whole run |
+//! | [`statistics`], [`table`] | results gathered over a run |
 
+#![forbid(unsafe_code)]
+
+// The example of the README is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
+mod clock;
 pub mod control;
+mod driven;
+mod driver;
+mod drives;
 mod equations;
+mod events;
 pub mod friction;
+pub mod job;
+mod joint_control;
 pub mod layout;
+pub mod leg;
+mod mass_matrix;
 pub mod mechanics;
+mod method;
 pub mod model;
 pub mod motor;
+pub mod outcome;
 pub mod outputs;
 pub mod path;
 pub mod refusal;
-pub mod sampled;
-pub mod simulate;
-pub mod source;
+pub mod run;
+mod sampling;
 mod stability;
 pub mod statistics;
+mod steppers;
 mod system;
 pub mod table;
 pub mod watch;
 
 pub use model::{Control, Plant, layout_of};
+pub use outcome::{End, Outcome};
 pub use refusal::Refusal;
+pub use run::{PlantRun, control_of};

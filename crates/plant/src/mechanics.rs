@@ -21,14 +21,15 @@
 //! pose but a stretched or folded leg's, a parallel singularity's included: there the platform is
 //! loose, but it has its mass.
 
-use super::refusal::Refusal;
+use crate::leg::{LegCoefficients, LegState, cross, dot, product, turned};
+use crate::mass_matrix::{add_symmetric, solve};
+use crate::refusal::Refusal;
 use nalgebra::Vector2;
-use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::machine::Parameters;
-use trirrr_core::number::{Arithmetic, WideArithmetic};
+use trirrr_core::number::Arithmetic;
 use trirrr_core::status::Status;
 
-/// The machine's coefficients. What it has not is `None` and takes no part in its equations.
+/// The machine's coefficients. Absent masses and forces are `None` and take no part in the equations.
 #[derive(Clone, Debug)]
 pub struct Mechanics {
     legs: [LegCoefficients; 3],
@@ -43,20 +44,7 @@ pub struct Mechanics {
     wrench: [f64; 3],
 }
 
-#[derive(Clone, Debug)]
-struct LegCoefficients {
-    base: Vector2<f64>,
-    /// Platform joint in the platform's frame.
-    joint: Vector2<f64>,
-    dyad: Rrr<f64>,
-    l1_sq: f64,
-    l2_sq: f64,
-    l1: f64,
-    /// J1.
-    inertia: f64,
-}
-
-/// What a leg's links add to the inertia about its motor.
+/// Inertias of a leg's links.
 #[derive(Clone, Debug)]
 struct Links {
     /// J2.
@@ -65,29 +53,6 @@ struct Links {
     coupling: f64,
     /// w1 = m1 c1 / l1 + m2.
     weight: f64,
-}
-
-/// One leg at one pose and velocity.
-#[derive(Clone, Copy, Debug)]
-pub struct LegState {
-    /// D -> C.
-    pub c: Vector2<f64>,
-    /// A -> B.
-    pub r1: Vector2<f64>,
-    /// B -> C.
-    pub r2: Vector2<f64>,
-    /// D = r1 x r2.
-    pub cross: f64,
-    /// 1 / D.
-    pub inverse: f64,
-    /// r1 . r2.
-    pub dot: f64,
-    /// K1: theta1' = K1 v.
-    pub k1: [f64; 3],
-    /// K2: theta2' = K2 v.
-    pub k2: [f64; 3],
-    /// theta1', theta2'.
-    pub rates: [f64; 2],
 }
 
 /// Moments in the joints of a leg, each what its friction does against its motion.
@@ -99,22 +64,6 @@ pub struct JointMoments {
     pub elbow: f64,
     /// At the platform joint C: against alpha' - theta2'.
     pub platform: f64,
-}
-
-/// `a b`, summed over three.
-#[inline(always)]
-fn product(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-    a.x * b.y - a.y * b.x
-}
-
-#[inline(always)]
-fn dot(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-    a.x * b.x + a.y * b.y
 }
 
 impl Mechanics {
@@ -129,22 +78,8 @@ impl Mechanics {
         trirrr_core::machine::Geometry::<f64>::build(parameters)
             .map_err(|error| Refusal::Machine(error.to_string()))?;
         let legs = parameters.legs.map(|leg| {
-            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
-            let (l1, l2) = (leg.proximal_m, leg.distal_m);
-            let (m1, c1) = (leg.proximal.mass_kg, leg.proximal.com_m);
             let rotor = if rotors { leg.rotor_inertia_kgm2 } else { 0.0 };
-            LegCoefficients {
-                base: leg.base_m,
-                joint: Vector2::new(cos, sin) * leg.joint_radius_m,
-                dyad: Rrr::new(l1, l2, leg.elbow.sign()),
-                l1_sq: l1 * l1,
-                l2_sq: l2 * l2,
-                l1,
-                inertia: m1 * c1 * c1
-                    + leg.proximal.inertia_kgm2
-                    + leg.distal.mass_kg * l1 * l1
-                    + rotor,
-            }
+            LegCoefficients::build(&leg, rotor)
         });
         let links = (!parameters.links_are_massless()).then(|| {
             parameters.legs.map(|leg| {
@@ -179,53 +114,16 @@ impl Mechanics {
     pub fn legs(&self, q: [f64; 3], v: [f64; 3]) -> Result<[LegState; 3], Status> {
         let rotation = <f64 as Arithmetic>::sin_cos(q[2]);
         Ok([
-            self.leg(0, q, v, rotation)?,
-            self.leg(1, q, v, rotation)?,
-            self.leg(2, q, v, rotation)?,
+            self.legs[0].state(0, q, v, rotation)?,
+            self.legs[1].state(1, q, v, rotation)?,
+            self.legs[2].state(2, q, v, rotation)?,
         ])
-    }
-
-    /// One leg; `rotation` is the sine and cosine of alpha.
-    #[inline(always)]
-    fn leg(
-        &self,
-        index: usize,
-        q: [f64; 3],
-        v: [f64; 3],
-        (sin, cos): (f64, f64),
-    ) -> Result<LegState, Status> {
-        let leg = &self.legs[index];
-        let c = Vector2::new(
-            leg.joint.x * cos - leg.joint.y * sin,
-            leg.joint.y * cos + leg.joint.x * sin,
-        );
-        let d = (Vector2::new(q[0], q[1]) - leg.base) + c;
-        let links = leg.dyad.position(d).map_err(|reason| match reason {
-            OutOfReach::Unreachable => Status::Unreachable { leg: index },
-            OutOfReach::Singular => Status::SerialSingular { leg: index },
-        })?;
-        let (r1, r2) = (links.r1, links.r2);
-        let inverse = 1.0 / links.r1_cross_r2;
-        let (b, a) = (r2 * inverse, r1 * -inverse);
-        let k1 = [b.x, b.y, cross(c, b)];
-        let k2 = [a.x, a.y, cross(c, a)];
-        Ok(LegState {
-            c,
-            r1,
-            r2,
-            cross: links.r1_cross_r2,
-            inverse,
-            dot: leg.dyad.r1_dot_r2(&links),
-            k1,
-            k2,
-            rates: [product(&k1, &v), product(&k2, &v)],
-        })
     }
 
     /// theta_i1 of leg `index`, in (-pi, pi].
     #[inline(always)]
     pub fn motor_angle(&self, index: usize, leg: &LegState) -> f64 {
-        <f64 as WideArithmetic>::direction(leg.r1.x, leg.r1.y, &self.legs[index].l1)
+        self.legs[index].motor_angle(leg)
     }
 
     /// (x'', y'', alpha'') under the joints' moments.
@@ -337,53 +235,9 @@ impl Mechanics {
 
     /// Length of the longest leg, stretched, m: the machine's size.
     pub fn size(&self) -> f64 {
-        let reach = |leg: &LegCoefficients| leg.l1 + leg.l2_sq.sqrt();
-        self.legs.iter().map(reach).fold(0.0, f64::max)
+        self.legs
+            .iter()
+            .map(LegCoefficients::reach)
+            .fold(0.0, f64::max)
     }
-}
-
-/// det A, rows \[r2x, r2y, c x r2\].
-#[inline(always)]
-pub fn det_a(legs: &[LegState; 3]) -> f64 {
-    let [d1, d2, d3] = [legs[0].r2, legs[1].r2, legs[2].r2];
-    let (arm2, arm3) = (legs[1].c - legs[0].c, legs[2].c - legs[0].c);
-    cross(d1, d2) * cross(arm3, d3) + cross(d3, d1) * cross(arm2, d2)
-}
-
-#[inline(always)]
-fn turned(v: Vector2<f64>, sin: f64, cos: f64) -> Vector2<f64> {
-    Vector2::new(v.x * cos - v.y * sin, v.y * cos + v.x * sin)
-}
-
-/// Adds the upper triangle of `a^T b`, which is part of a symmetric sum.
-#[inline(always)]
-fn add_symmetric(m: &mut [f64; 6], a: &[f64; 3], b: &[f64; 3]) {
-    m[0] += a[0] * b[0];
-    m[1] += a[0] * b[1];
-    m[2] += a[0] * b[2];
-    m[3] += a[1] * b[1];
-    m[4] += a[1] * b[2];
-    m[5] += a[2] * b[2];
-}
-
-/// Solves M a = right by Cholesky's factors without roots; `None` where M is not positive
-/// definite to within rounding.
-#[inline(always)]
-fn solve(m: &[f64; 6], right: [f64; 3]) -> Option<[f64; 3]> {
-    let [xx, xy, xa, yy, ya, aa] = *m;
-    let least = 16.0 * f64::EPSILON;
-    let inverse_x = 1.0 / xx;
-    let (l_yx, l_ax) = (xy * inverse_x, xa * inverse_x);
-    let pivot_y = yy - l_yx * xy;
-    let inverse_y = 1.0 / pivot_y;
-    let rest = ya - l_ax * xy;
-    let l_ay = rest * inverse_y;
-    let pivot_a = aa - l_ax * xa - l_ay * rest;
-    if !(xx > 0.0 && pivot_y > least * yy && pivot_a > least * aa) {
-        return None;
-    }
-    let y = right[1] - l_yx * right[0];
-    let a = (right[2] - l_ax * right[0] - l_ay * y) / pivot_a;
-    let y = y * inverse_y - l_ay * a;
-    Some([right[0] * inverse_x - l_yx * y - l_ax * a, y, a])
 }

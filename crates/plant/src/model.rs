@@ -1,28 +1,25 @@
 //! The plant as a system of differential equations.
 
-use super::control::{Commands, Continuous, JointReference, SampledController};
+use crate::control::{Commands, Continuous, JointReference};
 use crate::friction::{Friction, Region};
 use crate::layout::{Layout, ROTORS};
 use crate::mechanics::Mechanics;
 use crate::motor::Motor;
 use crate::path::JobPath;
 use crate::refusal::Refusal;
-use crate::stability::LoopGains;
 use crate::statistics::Statistics;
-use crate::watch::{Ending, Watch};
+use crate::watch::{self, Ending, Watch};
 use trirrr_core::singularity;
 use trirrr_scene::{Drive, Plant as Scenario, Scene, Transmission};
 
-/// What commands the motors.
+/// Source of the motors' commands.
 pub enum Control {
-    /// Nothing changes what they are told.
+    /// Commands that only [`Plant::hold`] changes.
     Held,
     /// A controller continuous in time.
     Continuous(Box<Continuous>),
-    /// A sampled controller and its rate in Hz.
+    /// Drives that sample the plant and command it from outside.
     Sampled {
-        /// The controller.
-        controller: Box<dyn SampledController>,
         /// Samples per second.
         rate_hz: f64,
     },
@@ -47,7 +44,7 @@ pub struct Plant<const N: usize> {
     pub(crate) joints: Joints,
     pub(crate) control: Control,
     pub(crate) path: JobPath,
-    /// What the motors are told, where the control does not act at every instant.
+    /// Commands of the motors, where the control does not act at every instant.
     pub(crate) held: [f64; 3],
     /// Counts of the rotors' encoders per radian of the joint, where there are any.
     pub(crate) counts_per_radian: Option<[f64; 3]>,
@@ -63,12 +60,10 @@ pub struct Plant<const N: usize> {
     pub(crate) det_a_scale: f64,
     /// 1 / (l1 l2) of each leg.
     pub(crate) cross_scale: [f64; 3],
-    /// Whether a singularity is near enough to be watched for.
+    /// A singularity is near enough to be watched for.
     pub(crate) near_singular: bool,
     pub(crate) ending: Option<Ending>,
     pub(crate) statistics: Statistics,
-    /// Gains of a sampled loop, to judge it by.
-    pub(crate) loop_gains: Option<LoopGains>,
     /// Largest kinetic energy noted, J.
     pub(crate) kinetic_peak: f64,
 }
@@ -76,7 +71,7 @@ pub struct Plant<const N: usize> {
 impl<const N: usize> Plant<N> {
     pub(crate) const ELASTIC: bool = N == 14 || N == 17;
     pub(crate) const CURRENTS: bool = N == 11 || N == 17;
-    /// What the state holds.
+    /// Contents of the state.
     pub const LAYOUT: Layout = Layout {
         elastic: Self::ELASTIC,
         currents: Self::CURRENTS,
@@ -85,7 +80,7 @@ impl<const N: usize> Plant<N> {
     /// The plant of `scene` under `control`, and its state at rest at the start of the job.
     ///
     /// # Errors
-    /// What the machine or its drives are refused for.
+    /// The machine or its drives are refused.
     ///
     /// # Panics
     /// If `N` is not the dimension of the scene's layout, which [`layout_of`] tells.
@@ -125,7 +120,10 @@ impl<const N: usize> Plant<N> {
             state[ROTORS..ROTORS + 3].copy_from_slice(&start);
         }
         let greatest = singularity::greatest_det_a(parameters);
-        let mut plant = Self {
+        let following_error = scenario.and_then(|plant: &Scenario| plant.following_error_rad);
+        let continuous = matches!(control, Control::Continuous(_));
+        let watches = watch::list(&friction, &motors, continuous, following_error.is_some());
+        let plant = Self {
             mechanics,
             motors,
             transmission: scenario
@@ -149,8 +147,8 @@ impl<const N: usize> Plant<N> {
                 ..Commands::default()
             },
             slips: [0; 3],
-            watches: Vec::new(),
-            following_error: scenario.and_then(|plant: &Scenario| plant.following_error_rad),
+            watches,
+            following_error,
             det_a_scale: if greatest > 0.0 { 1.0 / greatest } else { 0.0 },
             cross_scale: parameters
                 .legs
@@ -158,13 +156,8 @@ impl<const N: usize> Plant<N> {
             near_singular: true,
             ending: None,
             statistics: Statistics::default(),
-            loop_gains: None,
             kinetic_peak: 0.0,
         };
-        plant.loop_gains = scenario
-            .and_then(|plant| plant.controller)
-            .map(|controller| plant.gains_of(&controller));
-        plant.watches = plant.list_watches();
         plant
             .accelerations(0.0, &state)
             .map_err(|refusal| match refusal {
@@ -177,22 +170,30 @@ impl<const N: usize> Plant<N> {
         Ok((plant, state))
     }
 
-    /// Tells every motor something else from now on.
+    /// Holds `told` as the command of each motor from now on.
     pub fn hold(&mut self, told: [f64; 3]) {
         self.held = told;
     }
 
-    /// What was gathered so far.
+    /// Statistics up to now.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
-    /// Why the run ended, where the plant ended it.
+    /// Cause and instant, if the plant ended the run.
     pub fn ending(&self) -> Option<Ending> {
         self.ending
     }
 
-    /// What the joints should do at `t`, where the control says so at every instant.
+    /// Samples per second of the drives; `None` without samples.
+    pub fn sample_rate(&self) -> Option<f64> {
+        match self.control {
+            Control::Sampled { rate_hz } => Some(rate_hz),
+            Control::Held | Control::Continuous(_) => None,
+        }
+    }
+
+    /// References of the joints at `t`, where the control acts at every instant.
     pub(crate) fn references(&self, t: f64) -> Option<Result<[JointReference; 3], Refusal>> {
         match &self.control {
             Control::Continuous(continuous) => Some(continuous.references(t)),
@@ -201,7 +202,7 @@ impl<const N: usize> Plant<N> {
     }
 }
 
-/// What the state of `scene`'s plant holds.
+/// Contents of the state of `scene`'s plant.
 pub fn layout_of(scene: &Scene) -> Layout {
     let bldc = |drive: &Drive| matches!(drive.kind, trirrr_scene::DriveKind::Bldc(_));
     let transmission = scene.plant.as_ref().and_then(|plant| plant.transmission);

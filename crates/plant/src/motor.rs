@@ -126,7 +126,7 @@ impl Field {
         torque
     }
 
-    /// Which stable position of the field the rotor is at: 0 where it follows, n when it has
+    /// Number of the stable position of the field that holds the rotor: 0 where it follows, n when it has
     /// fallen n times four full steps behind (ahead, where negative).
     pub fn slips(&self, field: f64, angle: f64) -> i64 {
         (self.poles * (field - angle) / TAU).round() as i64

@@ -1,7 +1,7 @@
-//! What can be seen of the plant besides its state: angles, torques, currents, energies.
+//! Quantities of the plant besides its state: angles, torques, currents, energies.
 
-use super::layout::{RATES, ROTOR_RATES, ROTORS, three};
-use crate::mechanics::LegState;
+use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
+use crate::leg::LegState;
 use crate::model::Plant;
 use crate::motor::{Motor, wrapped};
 use crate::refusal::Refusal;
@@ -17,7 +17,7 @@ pub struct Outputs {
     pub rotor_angles: [f64; 3],
     /// Rates there.
     pub rotor_rates: [f64; 3],
-    /// What each motor is told.
+    /// Command of each motor.
     pub told: [f64; 3],
     /// Torque of each motor at the joint, N m.
     pub torques: [f64; 3],
@@ -26,7 +26,7 @@ pub struct Outputs {
 }
 
 impl<const N: usize> Plant<N> {
-    /// What can be seen of the plant at `t` besides its state.
+    /// Quantities of the plant at `t` seconds in the state `y`.
     ///
     /// # Errors
     /// As the plant's equations.

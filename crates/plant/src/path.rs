@@ -8,7 +8,7 @@ use trirrr_scene::{Move, Scene};
 #[derive(Clone, Debug)]
 pub struct JobPath {
     moves: Vec<TimedMove>,
-    /// What is held after the last.
+    /// Setpoint held after the last.
     rest: Setpoint<f64>,
 }
 
@@ -43,7 +43,7 @@ impl JobPath {
         }
     }
 
-    /// When move `index` ends, s; `None` past the last.
+    /// End of move `index`, s; `None` past the last.
     pub fn end_of(&self, index: usize) -> Option<f64> {
         self.moves.get(index).map(|each| each.end)
     }

@@ -1,7 +1,6 @@
-//! Why the plant has no motion, or none that means anything.
+//! Refusals: a plant without a motion, or without one that means anything.
 
 use trirrr_core::status::Status;
-use trirrr_drives::stepper::TooManySteps;
 
 /// The plant's own reasons to stop. Legs and motors are numbered from 1 in messages.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -26,16 +25,13 @@ pub enum Refusal {
         /// Why.
         reason: String,
     },
-    /// The service gave no more ticks before the job was over.
-    #[error("no more ticks: the service has ended")]
-    Service,
-    /// A stepper is to go faster than its driver can.
+    /// A drive cannot do what a tick commands.
     #[error("motor {}: {reason}", motor + 1)]
-    TooManySteps {
+    Drive {
         /// The motor, from 0.
         motor: usize,
-        /// The steps.
-        reason: TooManySteps,
+        /// Why.
+        reason: String,
     },
 }
 

@@ -1,6 +1,6 @@
-//! Whether the gains can be followed at all.
+//! Check of the gains before a run.
 
-use super::layout::{RATES, ROTOR_RATES, ROTORS};
+use crate::layout::{RATES, ROTOR_RATES, ROTORS};
 use crate::model::{Control, Plant};
 use crate::motor::Motor;
 use crate::refusal::Refusal;
@@ -24,15 +24,17 @@ pub(crate) fn check<const N: usize>(
     plant: &Plant<N>,
     y: &[f64; N],
     spectrum: &Spectrum,
+    controller: Option<&Controller>,
     run_s: f64,
 ) -> Result<(), Refusal> {
     let growth = match &plant.control {
         Control::Continuous(_) => spectrum.growth(),
         Control::Held => return Ok(()),
-        Control::Sampled { rate_hz, .. } => {
-            let Some(gains) = plant.loop_gains else {
+        Control::Sampled { rate_hz } => {
+            let Some(controller) = controller else {
                 return Ok(());
             };
+            let gains = plant.gains_of(controller);
             let period = 1.0 / rate_hz;
             match sampled_radius(plant, y, &gains, period)? {
                 Some(radius) => radius.ln() / period,
@@ -44,7 +46,7 @@ pub(crate) fn check<const N: usize>(
         return Ok(());
     }
     let rate = match &plant.control {
-        Control::Sampled { rate_hz, .. } => format!(" sampled at {rate_hz} Hz"),
+        Control::Sampled { rate_hz } => format!(" sampled at {rate_hz} Hz"),
         _ => String::new(),
     };
     Err(Refusal::Scene {
@@ -58,7 +60,7 @@ pub(crate) fn check<const N: usize>(
 
 /// Gains of a sampled loop, from joint to what its motor is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LoopGains {
+struct LoopGains {
     /// By angle, 1/rad.
     angle: [f64; 3],
     /// By rate, s/rad.
@@ -66,8 +68,8 @@ pub(crate) struct LoopGains {
 }
 
 impl<const N: usize> Plant<N> {
-    /// What `controller` makes of a deviation of each joint.
-    pub(crate) fn gains_of(&self, controller: &Controller) -> LoopGains {
+    /// Gains of `controller` from each joint to its motor's command.
+    fn gains_of(&self, controller: &Controller) -> LoopGains {
         let mut gains = LoopGains {
             angle: [0.0; 3],
             rate: [0.0; 3],
@@ -146,7 +148,7 @@ fn sampled_radius<const N: usize>(
     if !whole.iter().all(|entry: &f64| entry.is_finite()) {
         return Ok(None);
     }
-    let step = exponential(&whole);
+    let step = whole.exp();
     let sensed = plant.sensed_slopes(y)?;
     let mut map = step.view((0, 0), (size, size)).into_owned();
     let held = step.view((0, size), (size, 3));
@@ -167,39 +169,4 @@ fn sampled_radius<const N: usize>(
         .iter()
         .fold(0.0, |most: f64, value| most.max(value.norm()));
     Ok(Some(radius))
-}
-
-/// exp(m) by scaling and squaring of a Taylor polynomial of degree 12, to about 1e-12 of the
-/// largest entry that occurs on the way.
-fn exponential(m: &DMatrix<f64>) -> DMatrix<f64> {
-    let norm = m
-        .row_iter()
-        .map(|row| row.iter().map(|entry| entry.abs()).sum::<f64>())
-        .fold(0.0, f64::max);
-    // After halving so often the norm is below 1/2: 0.5^13 / 13! = 2e-14 is left out.
-    let halvings = (norm.max(0.5) * 2.0).log2().ceil().min(60.0) as i32;
-    let small = m / 2.0_f64.powi(halvings);
-    let identity = DMatrix::identity(m.nrows(), m.ncols());
-    let mut sum = identity.clone();
-    for degree in (1..=12).rev() {
-        sum = &identity + (&small * &sum) / f64::from(degree);
-    }
-    for _ in 0..halvings {
-        sum = &sum * &sum;
-    }
-    sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exponential_of_a_rotation_is_a_rotation() {
-        let turn = DMatrix::from_row_slice(2, 2, &[0.0, -20.0, 20.0, 0.0]);
-        let found = exponential(&turn);
-        let (sin, cos) = 20f64.sin_cos();
-        let exact = DMatrix::from_row_slice(2, 2, &[cos, -sin, sin, cos]);
-        assert!((found - exact).abs().max() < 1e-11);
-    }
 }

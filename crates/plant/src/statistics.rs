@@ -1,11 +1,11 @@
-//! What is gathered over a run.
+//! Statistics of a run.
 
 /// Peak and root mean square of a signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Signal {
     /// Largest size.
     pub peak: f64,
-    /// When it was, s.
+    /// Instant of the peak, s.
     pub peak_t: f64,
     sum: f64,
     count: u64,
@@ -32,7 +32,7 @@ impl Signal {
     }
 }
 
-/// When a limit acted.
+/// Time during which a limit acted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Active {
     /// First time, s.

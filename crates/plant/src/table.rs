@@ -1,6 +1,6 @@
 //! The table of a run, `plant.csv`.
 
-use super::layout::{RATES, three};
+use crate::layout::{RATES, three};
 use crate::model::{Control, Plant};
 use crate::motor::{Motor, wrapped};
 use crate::refusal::Refusal;
@@ -22,7 +22,7 @@ pub struct Row {
     pub angles: [f64; 3],
     /// Joint rates.
     pub joint_rates: [f64; 3],
-    /// Where the joints should be.
+    /// Reference angles of the joints.
     pub references: [f64; 3],
     /// Torques of the motors at the joints, N m.
     pub torques: [f64; 3],
@@ -30,7 +30,7 @@ pub struct Row {
     pub powers: [f64; 3],
     /// Angles on the rotors' side of the transmissions, unwrapped.
     pub rotors: [f64; 3],
-    /// Where the platform should be: x, y, alpha.
+    /// Setpoint of the platform: x, y, alpha.
     pub setpoint: [f64; 3],
 }
 

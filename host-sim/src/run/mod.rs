@@ -5,16 +5,16 @@ mod args;
 mod plant;
 mod player;
 mod progress;
-mod served;
 mod summary;
 
 pub use args::RunArgs;
-pub use plant::{Simulated, simulate_plant};
+pub use plant::Simulated;
 
 use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::pace::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
+use plant::PlantRecorder;
 use player::Player;
 use progress::Progress;
 use std::io;
@@ -25,8 +25,10 @@ use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::job;
 use trirrr_client::local;
-use trirrr_client::records::Samples;
+use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_core::number::{Coarse, Fixed};
+use trirrr_drives::count::Countable;
+use trirrr_drives::stepper::Line;
 use trirrr_protocol::message::Telemetry;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
@@ -70,6 +72,8 @@ pub struct Report {
     pub scalar: NumberType,
     /// What was written.
     pub files: Vec<PathBuf>,
+    /// What became of the plant, if the scene has one.
+    pub plant: Option<Simulated>,
 }
 
 /// `trirrr run`: reads the scene, runs it, prints the summary. `stop` ends it early.
@@ -96,10 +100,9 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
         }
         _ => {}
     }
-    if scene.plant.is_none() || report.end != End::Complete {
+    let Some(simulated) = report.plant.filter(|_| report.end == End::Complete) else {
         return Ok(report.end);
-    }
-    let simulated = simulate_plant(&scene, scalar, &folder, stop)?;
+    };
     match plant::print(&mut io::stdout().lock(), &simulated) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             return Err(Failure::Failed(format!("standard output: {error}")));
@@ -107,14 +110,10 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
         _ => {}
     }
     match simulated.outcome.end {
-        trirrr_plant::simulate::End::Complete => Ok(report.end),
-        trirrr_plant::simulate::End::Interrupted { .. } => Ok(End::Stopped),
-        trirrr_plant::simulate::End::Ended(ending) => {
-            Err(Failure::Failed(format!("the plant {ending}")))
-        }
-        trirrr_plant::simulate::End::Failed(reason) => {
-            Err(Failure::Failed(format!("the plant: {reason}")))
-        }
+        trirrr_plant::End::Complete => Ok(report.end),
+        trirrr_plant::End::Interrupted { .. } => Ok(End::Stopped),
+        trirrr_plant::End::Ended(ending) => Err(Failure::Failed(format!("the plant {ending}"))),
+        trirrr_plant::End::Failed(reason) => Err(Failure::Failed(format!("the plant: {reason}"))),
     }
 }
 
@@ -140,7 +139,7 @@ pub fn simulate(
     }
 }
 
-fn simulate_in<N: ServiceNumber>(
+fn simulate_in<N: ServiceNumber + Countable>(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
@@ -154,12 +153,19 @@ fn simulate_in<N: ServiceNumber>(
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
+    let line = Line::new();
+    // First: a plant that is refused leaves no files.
+    let plant = match &scene.plant {
+        Some(_) => Some(PlantRecorder::create(scene, &line, folder)?),
+        None => None,
+    };
     let recorder = Recorder::create(folder, setpoints)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
         samples: Samples::new(&*evaluator, units, scene.torque),
         recorder,
         progress: Progress::new(setpoints, expected),
+        plant,
     };
 
     let (played, recorded) = local::with_machine::<N, _>(scene, |machine| {
@@ -176,7 +182,9 @@ fn simulate_in<N: ServiceNumber>(
         })
     })?;
     let is_complete = played.end == End::Complete;
-    let Recorded { rows, peaks, files } = recorded?.finish(&scene.name, is_complete)?;
+    let (recorder, plant) = recorded?;
+    let Recorded { rows, peaks, files } = recorder.finish(&scene.name, is_complete)?;
+    let plant = plant.map(|plant| plant.finish(&scene.name, stop));
     Ok(Report {
         end: played.end,
         records: rows,
@@ -187,22 +195,34 @@ fn simulate_in<N: ServiceNumber>(
         peaks,
         scalar,
         files,
+        plant: plant.transpose()?,
     })
 }
 
-/// What becomes of the samples. It has a thread of its own, so that a slow disk does not delay a
-/// tick.
+/// Consumers of the samples: the record, and the plant. They have a thread of their own, so that a
+/// slow disk does not delay a tick.
 struct Recording<'a, N: ServiceNumber> {
     samples: Samples<'a, N>,
     recorder: Recorder,
     progress: Progress,
+    plant: Option<PlantRecorder<'a, N>>,
 }
 
-impl<N: ServiceNumber> Recording<'_, N> {
+impl<'a, N: ServiceNumber> Recording<'a, N> {
     /// Takes every sample until the sender is gone. After an error no more are taken, which the
     /// sender notices.
-    fn record_all(mut self, samples: &Receiver<Telemetry<N>>) -> Result<Recorder, Failure> {
+    fn record_all(
+        mut self,
+        samples: &Receiver<Telemetry<N>>,
+    ) -> Result<(Recorder, Option<PlantRecorder<'a, N>>), Failure> {
         for sample in samples {
+            if let Some(plant) = &mut self.plant {
+                plant.tick(&sample);
+            }
+            // After the job only the plant goes on.
+            if !is_of_a_job(sample.state) {
+                continue;
+            }
             let record = self.samples.record(&sample, 1).map_err(|status| {
                 Failure::Failed(format!("tick {} of the machine: {status}", sample.tick))
             })?;
@@ -210,6 +230,6 @@ impl<N: ServiceNumber> Recording<'_, N> {
             self.progress.update(self.recorder.rows(), record.t);
         }
         self.progress.finish();
-        Ok(self.recorder)
+        Ok((self.recorder, self.plant))
     }
 }

@@ -1,6 +1,5 @@
 //! The part of a run that simulates the scene's plant.
 
-use super::served::with_service;
 use super::summary::{digits, line, seconds};
 use crate::failure::Failure;
 use crate::figures::PlantTraces;
@@ -9,15 +8,18 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use trirrr_core::number::{Coarse, Fixed};
-use trirrr_plant::simulate::{End, Outcome, simulate};
-use trirrr_plant::source::TickSource;
+use trirrr_core::number::Number;
+use trirrr_core::tick::Motor;
+use trirrr_drives::count::Countable;
+use trirrr_drives::stepper::Line;
 use trirrr_plant::statistics::{Active, MotorStatistics, Signal};
 use trirrr_plant::table::{COLUMNS, Row};
-use trirrr_scene::NumberType;
+use trirrr_plant::{End, Outcome, PlantRun};
+use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
+use trirrr_service::Output;
 
-/// What was simulated, and what was written.
+/// Outcome of a plant, and the files written.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     /// The run.
@@ -26,63 +28,122 @@ pub struct Simulated {
     pub files: Vec<PathBuf>,
 }
 
-/// Simulates the plant of `scene`, whose ticks come from the core's service in `scalar`; writes `plant.csv` and
-/// figures into `folder`.
-///
-/// # Errors
-/// Refused: what the scene asks for. Failed: the service ends the job early, or something cannot be
-/// written.
-pub fn simulate_plant(
-    scene: &Scene,
-    scalar: NumberType,
-    folder: &Path,
-    stop: &AtomicBool,
-) -> Result<Simulated, Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    let path = folder.join("plant.csv");
-    let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
-    let mut table = BufWriter::new(file);
-    let mut written = writeln!(table, "{}", COLUMNS.join(","));
+/// Rows that wait for the disk: enough for runs of ordinary length, whose speed is measured.
+const WAITING: usize = 1 << 16;
 
-    let record_s = scene.plant.as_ref().map_or(1e-3, |plant| plant.record_s);
-    let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
-    let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
-    let mut traces = PlantTraces::new((run_s / record_s) as u64 + 1);
-    let mut rows = Vec::new();
-    let mut flush = |rows: &mut Vec<Row>| {
-        for row in rows.drain(..) {
-            if written.is_ok() {
-                written = write_row(&mut table, &row);
-            }
-            traces.push(&row);
-        }
-    };
-    let run = |source: Box<dyn TickSource>| {
-        simulate(scene, source, stop, |row| {
-            rows.push(*row);
-            // Bounded memory; the time to write counts, but not for runs of ordinary length.
-            if rows.len() == 1 << 16 {
-                flush(&mut rows);
-            }
+/// Simulates the plant of a scene and writes its rows.
+pub(super) struct PlantRecorder<'l, N: Number> {
+    run: PlantRun<'l, N>,
+    rows: Vec<Row>,
+    table: PlantTable,
+}
+
+impl<'l, N: Countable> PlantRecorder<'l, N> {
+    /// Builds the plant of `scene`; `plant.csv` and figures go into `folder`, which is made if it is
+    /// missing. `line` joins the two halves of stepper drives.
+    ///
+    /// # Errors
+    /// Refused: what the scene asks for. Failed: a file cannot be made.
+    pub(super) fn create(scene: &Scene, line: &'l Line, folder: &Path) -> Result<Self, Failure> {
+        let run = PlantRun::build(scene, line)
+            .map_err(|refusal| Failure::Refused(format!("scene {}: {refusal}", scene.name)))?;
+        Ok(Self {
+            run,
+            rows: Vec::new(),
+            table: PlantTable::create(scene, folder)?,
         })
-    };
-    let outcome = match scalar {
-        NumberType::F64 => with_service::<f64>(scene, stop, run),
-        NumberType::F32 => with_service::<f32>(scene, stop, run),
-        NumberType::Fixed => with_service::<Fixed>(scene, stop, run),
-        NumberType::Micromath => with_service::<Coarse>(scene, stop, run),
-    }?;
-    flush(&mut rows);
-    written
-        .and_then(|()| table.flush())
-        .map_err(|error| unwritable(&path, &error))?;
-    let figures = traces
-        .write_all(folder, &scene.name)
-        .map_err(|error| unwritable(&error.path, &error.source))?;
-    Ok(Simulated {
-        outcome,
-        files: std::iter::once(path).chain(figures).collect(),
-    })
+    }
+}
+
+impl<N: Transmit> PlantRecorder<'_, N> {
+    /// Takes the sample of the next tick of the job.
+    pub(super) fn tick(&mut self, sample: &Telemetry<N>) {
+        let motor = |i: usize| Motor {
+            angle: sample.angles[i],
+            rate: sample.rates[i],
+            acceleration: sample.accelerations[i],
+            torque: sample.torques[i],
+        };
+        let output = Output {
+            motors: [motor(0), motor(1), motor(2)],
+            tool: sample.tool,
+            enabled: true,
+        };
+        let (rows, table) = (&mut self.rows, &mut self.table);
+        self.run.tick(&output, &mut |row| keep(row, rows, table));
+    }
+
+    /// Simulates to the end, unless `stop` is raised, and writes the rest.
+    ///
+    /// # Errors
+    /// Failed: something cannot be written.
+    pub(super) fn finish(mut self, name: &str, stop: &AtomicBool) -> Result<Simulated, Failure> {
+        let (rows, table) = (&mut self.rows, &mut self.table);
+        let outcome = self.run.finish(stop, &mut |row| keep(row, rows, table));
+        self.table.write(&mut self.rows);
+        Ok(Simulated {
+            outcome,
+            files: self.table.finish(name)?,
+        })
+    }
+}
+
+/// Keeps a row, and writes those that wait once there are many.
+fn keep(row: &Row, rows: &mut Vec<Row>, table: &mut PlantTable) {
+    rows.push(*row);
+    if rows.len() == WAITING {
+        table.write(rows);
+    }
+}
+
+/// `plant.csv` and the curves of its figures.
+struct PlantTable {
+    folder: PathBuf,
+    path: PathBuf,
+    file: BufWriter<File>,
+    /// The first error; nothing is written after it.
+    written: io::Result<()>,
+    traces: PlantTraces,
+}
+
+impl PlantTable {
+    fn create(scene: &Scene, folder: &Path) -> Result<Self, Failure> {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        let path = folder.join("plant.csv");
+        let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
+        let mut file = BufWriter::new(file);
+        let written = writeln!(file, "{}", COLUMNS.join(","));
+        let record_s = scene.plant.as_ref().map_or(1e-3, |plant| plant.record_s);
+        let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
+        let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
+        Ok(Self {
+            folder: folder.into(),
+            path,
+            file,
+            written,
+            traces: PlantTraces::new((run_s / record_s) as u64 + 1),
+        })
+    }
+
+    fn write(&mut self, rows: &mut Vec<Row>) {
+        for row in rows.drain(..) {
+            if self.written.is_ok() {
+                self.written = write_row(&mut self.file, &row);
+            }
+            self.traces.push(&row);
+        }
+    }
+
+    fn finish(mut self, name: &str) -> Result<Vec<PathBuf>, Failure> {
+        self.written
+            .and_then(|()| self.file.flush())
+            .map_err(|error| unwritable(&self.path, &error))?;
+        let figures = self
+            .traces
+            .write_all(&self.folder, name)
+            .map_err(|error| unwritable(&error.path, &error.source))?;
+        Ok(std::iter::once(self.path).chain(figures).collect())
+    }
 }
 
 /// Shortest digits that read back as the same number, as in `ticks.csv`.

@@ -92,6 +92,9 @@ impl<'a, N: ServiceNumber> Player<'a, N> {
                 })
                 .unwrap_or(End::Stopped),
         };
+        if end == End::Complete && scene.plant.is_some() {
+            self.stand(&samples);
+        }
         Played {
             end,
             elapsed: start.elapsed(),
@@ -143,6 +146,17 @@ impl<'a, N: ServiceNumber> Player<'a, N> {
         match self.feed() {
             Ok(()) => After::Tick,
             Err(why) => After::End(End::Refused(why)),
+        }
+    }
+
+    /// Sends the sample of the tick after the job, in which the machine stands: its plant goes on.
+    fn stand(&mut self, samples: &SyncSender<Telemetry<N>>) {
+        self.machine.tick();
+        while let Some(message) = self.machine.outgoing() {
+            if let Message::Telemetry(sample) = message {
+                // The recorder has gone: it says why when it is joined.
+                let _ = samples.send(sample);
+            }
         }
     }
 

@@ -28,17 +28,17 @@ const SLOW: f64 = 1e-3;
 pub(crate) struct RadauIia<const N: usize> {
     newton: Newton<N>,
     proposed: f64,
-    /// What the error allowed for the first step after the last jump of the inputs, in s: the next
+    /// Step that the error allowed for the first step after the last jump of the inputs, in s: the next
     /// jump excites the same transients. Zero where nothing is known.
     opening: f64,
-    /// Whether the next step is the first after such a jump.
+    /// The next step is the first after such a jump.
     opens: bool,
     /// Step and error of the last accepted step; `None` where it says nothing about the next.
     last: Option<(f64, f64)>,
-    /// Whether the stages of the last step can be continued into the next.
+    /// The stages of the last step can be continued into the next.
     continues: bool,
     jacobian_known: bool,
-    /// Whether the Jacobian was evaluated where the step starts.
+    /// The Jacobian was evaluated at the start of the step.
     jacobian_fresh: bool,
 }
 

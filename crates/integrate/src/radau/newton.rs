@@ -14,10 +14,10 @@ pub(super) const ITERATIONS: u32 = 10;
 /// The iteration with its matrices.
 #[derive(Clone, Debug)]
 pub(super) struct Newton<const N: usize> {
-    /// What the estimate of the error, of order 3, is compared with.
+    /// Tolerance of the error estimate, which is of order 3.
     pub(super) tolerance: f64,
     pub(super) scales: [f64; N],
-    /// What remains of the iteration's error, relative to the tolerance.
+    /// Remaining error of the iteration, relative to the tolerance.
     iteration_tolerance: f64,
     jacobian: Matrix<N>,
     factors: Option<(f64, Factors<f64, N>, Factors<Complex<f64>, N>)>,
@@ -25,7 +25,7 @@ pub(super) struct Newton<const N: usize> {
     pub(super) convergence: f64,
 }
 
-/// How the iteration for the implicit equations ended.
+/// End of the iteration for the implicit equations.
 pub(super) enum Iterated<R> {
     Converged {
         iterations: u32,
@@ -54,7 +54,7 @@ impl<const N: usize> Newton<N> {
         }
     }
 
-    /// Where a new Jacobian goes; what was made of the last is void.
+    /// Place of a new Jacobian; drops the factors of the last.
     pub(super) fn renew(&mut self) -> &mut Matrix<N> {
         self.factors = None;
         &mut self.jacobian

@@ -5,17 +5,11 @@
 use crate::scenes::{shipped, without_drives};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_core::tick::Tick;
-use trirrr_core::torque::links::{InPlane, Massive};
-use trirrr_core::torque::payload::Offset;
 use trirrr_integrate::{End, Integrator, Method};
 use trirrr_plant::control::Continuous;
 use trirrr_plant::{Control, Plant};
-use trirrr_scene::Scene;
+use trirrr_scene::{Scene, pipeline};
 use trirrr_truth::inputs::Inputs;
-
-/// The core's tick with every mass.
-type Whole = Tick<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
 
 /// Poses, velocities and torques around the start of a scene's job, no two alike.
 fn states(scene: &Scene) -> impl Iterator<Item = ([f64; 8], [f64; 3])> + '_ {
@@ -41,7 +35,7 @@ fn states(scene: &Scene) -> impl Iterator<Item = ([f64; 8], [f64; 3])> + '_ {
 fn accelerations_take_the_torques_that_caused_them() {
     for name in ["thesis", "thesis-links", "vertical", "engraving"] {
         let scene = without_drives(name);
-        let core = Whole::build(&scene.parameters).unwrap();
+        let core = pipeline::build::<f64>(&scene.parameters).unwrap();
         let mut worst = (0.0_f64, 0.0_f64);
         for (state, torques) in states(&scene) {
             let (mut plant, _) = Plant::<8>::build(&scene, Control::Held).unwrap();
@@ -55,12 +49,12 @@ fn accelerations_take_the_torques_that_caused_them() {
                 velocity: Vector3::new(state[3], state[4], state[5]),
                 acceleration: Vector3::from(a),
             };
-            let motion = core.evaluate(&setpoint).unwrap();
+            let motors = core.motors(&setpoint).unwrap();
             let inputs = Inputs::exact(&scene.parameters, &setpoint);
             let kinematics = inputs.kinematics();
             let truth = inputs.dynamics(&kinematics);
             for (leg, applied) in torques.iter().enumerate() {
-                let found = motion.motors[leg].torque - applied;
+                let found = motors[leg].torque - applied;
                 let exact = truth.torques[leg].value() - applied;
                 worst.0 = worst.0.max(found.abs());
                 worst.1 = worst.1.max(exact.abs());
@@ -87,7 +81,7 @@ fn inverse_dynamics_of_its_own_motion_gives_back_its_torques() {
     let continuous = Continuous::build(&scene, controller.unwrap()).unwrap();
     let control = Control::Continuous(Box::new(continuous));
     let (mut plant, mut y) = Plant::<11>::build(&scene, control).unwrap();
-    let core = Whole::build(&scene.parameters).unwrap();
+    let core = pipeline::build::<f64>(&scene.parameters).unwrap();
     let method = Method::RadauIia { tolerance: 1e-10 };
     let mut integrator = Integrator::new(&plant, method).unwrap();
     let (mut worst, mut largest, mut compared) = (0.0_f64, 0.0_f64, 0);
@@ -101,9 +95,9 @@ fn inverse_dynamics_of_its_own_motion_gives_back_its_torques() {
             velocity: Vector3::new(y[3], y[4], y[5]),
             acceleration: Vector3::from(plant.accelerations(t, y).unwrap()),
         };
-        let motion = core.evaluate(&setpoint).unwrap();
+        let motors = core.motors(&setpoint).unwrap();
         let outputs = plant.outputs(t, y).unwrap();
-        for (motor, torque) in motion.motors.iter().zip(outputs.torques) {
+        for (motor, torque) in motors.iter().zip(outputs.torques) {
             worst = worst.max((motor.torque - torque).abs());
             largest = largest.max(torque.abs());
             compared += 1;

@@ -1,12 +1,9 @@
 //! Every case ends in a checked result or in a refusal that names the cause.
 
 use crate::reference::run;
-use crate::scenes::{edited, parse, text};
-use std::sync::atomic::AtomicBool;
-use trirrr_plant::Refusal;
-use trirrr_plant::simulate::{End, simulate};
-use trirrr_plant::source::Pipeline;
+use crate::scenes::{attempt, edited, parse, text};
 use trirrr_plant::watch::Cause;
+use trirrr_plant::{End, Refusal};
 use trirrr_scene::Scene;
 
 fn reference(edits: &[(&str, &str)]) -> Scene {
@@ -18,10 +15,9 @@ fn sampled(edits: &[(&str, &str)]) -> Scene {
 }
 
 fn refusal(scene: &Scene) -> Refusal {
-    let source = Box::new(Pipeline::<f64>::build(scene).unwrap());
-    match simulate(scene, source, &AtomicBool::new(false), |_| {}) {
+    match attempt(scene) {
         Err(refusal) => refusal,
-        Ok(outcome) => panic!("not refused: {:?}", outcome.end),
+        Ok((outcome, _)) => panic!("not refused: {:?}", outcome.end),
     }
 }
 
@@ -250,11 +246,19 @@ fn steppers_follow_within_their_steps_and_lose_them_when_overloaded() {
     for motor in &outcome.statistics.motors {
         println!("{:.2e} rad, {} slips", motor.error.peak, motor.slips);
         assert_eq!((motor.slips, motor.first_slip), (0, None));
-        assert!(motor.error.peak < 2e-3);
+        // The joints are a tick late, as on a board: 10 ms at up to 0.74 rad/s.
+        assert!(motor.error.peak < 8e-3);
+    }
+    // Where the ticks wanted them a tick ago, ten rows.
+    for (row, earlier) in rows[10..].iter().zip(&rows) {
+        for (angle, reference) in row.angles.iter().zip(earlier.references) {
+            assert!((angle - reference).abs() < 2e-3, "{row:?}");
+        }
     }
     let last = rows.last().unwrap();
     for (rotor, reference) in last.angles.iter().zip(last.references) {
-        assert!((rotor - reference).abs() < 4e-4, "{last:?}");
+        // Half a microstep, and the rotor still rings by about one.
+        assert!((rotor - reference).abs() < 8e-4, "{last:?}");
     }
 
     // 1e-3 N m times 5 are not enough for the 0.03 N m of the move.

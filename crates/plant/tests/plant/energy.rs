@@ -3,8 +3,7 @@
 use crate::reference::run;
 use crate::scenes::{edited, parse, shipped, text, without_drives};
 use trirrr_integrate::{End, Integrator, Method};
-use trirrr_plant::simulate::End as RunEnd;
-use trirrr_plant::{Control, Plant};
+use trirrr_plant::{Control, End as RunEnd, Plant};
 
 const TIGHT: Method = Method::DormandPrince { tolerance: 1e-12 };
 

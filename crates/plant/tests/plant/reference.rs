@@ -1,21 +1,15 @@
 //! The closed loop of `fd_continuous_pd.csv`: forward dynamics, drives and controller against a
 //! solution of 21 digits.
 
-use crate::scenes::{edited, parse, shipped, text};
+use crate::scenes::{attempt, edited, parse, shipped, text};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-use trirrr_plant::simulate::{End, Outcome, simulate};
-use trirrr_plant::source::Pipeline;
 use trirrr_plant::table::Row;
+use trirrr_plant::{End, Outcome};
 use trirrr_scene::Scene;
 
 /// Runs a scene's plant.
 pub(crate) fn run(scene: &Scene) -> (Outcome, Vec<Row>) {
-    let source = Box::new(Pipeline::<f64>::build(scene).unwrap());
-    let mut rows = Vec::new();
-    let stop = AtomicBool::new(false);
-    let outcome = simulate(scene, source, &stop, |row| rows.push(*row))
-        .unwrap_or_else(|refusal| panic!("{refusal}"));
+    let (outcome, rows) = attempt(scene).unwrap_or_else(|refusal| panic!("{refusal}"));
     println!(
         "{}: {:?}, {} steps, {} derivatives, {:.0} times real time, balance {:.1e} of {:.3e} J",
         scene.name,

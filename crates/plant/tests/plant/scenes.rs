@@ -1,6 +1,10 @@
 //! Scenes that the tests simulate.
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use trirrr_drives::stepper::Line;
+use trirrr_plant::table::Row;
+use trirrr_plant::{Outcome, PlantRun, Refusal, job};
 use trirrr_scene::Scene;
 
 /// The text of a shipped scene.
@@ -38,4 +42,17 @@ pub(crate) fn edited(text: &str, edits: &[(&str, &str)]) -> String {
         assert!(text.contains(from), "no {from:?}");
         text.replacen(from, to, 1)
     })
+}
+
+/// Runs the plant of `scene` on the ticks of its job, as a service gives them.
+pub(crate) fn attempt(scene: &Scene) -> Result<(Outcome, Vec<Row>), Refusal> {
+    let line = Line::new();
+    let mut run = PlantRun::<f64>::build(scene, &line)?;
+    let mut rows = Vec::new();
+    let mut sink = |row: &Row| rows.push(*row);
+    for output in job::outputs(scene)? {
+        run.tick(&output, &mut sink);
+    }
+    let outcome = run.finish(&AtomicBool::new(false), &mut sink);
+    Ok((outcome, rows))
 }

@@ -1,9 +1,7 @@
 //! The truth of a case as the study has it, with what the study does not show: its events.
 
 use trirrr_integrate::{Action, Direction, End, Integrator, Matrix, Method, System};
-use trirrr_plant::simulate::control_of;
-use trirrr_plant::source::Pipeline;
-use trirrr_plant::{Plant, Refusal};
+use trirrr_plant::{Plant, Refusal, control_of};
 use trirrr_report::work_precision::cases::Case;
 use trirrr_report::work_precision::{COMPARED_S, TRUTH, truth};
 
@@ -42,8 +40,7 @@ impl<const N: usize> System<N> for Noted<N> {
 /// The plant of a case, its state at the start, and the end of its run in s.
 pub(crate) fn build<const N: usize>(case: &Case) -> (Plant<N>, [f64; N], f64) {
     let scene = case.scene().unwrap();
-    let source = Box::new(Pipeline::<f64>::build(&scene).unwrap());
-    let control = control_of(&scene, source).unwrap();
+    let control = control_of(&scene).unwrap();
     let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
     let end = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
     let (plant, y) = Plant::build(&scene, control).unwrap();

@@ -3,8 +3,9 @@
 use crate::error::ReportError;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use trirrr_plant::simulate::{End, simulate};
-use trirrr_plant::source::Pipeline;
+use trirrr_drives::stepper::Line;
+use trirrr_plant::table::Row;
+use trirrr_plant::{End, PlantRun, job};
 use trirrr_scene::{Method, Scene};
 
 /// Solutions are compared every so often, s. No method takes longer steps.
@@ -51,13 +52,15 @@ impl Trial {
     /// Why it is refused.
     pub fn of(scene: &Scene) -> Result<Self, ReportError> {
         let refused = |error: &dyn std::fmt::Display| ReportError::Refused(error.to_string());
-        let source = Pipeline::<f64>::build(scene).map_err(|error| refused(&error))?;
+        let line = Line::new();
+        let mut run = PlantRun::<f64>::build(scene, &line).map_err(|error| refused(&error))?;
         let mut poses = Vec::new();
         let never = AtomicBool::new(false);
-        let outcome = simulate(scene, Box::new(source), &never, |row| {
-            poses.push((row.t, row.pose));
-        })
-        .map_err(|error| refused(&error))?;
+        let mut sink = |row: &Row| poses.push((row.t, row.pose));
+        for output in job::outputs(scene).map_err(|error| refused(&error))? {
+            run.tick(&output, &mut sink);
+        }
+        let outcome = run.finish(&never, &mut sink);
         let ratio = outcome.ratio();
         let ended = match outcome.end {
             End::Complete => None,

@@ -1,0 +1,56 @@
+//! Time of a run: samples, rows and the end.
+
+/// Samples, rows and the end, in the order of time.
+pub(crate) struct Clock {
+    pub(crate) t: f64,
+    /// The next sample and row.
+    pub(crate) sample: u64,
+    pub(crate) row: u64,
+    pub(crate) rate: Option<f64>,
+    pub(crate) record_s: f64,
+    pub(crate) end: f64,
+}
+
+impl Clock {
+    /// Instants closer than this are one.
+    fn together(&self) -> f64 {
+        1e-9 * self
+            .record_s
+            .min(self.rate.map_or(f64::INFINITY, |rate| 1.0 / rate))
+    }
+
+    fn sample_t(&self) -> f64 {
+        self.rate
+            .map_or(f64::INFINITY, |rate| self.sample as f64 / rate)
+    }
+
+    /// The next row; on a sample where it is one within rounding.
+    fn row_t(&self) -> f64 {
+        let t = self.row as f64 * self.record_s;
+        let Some(rate) = self.rate else { return t };
+        let sample = (t * rate).round() / rate;
+        if (sample - t).abs() <= self.together() {
+            sample
+        } else {
+            t
+        }
+    }
+
+    pub(crate) fn samples_now(&self) -> bool {
+        self.sample_t() <= self.t
+    }
+
+    pub(crate) fn records_now(&self) -> bool {
+        self.row_t() <= self.t + self.together()
+    }
+
+    pub(crate) fn next(&self) -> f64 {
+        let next = self.sample_t().min(self.row_t());
+        // A last interval too short for a step belongs to the one before.
+        if self.end - next <= self.together() {
+            self.end
+        } else {
+            next
+        }
+    }
+}

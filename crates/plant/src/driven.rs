@@ -1,0 +1,56 @@
+//! Drives on the ticks of a job.
+
+use crate::drives::Drives;
+use crate::refusal::Refusal;
+use trirrr_core::number::Number;
+use trirrr_service::Output;
+
+/// Drives, and the ticks that the service gave them.
+pub(crate) struct Driven<'l, N: Number> {
+    pub(crate) drives: Box<dyn Drives<N> + 'l>,
+    pub(crate) per_tick: u32,
+    /// Ticks of the job.
+    job: u32,
+    /// Ticks that the service gave.
+    given: u32,
+    /// Output of the tick that has not begun.
+    next: Option<Output<N>>,
+}
+
+impl<'l, N: Number> Driven<'l, N> {
+    /// Joins `drives`, which take `per_tick` samples in a tick, to a job of `job` ticks.
+    pub(crate) fn new(drives: Box<dyn Drives<N> + 'l>, per_tick: u32, job: u32) -> Self {
+        Self {
+            drives,
+            per_tick,
+            job,
+            given: 0,
+            next: None,
+        }
+    }
+
+    /// Takes the output of the next tick.
+    pub(crate) fn give(&mut self, output: &Output<N>) {
+        // The last setpoint still decelerates; the machine stands from there on.
+        if self.given != self.job {
+            self.next = Some(*output);
+        }
+        self.given = self.given.saturating_add(1);
+    }
+
+    /// Begins a tick; `false` if the service has not given one.
+    ///
+    /// # Errors
+    /// [`Refusal::Drive`].
+    pub(crate) fn begin(&mut self) -> Result<bool, Refusal> {
+        let Some(output) = &self.next else {
+            return Ok(false);
+        };
+        self.drives.tick(output)?;
+        // The last output holds for the time after the job.
+        if self.given <= self.job {
+            self.next = None;
+        }
+        Ok(true)
+    }
+}

@@ -1,0 +1,80 @@
+//! Outcome of a run.
+
+use crate::statistics::Statistics;
+use crate::watch::Ending;
+use std::time::Duration;
+use trirrr_integrate::{Method, Tally};
+
+/// End of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// The run reached its end.
+    Complete,
+    /// The caller stopped the run, or gave too few ticks.
+    Interrupted {
+        /// Time in s.
+        t: f64,
+    },
+    /// The plant ended it.
+    Ended(Ending),
+    /// The integration could not go on.
+    Failed(String),
+}
+
+/// Energies over a run, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// Work of the motors' supply.
+    pub work: f64,
+    /// Losses.
+    pub losses: f64,
+    /// Change of kinetic, potential, elastic and magnetic energy.
+    pub stored: f64,
+    /// Scale of the error: the largest size of work or losses on the way, or the
+    /// largest kinetic energy where neither flows.
+    pub scale: f64,
+}
+
+impl Balance {
+    /// Energy that is missing, relative to the energy that flowed; 0 if none did.
+    pub fn error(&self) -> f64 {
+        if self.scale == 0.0 {
+            return 0.0;
+        }
+        (self.work - self.losses - self.stored) / self.scale
+    }
+}
+
+/// Outcome of a run of a plant.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// End of the run.
+    pub end: End,
+    /// Time simulated, s.
+    pub simulated_s: f64,
+    /// Time that the simulation took.
+    pub elapsed: Duration,
+    /// Method of integration.
+    pub method: Method,
+    /// Reason of the choice.
+    pub reason: Option<String>,
+    /// Warnings about the method.
+    pub warnings: Vec<String>,
+    /// Steps and derivatives.
+    pub tally: Tally,
+    /// Largest eigenvalue of the linearisation at the start, 1/s.
+    pub fastest: f64,
+    /// Statistics of the whole run.
+    pub statistics: Statistics,
+    /// Energies.
+    pub balance: Balance,
+    /// Number of state variables.
+    pub dimension: usize,
+}
+
+impl Outcome {
+    /// Times faster than real time.
+    pub fn ratio(&self) -> f64 {
+        self.simulated_s / self.elapsed.as_secs_f64().max(1e-9)
+    }
+}

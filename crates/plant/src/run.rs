@@ -1,0 +1,275 @@
+//! A run of a scene's plant, tick by tick.
+
+use crate::clock::Clock;
+use crate::control::Continuous;
+use crate::driven::Driven;
+use crate::drives::{self, samples_per_tick};
+use crate::method::choose;
+use crate::model::{Control, Plant, layout_of};
+use crate::outcome::{Balance, End, Outcome};
+use crate::refusal::Refusal;
+use crate::stability;
+use crate::table::Row;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use trirrr_core::number::Number;
+use trirrr_drives::count::Countable;
+use trirrr_drives::stepper::Line;
+use trirrr_integrate::{self as integrate, Integrator, Method, Spectrum, System};
+use trirrr_scene::{Scene, Timing};
+use trirrr_service::Output;
+
+/// Simulates the plant of a scene while a service plays the scene's job.
+///
+/// The service gives [`tick`](Self::tick) the output of each tick, in its number type `N`. The
+/// drives of the plant turn the outputs into torque, voltage or steps. The plant follows up to the
+/// next tick. A continuous controller needs no ticks: [`finish`](Self::finish) runs it to the end.
+pub struct PlantRun<'l, N: Number>(Box<dyn Simulation<N> + 'l>);
+
+impl<'l, N: Countable> PlantRun<'l, N> {
+    /// Builds the plant of `scene`, at rest at the start of the job. `line` joins the two halves of
+    /// stepper drives, as it does on a board.
+    ///
+    /// # Errors
+    /// The scene is refused.
+    pub fn build(scene: &Scene, line: &'l Line) -> Result<Self, Refusal> {
+        Ok(Self(match layout_of(scene).dimension() {
+            8 => Box::new(Run::<N, 8>::build(scene, line)?),
+            11 => Box::new(Run::<N, 11>::build(scene, line)?),
+            14 => Box::new(Run::<N, 14>::build(scene, line)?),
+            _ => Box::new(Run::<N, 17>::build(scene, line)?),
+        }))
+    }
+}
+
+impl<N: Number> PlantRun<'_, N> {
+    /// Takes the output of the next tick, the first of the job at first, and simulates up to the
+    /// tick after it. Rows of the table go to `sink`.
+    ///
+    /// The service ticks once more after the last setpoint of the job. From there on the plant is
+    /// held as this last output says.
+    pub fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row)) {
+        self.0.tick(output, sink);
+    }
+
+    /// Simulates to the end, unless `stop` is raised, and returns the outcome. A run that lacks
+    /// ticks of its job is interrupted at the first of them.
+    pub fn finish(mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome {
+        self.0.finish(stop, sink)
+    }
+}
+
+/// The control that the scene describes.
+///
+/// # Errors
+/// The scene is refused.
+pub fn control_of(scene: &Scene) -> Result<Control, Refusal> {
+    if let Some(controller) = scene.plant.as_ref().and_then(|plant| plant.controller)
+        && controller.timing == Timing::Continuous
+    {
+        let continuous = Continuous::build(scene, controller)?;
+        return Ok(Control::Continuous(Box::new(continuous)));
+    }
+    Ok(Control::Sampled {
+        rate_hz: scene.tick_rate_hz * f64::from(samples_per_tick(scene)?),
+    })
+}
+
+/// A run without its dimension.
+trait Simulation<N: Number>: Send {
+    fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row));
+    fn finish(&mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome;
+}
+
+struct Run<'l, N: Number, const D: usize> {
+    plant: Plant<D>,
+    y: [f64; D],
+    /// None under a continuous controller.
+    driven: Option<Driven<'l, N>>,
+    integrator: Integrator<D>,
+    clock: Clock,
+    tick_rate_hz: f64,
+    ticks: u32,
+    ended: Option<End>,
+    method: (Method, Option<String>),
+    warnings: Vec<String>,
+    /// Largest eigenvalue at the start, 1/s.
+    fastest: f64,
+    start_energy: f64,
+    /// Largest size of work or losses so far, J.
+    flow: f64,
+    elapsed: Duration,
+}
+
+impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
+    fn build(scene: &Scene, line: &'l Line) -> Result<Self, Refusal> {
+        let (plant, y) = Plant::<D>::build(scene, control_of(scene)?)?;
+        let scenario = scene.plant.as_ref();
+        let rate = plant.sample_rate();
+        let driven = match rate {
+            None => None,
+            Some(_) => {
+                let units = trirrr_scene::units::<N>(scene)
+                    .map_err(|error| Refusal::Machine(error.to_string()))?;
+                Some(Driven::new(
+                    drives::build(scene, units, plant.start, line)?,
+                    samples_per_tick(scene)?,
+                    scene.ticks(),
+                ))
+            }
+        };
+        let record_s = scenario.map_or(1e-3, |plant| plant.record_s);
+        let settle_s = scenario.map_or(0.0, |plant| plant.settle_s);
+        let end = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
+
+        let spectrum = Spectrum::of(&plant, 0.0, &y)?;
+        let (method, reason) = choose(scene, &spectrum, rate, record_s);
+        let controller = scenario.and_then(|plant| plant.controller);
+        stability::check(&plant, &y, &spectrum, controller.as_ref(), end)?;
+        let warning = integrate::stability::warning(&spectrum, &method, plant.positions(), end);
+        let integrator = Integrator::new(&plant, method).map_err(|unfit| Refusal::Scene {
+            key: "plant.method".into(),
+            reason: unfit.to_string(),
+        })?;
+        Ok(Self {
+            start_energy: plant.energy(&y)?,
+            plant,
+            y,
+            driven,
+            integrator,
+            clock: Clock {
+                t: 0.0,
+                sample: 0,
+                row: 0,
+                rate,
+                record_s,
+                end,
+            },
+            tick_rate_hz: scene.tick_rate_hz,
+            ticks: 0,
+            ended: None,
+            method: (method, reason),
+            warnings: warning.iter().map(ToString::to_string).collect(),
+            fastest: spectrum.radius(),
+            flow: 0.0,
+            elapsed: Duration::ZERO,
+        })
+    }
+}
+
+impl<N: Number, const D: usize> Run<'_, N, D> {
+    /// Simulates until the run has ended, until a tick is missing, or up to `until` seconds.
+    fn advance(&mut self, until: f64, stop: Option<&AtomicBool>, sink: &mut dyn FnMut(&Row)) {
+        let started = Instant::now();
+        while self.ended.is_none() && self.clock.t < until {
+            match self.step(stop, sink) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(end) => self.ended = Some(end),
+            }
+        }
+        self.elapsed += started.elapsed();
+    }
+
+    /// Takes the sample and the row that are due and integrates to the next; `false` where a tick
+    /// is missing.
+    ///
+    /// # Errors
+    /// The end of the run.
+    fn step(&mut self, stop: Option<&AtomicBool>, sink: &mut dyn FnMut(&Row)) -> Result<bool, End> {
+        let t = self.clock.t;
+        let failed = |cause: Refusal| End::Failed(format!("{cause} at t = {t:.6} s"));
+        if self.clock.samples_now() && !self.sample().map_err(failed)? {
+            return Ok(false);
+        }
+        if let Some(ending) = self.plant.ending() {
+            return Err(End::Ended(ending));
+        }
+        if self.clock.records_now() {
+            sink(&Row::of(&mut self.plant, t, &self.y).map_err(failed)?);
+            self.flow = self.flow.max(self.y[D - 2].abs()).max(self.y[D - 1].abs());
+            self.clock.row += 1;
+            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(End::Interrupted { t });
+            }
+        }
+        if t >= self.clock.end {
+            return Err(End::Complete);
+        }
+        let next = self.clock.next();
+        let (plant, y) = (&mut self.plant, &mut self.y);
+        match self.integrator.advance(plant, t, y, next, |_, _| {}) {
+            Ok(integrate::End::Reached) => {
+                self.clock.t = next;
+                Ok(true)
+            }
+            Ok(integrate::End::Stopped { t }) => {
+                self.clock.t = t;
+                Err(match self.plant.ending() {
+                    Some(ending) => End::Ended(ending),
+                    None => End::Interrupted { t },
+                })
+            }
+            Err(failure) => Err(End::Failed(failure.to_string())),
+        }
+    }
+
+    /// Lets the drives measure and command; `false` where the tick is missing that they follow.
+    fn sample(&mut self) -> Result<bool, Refusal> {
+        let Some(driven) = &mut self.driven else {
+            return Ok(true);
+        };
+        let slot = (self.clock.sample % u64::from(driven.per_tick)) as u32;
+        if slot == 0 && !driven.begin()? {
+            return Ok(false);
+        }
+        let sensed = self.plant.measure(&self.y)?;
+        let commands = driven.drives.sample(slot, &sensed.measured);
+        let ends = self.plant.command(self.clock.t, &self.y, &sensed, commands);
+        if !ends {
+            self.integrator.input_changed();
+        }
+        self.clock.sample += 1;
+        Ok(true)
+    }
+}
+
+impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
+    fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row)) {
+        if let Some(driven) = &mut self.driven {
+            driven.give(output);
+        }
+        self.ticks += 1;
+        self.advance(f64::from(self.ticks) / self.tick_rate_hz, None, sink);
+    }
+
+    fn finish(&mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome {
+        self.advance(f64::INFINITY, Some(stop), sink);
+        let t = self.clock.t;
+        self.plant.statistics.finish(t);
+        let stored = self.plant.energy(&self.y);
+        let (method, reason) = self.method.clone();
+        Outcome {
+            end: self.ended.take().unwrap_or(End::Interrupted { t }),
+            simulated_s: t,
+            elapsed: self.elapsed,
+            method,
+            reason,
+            warnings: std::mem::take(&mut self.warnings),
+            tally: *self.integrator.tally(),
+            fastest: self.fastest,
+            statistics: *self.plant.statistics(),
+            balance: Balance {
+                work: self.y[D - 2],
+                losses: self.y[D - 1],
+                stored: stored.map_or(f64::NAN, |energy| energy - self.start_energy),
+                scale: if self.flow > 0.0 {
+                    self.flow
+                } else {
+                    self.plant.kinetic_peak
+                },
+            },
+            dimension: D,
+        }
+    }
+}
