@@ -5,9 +5,9 @@
 use crate::budget::{Measured, Options};
 use crate::cores::{self, Core};
 use crate::image::Image;
-use crate::qemu;
 use crate::repository::SceneFile;
 use crate::table::table;
+use crate::{parallel, qemu};
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use trirrr_scene::Scene;
@@ -59,10 +59,9 @@ impl Measured for Row {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let core = cores::named(CORE).context("a core of the table")?;
-    let mut rows = Vec::new();
-    for file in options.scenes()? {
-        rows.extend(measure(&file, core)?);
-    }
+    let scenes = options.scenes()?;
+    let rows = parallel::map(parallel::workers(), &scenes, |file| measure(file, core))?;
+    let rows: Vec<Row> = rows.into_iter().flatten().collect();
     options.print(&rows, text)?;
     options.settle("admission", rows, true)
 }

@@ -1,78 +1,49 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
 use crate::cores::CORES;
+use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
 use crate::programs::Programs;
-use crate::repository::{cargo, root, target_directory};
+use crate::repository::{root, target_directory};
 use crate::rp2040;
-use crate::size::FIRMWARE_TARGET;
+use crate::steps::{self, Step};
 use anyhow::{Context, Result, bail};
-use std::iter;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
 
-/// The crates that are built for microcontrollers only; a host has nothing to check in them.
-const DEVICE_PACKAGES: [(&str, &str); 4] = [
-    ("trirrr-app", FIRMWARE_TARGET),
-    ("trirrr-stm32f405", FIRMWARE_TARGET),
-    ("trirrr-rp2040", rp2040::TARGET),
-    ("trirrr-insns", FIRMWARE_TARGET),
-];
-
-/// Targets that the core has to build for although nothing runs there: no operating system, with
-/// and without an FPU, ARM and not.
-const CORE_TARGETS: [&str; 3] = [
+/// Targets that the libraries without `std` have to compile for although nothing runs there: with and without
+/// an FPU, ARM and not.
+const BARE_TARGETS: [&str; 3] = [
     "thumbv7em-none-eabihf",
     "thumbv6m-none-eabi",
     "riscv32imc-unknown-none-elf",
 ];
 
-struct Step {
-    name: String,
-    command: Command,
-}
+/// Oldest toolchain that the published packages compile with: `rust-version` of the workspace.
+const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
+
+/// Examples that end only with a board at the other end of a port.
+const EXAMPLES_WITH_BOARD: [&str; 0] = [];
 
 pub(crate) fn run() -> Result<()> {
     check_tools()?;
-    let start = Instant::now();
-    for mut step in steps() {
-        println!("== {}", step.name);
-        let begin = Instant::now();
-        let status = step
-            .command
-            .status()
-            .with_context(|| format!("{}: cannot be started", step.name))?;
-        let time = seconds(begin.elapsed());
-        if !status.success() {
-            bail!(
-                "{} failed after {time} ({status}): {}",
-                step.name,
-                line(&step.command)
-            );
-        }
-        println!("== {}: passed, {time}", step.name);
-    }
-    println!("== everything passed, {}", seconds(start.elapsed()));
-    Ok(())
+    steps::run(steps()?)
 }
 
-/// What has to be installed is looked for before anything else, for a count that is skipped would
-/// be a check that cannot fail.
+/// Looks for the tools before any step: a check that is skipped cannot fail.
 fn check_tools() -> Result<()> {
     let mut missing = Vec::new();
     for core in CORES {
         let emulator = core.emulator;
-        let found = Command::new(emulator.command).arg("--version").output();
         let complaint = format!("{} (Debian package {})", emulator.command, emulator.package);
-        if !found.is_ok_and(|output| output.status.success()) && !missing.contains(&complaint) {
+        if !answers(emulator.command, &["--version"]) && !missing.contains(&complaint) {
             missing.push(complaint);
         }
     }
-    let targets = Command::new("rustc")
+    let sysroot = Command::new("rustc")
         .args(["--print", "sysroot"])
         .output()
         .context("rustc cannot be run")?;
-    let sysroot = String::from_utf8(targets.stdout).context("rustc printed no path")?;
+    let sysroot = String::from_utf8(sysroot.stdout).context("rustc printed no path")?;
     for core in CORES {
         let library = Path::new(sysroot.trim())
             .join("lib/rustlib")
@@ -81,137 +52,145 @@ fn check_tools() -> Result<()> {
             missing.push(format!("rustup target add {}", core.target));
         }
     }
+    if !answers("rustup", &["run", OLDEST_TOOLCHAIN, "cargo", "--version"]) {
+        missing.push(format!(
+            "rustup toolchain install {OLDEST_TOOLCHAIN} --profile minimal"
+        ));
+    }
     if missing.is_empty() {
         return Ok(());
     }
     bail!("not installed: {}; .ci/run installs it", missing.join(", "))
 }
 
-fn steps() -> Vec<Step> {
-    let mut steps = vec![
-        step("format", &["fmt", "--all", "--check"]),
-        on_host(
-            "lints of the host crates",
-            "clippy",
-            &["--quiet", "--all-targets", "--", "-Dwarnings"],
-        ),
-    ];
-    for (package, target) in DEVICE_PACKAGES {
-        steps.push(lints(&format!("lints of {package}"), package, target));
-    }
-    steps.push(on_host("tests", "test", &[]));
-    steps.push(on_host(
-        "admission of ten thousand moves",
-        "test",
-        &["--test", "admission", "--", "--ignored", "--nocapture"],
-    ));
-    let mut docs = step("docs", &["doc", "--quiet", "--no-deps"]);
+/// Tells whether a program runs with these arguments.
+fn answers(program: &str, arguments: &[&str]) -> bool {
+    let output = Command::new(program).args(arguments).output();
+    output.is_ok_and(|output| output.status.success())
+}
+
+fn steps() -> Result<Vec<Step>> {
+    let packages = Package::all()?;
+    let mut steps = lints();
+    steps.push(Step::on_host("tests", "test", &[]));
+    steps.extend(examples(&packages));
+    let mut docs = Step::cargo("docs", &["doc", "--quiet", "--no-deps"]);
     docs.command.env("RUSTDOCFLAGS", "-Dwarnings");
     steps.push(docs);
-    for target in CORE_TARGETS {
-        steps.push(step(
-            &format!("core for {target}"),
-            &["build", "--quiet", "-p", "trirrr-core", "--target", target],
-        ));
+    steps.extend(releases(&packages));
+    steps.extend(figures());
+    steps.extend(programs());
+    steps.push(Step::cargo("fuzzing", &["xtask", "fuzz"]));
+    Ok(steps)
+}
+
+fn lints() -> Vec<Step> {
+    let all = ["--quiet", "--all-targets", "--", "-Dwarnings"];
+    let mut steps = vec![
+        Step::cargo("format", &["fmt", "--all", "--check"]),
+        Step::on_host("lints of the host crates", "clippy", &all),
+    ];
+    for (package, target) in DEVICE_PACKAGES {
+        let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
+        step.command.args(["-p", package, "--target", target]);
+        step.command.args(["--", "-Dwarnings"]);
+        steps.push(step);
     }
-    steps.push(step(
-        "linkages without std",
-        &[
-            "check",
-            "--quiet",
-            "-p",
-            "trirrr-linkage",
-            "--no-default-features",
-            "--target",
-            CORE_TARGETS[0],
-        ],
-    ));
-    steps.push(step(
-        "instructions per tick",
-        &["xtask", "insns", "--check"],
-    ));
-    steps.push(step(
-        "instructions per admission",
-        &["xtask", "admission", "--check"],
-    ));
-    // Builds the firmware too, for both boards, and checks that it can boot.
-    steps.push(step("sizes", &["xtask", "size", "--check"]));
-    // All that are needed at once, as the steps below need them: `cargo run` would compile them another time.
-    steps.push(Step {
-        name: "the host programs".into(),
-        command: Programs::builder(),
-    });
-    let simulator = |name: &str, arguments: &[&str], out: &str| {
-        let mut command = Command::new(Programs::built().trirrr);
-        command.current_dir(root()).args(arguments).arg("--out");
-        command.arg(target_directory().join("ci").join(out));
-        Step {
-            name: name.into(),
-            command,
-        }
-    };
-    let run = ["run", "scenes/thesis.toml", "--fast"];
-    steps.push(simulator("a scene run", &run, "thesis"));
-    let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
-    steps.push(simulator("a batch evaluation", &eval, "extreme.csv"));
-    steps.push(step("the Python client", &["xtask", "client"]));
-    for part in ["jobs", "line", "failures"] {
-        steps.push(step(
-            &format!("the emulated board: {part}"),
-            &["xtask", "emulate", "--part", part],
-        ));
-    }
-    steps.push(step("fuzzing", &["xtask", "fuzz"]));
+    // In the profile of the image, which then finds the build script's crates compiled.
+    let mut second = rp2040::on_package("clippy");
+    second.args(["--profile", "device", "--", "-Dwarnings"]);
+    steps.push(Step::new("lints of the firmware for the RP2040", second));
     steps
 }
 
-/// Clippy on a package that is for microcontrollers.
-fn lints(name: &str, package: &str, target: &str) -> Step {
-    let mut step = step(name, &["clippy", "--quiet"]);
-    step.command.args(["-p", package, "--target", target]);
-    step.command.args(["--", "-Dwarnings"]);
-    if target == rp2040::TARGET {
-        // A scene with drives: without them there is less to check.
-        step.command.env("SCENE", rp2040::SCENE);
+/// Runs each example that needs no board; the tests' step has built them.
+fn examples(packages: &[Package]) -> Vec<Step> {
+    let built = target_directory().join("debug/examples");
+    let alone = packages
+        .iter()
+        .flat_map(Package::examples)
+        .filter(|example| !EXAMPLES_WITH_BOARD.contains(example));
+    alone
+        .map(|example| {
+            let mut command = Command::new(built.join(example));
+            command.current_dir(root());
+            Step::new(format!("the example {example}"), command)
+        })
+        .collect()
+}
+
+/// Checks of what is published: targets, the oldest toolchain, the archives.
+fn releases(packages: &[Package]) -> Vec<Step> {
+    let mut bare = Step::cargo("libraries without std", &["check", "--quiet"]);
+    for package in BARE_PACKAGES {
+        bare.command.args(["-p", package]);
     }
-    step
-}
-
-/// Something about every package that is for a host. All at once, so that what they share is compiled
-/// once: chosen one by one, they ask for different features of it.
-fn on_host(name: &str, command: &str, arguments: &[&str]) -> Step {
-    let mut step = step(name, &[command, "--workspace"]);
-    for (package, _) in DEVICE_PACKAGES {
-        step.command.args(["--exclude", package]);
+    for target in BARE_TARGETS {
+        bare.command.args(["--target", target]);
     }
-    step.command.args(arguments);
-    step
-}
-
-fn step(name: &str, arguments: &[&str]) -> Step {
-    let mut command = cargo();
-    command.args(arguments);
-    Step {
-        name: name.into(),
-        command,
+    let mut oldest = Command::new("rustup");
+    oldest
+        .current_dir(root())
+        .args(["run", OLDEST_TOOLCHAIN, "cargo", "check", "--quiet"])
+        .args(["-p", "trirrr-host-sim"])
+        .arg("--target-dir")
+        .arg(target_directory().join("oldest"))
+        // Set by the toolchain that runs this chore.
+        .env_remove("CARGO")
+        .env_remove("RUSTC")
+        .env_remove("RUSTUP_TOOLCHAIN");
+    let published = packages.iter().filter(|package| package.is_published());
+    for package in published {
+        oldest.args(["-p", &package.name]);
     }
+    let oldest = Step::new(format!("Rust {OLDEST_TOOLCHAIN}"), oldest);
+    // Every library in an archive was compiled by the steps above; only its files are checked here.
+    let archives = [
+        "package",
+        "--workspace",
+        "--quiet",
+        "--no-verify",
+        "--allow-dirty",
+    ];
+    vec![
+        bare,
+        oldest,
+        Step::cargo("archives of the packages", &archives),
+    ]
 }
 
-/// The command as one would type it in the root.
-fn line(command: &Command) -> String {
-    // Cargo is called by its path.
-    let program = Path::new(command.get_program())
-        .file_name()
-        .unwrap_or_default();
-    let words: Vec<_> = iter::once(program)
-        .chain(command.get_args())
-        .map(|word| word.to_string_lossy())
-        .collect();
-    format!("{} (in {})", words.join(" "), root().display())
+/// Figures of images against those that are checked in.
+fn figures() -> [Step; 3] {
+    [
+        Step::cargo("instructions per tick", &["xtask", "insns", "--check"]),
+        Step::cargo(
+            "instructions per admission",
+            &["xtask", "admission", "--check"],
+        ),
+        // Builds the firmware too, for both boards, and checks that it can boot.
+        Step::cargo("sizes", &["xtask", "size", "--check"]),
+    ]
 }
 
-fn seconds(time: Duration) -> String {
-    format!("{:.1} s", time.as_secs_f64())
+/// The host programs, alone and with an emulated board.
+fn programs() -> [Step; 5] {
+    let simulator = |name: &str, arguments: &[&str], out: &str| {
+        let mut command = Command::new(Programs::built().host_sim);
+        command.current_dir(root()).args(arguments).arg("--out");
+        command.arg(target_directory().join("ci").join(out));
+        Step::new(name, command)
+    };
+    let run = ["run", "scenes/thesis.toml", "--fast"];
+    let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
+    let parts = ["--part", "jobs", "--part", "line", "--part", "failures"];
+    let board = [["xtask", "emulate"].as_slice(), &parts].concat();
+    [
+        Step::new("the host programs", Programs::builder()),
+        simulator("a scene run", &run, "thesis"),
+        simulator("a batch evaluation", &eval, "extreme.csv"),
+        Step::cargo("the Python client", &["xtask", "client"]),
+        Step::cargo("the emulated board", &board),
+    ]
 }
 
 #[cfg(test)]
@@ -219,17 +198,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failed_step_can_be_repeated_from_its_message() {
-        let step = step("tests", &["test", "-p", "xtask"]);
-        assert!(line(&step.command).starts_with("cargo test -p xtask (in "));
-    }
-
-    #[test]
     fn every_step_has_a_name_of_its_own() {
-        let mut names: Vec<String> = steps().into_iter().map(|step| step.name).collect();
+        let steps = steps().expect("cargo metadata");
+        let mut names: Vec<String> = steps.into_iter().map(|step| step.name).collect();
         let count = names.len();
         names.sort();
         names.dedup();
         assert_eq!(names.len(), count);
+    }
+
+    #[test]
+    fn every_example_with_a_board_is_one() {
+        let packages = Package::all().expect("cargo metadata");
+        let known: Vec<&str> = packages.iter().flat_map(Package::examples).collect();
+        for example in EXAMPLES_WITH_BOARD {
+            assert!(known.contains(&example), "{example}");
+        }
     }
 }

@@ -167,7 +167,7 @@ fn check_load(start: u64, length: u64, memory: Memory) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::size::FIRMWARE_MEMORY as MEMORY;
+    use crate::boards::FIRMWARE_MEMORY as MEMORY;
 
     fn vectors(address: u64, stack: u32, reset: u32) -> Result<()> {
         let table = [stack.to_le_bytes(), reset.to_le_bytes()].concat();

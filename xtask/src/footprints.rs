@@ -1,6 +1,7 @@
 //! `cargo xtask footprints`: the table of scenes against flash, RAM, stack and instructions per tick in
 //! `docs/footprints.md`, from the figures that are checked in.
 
+use crate::boards::FIRMWARE_TARGET;
 use crate::budget::checked_in;
 use crate::insns;
 use crate::repository::{root, scenes_named};
@@ -62,7 +63,7 @@ fn table() -> Result<String> {
             let row = counts.iter().find(|row| row.is(core, name, scalar));
             row.with_context(|| format!("{core} {name} {scalar}: not checked in"))
         };
-        let image = size("firmware", size::FIRMWARE_TARGET)?;
+        let image = size("firmware", FIRMWARE_TARGET)?;
         let cells = [
             name.to_owned(),
             scalar.to_owned(),

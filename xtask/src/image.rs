@@ -1,12 +1,13 @@
-//! Builds images for microcontrollers, one per scene, number type and target.
+//! Builds images for microcontrollers, by scene, number type and target.
 
+use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
 use crate::repository::{SceneFile, cargo, target_directory};
-use crate::rp2040;
-use crate::size::FIRMWARE_TARGET;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::Mutex;
 use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::{NumberType, Scene};
 
@@ -21,6 +22,9 @@ pub(crate) fn scalars(scene: &Scene) -> Vec<&'static str> {
         number => vec![of_scene(number)],
     }
 }
+
+/// Held from Cargo's start until its images are copied: the next build overwrites them.
+static BUILDING: Mutex<()> = Mutex::new(());
 
 /// What to build.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +59,7 @@ impl<'a> Image<'a> {
             binary: "trirrr-firmware-rp2040",
             scene,
             scalar,
-            target: rp2040::TARGET,
+            target: RP2040_TARGET,
         }
     }
 
@@ -64,39 +68,86 @@ impl<'a> Image<'a> {
         self.build_as("", |_| {})
     }
 
+    /// Builds the image for each of `targets`, as [`Image::build`]. One call of Cargo links them at the same
+    /// time: a single image keeps one processor busy.
+    pub(crate) fn build_for(&self, targets: &[&'static str]) -> Result<Vec<PathBuf>> {
+        let of = |&target| Self { target, ..*self };
+        let images: Vec<Self> = targets.iter().map(of).collect();
+        build_together(&images, "", |_| {})
+    }
+
+    /// Builds the image and the one of `binary`, otherwise the same, in one call of Cargo.
+    pub(crate) fn build_with(&self, binary: &'static str) -> Result<[PathBuf; 2]> {
+        let images = [*self, Self { binary, ..*self }];
+        let mut built = build_together(&images, "", |_| {})?.into_iter();
+        match (built.next(), built.next()) {
+            (Some(own), Some(other)) => Ok([own, other]),
+            _ => bail!("cargo built less than two images"),
+        }
+    }
+
     /// As [`Image::build`], with `suffix` behind its name and Cargo called as `configure` says.
     pub(crate) fn build_as(
         &self,
         suffix: &str,
         configure: impl FnOnce(&mut Command),
     ) -> Result<PathBuf> {
-        let Image {
-            package,
+        build_together(&[*self], suffix, configure)?
+            .pop()
+            .context("cargo built no image")
+    }
+
+    fn name(&self) -> String {
+        let Self {
             binary,
             scene,
             scalar,
             target,
-        } = *self;
-        let name = format!("{binary}-{}-{scalar}-{target}{suffix}", scene.name);
-        eprintln!("building {name}");
-        let mut cargo = cargo();
-        cargo
-            .args(["build", "--quiet", "--package", package, "--bin", binary])
-            .args(["--profile", PROFILE, "--target", target])
-            .env("SCENE", &scene.path)
-            .env("TRIRRR_SCALAR", scalar)
-            // The repository's own flags for the target are to hold, whatever is set outside.
-            .env_remove("RUSTFLAGS")
-            .env_remove("CARGO_ENCODED_RUSTFLAGS");
-        configure(&mut cargo);
-        let status = cargo.status().context("cargo cannot be run")?;
-        ensure!(status.success(), "{name} does not build");
-
-        let built = target_directory().join(target).join(PROFILE).join(binary);
-        let directory = target_directory().join("images");
-        fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
-        let kept = directory.join(name);
-        fs::copy(&built, &kept).with_context(|| built.display().to_string())?;
-        Ok(kept)
+            ..
+        } = self;
+        format!("{binary}-{}-{scalar}-{target}", scene.name)
     }
+}
+
+/// Builds images that share package, scene and number type: each of their binaries for each of their targets.
+fn build_together(
+    images: &[Image],
+    suffix: &str,
+    configure: impl FnOnce(&mut Command),
+) -> Result<Vec<PathBuf>> {
+    let _building = BUILDING.lock().expect("no build panics");
+    let first = images.first().context("an image to build")?;
+    let mut cargo = cargo();
+    cargo
+        .args(["build", "--quiet", "--package", first.package])
+        .args(["--profile", PROFILE])
+        .env("SCENE", &first.scene.path)
+        .env("TRIRRR_SCALAR", first.scalar)
+        // The repository's own flags for the target are to hold, whatever is set outside.
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    let chosen = |of: fn(&Image) -> &'static str| images.iter().map(of).collect::<BTreeSet<_>>();
+    for binary in chosen(|image| image.binary) {
+        cargo.args(["--bin", binary]);
+    }
+    for target in chosen(|image| image.target) {
+        cargo.args(["--target", target]);
+    }
+    configure(&mut cargo);
+    let names: Vec<String> = images.iter().map(|image| image.name() + suffix).collect();
+    eprintln!("building {}", names.join(", "));
+    let status = cargo.status().context("cargo cannot be run")?;
+    ensure!(status.success(), "{} does not build", names.join(" or "));
+
+    let directory = target_directory().join("images");
+    fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
+    let mut kept = Vec::new();
+    for (image, name) in images.iter().zip(names) {
+        let built = target_directory().join(image.target).join(PROFILE);
+        let built = built.join(image.binary);
+        let copy = directory.join(name);
+        fs::copy(&built, &copy).with_context(|| built.display().to_string())?;
+        kept.push(copy);
+    }
+    Ok(kept)
 }

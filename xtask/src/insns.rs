@@ -11,10 +11,11 @@ use crate::cores::{self, CORES, Core};
 use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
 use crate::table::table;
-use crate::{qemu, reference};
+use crate::{parallel, qemu, reference};
 use anyhow::{Context, Result, bail, ensure};
 use counts::{Spread, parse};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use trirrr_scene::Scene;
 
 /// The longest position of a dyad, f32 on m4f, in any scene.
@@ -143,18 +144,40 @@ fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
         .collect()
 }
 
+/// Every scene in its number types on `cores`. Emulators run while the next images are built.
 fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
+    let mut jobs = Vec::new();
     for file in scenes {
         let scene = Scene::read(&file.path)?;
         for scalar in scalars(&scene) {
-            let expected = reference::checksum(&scene, scalar)?;
-            for core in cores {
-                rows.push(measure_one(file, &scene, scalar, core, expected)?);
-            }
+            jobs.push((file, scene.clone(), scalar));
         }
     }
-    Ok(rows)
+    let rows = parallel::map(parallel::workers(), &jobs, |(file, scene, scalar)| {
+        measure_on(cores, file, scene, scalar)
+    })?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+fn measure_on(
+    cores: &[&'static Core],
+    file: &SceneFile,
+    scene: &Scene,
+    scalar: &'static str,
+) -> Result<Vec<Row>> {
+    let expected = reference::checksum(scene, scalar)?;
+    let targets: Vec<_> = cores.iter().map(|core| core.target).collect();
+    let image = Image {
+        package: "trirrr-insns",
+        binary: "count",
+        scene: file,
+        scalar,
+        target: cores.first().context("a core to count on")?.target,
+    };
+    let built = image.build_for(&targets)?;
+    let rows = cores.iter().zip(built);
+    rows.map(|(core, built)| measure_one(file, scene, scalar, core, expected, &built))
+        .collect()
 }
 
 fn measure_one(
@@ -163,15 +186,9 @@ fn measure_one(
     scalar: &'static str,
     core: &Core,
     expected: u64,
+    image: &Path,
 ) -> Result<Row> {
-    let image = Image {
-        package: "trirrr-insns",
-        binary: "count",
-        scene: file,
-        scalar,
-        target: core.target,
-    };
-    let printed = qemu::run(core, &image.build()?)?;
+    let printed = qemu::run(core, image)?;
     let counts = parse(&printed, core.units_per_instruction)
         .with_context(|| format!("{} {scalar} {}", core.name, file.name))?;
     ensure!(

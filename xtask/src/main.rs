@@ -1,6 +1,7 @@
 //! Chores of this repository: `cargo xtask --help`.
 
 mod admission;
+mod boards;
 mod budget;
 mod callgraph;
 mod ci;
@@ -10,14 +11,19 @@ mod elf;
 mod emulate;
 mod footprints;
 mod fuzz;
+mod house;
 mod image;
 mod insns;
+mod nightly;
+mod packages;
+mod parallel;
 mod programs;
 mod qemu;
 mod reference;
 mod repository;
 mod rp2040;
 mod size;
+mod steps;
 mod symbols;
 mod table;
 
@@ -48,10 +54,14 @@ enum Chore {
     Footprints(footprints::Arguments),
     /// Fuzz the decoder and the service's commands
     Fuzz(fuzz::Arguments),
+    /// Print figures of the source's shape: type parameters, names, openings of docs, lines, examples
+    House(house::Arguments),
     /// Print how deep the stack of an image gets, and on which ways
     Stack(callgraph::Arguments),
     /// Everything that CI checks
     Ci,
+    /// Checks that take longer than CI may: dependencies, long fuzzing, many random moves
+    Nightly,
 }
 
 fn main() -> anyhow::Result<()> {
@@ -64,7 +74,9 @@ fn main() -> anyhow::Result<()> {
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
+        Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),
         Chore::Ci => ci::run(),
+        Chore::Nightly => nightly::run(),
     }
 }

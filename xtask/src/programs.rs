@@ -1,5 +1,6 @@
 //! The programs of this repository that chores run.
 
+use crate::packages::choose_host;
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
@@ -12,32 +13,28 @@ pub(crate) struct Programs {
 }
 
 impl Programs {
-    /// Builds them in one go: one by one, they ask for different features of what they share, which
-    /// would be compiled twice.
+    /// Builds them.
     pub(crate) fn build() -> Result<Self> {
         let status = Self::builder().status().context("cargo cannot be run")?;
         ensure!(status.success(), "the host programs do not build");
         Ok(Self::built())
     }
 
-    /// Cargo, to build them.
+    /// Cargo, to build them: in the profile and with the features of the tests, which compile the same libraries.
     pub(crate) fn builder() -> Command {
         let mut cargo = cargo();
-        cargo.args(["build", "--quiet", "--release"]).args([
-            "-p",
-            "trirrr-host-sim",
-            "-p",
-            "trirrr-board-tests",
-        ]);
+        cargo.args(["build", "--quiet"]);
+        choose_host(&mut cargo);
+        cargo.args(["--bins", "--examples"]);
         cargo
     }
 
     /// Where they are once they are built.
     pub(crate) fn built() -> Self {
-        let release = target_directory().join("release");
+        let built = target_directory().join("debug");
         Self {
-            trirrr: release.join("trirrr"),
-            board_test: release.join("board-test"),
+            trirrr: built.join("trirrr"),
+            board_test: built.join("board-test"),
         }
     }
 }

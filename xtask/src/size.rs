@@ -5,11 +5,13 @@
 //! of the firmware are looked through for what its scene has no use for, and its code for how deep the
 //! stack gets and whether an interrupt may panic.
 
+use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_TARGET};
 use crate::budget::{Measured, Options};
 use crate::callgraph;
 use crate::cores::CORES;
-use crate::elf::{Footprint, Memory, check_boot, footprint};
+use crate::elf::{Footprint, check_boot, footprint};
 use crate::image::{Image, scalars};
+use crate::parallel;
 use crate::repository::SceneFile;
 use crate::rp2040;
 use crate::symbols;
@@ -18,16 +20,6 @@ use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
-
-/// The target of the firmware.
-pub(crate) const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
-
-/// The STM32F405, as in the `memory.x` of the root.
-pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
-    vectors: 0x0800_0000,
-    flash: (0x0800_0000, 1024 * 1024),
-    ram: (0x2000_0000, 128 * 1024),
-};
 
 /// One image's footprint, bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,11 +75,17 @@ impl Measured for Row {
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let mut rows = Vec::new();
-    for scene in &options.scenes()? {
+    let mut scenes = Vec::new();
+    for file in options.scenes()? {
         // A scene that is refused is better refused here than from within a build script.
-        rows.extend(measure(scene, &Scene::read(&scene.path)?)?);
+        let scene = Scene::read(&file.path)?;
+        scenes.push((file, scene));
     }
+    // The code of one image is walked through while the next ones are built.
+    let rows = parallel::map(parallel::workers(), &scenes, |(file, scene)| {
+        measure(file, scene)
+    })?;
+    let rows: Vec<Row> = rows.into_iter().flatten().collect();
     options.print(&rows, text)?;
     hold_order(&rows)?;
     hold_ceilings(&rows)?;
@@ -106,16 +104,16 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
         stack: None,
     };
     for scalar in scalars(read) {
-        for core in CORES {
-            let image = Image {
-                package: "trirrr-insns",
-                binary: "bare",
-                scene,
-                scalar,
-                target: core.target,
-            };
-            let measured = footprint(&image.build()?)?;
-            rows.push(row("core", scalar, core.target, measured));
+        let targets: Vec<_> = CORES.iter().map(|core| core.target).collect();
+        let image = Image {
+            package: "trirrr-insns",
+            binary: "bare",
+            scene,
+            scalar,
+            target: FIRMWARE_TARGET,
+        };
+        for (target, built) in targets.iter().zip(image.build_for(&targets)?) {
+            rows.push(row("core", scalar, target, footprint(&built)?));
         }
     }
     let firmware = Image::firmware(scene, of_scene(read.number));
@@ -133,7 +131,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
         let (measured, stack) = rp2040::measure(scene)?;
         rows.push(Row {
             stack: Some(stack.into()),
-            ..row("firmware", firmware.scalar, rp2040::TARGET, measured)
+            ..row("firmware", firmware.scalar, RP2040_TARGET, measured)
         });
     }
     Ok(rows)

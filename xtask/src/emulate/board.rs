@@ -9,6 +9,7 @@ use std::net::{TcpListener, TcpStream};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -28,6 +29,9 @@ const BOOT: Duration = Duration::from_secs(20);
 
 /// What the start of the program paints the stack with (cortex-m-rt).
 const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
+
+/// Held from the choice of ports until the emulator listens there.
+static BOOTING: Mutex<()> = Mutex::new(());
 
 /// A board that runs; it ends with this value.
 pub(super) struct Board {
@@ -68,6 +72,8 @@ impl Board {
     }
 
     fn boot_with(image: &Path, arguments: &[&str]) -> Result<Self> {
+        // One board boots at a time: a port that is free again must not go to another one.
+        let _booting = BOOTING.lock().expect("no boot panics");
         // Both at once, or they might be the same.
         let (line, orders) = (
             TcpListener::bind("127.0.0.1:0")?,

@@ -6,6 +6,7 @@ mod failures;
 
 use crate::callgraph;
 use crate::image::Image;
+use crate::parallel;
 use crate::repository::{self, SceneFile};
 use crate::symbols;
 use crate::table::table;
@@ -59,13 +60,13 @@ enum Part {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let clients = Clients::build()?;
-    for part in &arguments.part {
-        match part {
-            Part::Jobs => jobs(arguments, &clients)?,
-            Part::Line => line(arguments, &clients)?,
-            Part::Failures => failures::run(&clients)?,
-        }
-    }
+    // An emulator sleeps while its board waits for the next tick, so several boards run at once. Time on a
+    // board passes with its instructions: no sample depends on how busy the host is.
+    parallel::map(arguments.part.len(), &arguments.part, |part| match part {
+        Part::Jobs => jobs(arguments, &clients),
+        Part::Line => line(arguments, &clients),
+        Part::Failures => failures::run(&clients),
+    })?;
     Ok(())
 }
 
@@ -112,7 +113,7 @@ fn known_scalar(name: &str) -> Result<&'static str> {
 }
 
 fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
-    let mut rows = Vec::new();
+    let mut played = Vec::new();
     for scene in repository::scenes_named(&arguments.scenes)? {
         let read = Scene::read(&scene.path)?;
         let own = match &arguments.scalar {
@@ -123,23 +124,19 @@ fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
         if arguments.scenes.is_empty() && arguments.scalar.is_none() && own != "fixed" {
             scalars.push("fixed");
         }
-        for scalar in scalars {
-            // In the other number type the samples are what may differ, not the clients.
-            let with_all_clients = scalar == own;
-            let built = Built::new(&scene, scalar)?;
-            let built = match read.homing.map(|homing| homing.contact) {
-                None | Some(Contact::Unfelt) => built,
-                Some(Contact::Switch | Contact::Stall) => {
-                    // In an emulator its inputs stay low.
-                    let inputs = Some(Inputs::Open);
-                    let as_flashed = Built { inputs, ..built };
-                    rows.push(job(clients, &as_flashed, with_all_clients)?);
-                    Built::with_switches(&scene, scalar)?
-                }
-            };
-            rows.push(job(clients, &built, with_all_clients)?);
-        }
+        let contact = read.homing.map(|homing| homing.contact);
+        // In the other number type the samples are what may differ, not the clients.
+        let of = |scalar| (scene.clone(), contact, scalar, scalar == own);
+        played.extend(scalars.into_iter().map(of));
     }
+    let rows = parallel::map(
+        parallel::workers(),
+        &played,
+        |(scene, contact, scalar, with_all_clients)| {
+            jobs_of(clients, scene, *contact, scalar, *with_all_clients)
+        },
+    )?;
+    let rows: Vec<_> = rows.into_iter().flatten().collect();
     let headings = [
         "scene",
         "scalar",
@@ -155,6 +152,30 @@ fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
     ];
     print!("{}", table(&headings, &rows));
     Ok(())
+}
+
+/// Plays a scene's job in one number type: once, or with and without its switches. A row of figures for each.
+fn jobs_of(
+    clients: &Clients,
+    scene: &SceneFile,
+    contact: Option<Contact>,
+    scalar: &'static str,
+    with_all_clients: bool,
+) -> Result<Vec<Vec<String>>> {
+    let built = Built::new(scene, scalar)?;
+    let mut rows = Vec::new();
+    let built = match contact {
+        None | Some(Contact::Unfelt) => built,
+        Some(Contact::Switch | Contact::Stall) => {
+            // In an emulator its inputs stay low.
+            let inputs = Some(Inputs::Open);
+            let as_flashed = Built { inputs, ..built };
+            rows.push(job(clients, &as_flashed, with_all_clients)?);
+            Built::with_switches(scene, scalar)?
+        }
+    };
+    rows.push(job(clients, &built, with_all_clients)?);
+    Ok(rows)
 }
 
 /// Plays a scene's job on its image, freshly booted for each client; a row of figures.

@@ -28,17 +28,17 @@ pub(super) fn measure(
     core: &Core,
     bits: u64,
 ) -> Result<Service> {
-    let image = |binary| Image {
+    let image = Image {
         package: "trirrr-insns",
-        binary,
+        binary: "serve",
         scene,
         scalar,
         target: core.target,
     };
-    image("bare-service")
-        .build()
-        .context("a panic is left in the tick of the service")?;
-    let printed = qemu::run(core, &image("serve").build()?)?;
+    let [serve, _] = image
+        .build_with("bare-service")
+        .context("`bare-service` links only without a panic in the tick of the service")?;
+    let printed = qemu::run(core, &serve)?;
     parse(&printed, core.units_per_instruction, bits)
         .with_context(|| format!("service: {} {scalar} {}", core.name, scene.name))
 }

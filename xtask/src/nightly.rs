@@ -1,0 +1,47 @@
+//! `cargo xtask nightly`: checks that take long and rarely fail, up to the first failure.
+
+use crate::packages::NIGHTLY_PACKAGES;
+use crate::steps::{self, Step};
+use anyhow::{Result, ensure};
+use std::process::Command;
+
+pub(crate) fn run() -> Result<()> {
+    let deny = Command::new("cargo-deny").arg("--version").output();
+    ensure!(
+        deny.is_ok_and(|output| output.status.success()),
+        "not installed: cargo install cargo-deny --locked"
+    );
+    steps::run(steps())
+}
+
+fn steps() -> Vec<Step> {
+    let mut steps = vec![
+        // Licences, sources and duplicates of dependencies, by deny.toml.
+        Step::cargo("dependencies", &["deny", "--workspace", "check"]),
+        Step::on_host(
+            "admission of ten thousand moves",
+            "test",
+            &["--test", "admission", "--", "--ignored", "--nocapture"],
+        ),
+    ];
+    for package in NIGHTLY_PACKAGES {
+        let lints = ["clippy", "--quiet", "-p", package, "--all-targets"];
+        let mut lints = Step::cargo(format!("lints of {package}"), &lints);
+        lints.command.args(["--", "-Dwarnings"]);
+        steps.push(lints);
+        steps.push(Step::cargo(
+            format!("tests of {package}"),
+            &["test", "-p", package],
+        ));
+    }
+    // As a user gets them: each archive is unpacked and compiled.
+    let archives = ["package", "--workspace", "--quiet", "--allow-dirty"];
+    steps.push(Step::cargo("packages from their archives", &archives));
+    let line = ["xtask", "emulate", "--part", "line", "--frames", "200000"];
+    steps.push(Step::cargo("a bad line for long", &line));
+    steps.push(Step::cargo(
+        "long fuzzing",
+        &["xtask", "fuzz", "--seconds", "600"],
+    ));
+    steps
+}

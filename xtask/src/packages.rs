@@ -1,0 +1,117 @@
+//! Packages of the workspace by where they are built, and which of them are published.
+
+use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
+use crate::repository::cargo;
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use std::process::Command;
+
+/// The packages that are built for microcontrollers only; a host has nothing to check in them.
+pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
+    ("trirrr-app", FIRMWARE_TARGET),
+    ("trirrr-stm32f405", FIRMWARE_TARGET),
+    ("trirrr-rp2040", RP2040_TARGET),
+    ("trirrr-insns", FIRMWARE_TARGET),
+];
+
+/// Packages whose dependencies take longer to compile than all others together: `cargo xtask nightly` checks
+/// them.
+pub(crate) const NIGHTLY_PACKAGES: [&str; 1] = ["trirrr-oracle"];
+
+/// Libraries that are built without `std`.
+pub(crate) const BARE_PACKAGES: [&str; 4] = [
+    "trirrr-core",
+    "trirrr-protocol",
+    "trirrr-service",
+    "trirrr-drives",
+];
+
+/// Adds to `cargo` the choice of every package that is for a host. All at once, so that their common
+/// dependencies are compiled once: packages that are chosen one by one ask for different features of them.
+pub(crate) fn choose_host(cargo: &mut Command) {
+    cargo.arg("--workspace");
+    let device = DEVICE_PACKAGES.iter().map(|(package, _)| package);
+    for package in device.chain(&NIGHTLY_PACKAGES) {
+        cargo.args(["--exclude", package]);
+    }
+}
+
+/// A package of the workspace, as `cargo metadata` describes it.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Package {
+    pub(crate) name: String,
+    pub(crate) manifest_path: String,
+    pub(crate) dependencies: Vec<Dependency>,
+    pub(crate) targets: Vec<Target>,
+    /// Registries that it may go to; none where it is internal, any where nothing is said.
+    publish: Option<Vec<String>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Dependency {
+    pub(crate) name: String,
+    /// The directory of a package of the workspace.
+    pub(crate) path: Option<String>,
+    /// None of a usual dependency, else `dev` or `build`.
+    pub(crate) kind: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Target {
+    pub(crate) name: String,
+    pub(crate) kind: Vec<String>,
+}
+
+impl Package {
+    /// The packages of the workspace.
+    pub(crate) fn all() -> Result<Vec<Self>> {
+        #[derive(Deserialize)]
+        struct Metadata {
+            packages: Vec<Package>,
+        }
+        let output = cargo()
+            .args(["metadata", "--no-deps", "--format-version", "1"])
+            .output()
+            .context("cargo cannot be run")?;
+        ensure!(output.status.success(), "cargo metadata failed");
+        let metadata: Metadata = serde_json::from_slice(&output.stdout)?;
+        Ok(metadata.packages)
+    }
+
+    /// Tells a package that others can depend on from an internal one.
+    pub(crate) fn is_published(&self) -> bool {
+        self.publish.as_ref().is_none_or(|to| !to.is_empty())
+    }
+
+    /// Names of its example programs.
+    pub(crate) fn examples(&self) -> impl Iterator<Item = &str> {
+        let is_example = |target: &&Target| target.kind.iter().any(|kind| kind == "example");
+        let examples = self.targets.iter().filter(is_example);
+        examples.map(|target| target.name.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_named_package_is_one_of_the_workspace() {
+        let packages = Package::all().expect("cargo metadata");
+        let device = DEVICE_PACKAGES.iter().map(|(package, _)| package);
+        for name in device.chain(&NIGHTLY_PACKAGES).chain(&BARE_PACKAGES) {
+            assert!(packages.iter().any(|one| one.name == *name), "{name}");
+        }
+    }
+
+    #[test]
+    fn libraries_are_published_and_chores_are_not() {
+        let packages = Package::all().expect("cargo metadata");
+        let published = |name| {
+            let found = packages.iter().find(|one| one.name == name);
+            found.expect("a package").is_published()
+        };
+        assert!(published("trirrr-core") && published("trirrr-service"));
+        assert!(!published("xtask") && !published("trirrr-tests"));
+    }
+}
