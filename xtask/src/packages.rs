@@ -16,7 +16,7 @@ pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
 
 /// Packages whose dependencies take longer to compile than all others together: `cargo xtask nightly` checks
 /// them.
-pub(crate) const NIGHTLY_PACKAGES: [&str; 1] = ["trirrr-oracle"];
+pub(crate) const NIGHTLY_PACKAGES: [&str; 2] = ["trirrr-oracle", "trirrr-tick-time"];
 
 /// Libraries that are built without `std`.
 pub(crate) const BARE_PACKAGES: [&str; 4] = [

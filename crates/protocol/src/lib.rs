@@ -9,3 +9,7 @@ extern crate std;
 
 pub mod message;
 pub mod wire;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -41,3 +41,7 @@ pub use scene::{NumberType, Scene};
 pub use service::Service;
 pub use settings::settings;
 pub use trirrr_core::limits::LimitParameters as Limits;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

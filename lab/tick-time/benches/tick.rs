@@ -3,7 +3,7 @@
 //! binary32, with massless links and with links of 0.05 kg. At the end, the fastest samples, which
 //! other load on the machine disturbs least, and their ratios.
 //!
-//! `cargo bench -p trirrr-host-sim`
+//! `cargo bench -p trirrr-tick-time`
 
 use criterion::{Bencher, Criterion, Throughput};
 use std::hint::black_box;
@@ -18,7 +18,7 @@ use trirrr_scene::{JobPlayer, Scene};
 
 /// A scene file of the repository.
 fn scene(name: &str) -> Scene {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/");
     Scene::read(format!("{folder}{name}.toml")).expect("a scene of the repository")
 }
 

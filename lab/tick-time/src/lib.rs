@@ -1,0 +1,1 @@
+//! Holds the benchmark of one tick: `cargo bench -p trirrr-tick-time`.
