@@ -11,10 +11,9 @@
 
 use crate::inverse::{LegPosition, Position};
 use crate::machine::Parameters;
-use crate::number::{Arithmetic, Number, cross};
-use nalgebra::Vector2;
+use crate::number::{Number, cross};
 
-/// Coefficients of the distances; only who asks for the distances holds them.
+/// Coefficients of the distances, apart from the tick's because a tick needs no distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances<N: Number> {
     /// 1 / (l1 l2) of each leg.
@@ -26,7 +25,7 @@ pub struct Distances<N: Number> {
 impl<N: Number> Distances<N> {
     /// Builds the coefficients from checked parameters.
     pub fn build(parameters: &Parameters) -> Self {
-        let greatest = greatest_det_a(parameters);
+        let greatest = parameters.greatest_det_a();
         Self {
             serial: parameters
                 .legs
@@ -55,15 +54,15 @@ impl<N: Number> Distances<N> {
         self.parallel_of(position.legs.each_ref())
     }
 
-    /// The same, of legs that are not together.
+    /// [`parallel`](Self::parallel) of three separate legs.
     #[inline]
     pub fn parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
         det_a_of(legs).scaled(self.parallel).abs()
     }
 }
 
-/// det A, for who needs it without the torques: its sign tells the two sides of a parallel
-/// singularity apart, and a path on which it changes crosses one.
+/// det A without the torques. Its sign differs on the two sides of a parallel singularity, so a path
+/// on which the sign changes crosses one.
 #[inline]
 pub fn det_a<N: Number>(position: &Position<N>) -> N {
     det_a_of(position.legs.each_ref())
@@ -84,29 +83,12 @@ fn det_a_of<N: Number>(legs: [&LegPosition<N>; 3]) -> N {
     )
 }
 
-/// The greatest size that det A can have: l2_1 l2_2 l2_3 times half the perimeter of the
-/// platform's triangle, m^4.
-pub fn greatest_det_a(parameters: &Parameters) -> f64 {
-    let joints = parameters.legs.map(|leg| {
-        let (sin, cos) = f64::sin_cos(leg.joint_angle_rad);
-        Vector2::new(cos, sin) * leg.joint_radius_m
-    });
-    let side = |a: usize, b: usize| {
-        let edge: Vector2<f64> = joints[b] - joints[a];
-        Arithmetic::sqrt(edge.x * edge.x + edge.y * edge.y)
-    };
-    let half_perimeter = (side(0, 1) + side(1, 2) + side(2, 0)) / 2.0;
-    parameters
-        .legs
-        .iter()
-        .fold(half_perimeter, |product, leg| product * leg.distal_m)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::machine::{Geometry, example};
     use crate::setpoint::Pose;
+    use nalgebra::Vector2;
 
     /// Poses of the thesis machine where the three distal lines meet, to all digits.
     #[test]

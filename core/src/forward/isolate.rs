@@ -3,13 +3,14 @@
 use super::polynomial::Polynomial;
 use crate::number::Number;
 
-/// Six roots and, at worst, a few arcs of noise.
+/// Six roots and, at worst, a few undecided arcs.
 const MOST_ROOTS: usize = 12;
-/// Arcs looked at before the rest is called undecided: many times what any machine has needed.
+/// Arcs examined before the rest counts as undecided: many times the need of any machine tested.
 const MOST_ARCS: u32 = 4096;
 /// Arcs that the circle is divided into at first.
 const FIRST_ARCS: u32 = 8;
-/// Halvings of an arc. 64 leave the resolution of any number type; noise ends them long before.
+/// Halvings of an arc. 64 go below the resolution of any number type; the rounding bound ends them
+/// long before.
 const MOST_HALVINGS: usize = 64;
 
 /// An arc on which f has a root.
@@ -17,9 +18,9 @@ const MOST_HALVINGS: usize = 64;
 pub(super) struct Arc<N> {
     pub(super) low: N,
     pub(super) high: N,
-    /// Exactly one root, and a simple one. Otherwise f and its rounding cannot be told apart on the
-    /// arc: two roots, or four, or none.
-    pub(super) simple: bool,
+    /// Exactly one root, and a simple one. Otherwise f stays below its rounding bound on the arc: it
+    /// may have two roots, or four, or none.
+    pub(super) simple_root: bool,
     /// f has different signs at the ends: an odd number of roots.
     pub(super) odd: bool,
 }
@@ -31,7 +32,7 @@ pub(super) struct Isolated<N> {
     count: usize,
     /// There were more arcs than there is room for, so that roots may be missing.
     pub(super) exhausted: bool,
-    /// Arcs that were looked at.
+    /// Arcs that were examined.
     pub(super) visited: u32,
 }
 
@@ -40,11 +41,11 @@ impl<N: Number> Isolated<N> {
         &self.arcs[..self.count]
     }
 
-    /// A noisy arc that continues the one before makes one with it.
+    /// Appends `arc`. An undecided arc joins an undecided one that it continues.
     fn push(&mut self, arc: Arc<N>) {
         if let Some(last) = self.arcs[..self.count].last_mut()
-            && !last.simple
-            && !arc.simple
+            && !last.simple_root
+            && !arc.simple_root
             && last.high == arc.low
         {
             last.high = arc.high;
@@ -59,13 +60,13 @@ impl<N: Number> Isolated<N> {
         self.count += 1;
     }
 
-    /// Noise at pi and at -pi is one arc.
+    /// Joins undecided arcs at pi and at -pi.
     fn join_ends(&mut self, turn: N) {
         if self.count < 2 {
             return;
         }
         let (first, last) = (self.arcs[0], self.arcs[self.count - 1]);
-        if !first.simple && !last.simple && last.high - first.low >= turn {
+        if !first.simple_root && !last.simple_root && last.high - first.low >= turn {
             self.arcs[self.count - 1].high = last.high + (first.high - first.low);
             self.arcs[self.count - 1].odd ^= first.odd;
             self.arcs.copy_within(1..self.count, 0);
@@ -82,12 +83,12 @@ struct End<N> {
     positive: bool,
 }
 
-/// Divides the circle until every arc holds no root, one root, or noise.
+/// Divides the circle until every arc holds no root, holds one root, or is undecided.
 pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
     let none = Arc {
         low: N::ZERO,
         high: N::ZERO,
-        simple: false,
+        simple_root: false,
         odd: false,
     };
     let mut found = Isolated {
@@ -103,8 +104,8 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
     };
     let start = end(-pi);
     let mut low = start;
-    // Right ends of the arcs still to be looked at: the left end of each is the right end of the
-    // one before it, the one to look at next being on top.
+    // Right ends of the arcs still to be examined, the next one on top. The left end of each is the
+    // right end of the one above it.
     let mut ends = [start; MOST_HALVINGS + 1];
     for index in 1..=FIRST_ARCS {
         let high = if index == FIRST_ARCS {
@@ -123,10 +124,10 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
             let on_arc = f.on_arc(middle, half_width, sin.div(cos));
             found.visited += 1;
             let odd = low.positive != high.positive;
-            let arc = |simple| Arc {
+            let arc = |simple_root| Arc {
                 low: low.alpha,
                 high: high.alpha,
-                simple,
+                simple_root,
                 odd,
             };
             let on_arc = on_arc.filter(|on_arc| !on_arc.is_clear());
@@ -139,7 +140,7 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
                 if odd {
                     found.push(arc(true));
                 }
-            } else if on_arc.is_noise()
+            } else if on_arc.is_within_rounding()
                 || waiting > MOST_HALVINGS
                 || !(middle > low.alpha && middle < high.alpha)
                 || found.visited >= MOST_ARCS
@@ -158,8 +159,8 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
     found
 }
 
-/// The root on a simple arc, to the rounding of f: secant steps that keep the root between two
-/// ends, with a halving wherever they are slow.
+/// Finds the root on an arc with a simple root, to the rounding of f. Secant steps keep the root
+/// between two ends; a halving replaces them where they are slow.
 pub(super) fn refine<N: Number>(f: &Polynomial<N>, arc: &Arc<N>) -> N {
     let (mut low, mut high) = (arc.low, arc.high);
     let (mut f_low, mut f_high) = (f.value(low), f.value(high));

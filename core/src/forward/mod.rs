@@ -1,10 +1,10 @@
 //! Forward kinematics: from the motor angles to the pose.
 //!
-//! | question | module |
+//! | finds | with |
 //! |---|---|
-//! | which pose near this guess? | [`Forward::solve`], Newton-Raphson |
-//! | which poses at all? | [`Forward::assemblies`], every assembly mode from the univariate polynomial |
-//! | where is the platform now, given where it was? | [`Tracker`], which never changes mode silently |
+//! | the pose near a guess | [`Forward::solve`], Newton-Raphson |
+//! | every pose | [`Forward::assemblies`], all assembly modes from the univariate polynomial |
+//! | the pose after a small motion | [`Tracker`], which reports a possible change of mode as an error |
 //!
 //! # The polynomial
 //! With the motors at rest the elbows B_i are fixed points and the machine is the 3-RPR problem of
@@ -38,12 +38,12 @@
 //! each arc f is formed afresh, about the arc's middle, in the Bernstein basis with a bound on its
 //! rounding error. An arc whose coefficients all have one sign holds no root; one whose
 //! differences all have one sign holds a root exactly if f changes sign between its ends; any
-//! other is halved. So no root is missed that the number type can tell from its neighbours, and
-//! what it cannot tell apart is said to be so.
+//! other is halved. So no root is missed that the number type can tell from its neighbours; the
+//! others are reported as undecided.
 //!
 //! # Example
-//! Every pose in which the thesis machine can stand, its motors being where they are at the start
-//! of its move; then a tick of tracking.
+//! All poses of the thesis machine for the motor angles at the start of its move, then one tick of
+//! tracking.
 //! ```
 //! # use nalgebra::Vector2;
 //! # use trirrr_core::machine::{
@@ -85,7 +85,7 @@
 //! let here = forward.nearest(&found, &start).expect("two modes");
 //! assert!((here.pose.position - start.position).abs().max() < 1e-14);
 //!
-//! // Nearer than 0.01 to the parallel singularity, or in more than 16 parts, it says so instead.
+//! // It refuses to come nearer than 0.01 to the parallel singularity, and to use over 16 parts.
 //! let tracker = Tracker::new(forward, 0.01, 16);
 //! let track = tracker.start(&angles, here.pose)?;
 //! let track = tracker.follow(&track, &[angles[0] + 0.01, angles[1], angles[2] - 0.01])?;
@@ -93,8 +93,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod assembly;
+mod assembly;
 mod isolate;
+mod modes;
 mod newton;
 mod polynomial;
 #[cfg(test)]
@@ -102,6 +103,6 @@ pub(crate) mod random;
 mod search;
 pub mod tracking;
 
-pub use assembly::{Assemblies, Assembly, AssemblyError, Completeness};
+pub use modes::{Assemblies, Assembly, AssemblyError, Completeness};
 pub use newton::{Forward, ForwardError, Found};
 pub use tracking::{Track, Tracker, TrackingError};

@@ -7,14 +7,13 @@
 //! ```
 //!
 //! The Jacobian is the matrix A of the torque balance, so the iteration fails where the platform
-//! is loose. A machine has up to six assembly modes; which one is found depends on the guess:
-//! [`super::assembly`] finds them all, [`super::tracking`] follows one without leaving it.
+//! is loose. A machine has up to six assembly modes, and the guess decides which one is found.
+//! [`Forward::assemblies`] finds all; [`super::tracking`] follows one without leaving it.
 
 use crate::inverse::Rotation;
 use crate::machine::{Geometry, Parameters};
 use crate::number::{Number, cross, dot};
 use crate::setpoint::Pose;
-use crate::singularity::greatest_det_a;
 use core::fmt;
 use nalgebra::{Vector2, Vector3};
 
@@ -47,7 +46,7 @@ pub struct Found<N: Number> {
     pub residual: N,
 }
 
-/// Why no pose was found.
+/// Failure to find a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ForwardError<N> {
     /// det A = 0 on the way: the platform is loose there.
@@ -85,7 +84,7 @@ impl<N: Number> fmt::Display for ForwardError<N> {
 impl<N: Number> core::error::Error for ForwardError<N> {}
 
 impl<N: Number> Forward<N> {
-    /// Builds the coefficients; `geometry` is what was built from the same parameters.
+    /// Builds the coefficients. `geometry` has to be built from the same parameters.
     pub fn build(parameters: &Parameters, geometry: &Geometry<N>) -> Self {
         let leg = |index: usize| ForwardLeg {
             base: geometry.legs[index].base,
@@ -99,7 +98,7 @@ impl<N: Number> Forward<N> {
         Self {
             legs: [leg(0), leg(1), leg(2)],
             size: N::from_f64(parameters.legs.iter().fold(0.0, longest)),
-            greatest_det_a: N::from_f64(greatest_det_a(parameters)),
+            greatest_det_a: N::from_f64(parameters.greatest_det_a()),
         }
     }
 
@@ -116,9 +115,9 @@ impl<N: Number> Forward<N> {
     /// The pose at which the motors stand at `angles`, reached from `guess` in at most
     /// `max_iterations` Newton steps.
     ///
-    /// Converged is a step below four roundings of the machine's size, or one that has stopped
-    /// shrinking and is below the square root of the rounding: near a parallel singularity the
-    /// rounding of the residual alone makes steps larger than the first limit.
+    /// The iteration has converged at a step below four roundings of the machine's size. A step that
+    /// no longer shrinks suffices below the square root of the rounding: near a parallel singularity
+    /// the rounding of the residual alone makes steps larger than the first limit.
     ///
     /// # Errors
     /// [`ForwardError`].
@@ -204,7 +203,7 @@ impl<N: Number> Forward<N> {
         (det_a, distance)
     }
 
-    /// How far a step moves the platform's joints, at most and roughly.
+    /// Rough upper bound of the displacement of the platform's joints in a step.
     fn length_of(&self, step: &Vector3<N>) -> N {
         let arm = self.legs.iter().fold(N::ZERO, |arm, leg| {
             let length = leg.joint.x.abs() + leg.joint.y.abs();

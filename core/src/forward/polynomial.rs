@@ -31,12 +31,12 @@ pub(super) struct Polynomial<N> {
 pub(super) struct OnArc<N> {
     /// Bernstein coefficients: f lies between the least and the greatest.
     pub(super) coefficients: [N; 7],
-    /// What rounding can have changed in any of them.
-    pub(super) error: N,
+    /// Bound of the rounding error of each.
+    pub(super) rounding_bound: N,
 }
 
-/// A function a + b cos + c sin of an arc's angle, times 1 + t^2: Bernstein coefficients times the
-/// binomials 1, 2, 1, and how large and how wrong they can be.
+/// A function a + b cos + c sin of an arc's angle, times 1 + t^2: its Bernstein coefficients times the
+/// binomials 1, 2, 1, with bounds of their size and error.
 #[derive(Clone, Copy)]
 struct Quadratic<N> {
     scaled: [N; 3],
@@ -119,8 +119,8 @@ impl<N: Number> Polynomial<N> {
         self.e.map(|e| rotation.apply(e))
     }
 
-    /// Whether f is positive at `alpha`, rad. Where two of the circles miss each other it is: the
-    /// p of the linear equations lies outside both.
+    /// Returns `true` if f is positive at `alpha`, rad. It is where two of the circles miss each
+    /// other, because the p of the linear equations then lies outside both.
     pub(super) fn is_positive(&self, alpha: N) -> bool {
         let [v1, v2] = self.rotated(alpha);
         let (m1, m2) = (v1 - self.b[0], v2 - self.b[1]);
@@ -194,8 +194,12 @@ impl<N: Number> Polynomial<N> {
 
         let (m11, m12, m22) = (product(0, 0), product(0, 1), product(1, 1));
         let between = [0, 1, 2].map(|i| m11[i] + m22[i] - (m12[i] + m12[i]));
-        let apart = error(0, 0) + error(1, 1) + error(0, 1) + error(0, 1);
-        let pairs = [(m11, error(0, 0)), (m22, error(1, 1)), (between, apart)];
+        let error_between = error(0, 0) + error(1, 1) + error(0, 1) + error(0, 1);
+        let pairs = [
+            (m11, error(0, 0)),
+            (m22, error(1, 1)),
+            (between, error_between),
+        ];
         for ((squared, error), [far, near]) in pairs.into_iter().zip(self.meet) {
             let less = |limit: N| {
                 let at = [squared[0] - limit, squared[1], squared[2] - limit];
@@ -249,7 +253,7 @@ impl<N: Number> Polynomial<N> {
                 scaled[5] * sixth,
                 scaled[6],
             ],
-            error: bound,
+            rounding_bound: bound,
         })
     }
 }
@@ -257,13 +261,13 @@ impl<N: Number> Polynomial<N> {
 impl<N: Number> OnArc<N> {
     /// f is not zero anywhere on the arc.
     pub(super) fn is_clear(&self) -> bool {
-        self.coefficients.iter().all(|&c| c > self.error)
-            || self.coefficients.iter().all(|&c| c < -self.error)
+        self.coefficients.iter().all(|&c| c > self.rounding_bound)
+            || self.coefficients.iter().all(|&c| c < -self.rounding_bound)
     }
 
     /// (1 + t^2)^3 f has no extremum on the arc: at most one root.
     pub(super) fn is_monotone(&self) -> bool {
-        let least = self.error + self.error;
+        let least = self.rounding_bound + self.rounding_bound;
         let mut steps = self.coefficients.iter().zip(&self.coefficients[1..]);
         let (mut rises, mut falls) = (true, true);
         for (&from, &to) in &mut steps {
@@ -273,10 +277,10 @@ impl<N: Number> OnArc<N> {
         rises || falls
     }
 
-    /// Nothing can be said of f on the arc.
-    pub(super) fn is_noise(&self) -> bool {
-        let two = self.error + self.error;
-        // A little above the bound, or arcs at its edge are halved without end.
+    /// Returns `true` if f stays below its rounding bound, so that its sign is unknown.
+    pub(super) fn is_within_rounding(&self) -> bool {
+        // Twice the bound: arcs at its edge would be halved without end.
+        let two = self.rounding_bound + self.rounding_bound;
         !self.coefficients.iter().any(|&c| c.abs() > two)
     }
 }
@@ -325,7 +329,8 @@ mod tests {
                 let exact = double.on_arc(middle, half_width, f64::from(tau));
                 let exact = exact.expect("circles that meet in f32 meet");
                 for (rounded_at, at) in rounded.coefficients.iter().zip(exact.coefficients) {
-                    let off = (f64::from(*rounded_at) - at).abs() / f64::from(rounded.error);
+                    let off =
+                        (f64::from(*rounded_at) - at).abs() / f64::from(rounded.rounding_bound);
                     worst.set(worst.get().max(off));
                 }
             }
@@ -354,7 +359,11 @@ mod tests {
                 }
                 let weight = (1.0 + (part * tau).powi(2)).powi(3);
                 let off = points[0] - weight * f.value(alpha);
-                assert!(off.abs() < on_arc.error, "{off:e} {:e}", on_arc.error);
+                assert!(
+                    off.abs() < on_arc.rounding_bound,
+                    "{off:e} {:e}",
+                    on_arc.rounding_bound
+                );
             }
         });
     }

@@ -1,7 +1,7 @@
 //! From arcs with a root to poses.
 
-use super::assembly::{Assemblies, Assembly, AssemblyError, Completeness};
 use super::isolate::Arc;
+use super::modes::{Assemblies, Assembly, AssemblyError, Completeness};
 use super::newton::Forward;
 use super::polynomial::{extent, greater};
 use crate::number::{Number, dot, perpendicular};
@@ -19,13 +19,13 @@ struct Crossing<N> {
     places: [Vector2<N>; 2],
 }
 
-/// What a search has at hand.
+/// A search for the poses of the isolated roots.
 pub(super) struct Search<'a, N: Number> {
     forward: &'a Forward<N>,
     elbows: [Vector2<N>; 3],
-    /// Length errors that rounding of the joints' places explains.
+    /// Largest length error that rounding of the joints' places can cause.
     closed: N,
-    /// Poses whose joints are closer than this are one.
+    /// Poses whose joints are closer than this count as one.
     same: N,
     pub(super) found: Assemblies<N>,
 }
@@ -63,8 +63,8 @@ impl<'a, N: Number> Search<'a, N> {
         }
     }
 
-    /// The pose of the one root `alpha` on `arc`.
-    pub(super) fn simple(&mut self, arc: &Arc<N>, alpha: N) {
+    /// Adds the pose of the one root `alpha` on `arc`.
+    pub(super) fn add_simple_root(&mut self, arc: &Arc<N>, alpha: N) {
         // Newton may leave the arc by roundings, but not for another root.
         let margin = (arc.high - arc.low) + N::UNIT_ROUNDOFF.sqrt();
         let Some([first, second]) = self.candidates(alpha) else {
@@ -78,15 +78,16 @@ impl<'a, N: Number> Search<'a, N> {
                 return;
             }
         }
-        // Next to a double root Newton may fall to the neighbour; the candidate itself closes.
+        // Next to a double root Newton-Raphson may go to the neighbour; the candidate itself closes.
         if self.residual(&first) <= self.nearly_closed() && self.insert(first, false) {
             return;
         }
         self.found.completeness = Completeness::Undecided;
     }
 
-    /// The poses on an arc where f is noise: two that share an angle, or two that meet.
-    pub(super) fn noise(&mut self, arc: &Arc<N>) -> Result<(), AssemblyError> {
+    /// Adds the poses on an arc where f stays below its rounding bound: two that share an angle, or
+    /// two that meet.
+    pub(super) fn add_undecided(&mut self, arc: &Arc<N>) -> Result<(), AssemblyError> {
         let width = arc.high - arc.low;
         let margin = N::HALF * (N::HALF * width) + N::UNIT_ROUNDOFF.sqrt();
         let (low, high) = (arc.low - margin, arc.high + margin);
@@ -107,8 +108,8 @@ impl<'a, N: Number> Search<'a, N> {
                 touching += 1;
             }
         }
-        // A double root is noise on an arc of the size of the square root of the rounding. An arc
-        // that was noise before it was ever halved, and on which the legs close, is no root.
+        // Beside a double root f is below its rounding bound on an arc of the size of the square root
+        // of the rounding. A wider arc on which the legs close is no root: the platform is loose.
         let wide = width > N::HALF;
         if (wide && touching == 3) || self.centres_coincide(middle) {
             return Err(AssemblyError::Loose);
@@ -153,8 +154,8 @@ impl<'a, N: Number> Search<'a, N> {
     fn centres_coincide(&self, alpha: N) -> bool {
         let [a, b, c] = self.centres(alpha);
         let [first, second, third] = self.forward.legs.each_ref().map(|leg| leg.l2);
-        let apart = extent(b - a) + extent(c - a) + (second - first).abs() + (third - first).abs();
-        apart <= self.same
+        let spread = extent(b - a) + extent(c - a) + (second - first).abs() + (third - first).abs();
+        spread <= self.same
     }
 
     /// The length error of a pose beside a double root.
@@ -162,7 +163,7 @@ impl<'a, N: Number> Search<'a, N> {
         N::from_f64(8.0) * self.closed
     }
 
-    /// Where the circles of the legs of `pair` meet.
+    /// Intersections of the circles of the legs of `pair`; `None` for circles with one centre.
     fn crossing(&self, centres: &[Vector2<N>; 3], (i, j): (usize, usize)) -> Option<Crossing<N>> {
         let (li, lj) = (self.forward.legs[i].l2, self.forward.legs[j].l2);
         let d = centres[j] - centres[i];
@@ -199,8 +200,8 @@ impl<'a, N: Number> Search<'a, N> {
         best
     }
 
-    /// Both poses with angle `alpha` at which two of the distal links have their lengths, the one
-    /// that fits the third better first.
+    /// Both poses with angle `alpha` at which two of the distal links have their lengths. The one that
+    /// fits the third link better comes first.
     fn candidates(&self, alpha: N) -> Option<[Pose<N>; 2]> {
         let (_, crossing) = self.best_pair(&self.centres(alpha))?;
         let angle = N::angle(alpha);
@@ -212,9 +213,9 @@ impl<'a, N: Number> Search<'a, N> {
         })
     }
 
-    /// No pose has its angle on the narrow arc, although f is noise there, as it is beside a root
-    /// or where the circles' centres nearly coincide: on both branches the third leg's length error
-    /// keeps its sign, and is larger than what it can dip by between the samples.
+    /// Returns `true` if no pose has its angle on the narrow arc, although f is below its rounding
+    /// bound there, as beside a root or where the circles' centres nearly coincide. On both branches
+    /// the third leg's length error then keeps its sign, by more than its dip between the samples.
     fn misses(&self, arc: &Arc<N>) -> bool {
         let middle = arc.low + N::HALF * (arc.high - arc.low);
         let Some((pair, _)) = self.best_pair(&self.centres(middle)) else {
@@ -263,7 +264,7 @@ impl<'a, N: Number> Search<'a, N> {
         (found.residual <= self.closed && alpha >= low && alpha <= high).then_some(found.pose)
     }
 
-    /// By angle: noise came last.
+    /// Sorts the modes by angle; those of undecided arcs were added last.
     pub(super) fn sort(&mut self) {
         let modes = &mut self.found.modes[..self.found.count];
         for end in 1..modes.len() {
@@ -277,9 +278,10 @@ impl<'a, N: Number> Search<'a, N> {
         }
     }
 
-    /// False if the pose is in the list already, or the list is full.
+    /// Adds the pose. Returns `false` if it is in the list already, or the list is full.
     fn insert(&mut self, pose: Pose<N>, double: bool) -> bool {
-        let known = |mode: &Assembly<N>| self.forward.apart(&mode.pose, &pose) <= self.same;
+        let known =
+            |mode: &Assembly<N>| self.forward.joint_distance(&mode.pose, &pose) <= self.same;
         if self.found.modes().iter().any(known) {
             return false;
         }

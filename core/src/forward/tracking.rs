@@ -1,5 +1,5 @@
-//! Tracking: the pose follows the motor angles tick by tick, and stays in its assembly mode or says
-//! that it cannot be sure to.
+//! Tracking: the pose follows the motor angles tick by tick in its assembly mode. A motion that may
+//! leave the mode is an error.
 //!
 //! Newton-Raphson from the last pose finds *a* pose. That it is the one the platform has moved to
 //! is a statement on the whole way between, proved here by contraction before a step is taken.
@@ -33,7 +33,7 @@ use nalgebra::{Vector2, Vector3};
 /// Newton steps per part of a motion: many more than a ball in which T contracts takes.
 const NEWTON_STEPS: u32 = 20;
 
-/// What tracking needs besides the last pose; immutable.
+/// Coefficients of the tracking; immutable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracker<N> {
     forward: Forward<N>,
@@ -46,7 +46,7 @@ pub struct Tracker<N> {
     most_parts: u32,
 }
 
-/// Where the platform is known to be.
+/// Pose of the platform, known with its assembly mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track<N: Number> {
     /// The pose; its angle is not wrapped.
@@ -63,7 +63,7 @@ pub struct Track<N: Number> {
     pub parts: u32,
 }
 
-/// Why the platform is not tracked any further. The last [`Track`] stays true for its angles.
+/// End of the tracking. The last [`Track`] stays true for its angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackingError<N> {
     /// Nearer to the parallel singularity than allowed, where two modes meet.
@@ -73,8 +73,8 @@ pub enum TrackingError<N> {
     },
     /// det A has changed its sign: the pose found belongs to another mode.
     ChangedSide,
-    /// Too large a motion, in the parts allowed, to be sure that the mode is still the same; or an
-    /// angle that is not finite.
+    /// The motion is too large to prove, in the parts allowed, that the mode is still the same; or an
+    /// angle is not finite.
     StepTooLarge,
     /// Newton-Raphson found no pose near the last one.
     Lost(ForwardError<N>),
@@ -100,9 +100,9 @@ impl<N: Number> fmt::Display for TrackingError<N> {
 
 impl<N: Number> core::error::Error for TrackingError<N> {}
 
-/// What bounds a motion from a track, for s = 1.
+/// Bounds of a motion from a track, for s = 1.
 struct Reach<N> {
-    /// |A_0^-1 F(X_0)|: what the last pose does not close.
+    /// |A_0^-1 F(X_0)|: the closing error of the last pose.
     gap: N,
     /// |A_0^-1 F'|
     linear: N,
@@ -115,14 +115,14 @@ struct Reach<N> {
 }
 
 impl<N: Number> Reach<N> {
-    /// The radius within which the pose after the part `s` of the motion is the only one; `None` if
-    /// that cannot be said.
+    /// The radius within which the pose after the part `s` of the motion is the only one; `None` where
+    /// the bounds do not prove it.
     fn radius(&self, s: N) -> Option<N> {
         let two = N::ONE + N::ONE;
         let eta = self.gap + s * (self.linear + s * self.square);
         let free = N::ONE - s * self.elbows;
         let root_sq = free * free - two * (two * (self.pose * eta));
-        // A quarter is kept back for what is rounded here.
+        // A quarter is kept back for the rounding of these lines.
         let sure = free > N::ZERO && root_sq > N::HALF * N::HALF * (free * free);
         sure.then(|| (free + root_sq.sqrt()).div(two * self.pose))
     }
@@ -160,7 +160,7 @@ impl<N: Number> Tracker<N> {
         }
     }
 
-    /// The forward kinematics it follows with.
+    /// The forward kinematics of the tracker.
     pub fn forward(&self) -> &Forward<N> {
         &self.forward
     }
@@ -193,7 +193,7 @@ impl<N: Number> Tracker<N> {
             let move_of = |leg: usize| N::radians(half_turn::<N>(angles[leg] - at.angles[leg]));
             let motion = [move_of(0), move_of(1), move_of(2)];
             let reach = self.reach(&at, &motion);
-            // A millionth of a motion that still is too much has met a singularity.
+            // Where a millionth of the motion is still too large, a singularity is near.
             let mut s = N::ONE;
             let mut radius = reach.radius(s);
             for _ in 0..20 {

@@ -1,8 +1,7 @@
-//! The edge: a description is checked here once, nothing behind it validates again.
+//! Check of a machine's description. The stages behind it do not check again.
 
 use super::{BuildError, LegParameters, LinkParameters, Parameters, Quantity};
 use crate::number::Number;
-use crate::singularity;
 
 const FINITE: &str = "a finite number within the range of the number type";
 const POSITIVE: &str = "a positive number within the range of the number type";
@@ -13,8 +12,8 @@ const IN_RANGE: &str = "a length in units in which it is in range of the number 
 const NOT_NEGATIVE: &str = "a number that is not negative, within the range of the number type";
 
 impl Parameters {
-    /// Refuses what cannot be a machine in the number type `N`: a value that is not finite, a link
-    /// without length, a negative mass or inertia. A massless platform is accepted.
+    /// Refuses a description that is no machine in the number type `N`: a value that is not finite, a
+    /// link without length, a negative mass or inertia. A massless platform is accepted.
     ///
     /// # Errors
     /// The first quantity that is refused.
@@ -26,8 +25,8 @@ impl Parameters {
             })?;
         }
         // The torques divide by det A; where it overflowed they would come out as zero.
-        finite::<N>(Quantity::GreatestDetA, singularity::greatest_det_a(self))?;
-        // Factors of the tick, which reach as far as an f64 where they are no quantities of it.
+        finite::<N>(Quantity::GreatestDetA, self.greatest_det_a())?;
+        // Fixed point holds the two as factors, whose range is that of an f64.
         if N::PROPAGATES_NON_FINITE {
             not_negative::<N>(Quantity::PlatformMass, self.platform.mass_kg)?;
             not_negative::<N>(Quantity::PlatformInertia, self.platform.inertia_kgm2)?;

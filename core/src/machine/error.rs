@@ -1,4 +1,4 @@
-//! Why a machine was refused.
+//! Refusal of a machine's description.
 
 use core::fmt;
 use postcard_schema::Schema;
@@ -11,7 +11,7 @@ pub enum Quantity {
     Base,
     ProximalLength,
     DistalLength,
-    /// l1 + l2 of a leg: the longest length it has to do with.
+    /// l1 + l2 of a leg, its longest length.
     Reach,
     JointRadius,
     JointAngle,
@@ -22,9 +22,7 @@ pub enum Quantity {
     DistalCentreOfMass,
     DistalInertia,
     RotorInertia,
-    /// The largest size that det A can have (see [`greatest_det_a`]).
-    ///
-    /// [`greatest_det_a`]: crate::singularity::greatest_det_a
+    /// [`Parameters::greatest_det_a`](super::Parameters::greatest_det_a).
     GreatestDetA,
     PlatformMass,
     PlatformInertia,
@@ -42,16 +40,16 @@ pub enum Quantity {
     ParallelDistance,
 }
 
-/// A machine's description that cannot be built: which quantity, of which leg, its value, why.
+/// Refusal of a machine's description: the quantity, its leg, its value, and the expected value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildError {
-    /// What is wrong.
+    /// The quantity that is refused.
     pub quantity: Quantity,
-    /// The leg it belongs to, from 0, if it belongs to one.
+    /// The leg of the quantity, from 0; `None` for a quantity of the whole machine.
     pub leg: Option<usize>,
     /// The value that was refused.
     pub value: f64,
-    /// What the value should have been.
+    /// Description of an acceptable value.
     pub expected: &'static str,
 }
 

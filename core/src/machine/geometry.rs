@@ -5,7 +5,7 @@ use crate::dyad::Rrr;
 use crate::number::{Arithmetic, Number};
 use nalgebra::Vector2;
 
-/// One leg: where it is fixed, where it holds the platform, and the dyad between.
+/// One leg: base joint, platform joint, and the dyad between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg<N: Number> {
     /// Base joint A in the fixed frame.
@@ -24,8 +24,11 @@ pub struct Geometry<N: Number> {
 }
 
 impl<N: Number> Geometry<N> {
-    /// Builds the coefficients. `parameters` are checked here and nowhere later; everything is
+    /// Checks `parameters`, which no later stage repeats, and builds the coefficients. They are
     /// computed in `f64` and rounded once to `N`.
+    ///
+    /// # Errors
+    /// The first quantity that is refused.
     pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
         parameters.check::<N>()?;
         Ok(Self {

@@ -1,18 +1,17 @@
-//! Which of the pipeline's types a machine needs: the one rule for whoever builds an image or chooses
-//! at run time.
+//! The tick's types that a machine needs: one rule, used when an image is built and at run time.
 
 use super::Parameters;
 
-/// Kind of platform, a type of [`torque::payload`](crate::torque::payload).
+/// Kind of platform: one of the types of [`torque::payload`](crate::torque::payload).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PayloadKind {
     /// The centre of mass is the reference point.
     Centred,
-    /// It is not.
+    /// The centre of mass lies elsewhere.
     Offset,
 }
 
-/// Kind of links, a type of [`torque::links`](crate::torque::links).
+/// Kind of links: one of the types of [`torque::links`](crate::torque::links).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinksKind {
     /// No mass, no rotor inertia.
@@ -26,7 +25,7 @@ pub enum LinksKind {
 }
 
 impl PayloadKind {
-    /// The least that `parameters` need.
+    /// The simplest kind that has room for `parameters`.
     pub fn of(parameters: &Parameters) -> Self {
         let com = parameters.platform.com_m;
         if com.x == 0.0 && com.y == 0.0 {
@@ -38,7 +37,7 @@ impl PayloadKind {
 }
 
 impl LinksKind {
-    /// The least that `parameters` need.
+    /// The simplest kind that has room for `parameters`.
     pub fn of(parameters: &Parameters) -> Self {
         let g = parameters.gravity_m_s2;
         let rotors = parameters

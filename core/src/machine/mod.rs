@@ -1,5 +1,5 @@
-//! The machine: what it is made of ([`Parameters`], SI units, `f64`), and the immutable
-//! coefficients that the pipeline reads ([`Geometry`], any number type).
+//! The machine: its description ([`Parameters`], SI units, `f64`), and the immutable coefficients
+//! that the tick reads ([`Geometry`], any number type).
 
 mod check;
 mod error;

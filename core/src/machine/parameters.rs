@@ -1,5 +1,6 @@
-//! The description of a machine, as a scene or a batch row gives it.
+//! Description of a machine, as a scene or a batch row gives it.
 
+use crate::number::Arithmetic;
 use nalgebra::Vector2;
 
 /// Sign of an elbow. The three of a machine are its *working mode* (eight of them).
@@ -45,7 +46,7 @@ impl LinkParameters {
         }
     }
 
-    /// Whether the link has neither mass nor inertia, so that no link code is needed for it.
+    /// Returns `true` if the link has neither mass nor inertia. The image then needs no link code.
     pub fn is_massless(&self) -> bool {
         self.mass_kg == 0.0 && self.inertia_kgm2 == 0.0
     }
@@ -101,11 +102,28 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Whether no link has mass or inertia.
+    /// Returns `true` if no link has mass or inertia.
     pub fn links_are_massless(&self) -> bool {
         self.legs
             .iter()
             .all(|leg| leg.proximal.is_massless() && leg.distal.is_massless())
+    }
+
+    /// The greatest size that det A can have: l2_1 l2_2 l2_3 times half the perimeter of the
+    /// platform's triangle, m^4.
+    pub fn greatest_det_a(&self) -> f64 {
+        let joints = self.legs.map(|leg| {
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
+            Vector2::new(cos, sin) * leg.joint_radius_m
+        });
+        let side = |a: usize, b: usize| {
+            let edge: Vector2<f64> = joints[b] - joints[a];
+            Arithmetic::sqrt(edge.x * edge.x + edge.y * edge.y)
+        };
+        let half_perimeter = (side(0, 1) + side(1, 2) + side(2, 0)) / 2.0;
+        self.legs
+            .iter()
+            .fold(half_perimeter, |product, leg| product * leg.distal_m)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The cubic with given velocities at both ends, so that moves chain without stopping.
 
-use super::nearer::Nearer;
+use super::move_time::MoveTime;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ pub struct Hermite<N: Number> {
     per_duration: N::Factor,
 }
 
-/// The cubic as seen from one end: time runs from that end into the move.
+/// The cubic from one end: time runs from that end into the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cubic<N: Number> {
     origin: Pose<N>,
@@ -105,26 +105,26 @@ impl<N: Number> Hermite<N> {
     /// The setpoint at `tick`, counted from the start of the move; beyond the end, the end.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
-        self.on(Nearer::at(tick, self.ticks, &self.count))
+        self.on(MoveTime::at(tick, self.ticks, &self.count))
     }
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        self.on(Nearer::between(tick, part, self.ticks, &self.count))
+        self.on(MoveTime::between(tick, part, self.ticks, &self.count))
     }
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
-        self.on(Nearer::of(s))
+        self.on(MoveTime::of(s))
     }
 
     /// Seen from the end, time runs backwards: velocity changes sign, acceleration does not.
     #[inline(always)]
-    fn on(&self, instant: Nearer<N>) -> Setpoint<N> {
-        let (cubic, s, per_duration) = match instant {
-            Nearer::Start(s) => (&self.forward, s, self.per_duration),
-            Nearer::End(s) => (&self.backward, s, -self.per_duration),
+    fn on(&self, time: MoveTime<N>) -> Setpoint<N> {
+        let (cubic, s, per_duration) = match time {
+            MoveTime::Start(s) => (&self.forward, s, self.per_duration),
+            MoveTime::End(s) => (&self.backward, s, -self.per_duration),
         };
         cubic.setpoint(s, per_duration)
     }

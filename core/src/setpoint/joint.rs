@@ -1,10 +1,10 @@
-//! Moves in joint space: for machines that stand where the platform's pose says nothing.
+//! Moves in joint space: for machines whose pose is not known yet, as before homing.
 
-use super::nearer::Nearer;
+use super::move_time::MoveTime;
 use crate::number::Number;
 
-/// The three motors, each by itself, from rest to rest in the same time; the cubic of
-/// [`RestToRest`](super::RestToRest) on each motor's angle, the shorter way round.
+/// A move of the three motor angles from rest to rest, in the same time. Each motor follows the cubic
+/// of [`RestToRest`](super::RestToRest), the shorter way round.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointMove<N: Number> {
     from: [N::Angle; 3],
@@ -53,7 +53,7 @@ impl<N: Number> JointMove<N> {
         self.ticks
     }
 
-    /// Where the motors come to.
+    /// Angles at the end of the move.
     pub fn to(&self) -> [N::Angle; 3] {
         self.to
     }
@@ -71,10 +71,11 @@ impl<N: Number> JointMove<N> {
 
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     pub fn between(&self, tick: u32, part: N) -> JointSetpoint<N> {
-        // The angle is reckoned from the nearer end: both are exact.
-        let (s, base, towards, slope) = match Nearer::between(tick, part, self.ticks, &self.count) {
-            Nearer::Start(s) => (s, &self.from, N::ONE, N::ONE - (s + s)),
-            Nearer::End(s) => (s, &self.to, -N::ONE, (s + s) - N::ONE),
+        // From the nearer end, so that both ends are exact.
+        let (s, base, towards, slope) = match MoveTime::between(tick, part, self.ticks, &self.count)
+        {
+            MoveTime::Start(s) => (s, &self.from, N::ONE, N::ONE - (s + s)),
+            MoveTime::End(s) => (s, &self.to, -N::ONE, (s + s) - N::ONE),
         };
         let blend = s * s * ((N::ONE - s) + (N::ONE - s) + N::ONE) * towards;
         let bow = s * (N::ONE - s);
@@ -93,13 +94,13 @@ impl<N: Number> JointMove<N> {
     }
 }
 
-/// A difference of two angles in (-pi, pi], the shorter way round, rad in (-pi, pi].
+/// Returns `way`, the difference of two angles in (-pi, pi], the shorter way round: rad, in (-pi, pi].
 pub fn shorter_way<N: Number>(way: N::Angle) -> N {
     // Wrapped as an angle: twice a turn in radians is beyond fixed point.
     N::radians(wrapped::<N>(way))
 }
 
-/// `angle`, less than a turn beyond (-pi, pi], within.
+/// Wraps `angle` into (-pi, pi]; it lies less than a turn outside.
 pub fn wrapped<N: Number>(angle: N::Angle) -> N::Angle {
     let half = N::radians(N::half_turn());
     let radians = N::radians(angle);

@@ -1,12 +1,12 @@
-//! Setpoints: where the platform is meant to be at a tick, with its velocity and acceleration.
+//! Setpoints: commanded pose, velocity and acceleration of the platform at a tick.
 //!
-//! Time is a whole number of ticks, an argument and never a clock. Both kinds of move are
-//! evaluated from whichever end is nearer, so that the first and the last tick of a move give its
-//! two poses exactly, and a chain of moves neither drifts nor jumps.
+//! Time is a whole number of ticks, an argument and never a clock. Both kinds of move are evaluated
+//! from the nearer end. The first and the last tick of a move then give its two poses exactly, and
+//! a chain of moves neither drifts nor jumps.
 
 mod hermite;
 mod joint;
-mod nearer;
+mod move_time;
 mod rest_to_rest;
 mod segment;
 mod serial;
@@ -31,7 +31,7 @@ pub struct Pose<N: Number> {
 /// Pose, velocity and acceleration at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setpoint<N: Number> {
-    /// Where.
+    /// Pose of the platform.
     pub pose: Pose<N>,
     /// (vx, vy, alphadot).
     pub velocity: Vector3<N>,
@@ -39,7 +39,7 @@ pub struct Setpoint<N: Number> {
     pub acceleration: Vector3<N>,
 }
 
-// As three numbers: nalgebra compares vectors by iterators, which are more code than all of this.
+// Compared as three numbers: nalgebra compares vectors by iterators, which is more code.
 impl<N: Number> PartialEq for Pose<N> {
     fn eq(&self, other: &Self) -> bool {
         self.position.x == other.position.x

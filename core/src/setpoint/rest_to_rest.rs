@@ -1,6 +1,6 @@
 //! The rest-to-rest cubic, thesis (5.1) to (5.10).
 
-use super::nearer::Nearer;
+use super::move_time::MoveTime;
 use super::{Pose, Setpoint};
 use crate::number::Number;
 use nalgebra::Vector3;
@@ -46,15 +46,15 @@ impl<N: Number> RestToRest<N> {
     /// The setpoint at `tick`, counted from the start of the move; beyond the end, the end.
     #[inline(always)]
     pub fn at(&self, tick: u32) -> Setpoint<N> {
-        self.on(Nearer::at(tick, self.ticks, &self.count))
+        self.on(MoveTime::at(tick, self.ticks, &self.count))
     }
 
-    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks. One body
-    /// for both halves, for who does not count cycles.
+    /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks. The admission
+    /// runs this one; one body for both halves keeps its code small.
     pub fn at_fraction(&self, s: N) -> Setpoint<N> {
-        let (from, s, is_late) = match Nearer::of(s) {
-            Nearer::Start(s) => (&self.from, s, false),
-            Nearer::End(s) => (&self.to, s, true),
+        let (from, s, is_late) = match MoveTime::of(s) {
+            MoveTime::Start(s) => (&self.from, s, false),
+            MoveTime::End(s) => (&self.to, s, true),
         };
         let mut way = self.displacement * blend(s);
         let mut slope = N::ONE - (s + s);
@@ -71,14 +71,14 @@ impl<N: Number> RestToRest<N> {
     /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
-        self.on(Nearer::between(tick, part, self.ticks, &self.count))
+        self.on(MoveTime::between(tick, part, self.ticks, &self.count))
     }
 
     #[inline(always)]
-    fn on(&self, instant: Nearer<N>) -> Setpoint<N> {
-        match instant {
-            Nearer::Start(s) => self.after_start(s),
-            Nearer::End(s) => self.before_end(s),
+    fn on(&self, time: MoveTime<N>) -> Setpoint<N> {
+        match time {
+            MoveTime::Start(s) => self.after_start(s),
+            MoveTime::End(s) => self.before_end(s),
         }
     }
 

@@ -1,9 +1,9 @@
-//! A move of either kind.
+//! One move of a job, of either kind.
 
 use super::{Hermite, RestToRest, Setpoint};
 use crate::number::Number;
 
-/// One move of a job: one that starts and ends at rest is spared the general cubic.
+/// One move of a job. A move that starts and ends at rest does without the general cubic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment<N: Number> {
     /// From rest to rest.

@@ -88,7 +88,7 @@ impl<N: Number> Solve<N> for Balance<N> {
         let noise = 2.0 * N::UNIT_ROUNDOFF.to_f64();
         Self {
             inverse_l2_sq: N::factor_from_f64(1.0 / (l2 * l2)),
-            least_det_a: N::from_f64(noise * singularity::greatest_det_a(parameters)),
+            least_det_a: N::from_f64(noise * parameters.greatest_det_a()),
         }
     }
 

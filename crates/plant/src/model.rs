@@ -9,7 +9,6 @@ use crate::path::JobPath;
 use crate::refusal::Refusal;
 use crate::statistics::Statistics;
 use crate::watch::{self, Ending, Watch};
-use trirrr_core::singularity;
 use trirrr_scene::{Drive, Plant as Scenario, Scene, Transmission};
 
 /// Source of the motors' commands.
@@ -119,7 +118,7 @@ impl<const N: usize> Plant<N> {
         if Self::ELASTIC {
             state[ROTORS..ROTORS + 3].copy_from_slice(&start);
         }
-        let greatest = singularity::greatest_det_a(parameters);
+        let greatest = parameters.greatest_det_a();
         let following_error = scenario.and_then(|plant: &Scenario| plant.following_error_rad);
         let continuous = matches!(control, Control::Continuous(_));
         let watches = watch::list(&friction, &motors, continuous, following_error.is_some());

@@ -13,7 +13,6 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
 use trirrr_core::number::{Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
-use trirrr_core::singularity::greatest_det_a;
 use trirrr_core::tick::{Motion, Tick};
 use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
@@ -136,7 +135,7 @@ impl<'p> Measured<'p> {
         let distal = largest(p.legs.map(|leg| leg.distal_m));
         measured.note(Of::RADIUS, radius);
         measured.note(Of::MOMENT_ARM, 2.0 * radius * distal);
-        measured.note(Of::DET_A, greatest_det_a(p));
+        measured.note(Of::DET_A, p.greatest_det_a());
         measured.note(Of::RADIUS, size(p.platform.com_m));
         let gravity = size(p.gravity_m_s2);
         measured.note(Of::LINEAR_ACCELERATION, gravity);
@@ -269,7 +268,7 @@ impl<'p> Measured<'p> {
         self.note(Of::FORCE, force);
         self.note(Of::TORQUE, moment);
         self.note(Of::MOMENT_ACROSS, force * longest);
-        let greatest = greatest_det_a(p);
+        let greatest = p.greatest_det_a();
         self.parallel = self.parallel.min(motion.forces.det_a.abs() / greatest);
     }
 
@@ -317,7 +316,7 @@ impl<'p> Measured<'p> {
             let name = "the least r1 x r2 of a leg";
             least(name, self.serial * products, "m^2", area)?;
         }
-        let det_a = self.parallel * greatest_det_a(self.parameters);
+        let det_a = self.parallel * self.parameters.greatest_det_a();
         least("the least det A", det_a, "m^4", area * area)?;
         Ok(units)
     }

@@ -16,7 +16,6 @@ use std::path::Path;
 use std::str::FromStr;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
-use trirrr_core::singularity::greatest_det_a;
 use trirrr_service::key;
 
 /// Slowest and fastest tick rate, Hz.
@@ -269,7 +268,7 @@ fn check_machine(
         Ok(geometry) => geometry,
         Err(error) => return document.refuse(legs, error.to_string()),
     };
-    if greatest_det_a(&scene.parameters) <= 0.0 {
+    if scene.parameters.greatest_det_a() <= 0.0 {
         let reason = "the three platform joints fall together: nothing holds the platform's angle";
         return document.refuse(legs, reason);
     }

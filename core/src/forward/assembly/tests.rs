@@ -49,7 +49,7 @@ fn holds_the_pose_and_every_mode_closes() {
         let pose = case.pose();
         let near = forward.nearest(&found, &pose).unwrap();
         // The pose is rounded as the angles are, and looser the nearer it is to a singularity.
-        let off = forward.apart(&near.pose, &pose);
+        let off = forward.joint_distance(&near.pose, &pose);
         let rounding = f64::UNIT_ROUNDOFF * case.reach();
         worst[1].set(worst[1].get().max(off * near.distance / rounding));
 
@@ -63,7 +63,7 @@ fn holds_the_pose_and_every_mode_closes() {
                 mode.pose.angle + beside,
             );
             let again = forward.solve(&case.angles, guess, 20).unwrap();
-            let off = forward.apart(&again.pose, &mode.pose);
+            let off = forward.joint_distance(&again.pose, &mode.pose);
             worst[2].set(worst[2].get().max(off * mode.distance / rounding));
         }
     });
@@ -125,7 +125,7 @@ fn six_modes() {
     assert_eq!(positive, 3);
     for pair in found.modes().windows(2) {
         assert!(pair[0].pose.angle < pair[1].pose.angle);
-        assert!(case.forward().apart(&pair[0].pose, &pair[1].pose) > 0.1);
+        assert!(case.forward().joint_distance(&pair[0].pose, &pair[1].pose) > 0.1);
     }
     for mode in found.modes() {
         assert!(mode.residual < 1e-14 && mode.distance > 0.4 && !mode.double);
@@ -169,7 +169,7 @@ fn two_modes_merge_at_a_parallel_singularity() {
     let pose = Pose::from_f64(0.245, 0.25, singular);
     let at = forward.assemblies(&angles).unwrap();
     let near = forward.nearest(&at, &pose).unwrap();
-    assert!(forward.apart(&near.pose, &pose) < 1e-8, "{near:?}");
+    assert!(forward.joint_distance(&near.pose, &pose) < 1e-8, "{near:?}");
     assert!(near.distance < 1e-6 && near.residual < 1e-14, "{near:?}");
     assert_eq!(at.completeness, Completeness::Double, "{at:?}");
     assert!(near.double);
@@ -180,7 +180,7 @@ fn two_modes_merge_at_a_parallel_singularity() {
         let angles = [angles[0] + step, angles[1], angles[2]];
         let found = forward.assemblies(&angles).unwrap();
         assert_eq!(found.completeness, Completeness::Complete, "{found:?}");
-        let near = |mode: &&Assembly<f64>| forward.apart(&mode.pose, &pose) < 0.1;
+        let near = |mode: &&Assembly<f64>| forward.joint_distance(&mode.pose, &pose) < 0.1;
         let near: Vec<_> = found.modes().iter().filter(near).copied().collect();
         near
     };
@@ -193,10 +193,10 @@ fn two_modes_merge_at_a_parallel_singularity() {
         };
         assert_eq!((two.len(), none.len()), (2, 0), "{step:e}");
         assert!(two[0].det_a * two[1].det_a < 0.0);
-        let apart = forward.apart(&two[0].pose, &two[1].pose);
+        let moved = forward.joint_distance(&two[0].pose, &two[1].pose);
         assert!(
-            (0.05..5.0).contains(&(apart / step.sqrt())),
-            "{apart:e} at {step:e}"
+            (0.05..5.0).contains(&(moved / step.sqrt())),
+            "{moved:e} at {step:e}"
         );
     }
 }
@@ -223,7 +223,7 @@ fn two_modes_with_one_angle_are_both_found() {
         for y in [0.5, -0.5] {
             let pose = Pose::from_f64(0.3, y, alpha);
             let near = forward.nearest(&found, &pose).unwrap();
-            let off = forward.apart(&near.pose, &pose);
+            let off = forward.joint_distance(&near.pose, &pose);
             assert!(off < 1e-14 + 4.0 * tilt, "{off:e}, {tilt:e}: {found:?}");
         }
         assert_eq!(found.modes().len() % 2, 0, "{found:?}");
@@ -290,7 +290,7 @@ fn degenerate_platforms_are_solved() {
         assert_eq!(found.completeness, Completeness::Complete, "{found:?}");
         assert_eq!(found.modes().len(), scan(&case, 10_000));
         let near = forward.nearest(&found, &case.pose()).unwrap();
-        assert!(forward.apart(&near.pose, &case.pose()) < 1e-13);
+        assert!(forward.joint_distance(&near.pose, &case.pose()) < 1e-13);
     }
 }
 

@@ -59,7 +59,7 @@ fn by_small_steps(
         let angles = [turned(0), turned(1), turned(2)];
         let next = forward.solve(&angles, pose, 20).ok()?.pose;
         let (det_a, distance) = forward.det_a(&next, &forward.elbows(&angles));
-        let step = forward.apart(&pose, &next);
+        let step = forward.joint_distance(&pose, &next);
         if (det_a > 0.0) != (from.det_a > 0.0) || distance < 1e-3 || step > 0.02 {
             return None;
         }
@@ -87,12 +87,13 @@ fn never_ends_in_another_mode() {
                 sure.set(sure.get() + 1);
                 let right = by_small_steps(&forward, &track, &angles, 2000);
                 let right = right.expect("a way that is sure exists");
-                let off = forward.apart(&found.pose, &right);
+                let off = forward.joint_distance(&found.pose, &right);
                 assert!(off * found.distance < 1e-12, "{off:e}: {case:?}");
                 assert!(found.det_a * track.det_a > 0.0);
                 // What a single Newton-Raphson from the last pose would have made of it.
                 let naive = forward.solve(&angles, track.pose, 20);
-                let naive = naive.is_ok_and(|naive| forward.apart(&naive.pose, &right) < 1e-6);
+                let naive =
+                    naive.is_ok_and(|naive| forward.joint_distance(&naive.pose, &right) < 1e-6);
                 jumps.set(jumps.get() + u32::from(!naive));
             }
             Err(_) => unsure.set(unsure.get() + 1),
@@ -139,7 +140,7 @@ fn stops_at_a_parallel_singularity() {
     let beyond = at(singular - 0.1);
     let across = tracker.follow(&track, &beyond.1).unwrap();
     assert!(across.det_a * track.det_a > 0.0, "{across:?}");
-    assert!(forward.apart(&across.pose, &beyond.0) > 1e-3);
+    assert!(forward.joint_distance(&across.pose, &beyond.0) > 1e-3);
     assert!(across.residual < 1e-14);
 
     let (pose, angles) = at(singular + 1e-6);

@@ -7,7 +7,6 @@ use trirrr_core::machine::{BuildError, Geometry, Leg};
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::reaction::LegMasses;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::singularity::greatest_det_a;
 use trirrr_core::status::Status;
 use trirrr_core::torque::links::MassiveLeg;
 use trirrr_core::torque::payload::{Offset, Payload};
@@ -91,7 +90,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         for third in 2..LEGS {
             for second in 1..third {
                 for first in 0..second {
-                    let greatest = greatest_det_a(&parameters.three([first, second, third]));
+                    let greatest = parameters.three([first, second, third]).greatest_det_a();
                     sum += greatest * greatest;
                 }
             }

@@ -1,17 +1,18 @@
-//! Instants of a move.
+//! Time within a move.
 
 use crate::number::Number;
 
-/// An instant of a move, as the fraction of its duration from the nearer end.
-pub(super) enum Nearer<N> {
+/// Time within a move: the fraction of its duration from the nearer end, where the pose is exact.
+pub(super) enum MoveTime<N> {
     /// After the start.
     Start(N),
     /// Before the end.
     End(N),
 }
 
-impl<N: Number> Nearer<N> {
-    /// The instant of `tick` in a move of `ticks`, which is `count`; beyond the end, the end.
+impl<N: Number> MoveTime<N> {
+    /// The time of `tick` in a move of `ticks` ticks; beyond the end, the end. `count` is `ticks`,
+    /// prepared for fractions.
     #[inline(always)]
     pub(super) fn at(tick: u32, ticks: u32, count: &N::Count) -> Self {
         let left = ticks.saturating_sub(tick);
@@ -24,7 +25,7 @@ impl<N: Number> Nearer<N> {
         }
     }
 
-    /// The instant at the fraction `s` of the duration, 0 to 1.
+    /// The time at the fraction `s` of the duration, 0 to 1.
     #[inline(always)]
     pub(super) fn of(s: N) -> Self {
         if s <= N::HALF {
@@ -34,9 +35,9 @@ impl<N: Number> Nearer<N> {
         }
     }
 
-    /// The instant `part` of a tick, 0 to less than 1, after `tick`; with 0 that of the tick. Whole ticks
-    /// and the part are divided apart, for together they do not fit an integer; that rounds twice, so
-    /// a whole tick is not left to this.
+    /// The time `part` of a tick, 0 to less than 1, after `tick`. Whole ticks and the part are divided
+    /// separately, because their sum is no integer. That rounds twice, so a `part` of 0 is left to
+    /// [`at`](Self::at).
     #[inline(always)]
     pub(super) fn between(tick: u32, part: N, ticks: u32, count: &N::Count) -> Self {
         if part == N::ZERO {
