@@ -1,11 +1,11 @@
-//! One number that stands for the bits of every kernel over a lattice of arguments: equal on two
-//! machines only if they compute alike.
+//! A hash of the bits of every kernel over a lattice of arguments: equal on two machines that compute
+//! alike.
 
 use super::WideArithmetic;
 
 /// FNV-1a over the bits, as f64, of what each function of a float returns: ordinary arguments,
-/// angles of every size up to 2^100, vectors from 2^-100 to 2^100, subnormal roots. What is not a
-/// number is left out, for its bits are the machine's choice.
+/// angles of every size up to 2^100, vectors from 2^-100 to 2^100, subnormal roots. Results that are not
+/// numbers are left out, because their bits depend on the machine.
 #[doc(hidden)]
 #[must_use]
 pub fn fingerprint<N: WideArithmetic<Angle = N>>() -> u64 {

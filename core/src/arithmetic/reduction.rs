@@ -51,7 +51,7 @@ const TWO_OVER_PI: [u32; 40] = [
     0xfc7b_6bab,
 ];
 
-/// What `f32` needs of [`TWO_OVER_PI`], so that an image without `f64` does not carry the rest.
+/// The part of [`TWO_OVER_PI`] that `f32` needs, so that an image without `f64` does not carry the rest.
 const TWO_OVER_PI_F32: [u32; 8] = {
     let mut head = [0; 8];
     let mut i = 0;

@@ -68,7 +68,7 @@ fn turned_f32(quadrant: u32, r: f32, low: f32) -> (f32, f32) {
 }
 
 /// Sine and cosine of `x` radians, for any finite `x`, each within 1.0 units in the last place.
-/// What is not finite gives two results that are not numbers.
+/// An angle that is not finite gives two results that are not numbers.
 #[inline(always)]
 pub(super) fn sin_cos_f64(x: f64) -> (f64, f64) {
     // As for f32, with 2^52 + 512.

@@ -1,8 +1,7 @@
-//! Inverse kinematics: from the platform's pose, velocity and acceleration to those of the legs.
+//! Inverse kinematics: motion of the legs for a pose, velocity and acceleration of the platform.
 //!
-//! Three stages, each made from the one before it: position -> velocity -> acceleration, for one
-//! leg at a time ([`Leg`]'s functions), so that a leg's intermediate values are done with before
-//! the next leg begins. A scene that wants positions only stops at the first.
+//! [`Leg`] has three stages, each of which uses the results before it: position, velocity,
+//! acceleration. The tick solves one leg at a time, so that few values are alive at once.
 //!
 //! [`Leg`]: crate::machine::Leg
 
@@ -15,27 +14,27 @@ pub use position::{LegPosition, Position, Rotation};
 use crate::dyad::{Accelerations, Rates};
 use crate::number::Number;
 
-/// How the links of one leg move.
+/// Motion of the links of one leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegMotion<N: Number> {
-    /// Where the joints are,
+    /// Places of the joints.
     pub position: LegPosition<N>,
-    /// how fast the links turn,
+    /// Angular velocities of the links.
     pub rates: Rates<N>,
-    /// and how that changes.
+    /// Angular accelerations of the links.
     pub accelerations: Accelerations<N>,
 }
 
 impl<N: Number> LegMotion<N> {
-    /// Whether what the next stages form of this motion stays in range. A rate fits if its square
-    /// does.
+    /// Returns `true` if the next stages' products of this motion stay in range. Rates occur there
+    /// as squares.
     #[inline(always)]
     pub fn fits(&self) -> bool {
         self.joints_fit() && N::in_range([self.accelerations.distal])
     }
 
-    /// The same for who forms no torques: the distal link's acceleration is not looked at, and so
-    /// need not be computed.
+    /// [`fits`](Self::fits) without torques: the distal link's acceleration is not read, so the
+    /// compiler leaves it out.
     #[inline(always)]
     pub fn joints_fit(&self) -> bool {
         let (rates, acc) = (&self.rates, &self.accelerations);

@@ -14,7 +14,7 @@ pub struct Rotation<N> {
     cos: N,
 }
 
-/// Where the joints of one leg are.
+/// Places of the joints of one leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegPosition<N: Number> {
     /// c: from the platform's reference point D to the platform joint C, in the fixed frame.
@@ -23,7 +23,7 @@ pub struct LegPosition<N: Number> {
     pub links: DyadPosition<N>,
 }
 
-/// Where every joint is.
+/// Places of the joints of all legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position<N: Number> {
     /// The three legs.

@@ -1,4 +1,4 @@
-//! Numbers of any size that others are multiplied by.
+//! Multipliers of any size.
 
 use super::product::{normalised, rounded, signed};
 use super::reciprocal::reciprocal;
@@ -10,7 +10,7 @@ use core::ops::{Mul, Neg};
 pub struct Factor {
     /// 0, or in size from 2^30 up to and without 2^31.
     pub significand: i32,
-    /// How far a sum in 2^-58 is shifted right before it is multiplied.
+    /// Right shift of a sum in 2^-58 before it is multiplied.
     pub shift: i32,
 }
 

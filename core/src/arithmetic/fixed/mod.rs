@@ -1,23 +1,22 @@
 //! Fixed point: for microcontrollers without a floating-point unit.
 //!
 //! # Format
-//! A [`Fixed`] is a whole number of 2^-29: it reaches from -4 to 4 and stands for a quantity in
-//! units that are chosen for the machine and its job (powers of two), so that
-//! every quantity of the tick is below 2. The factor of 2 beyond is what a sum of two needs; what
-//! leaves the format saturates at its rails.
+//! A [`Fixed`] is a whole number of 2^-29 and reaches from -4 to 4. It holds a quantity in units that
+//! are powers of two, chosen for the machine and its job so that every quantity of the tick is below
+//! 2. The sum of two such values still fits; larger results saturate at the rails.
 //!
 //! | type | holds | in |
 //! |---|---|---|
 //! | [`Fixed`] | quantities | `i32`, 2^-29 |
 //! | [`Sum`] | sums of products, not rounded | `i64`, 2^-58 |
-//! | [`Factor`] | what others are multiplied by: reciprocals, rates of ticks | 31 bits and an exponent |
+//! | [`Factor`] | multipliers: reciprocals, rates of ticks | 31 bits and an exponent |
 //! | [`Turns`] | angles | `i64`, 2^-32 of a turn |
 //! | [`Count`] | ticks of a move, for fractions of it | a 32-bit reciprocal and a shift |
 //!
-//! # What each operation does
-//! One unit is 2^-29. Every operation is integer arithmetic alone, with the same bits on every machine;
-//! none divides. "Saturates" means: what is beyond the range becomes one of the rails, which are
-//! not finite.
+//! # Operations
+//! One unit is 2^-29. Every operation is integer arithmetic without division, with the same bits on
+//! every machine. "Saturates" means that a result beyond the range becomes one of the rails, which
+//! are not finite.
 //!
 //! | operation | error | beyond the range |
 //! |---|---|---|
@@ -64,12 +63,12 @@ pub struct Fixed(pub i32);
 #[repr(transparent)]
 pub struct Sum(pub i64);
 
-/// A length that vectors are known to have.
+/// The known length of a vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Length {
     /// The length.
     pub value: Fixed,
-    /// How far it is shifted left to lie in (2^29, 2^30].
+    /// Left shift that takes the length into (2^29, 2^30].
     pub shift: u32,
     /// 2^60 over that.
     pub inverse: i32,
@@ -83,11 +82,11 @@ const RADIANS: i64 = 843_314_857;
 const TURNS: i32 = 1_367_130_551;
 
 impl Fixed {
-    /// The largest value that is in range: what the tick forms of such values fits.
+    /// The largest value in range: the tick's products and sums of such values do not saturate.
     pub const RANGE: f64 = 2.0;
     /// One unit.
     pub const UNIT: f64 = 1.0 / (1u32 << FRACTION) as f64;
-    /// This close to a rail is beyond it: saturation leaves the lowest bits as they are.
+    /// A value this close to a rail counts as saturated: saturation leaves the lowest bits as they are.
     const MARGIN: i32 = 8;
 }
 
@@ -186,10 +185,10 @@ impl Arithmetic for Fixed {
     const ZERO: Self = Self(0);
     const ONE: Self = Self(1 << FRACTION);
     const HALF: Self = Self(1 << (FRACTION - 1));
-    // Half of it is what the format has no room for.
+    // An operation rounds by half a unit.
     const UNIT_ROUNDOFF: Self = Self(1);
 
-    /// Beyond the range one of the rails, as for what is not a number.
+    /// A rail for values beyond the range and for values that are not numbers.
     fn from_f64(x: f64) -> Self {
         if x.is_nan() {
             return Self(i32::MIN);

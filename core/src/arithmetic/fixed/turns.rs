@@ -4,8 +4,8 @@ use core::ops::{Add, Neg, Sub};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// An angle in 2^-32 of a turn, 1.46e-9 rad: 2^31 turns of either sign. What lies beyond a turn
-/// costs nothing to take off: it is the upper word.
+/// An angle in 2^-32 of a turn, 1.46e-9 rad: 2^31 turns of either sign. Whole turns are the upper
+/// word, so that wrapping costs nothing.
 ///
 /// | operator | does |
 /// |---|---|
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub struct Turns(pub i64);
 
 impl Turns {
-    /// The angle nearest to `radians`; of what is not a number, 0.
+    /// The angle nearest to `radians`; 0 for a value that is not a number.
     pub(super) fn from_radians(radians: f64) -> Self {
         // The conversion saturates.
         Self(super::nearest(radians * (4_294_967_296.0 / core::f64::consts::TAU)) as i64)
