@@ -12,7 +12,7 @@ use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
-use trirrr_core::number::Number;
+use trirrr_core::number::Arithmetic;
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
 use trirrr_protocol::message::DriveFault;
