@@ -17,7 +17,17 @@ pub(crate) fn run() -> Result<()> {
 fn steps() -> Result<Vec<Step>> {
     let mut steps = vec![
         // Licences, sources and duplicates of dependencies, by deny.toml.
-        Step::cargo("dependencies", &["deny", "--workspace", "check"]),
+        Step::cargo(
+            "dependencies",
+            &[
+                "deny",
+                "--workspace",
+                "check",
+                "bans",
+                "licenses",
+                "sources",
+            ],
+        ),
         Step::on_host(
             "admission of ten thousand moves",
             "test",
