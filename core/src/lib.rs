@@ -12,14 +12,14 @@
 //! Setpoint ──> inverse::Position ──> inverse::Velocity ──> inverse::Acceleration ─┐
 //!    │               (angles)             (rates)              (accelerations)     │
 //!    │                                                                            v
-//!    └──> torque::payload::Demand ──────────> torque::balance <───── torque::links::LegLoad
+//!    └──> torque::demand::Demand ───────────> torque::balance <───── torque::links::LegLoad
 //!                                                   │ (torques)
 //!                                                   v
 //!                                             tick::Motion
 //! ```
 //! Each stage is a small type with one pure function and knows the one before it, never the one
-//! after. [`tick::Tick`] runs them in order; its type parameters say what a scene holds (number
-//! type, payload, links, gravity), so that what a scene does not use is not compiled.
+//! after. [`tick::Tick`] runs them in order. Its [`model`] says what a scene holds (number type,
+//! payload, links, gravity), so that what a scene does not use is not compiled.
 //!
 //! # Example
 //! The thesis machine starts its move: the torques at rest, in f32.
@@ -28,6 +28,7 @@
 //! use trirrr_core::machine::{
 //!     Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters,
 //! };
+//! use trirrr_core::model::Dynamic;
 //! use trirrr_core::setpoint::{Pose, RestToRest};
 //! use trirrr_core::tick::Tick;
 //!
@@ -54,7 +55,7 @@
 //!     wrench_torque_nm: 0.0,
 //! };
 //! // Built once: everything is checked here, nothing in the tick.
-//! let tick: Tick<f32> = Tick::build(&parameters)?;
+//! let tick: Tick<Dynamic<f32>> = Tick::build(&parameters)?;
 //!
 //! // x 0.21 -> 0.28 m, y 0.22 -> 0.28 m, alpha 9 -> 12 degrees in 100 ticks of 10 ms.
 //! let from = Pose::from_f64(0.21, 0.22, 9f64.to_radians());
@@ -102,6 +103,7 @@ pub mod forward;
 pub mod inverse;
 pub mod limits;
 pub mod machine;
+pub mod model;
 pub mod number;
 pub mod reaction;
 pub mod setpoint;

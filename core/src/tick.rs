@@ -1,29 +1,24 @@
 //! One tick: from a setpoint to what the three motors have to do.
 //!
-//! The types of a [`Tick`] say what the scene holds: its number type `N`, its platform `P`, its
-//! links `L`. What a scene does not use is not in them, so it is not in the image either.
+//! The [`Model`] of a [`Tick`] says what the scene holds: number type, payload, links. What a scene
+//! does not use is not in the model, so it is not in the image either.
 
 use crate::inverse::{LegMotion, Position, Rotation};
 use crate::machine::{BuildError, Geometry, Parameters};
+use crate::model::Model;
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::status::Status;
-use crate::torque::balance::{Forces, Solve};
-use crate::torque::links::{LegLoad, Links, Massless};
-use crate::torque::payload::{Centred, Payload};
+use crate::torque::balance::Forces;
+use crate::torque::links::LegLoad;
 
-/// The pipeline with its coefficients, built once by [`Tick::build`]. They are plain numbers, open
-/// so that whoever builds an image can write them as constants; nothing else makes good ones.
+/// The pipeline of a machine with its coefficients, built once by [`Tick::build`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick<N: Number, P: Payload<N> = Centred<N>, L = Massless> {
-    /// Where the legs are, and their dyads.
-    pub geometry: Geometry<N>,
-    /// What solves for the torques, if there are any.
-    pub balance: P::Balance,
-    /// The platform.
-    pub payload: P,
-    /// The legs' own masses.
-    pub links: L,
+pub struct Tick<M: Model> {
+    /// Base joints and dyads of the legs.
+    pub geometry: Geometry<M::N>,
+    /// Dynamics, if the scene has any.
+    pub model: M,
 }
 
 /// What one motor has to do.
@@ -36,7 +31,7 @@ pub struct Motor<N: Number> {
     /// Angular acceleration.
     pub acceleration: N,
     /// Torque of the motor on the proximal link, positive counter-clockwise; zero in a
-    /// [scene without torques](crate::torque::payload::PositionOnly).
+    /// [model without torques](crate::model::Kinematic).
     pub torque: N,
 }
 
@@ -80,18 +75,16 @@ impl<N: Number> Motion<N> {
     }
 }
 
-impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
-    /// Checks `parameters` and builds the coefficients. Parts of the parameters that `P` and `L`
-    /// have no room for are left out: it is the scene's business to choose types that fit.
+impl<N: Number, M: Model<N = N>> Tick<M> {
+    /// Checks `parameters` and builds the coefficients. Parts of the parameters that the model has
+    /// no room for are left out: the scene has to choose a model that fits.
     ///
     /// # Errors
     /// The first quantity that is refused.
     pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
         Ok(Self {
             geometry: Geometry::build(parameters)?,
-            balance: P::Balance::build(parameters),
-            payload: P::build(parameters),
-            links: L::build(parameters),
+            model: M::build(parameters),
         })
     }
 
@@ -118,8 +111,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
             rates,
             accelerations,
         };
-        let load = self.links.load(index, &leg.dyad, &motion);
-        let fits = match P::Balance::TORQUES {
+        let load = self.model.load(index, &leg.dyad, &motion);
+        let fits = match M::TORQUES {
             true => motion.fits() && load.fits(),
             false => motion.joints_fit(),
         };
@@ -142,11 +135,10 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
     ) -> Result<[N; 3], Status> {
         let load = |leg: usize| {
             let dyad = &self.geometry.legs[leg].dyad;
-            self.links.load(leg, dyad, &legs[leg])
+            self.model.load(leg, dyad, &legs[leg])
         };
         let loads = [load(0), load(1), load(2)];
-        let demand = self.payload.demand(setpoint, rotation);
-        let forces = self.balance.forces(legs, &demand, &loads)?;
+        let forces = self.model.forces(legs, &loads, setpoint, rotation)?;
         Ok(forces.torques(legs, &loads))
     }
 
@@ -186,15 +178,14 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
         let legs = [leg1, leg2, leg3];
         let loads = [load1, load2, load3];
 
-        let demand = self.payload.demand(setpoint, &rotation);
-        let forces = self.balance.forces(&legs, &demand, &loads)?;
+        let forces = self.model.forces(&legs, &loads, setpoint, &rotation)?;
         let torques = forces.torques(&legs, &loads);
 
         // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
         // with a part that is not finite is not finite.
         let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
         let [t1, t2, t3] = torques;
-        let lost = match (N::PROPAGATES_NON_FINITE, P::Balance::TORQUES) {
+        let lost = match (N::PROPAGATES_NON_FINITE, M::TORQUES) {
             (true, true) => !((a1 + a2 + a3) + (t1 + t2 + t3)).is_finite(),
             (true, false) => !(a1 + a2 + a3).is_finite(),
             (false, torques_count) => torques_count && !N::in_range(torques),
@@ -222,9 +213,9 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Tick<N, P, L> {
 mod tests {
     use super::*;
     use crate::machine::example;
+    use crate::model::{Dynamic, Kinematic};
     use crate::number::Fixed;
     use crate::setpoint::Pose;
-    use crate::torque::payload::PositionOnly;
     use nalgebra::Vector3;
 
     /// Without torques the rest is the same, in the bits; and a machine whose torques leave the
@@ -236,8 +227,8 @@ mod tests {
             velocity: Vector3::new(0.1, -0.05, 0.2).map(N::from_f64),
             acceleration: Vector3::new(-0.05, 0.1, 0.2).map(N::from_f64),
         };
-        let with: Tick<N> = Tick::build(&parameters).expect("a machine");
-        let without: Tick<N, PositionOnly> = Tick::build(&parameters).expect("a machine");
+        let with: Tick<Dynamic<N>> = Tick::build(&parameters).expect("a machine");
+        let without: Tick<Kinematic<N>> = Tick::build(&parameters).expect("a machine");
         let (all, bare) = (with.evaluate(&setpoint), without.evaluate(&setpoint));
         let (all, bare) = (all.expect("a motion"), bare.expect("a motion"));
         assert_eq!(all.legs, bare.legs);
@@ -254,8 +245,8 @@ mod tests {
             return;
         }
         parameters.platform.mass_kg = 1e3;
-        let with: Tick<N> = Tick::build(&parameters).expect("a machine");
-        let without: Tick<N, PositionOnly> = Tick::build(&parameters).expect("a machine");
+        let with: Tick<Dynamic<N>> = Tick::build(&parameters).expect("a machine");
+        let without: Tick<Kinematic<N>> = Tick::build(&parameters).expect("a machine");
         assert_eq!(with.evaluate(&setpoint), Err(Status::OutOfRange));
         assert!(without.evaluate(&setpoint).is_ok());
     }

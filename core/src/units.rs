@@ -164,6 +164,7 @@ impl Units {
 mod tests {
     use super::*;
     use crate::machine::example;
+    use crate::model::Dynamic;
     use crate::tick::Tick;
 
     /// The equations of motion know no units: in f64, where powers of two are exact, a machine in
@@ -177,7 +178,8 @@ mod tests {
             acceleration: Vector3::new(-1.5, 0.7, 3.0),
         };
         let motion = |units: Units| {
-            let tick: Tick<f64> = Tick::build(&units.parameters(&parameters)).expect("a machine");
+            let tick: Tick<Dynamic<f64>> =
+                Tick::build(&units.parameters(&parameters)).expect("a machine");
             tick.evaluate(&units.setpoint(&setpoint)).expect("a motion")
         };
         let si = motion(Units::SI);

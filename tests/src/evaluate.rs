@@ -1,14 +1,13 @@
 //! The core's pipeline on any machine: the types that a machine's parameters call for, chosen at
 //! run time.
 
-use trirrr_core::machine::{Geometry, LinksKind, Parameters, PayloadKind};
+use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::{Motion, Tick};
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
 
 /// Evaluates one setpoint with the leanest pipeline that holds all of `parameters`.
 ///
@@ -18,21 +17,22 @@ pub fn evaluate<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
 ) -> Result<Motion<N>, Status> {
-    match PayloadKind::of(parameters) {
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters, setpoint),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters, setpoint),
-    }
+    ModelKind::of(parameters, true).visit(Evaluate {
+        parameters,
+        setpoint,
+    })
 }
 
-fn with_payload<N: Number, P: Payload<N>>(
-    parameters: &Parameters,
-    setpoint: &Setpoint<N>,
-) -> Result<Motion<N>, Status> {
-    match LinksKind::of(parameters) {
-        LinksKind::Massless => with::<N, P, Massless>(parameters, setpoint),
-        LinksKind::Rotors => with::<N, P, Rotors<N>>(parameters, setpoint),
-        LinksKind::MassiveHorizontal => with::<N, P, Massive<N, Horizontal>>(parameters, setpoint),
-        LinksKind::MassiveInPlane => with::<N, P, Massive<N, InPlane<N>>>(parameters, setpoint),
+struct Evaluate<'a, N: Number> {
+    parameters: &'a Parameters,
+    setpoint: &'a Setpoint<N>,
+}
+
+impl<N: Number> ModelVisitor<N> for Evaluate<'_, N> {
+    type Output = Result<Motion<N>, Status>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        with::<M>(self.parameters, self.setpoint)
     }
 }
 
@@ -52,15 +52,15 @@ pub fn distances<N: Number>(parameters: &Parameters, pose: &Pose<N>) -> ([f64; 3
     })
 }
 
-/// Evaluates one setpoint with the pipeline of the given types.
+/// Evaluates one setpoint with the pipeline of the model `M`.
 ///
 /// # Panics
 /// When the machine is refused.
-pub fn with<N: Number, P: Payload<N>, L: Links<N>>(
+pub fn with<M: Model>(
     parameters: &Parameters,
-    setpoint: &Setpoint<N>,
-) -> Result<Motion<N>, Status> {
-    Tick::<N, P, L>::build(parameters)
+    setpoint: &Setpoint<M::N>,
+) -> Result<Motion<M::N>, Status> {
+    Tick::<M>::build(parameters)
         .unwrap_or_else(|error| panic!("{error}: {parameters:?}"))
         .evaluate(setpoint)
 }

@@ -45,7 +45,7 @@ macro_rules! images {
             #[test]
             fn $image() {
                 use $image::*;
-                let built = Coefficients::<Scalar, Payload, Links>::build(
+                let built = Coefficients::<Model>::build(
                     &PARAMETERS, &LIMITS, RAMP_TICKS, PERIOD,
                 );
                 let built = built.expect("a shipped scene is good");

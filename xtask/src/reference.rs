@@ -1,12 +1,11 @@
 //! What the host computes for a scene's job: the bits that every core has to give.
 
 use anyhow::{Context, Result, bail};
-use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
+use trirrr_core::machine::Parameters;
+use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
 use trirrr_image::Checksum;
 use trirrr_scene::{JobPlayer, Scene};
 
@@ -21,35 +20,29 @@ pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
 }
 
 fn with_number<N: Number>(scene: &Scene) -> Result<u64> {
-    match PayloadKind::of(&scene.parameters) {
-        _ if !scene.torque => with_links::<N, PositionOnly, Massless>(scene),
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(scene),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(scene),
+    scene.model().visit::<N, _>(Sum(scene))
+}
+
+struct Sum<'a>(&'a Scene);
+
+impl<N: Number> ModelVisitor<N> for Sum<'_> {
+    type Output = Result<u64>;
+
+    fn visit<M: Model<N = N>>(self) -> Result<u64> {
+        let Self(scene) = self;
+        let units = trirrr_scene::units::<N>(scene)?;
+        let period = units.time(scene.period_s());
+        let player = JobPlayer::<N>::new(&scene.job.in_units(&units), period);
+        sum::<M>(&units.parameters(&scene.parameters), player.setpoints())
+            .with_context(|| format!("scene {}", scene.name))
     }
 }
 
-fn with_payload<N: Number, P: Payload<N>>(scene: &Scene) -> Result<u64> {
-    match LinksKind::of(&scene.parameters) {
-        LinksKind::Massless => with_links::<N, P, Massless>(scene),
-        LinksKind::Rotors => with_links::<N, P, Rotors<N>>(scene),
-        LinksKind::MassiveHorizontal => with_links::<N, P, Massive<N, Horizontal>>(scene),
-        LinksKind::MassiveInPlane => with_links::<N, P, Massive<N, InPlane<N>>>(scene),
-    }
-}
-
-fn with_links<N: Number, P: Payload<N>, L: Links<N>>(scene: &Scene) -> Result<u64> {
-    let units = trirrr_scene::units::<N>(scene)?;
-    let period = units.time(scene.period_s());
-    let player = JobPlayer::<N>::new(&scene.job.in_units(&units), period);
-    sum::<N, P, L>(&units.parameters(&scene.parameters), player.setpoints())
-        .with_context(|| format!("scene {}", scene.name))
-}
-
-fn sum<N: Number, P: Payload<N>, L: Links<N>>(
+fn sum<M: Model>(
     parameters: &Parameters,
-    setpoints: impl Iterator<Item = Setpoint<N>>,
+    setpoints: impl Iterator<Item = Setpoint<M::N>>,
 ) -> Result<u64> {
-    let tick = Tick::<N, P, L>::build(parameters)?;
+    let tick = Tick::<M>::build(parameters)?;
     let mut checksum = Checksum::default();
     for setpoint in setpoints {
         match tick.evaluate(&setpoint) {

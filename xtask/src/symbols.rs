@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSymbol};
 use std::fs;
 use std::path::Path;
-use trirrr_core::machine::{LinksKind, PayloadKind};
+use trirrr_core::model::{LinksKind, ModelKind, PayloadKind};
 use trirrr_image::generate::{kind, of_scene};
 use trirrr_scene::Scene;
 
@@ -36,29 +36,34 @@ const MARKS: &[Mark] = &[
     Mark {
         what: "an offset payload",
         names: &["6Offset"],
-        used: |scene| scene.torque && PayloadKind::of(&scene.parameters) == PayloadKind::Offset,
+        used: |scene| matches!(scene.model(), ModelKind::Dynamic(PayloadKind::Offset, _)),
     },
     Mark {
         what: "link inertia",
         names: &["7Massive"],
         used: |scene| {
-            let links = LinksKind::of(&scene.parameters);
-            scene.torque
-                && matches!(
-                    links,
-                    LinksKind::MassiveHorizontal | LinksKind::MassiveInPlane
-                )
+            use LinksKind::{MassiveHorizontal, MassiveInPlane};
+            let kind = scene.model();
+            matches!(
+                kind,
+                ModelKind::Dynamic(_, MassiveHorizontal | MassiveInPlane)
+            )
         },
     },
     Mark {
         what: "gravity on the links",
         names: &["7InPlane"],
-        used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::MassiveInPlane,
+        used: |scene| {
+            matches!(
+                scene.model(),
+                ModelKind::Dynamic(_, LinksKind::MassiveInPlane)
+            )
+        },
     },
     Mark {
         what: "rotor inertia without links",
         names: &["6Rotors"],
-        used: |scene| scene.torque && LinksKind::of(&scene.parameters) == LinksKind::Rotors,
+        used: |scene| matches!(scene.model(), ModelKind::Dynamic(_, LinksKind::Rotors)),
     },
     Mark {
         what: "fixed point",

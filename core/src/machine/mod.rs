@@ -4,12 +4,10 @@
 mod check;
 mod error;
 mod geometry;
-mod kinds;
 mod parameters;
 
 pub use error::{BuildError, Quantity};
 pub use geometry::{Geometry, Leg};
-pub use kinds::{LinksKind, PayloadKind};
 pub use parameters::{
     Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters, example,
 };

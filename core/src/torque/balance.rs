@@ -1,13 +1,11 @@
 //! The balance of platform and legs: three forces along the distal links, then three torques.
 
+use super::demand::Demand;
 use super::links::LegLoad;
-use super::payload::Demand;
-use crate::inverse::{LegMotion, Position};
+use crate::inverse::LegMotion;
 use crate::machine::Parameters;
 use crate::number::{Number, cross, dot, perpendicular, sum_cross, sum_dot};
-use crate::singularity;
 use crate::status::Status;
-use core::fmt::Debug;
 use nalgebra::Vector2;
 
 /// Coefficients of the balance.
@@ -28,60 +26,9 @@ pub struct Forces<N> {
     pub det_a: N,
 }
 
-/// Whether there is a balance to solve. The scene chooses by type: an image whose scene asks for no
-/// torques holds no code for them.
-pub trait Solve<N: Number>: Copy + Debug + PartialEq + Send + Sync {
-    /// Whether torques come out.
-    const TORQUES: bool;
-
+impl<N: Number> Balance<N> {
     /// Builds the coefficients from checked parameters.
-    fn build(parameters: &Parameters) -> Self;
-
-    /// Solves for the forces along the distal links.
-    ///
-    /// # Errors
-    /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
-    fn forces(
-        &self,
-        legs: &[LegMotion<N>; 3],
-        demand: &Demand<N>,
-        loads: &[LegLoad<N>; 3],
-    ) -> Result<Forces<N>, Status>;
-}
-
-/// No balance: every force and torque is zero. What a pose near a parallel singularity would
-/// cost in torque is nobody's question then; the admission holds the distance from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unsolved;
-
-impl<N: Number> Solve<N> for Unsolved {
-    const TORQUES: bool = false;
-
-    fn build(_: &Parameters) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn forces(
-        &self,
-        legs: &[LegMotion<N>; 3],
-        _: &Demand<N>,
-        _: &[LegLoad<N>; 3],
-    ) -> Result<Forces<N>, Status> {
-        let position = Position {
-            legs: legs.each_ref().map(|leg| leg.position),
-        };
-        Ok(Forces {
-            along: [N::ZERO; 3],
-            det_a: singularity::det_a(&position),
-        })
-    }
-}
-
-impl<N: Number> Solve<N> for Balance<N> {
-    const TORQUES: bool = true;
-
-    fn build(parameters: &Parameters) -> Self {
+    pub fn build(parameters: &Parameters) -> Self {
         let l2 = parameters.legs[0].distal_m;
         // The rows of A are rounded at the size of the links, so det A carries an error of a few
         // unit roundoffs of its largest possible value.
@@ -92,10 +39,15 @@ impl<N: Number> Solve<N> for Balance<N> {
         }
     }
 
+    /// Solves for the forces along the distal links.
+    ///
     /// Moments are taken about C_1, so that leg 1 drops out of them, and forces across leg 1, so
     /// that two equations in f_2 and f_3 are left. det A is the same about every point.
+    ///
+    /// # Errors
+    /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
     #[inline(always)]
-    fn forces(
+    pub fn forces(
         &self,
         legs: &[LegMotion<N>; 3],
         demand: &Demand<N>,

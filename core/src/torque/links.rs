@@ -4,6 +4,7 @@
 use crate::dyad::Rrr;
 use crate::inverse::LegMotion;
 use crate::machine::{LegParameters, Parameters};
+use crate::model::LinksKind;
 use crate::number::{Number, dot, perpendicular};
 use core::fmt::Debug;
 use nalgebra::Vector2;
@@ -20,6 +21,12 @@ pub struct LegLoad<N> {
 }
 
 impl<N: Number> LegLoad<N> {
+    /// The load of links without mass and motors without rotor inertia.
+    pub const NONE: Self = Self {
+        at_motor: None,
+        distal_over_l2_sq: None,
+    };
+
     /// Whether the load [fits](Number::fit).
     #[inline(always)]
     pub fn fits(&self) -> bool {
@@ -29,9 +36,12 @@ impl<N: Number> LegLoad<N> {
 }
 
 /// A kind of links.
-pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync {
+pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Links<M>;
+
+    /// Kind of the links.
+    const KIND: LinksKind;
 
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
@@ -46,6 +56,7 @@ pub struct Massless;
 
 impl<N: Number> Links<N> for Massless {
     type Over<M: Number> = Self;
+    const KIND: LinksKind = LinksKind::Massless;
 
     fn build(_: &Parameters) -> Self {
         Self
@@ -53,10 +64,7 @@ impl<N: Number> Links<N> for Massless {
 
     #[inline(always)]
     fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
-        LegLoad {
-            at_motor: None,
-            distal_over_l2_sq: None,
-        }
+        LegLoad::NONE
     }
 }
 
@@ -66,6 +74,7 @@ pub struct Rotors<N>(pub [N; 3]);
 
 impl<N: Number> Links<N> for Rotors<N> {
     type Over<M: Number> = Rotors<M>;
+    const KIND: LinksKind = LinksKind::Rotors;
 
     fn build(parameters: &Parameters) -> Self {
         Self(
@@ -171,6 +180,7 @@ impl<N: Number> MassiveLeg<N> {
 
 impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
     type Over<M: Number> = Massive<M, G::Over<M>>;
+    const KIND: LinksKind = G::MASSIVE;
 
     fn build(parameters: &Parameters) -> Self {
         Self {
@@ -186,9 +196,12 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
 }
 
 /// Gravity as the links feel it. Chosen by type.
-pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync {
+pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Gravity<M>;
+
+    /// Kind of links with mass under this gravity.
+    const MASSIVE: LinksKind;
 
     /// From the vector g, m/s^2.
     fn build(gravity_m_s2: Vector2<f64>) -> Self;
@@ -203,6 +216,7 @@ pub struct Horizontal;
 
 impl<N: Number> Gravity<N> for Horizontal {
     type Over<M: Number> = Self;
+    const MASSIVE: LinksKind = LinksKind::MassiveHorizontal;
 
     fn build(_: Vector2<f64>) -> Self {
         Self
@@ -220,6 +234,7 @@ pub struct InPlane<N>(pub Vector2<N>);
 
 impl<N: Number> Gravity<N> for InPlane<N> {
     type Over<M: Number> = InPlane<M>;
+    const MASSIVE: LinksKind = LinksKind::MassiveInPlane;
 
     fn build(gravity_m_s2: Vector2<f64>) -> Self {
         Self(gravity_m_s2.map(N::from_f64))

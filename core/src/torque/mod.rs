@@ -17,10 +17,10 @@
 //! The source's own formula (thesis (4.15) to (4.20)) gives each motor the power of the whole
 //! platform; see the repository's `docs/errata.md`.
 //!
-//! Three floors: [`payload`] makes F and M, [`links`] adds the legs' share, [`balance`] solves.
-//! Where a scene asks for no torques, its payload is [`PositionOnly`](payload::PositionOnly), its
-//! links [`Massless`](links::Massless), and nothing is solved.
+//! [`demand`] is F and M, [`payload`] makes them, [`links`] adds the share of the legs, [`balance`]
+//! solves. A [kinematic model](crate::model::Kinematic) uses none of them.
 
 pub mod balance;
+pub mod demand;
 pub mod links;
 pub mod payload;

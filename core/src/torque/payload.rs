@@ -1,57 +1,27 @@
-//! What the platform demands of the legs: its inertia, its weight and the external wrench.
+//! The platform and its load: inertia, weight and the external wrench.
 
-use super::balance::{Balance, Solve, Unsolved};
+use super::demand::Demand;
 use crate::inverse::Rotation;
 use crate::machine::Parameters;
+use crate::model::PayloadKind;
 use crate::number::{Number, cross, perpendicular};
 use crate::setpoint::Setpoint;
 use core::fmt::Debug;
 use nalgebra::Vector2;
 
-/// The force and the moment about D that the three legs together have to supply.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Demand<N> {
-    /// F, in the fixed frame.
-    pub force: Vector2<N>,
-    /// M, about the reference point D.
-    pub moment: N,
-}
-
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
-pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync {
+pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Payload<M>;
 
-    /// What takes the demand: a [`Balance`], or nothing.
-    type Balance: Solve<N>;
+    /// Kind of the payload.
+    const KIND: PayloadKind;
 
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
     /// F and M for one setpoint, whose angle is resolved in `rotation`.
     fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N>;
-}
-
-/// A platform that is only moved: its mass is nobody's business, and no torque is computed. For
-/// motors that are told where to be, as steppers are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PositionOnly;
-
-impl<N: Number> Payload<N> for PositionOnly {
-    type Over<M: Number> = Self;
-    type Balance = Unsolved;
-
-    fn build(_: &Parameters) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn demand(&self, _: &Setpoint<N>, _: &Rotation<N>) -> Demand<N> {
-        Demand {
-            force: Vector2::new(N::ZERO, N::ZERO),
-            moment: N::ZERO,
-        }
-    }
 }
 
 /// A platform whose centre of mass is its reference point D.
@@ -69,7 +39,7 @@ pub struct Centred<N: Number> {
 
 impl<N: Number> Payload<N> for Centred<N> {
     type Over<M: Number> = Centred<M>;
-    type Balance = Balance<N>;
+    const KIND: PayloadKind = PayloadKind::Centred;
 
     fn build(parameters: &Parameters) -> Self {
         let mass = parameters.platform.mass_kg;
@@ -114,7 +84,7 @@ pub struct Offset<N: Number> {
 
 impl<N: Number> Payload<N> for Offset<N> {
     type Over<M: Number> = Offset<M>;
-    type Balance = Balance<N>;
+    const KIND: PayloadKind = PayloadKind::Offset;
 
     fn build(parameters: &Parameters) -> Self {
         Self {

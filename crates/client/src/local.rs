@@ -3,19 +3,17 @@
 
 use crate::job;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::setpoint::Pose;
-use trirrr_core::tick::Motor;
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
+use trirrr_core::machine::Parameters;
+use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::tick::{Motion, Motor};
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
 use trirrr_protocol::wire::{self, schema};
-use trirrr_scene::{Homing, Scene};
+use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
 use trirrr_service::{
-    Adjustable, Background, Channels, Foreground, HomingCoefficients, Put, ServiceError, Settings,
-    Setup, Take, WithHoming,
+    Adjustable, Channels, Homing, HomingCoefficients, Service, ServiceError, Settings, WithHoming,
 };
 
 /// Moves that can wait, as on a board, and one place that stays empty.
@@ -36,12 +34,15 @@ pub trait LocalService<N: ServiceNumber> {
     /// What the motors were commanded in the last tick.
     fn motors(&self) -> &[Motor<N>; 3];
 
+    /// Setpoint and motion that the last tick played, if the platform had a setpoint.
+    fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)>;
+
     /// What the last tick has added to their angles without moving them.
     fn shift(&self) -> Option<[N::Angle; 3]>;
 
     /// Says how long the last tick took, ns. It is told on and is no fault, however long: a host
     /// keeps no deadlines.
-    fn took(&mut self, duration_ns: u32);
+    fn report_timing(&mut self, duration_ns: u32);
 
     /// Takes a request; the answer to it.
     fn receive(&mut self, request: &Request<N>) -> Reply<N>;
@@ -98,7 +99,7 @@ pub fn with_machine_switched_on<N: ServiceNumber, T>(
 
 fn build<N: ServiceNumber, T>(
     scene: &Scene,
-    homing: Option<&Homing>,
+    homing: Option<&trirrr_scene::Homing>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
     let refused = |reason: String| Unbuildable {
@@ -122,12 +123,8 @@ fn build<N: ServiceNumber, T>(
             None => None,
         },
     };
-    let played = match PayloadKind::of(&scene.parameters) {
-        _ if !scene.torque => with_links::<N, PositionOnly, Massless, T>(described, play),
-        PayloadKind::Centred => with_payload::<N, Centred<N>, T>(described, play),
-        PayloadKind::Offset => with_payload::<N, Offset<N>, T>(described, play),
-    };
-    played.map_err(|error| refused(error.to_string()))
+    let built = scene.model().visit(Play { described, play });
+    built.map_err(|error| refused(error.to_string()))
 }
 
 /// What a service is built from, in the machine's units.
@@ -139,97 +136,68 @@ struct Described<N: ServiceNumber> {
     homing: Option<HomingCoefficients<N>>,
 }
 
-fn with_payload<N, P, T>(
+struct Play<N: ServiceNumber, F> {
     described: Described<N>,
-    play: impl FnOnce(&mut dyn LocalService<N>) -> T,
-) -> Result<T, ServiceError>
-where
-    N: ServiceNumber,
-    P: Payload<N> + Send + 'static,
-{
-    match LinksKind::of(&described.parameters) {
-        LinksKind::Massless => with_links::<N, P, Massless, T>(described, play),
-        LinksKind::Rotors => with_links::<N, P, Rotors<N>, T>(described, play),
-        LinksKind::MassiveHorizontal => {
-            with_links::<N, P, Massive<N, Horizontal>, T>(described, play)
-        }
-        LinksKind::MassiveInPlane => with_links::<N, P, Massive<N, InPlane<N>>, T>(described, play),
+    play: F,
+}
+
+impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor<N> for Play<N, F> {
+    type Output = Result<T, ServiceError>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        let Self { described, play } = self;
+        let scene = WithHoming {
+            scene: Adjustable::<M>::new(described.parameters, described.limits),
+            homing: described.homing.as_ref(),
+        };
+        // The queues are some 100 KB.
+        let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
+        let mut service = channels.service(scene, described.start, described.settings)?;
+        Ok(play(&mut service))
     }
 }
 
-fn with_links<N, P, L, T>(
-    described: Described<N>,
-    play: impl FnOnce(&mut dyn LocalService<N>) -> T,
-) -> Result<T, ServiceError>
+impl<N, S> LocalService<N> for Service<'_, S>
 where
     N: ServiceNumber,
-    P: Payload<N> + Send + 'static,
-    L: Links<N> + Send + 'static,
-{
-    // The queues are some 100 KB.
-    let mut channels =
-        Box::new(Channels::<N, P, L, WithHoming<N, Adjustable>, MOVES, SAMPLES>::new());
-    let scene = WithHoming {
-        scene: Adjustable::new(described.parameters, described.limits),
-        homing: described.homing.as_ref(),
-    };
-    let (foreground, background) = channels.split(scene, described.start, described.settings)?;
-    Ok(play(&mut Service {
-        foreground,
-        background,
-        inputs: [false; 3],
-    }))
-}
-
-/// Both halves.
-struct Service<F, B> {
-    foreground: F,
-    background: B,
-    inputs: [bool; 3],
-}
-
-impl<'q, N, P, L, S, T, U, H> LocalService<N>
-    for Service<Foreground<'q, N, P, L, T, H>, Background<'q, N, P, L, S, U>>
-where
-    N: ServiceNumber,
-    P: Payload<N>,
-    L: Links<N>,
-    S: trirrr_service::Scene<N, P, L, Replacement = Section, Part = Section>,
-    T: Take<Setup<N, P, L>>,
-    U: Put<Setup<N, P, L>>,
-    H: trirrr_service::Homing<N, Inputs = [bool; 3]>,
+    S: trirrr_service::Scene<N = N, Replacement = Section, Part = Section>,
+    S::Homing: Homing<N, Inputs = [bool; 3]>,
 {
     fn tick(&mut self) {
-        self.foreground.tick_with(self.inputs);
+        Service::tick(self);
     }
 
     fn inputs(&mut self, closed: [bool; 3]) {
-        self.inputs = closed;
+        self.set_inputs(closed);
     }
 
     fn motors(&self) -> &[Motor<N>; 3] {
-        &self.foreground.output().motors
+        &self.output().motors
+    }
+
+    fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)> {
+        Service::motion(self)
     }
 
     fn shift(&self) -> Option<[N::Angle; 3]> {
-        self.foreground.shift()
+        Service::shift(self)
     }
 
-    fn took(&mut self, duration_ns: u32) {
-        self.foreground.took(duration_ns, u32::MAX);
+    fn report_timing(&mut self, duration_ns: u32) {
+        Service::report_timing(self, duration_ns, u32::MAX);
     }
 
     fn receive(&mut self, request: &Request<N>) -> Reply<N> {
         // Every request has a length that is known beforehand.
         let checksum = wire::checksum(request).unwrap_or_default();
-        self.background.receive(request, checksum)
+        self.answer(request, checksum)
     }
 
     fn work(&mut self) -> bool {
-        self.background.step()
+        self.step()
     }
 
     fn outgoing(&mut self) -> Option<Message<N>> {
-        self.background.outgoing()
+        self.poll()
     }
 }

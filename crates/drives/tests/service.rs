@@ -6,32 +6,24 @@ mod common;
 use common::{Pin, Scope};
 use core::f64::consts::{PI, TAU};
 use std::path::Path;
-use trirrr_core::number::WideArithmetic;
+use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::torque::links::Massless;
-use trirrr_core::torque::payload::Centred;
 use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
 use trirrr_drives::{Active, Enable};
-use trirrr_protocol::message::{
-    Board, Command, DriveFault, FaultCode, Hello, Move, PROTOCOL, Recovery, Reply, Request, State,
-};
+use trirrr_protocol::message::{Command, DriveFault, FaultCode, Move, Recovery, Reply, State};
 use trirrr_scene::Scene;
-use trirrr_service::{
-    Adjustable, BackgroundOf, Channels, ForegroundOf, SceneIdentity, Settings, name,
-};
+use trirrr_service::{Adjustable, Channels, Service, Settings};
 
 type Scalar = f32;
-type SceneChannels = Channels<Scalar, Centred<Scalar>, Massless, Adjustable, 4, 4>;
+type SceneChannels = Channels<Adjustable<Dynamic<Scalar>>, 4, 4>;
 
 const MICROSTEPS: u32 = 3200;
 const GEAR: f64 = 5.0;
 
 /// A machine: service, drives, and what the pulses have come to.
 struct Machine<'a> {
-    foreground: ForegroundOf<'a, Scalar, Centred<Scalar>, Massless, Adjustable>,
-    background: BackgroundOf<'a, Scalar, Centred<Scalar>, Massless, Adjustable>,
-    sequence: u32,
+    service: Service<'a, Adjustable<Dynamic<Scalar>>>,
     steppers: Steppers<'a, Scalar>,
     slots: Slots<'a, Pin, Pin, Pin>,
     per_tick: u32,
@@ -60,24 +52,12 @@ impl<'a> Machine<'a> {
     fn new(channels: &'a mut SceneChannels, line: &'a Line, most: u32) -> Self {
         let scene = scene();
         let settings = Settings {
-            period: Scalar::factor_from_f64(scene.period_s()),
             ramp_ticks: 20,
-            silence_ticks: 0,
-            telemetry_every: 0,
-            scene: SceneIdentity {
-                schema: 1,
-                key: 1,
-                name: name("test"),
-                tick_rate_hz: scene.tick_rate_hz,
-                length_m: 1.0,
-                time_s: 1.0,
-                mass_kg: 1.0,
-            },
-            board: Board::HOST,
+            ..Settings::at(scene.tick_rate_hz)
         };
         let adjustable = Adjustable::new(scene.parameters, scene.limits);
-        let (foreground, background) = channels.split(adjustable, start(), settings).unwrap();
-        let angles = foreground.output().motors.map(|motor| motor.angle);
+        let service = channels.service(adjustable, start(), settings).unwrap();
+        let angles = service.output().motors.map(|motor| motor.angle);
         let scope = Scope::default();
         let axis = |names: [&'static str; 2]| {
             let [step, direction] = names.map(|name| scope.pin(name));
@@ -86,10 +66,8 @@ impl<'a> Machine<'a> {
         let axes = [axis(["s0", "d0"]), axis(["s1", "d1"]), axis(["s2", "d2"])];
         let enable = Enable::new(scope.pin("enable"), Active::Low).unwrap();
         let per_tick = slots_per_tick(most);
-        let mut machine = Self {
-            foreground,
-            background,
-            sequence: 0,
+        let machine = Self {
+            service,
             steppers: Steppers::new(
                 [StepsPerTurn::new(MICROSTEPS, GEAR); 3],
                 [most; 3],
@@ -105,54 +83,38 @@ impl<'a> Machine<'a> {
             last: angles.map(f64::from),
         };
         machine.scope.take();
-        machine.ask(Command::Hello(Hello {
-            protocol: PROTOCOL,
-            schema: 1,
-            scene: 0,
-        }));
         machine
     }
 
     fn ask(&mut self, command: Command<Scalar>) {
-        let sequence = self.sequence;
-        // None is repeated, so any checksum will do.
-        let reply = self
-            .background
-            .receive(&Request { sequence, command }, sequence);
+        let reply = self.service.submit(&command);
         assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
-        if !matches!(command, Command::Hello(_)) {
-            self.sequence += 1;
-        }
-        while self.background.step() {}
-        while self.background.outgoing().is_some() {}
+        while self.service.step() {}
+        while self.service.poll().is_some() {}
     }
 
     fn offer(&mut self, number: u32, to: Pose<Scalar>, ticks: u32) {
-        self.ask(Command::Move(Move {
+        self.ask(Command::Move(Move::rest_to_rest(
             number,
-            from: start(),
+            start(),
             to,
-            start_velocity: [0.0; 3],
-            end_velocity: [0.0; 3],
             ticks,
-            tool_power: 0.0,
-            tool_speed: 0.0,
-        }));
-        assert_eq!(self.background.status().refused, None);
+        )));
+        assert_eq!(self.service.status().refused, None);
     }
 
     /// A tick as the firmware does it, the slots up to the next, and the pulses counted.
     fn tick(&mut self) {
-        let failed = self.steppers.apply(self.foreground.tick());
+        let failed = self.steppers.apply(self.service.tick());
         if let Err(failure) = failed {
             let (code, drive) = (failure.code(), failure.drive);
-            self.foreground
+            self.service
                 .raise(code, drive, failure.value, failure.limit);
-            assert!(self.foreground.motors_are_at(self.steppers.angles()));
-            self.steppers.apply(self.foreground.output()).unwrap();
+            assert!(self.service.set_position(self.steppers.angles()));
+            self.steppers.apply(self.service.output()).unwrap();
         }
         let given = self
-            .foreground
+            .service
             .output()
             .motors
             .map(|motor| f64::from(motor.angle));
@@ -196,7 +158,7 @@ impl<'a> Machine<'a> {
     }
 
     fn state(&self) -> State {
-        self.foreground.state()
+        self.service.state()
     }
 
     /// From wherever it stands to the start.
@@ -228,7 +190,7 @@ fn over_holds_faults_and_recoveries_no_step_is_lost() {
     );
     // A fault from elsewhere, in the middle of the way.
     let code = FaultCode::Drive(DriveFault::Reported);
-    machine.foreground.raise(code, Some(1), 1.0, 0.0);
+    machine.service.raise(code, Some(1), 1.0, 0.0);
     machine.ticks(10);
     assert_eq!(machine.state(), State::Fault);
     machine.ask(Command::ClearFault);
@@ -257,7 +219,7 @@ fn a_motor_that_is_too_slow_is_where_it_was_when_the_fault_is_cleared() {
     }
     // The next tick reports it.
     machine.ticks(1);
-    let fault = machine.background.status().fault.expect("too fast");
+    let fault = machine.service.status().fault.expect("too fast");
     assert_eq!(fault.code, FaultCode::Drive(DriveFault::StepRate));
     assert!(fault.value > 1.0 && fault.limit == 1.0, "{fault:?}");
     let stands = machine.pulses;

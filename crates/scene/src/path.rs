@@ -9,6 +9,7 @@ use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
 use trirrr_core::limits::{self, LimitParameters};
 use trirrr_core::machine::{BuildError, Geometry, Leg, Parameters};
+use trirrr_core::model::Dynamic;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
@@ -19,7 +20,7 @@ use trirrr_protocol::message::{self, Bounded, Violation};
 use trirrr_service::admission::{Admission, Verdict};
 
 /// Admission with room for whatever a scene may hold.
-type AnyAdmission = Admission<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
+type AnyAdmission = Admission<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
 
 /// What a pose is measured with.
 struct Workspace<'p> {

@@ -1,141 +1,133 @@
-//! The pipeline behind one object: the core's types say what a machine holds, a scene or a batch
-//! row says it at run time, and here the one is chosen by the other.
+//! The pipeline of a machine behind one object. A scene or a batch row names the kind of model at run
+//! time, the types of the core name it at compile time; [`ModelKind::visit`] leads from one to the other.
 
 use crate::record::{LegRecord, Record};
 use crate::{JobPlayer, Scene};
 use nalgebra::{Vector2, Vector3};
-use trirrr_core::machine::{BuildError, LinksKind, Parameters, PayloadKind};
+use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
-use trirrr_core::tick::{Motor, Tick};
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
+use trirrr_core::tick::{Motion, Motor, Tick};
 use trirrr_core::units::Units;
 
-/// The pipeline of one machine in the number type `N`.
+/// Pipeline of one machine in the number type `N`.
 pub trait Pipeline<N: Number>: Send + Sync {
-    /// Evaluates one setpoint, given in the machine's units. The record's time is `t`, which nothing is computed from; its tool is
-    /// off.
+    /// Evaluates one setpoint in the units of the machine. The record carries the time `t`, s, and a tool
+    /// that is off.
     ///
     /// # Errors
-    /// The [`Status`] that leaves the setpoint without a motion, [`Status::OutOfRange`] where any
-    /// value of the record would not be finite.
+    /// [`Status`] of a setpoint without a motion; [`Status::OutOfRange`] if a value of the record is
+    /// not finite.
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status>;
 
-    /// The twelve results that the motors need, and nothing else is computed: the tick as it runs
-    /// on a target.
+    /// Returns the record of a `motion` that the model of this pipeline computed for `setpoint`.
     ///
     /// # Errors
-    /// The [`Status`] that leaves the setpoint without a motion.
+    /// [`Status::OutOfRange`] if a value of the record is not finite.
+    fn record(&self, t: f64, setpoint: &Setpoint<N>, motion: &Motion<N>) -> Result<Record, Status>;
+
+    /// Returns the twelve results that the motors need and computes nothing else: the tick as it runs
+    /// on a board.
+    ///
+    /// # Errors
+    /// [`Status`] of a setpoint without a motion.
     fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status>;
 }
 
-/// Builds the pipeline that has room for what `parameters` hold, and for nothing else. Setpoints
-/// are in SI units.
+/// Builds the leanest pipeline that computes the torques of `parameters`. Setpoints are in SI units.
 ///
 /// # Errors
-/// The first quantity of the parameters that is refused.
+/// First quantity of the parameters that is refused.
 pub fn build<N: Number>(parameters: &Parameters) -> Result<Box<dyn Pipeline<N>>, BuildError> {
     build_in(parameters, Units::SI)
 }
 
-/// As [`build`], for setpoints in `units`; `parameters` and what comes out are in SI units.
+/// Builds as [`build`], for setpoints in `units`. Parameters and results are in SI units.
 ///
 /// # Errors
-/// The first quantity of the parameters, in `units`, that is refused.
+/// First quantity of the parameters, in `units`, that is refused.
 pub fn build_in<N: Number>(
     parameters: &Parameters,
     units: Units,
 ) -> Result<Box<dyn Pipeline<N>>, BuildError> {
-    let parameters = &units.parameters(parameters);
-    match PayloadKind::of(parameters) {
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(parameters, units),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(parameters, units),
-    }
+    build_kind(ModelKind::of(parameters, true), parameters, units)
 }
 
-/// A scene ready to be played in the number type `N`: its machine, and its job in the units that
-/// the number type needs.
-pub struct Played<N: Number> {
-    /// The machine.
+/// Builds the pipeline of the machine of `scene` with the model of the scene, for setpoints in `units`.
+///
+/// # Errors
+/// First quantity of the machine, in `units`, that is refused.
+pub fn of_scene<N: Number>(
+    scene: &Scene,
+    units: Units,
+) -> Result<Box<dyn Pipeline<N>>, BuildError> {
+    build_kind(scene.model(), &scene.parameters, units)
+}
+
+/// A scene ready to be evaluated in the number type `N`.
+pub struct Job<N: Number> {
+    /// Pipeline of the machine.
     pub machine: Box<dyn Pipeline<N>>,
-    /// The setpoints, in `units`.
+    /// Setpoints of the job, in `units`.
     pub player: JobPlayer<N>,
-    /// What 1 stands for.
+    /// Units of the machine.
     pub units: Units,
 }
 
 /// Builds the machine and the job of `scene` in the number type `N`.
 ///
 /// # Errors
-/// The first quantity that does not fit the number type.
-pub fn scene<N: Number>(scene: &Scene) -> Result<Played<N>, String> {
+/// First quantity that does not fit the number type.
+pub fn scene<N: Number>(scene: &Scene) -> Result<Job<N>, String> {
     let units = crate::units::<N>(scene).map_err(|error| error.to_string())?;
-    let machine = match scene.torque {
-        true => build_in(&scene.parameters, units),
-        false => {
-            let parameters = units.parameters(&scene.parameters);
-            Machine::<N, PositionOnly, Massless>::boxed(&parameters, units)
-        }
-    };
-    Ok(Played {
-        machine: machine.map_err(|error| error.to_string())?,
+    Ok(Job {
+        machine: of_scene(scene, units).map_err(|error| error.to_string())?,
         player: JobPlayer::new(&scene.job.in_units(&units), units.time(scene.period_s())),
         units,
     })
 }
 
-fn with_payload<N, P>(
+fn build_kind<N: Number>(
+    kind: ModelKind,
     parameters: &Parameters,
     units: Units,
-) -> Result<Box<dyn Pipeline<N>>, BuildError>
-where
-    N: Number,
-    P: Payload<N> + Send + Sync + 'static,
-{
-    match LinksKind::of(parameters) {
-        LinksKind::Massless => Machine::<N, P, Massless>::boxed(parameters, units),
-        LinksKind::Rotors => Machine::<N, P, Rotors<N>>::boxed(parameters, units),
-        LinksKind::MassiveHorizontal => {
-            Machine::<N, P, Massive<N, Horizontal>>::boxed(parameters, units)
-        }
-        LinksKind::MassiveInPlane => {
-            Machine::<N, P, Massive<N, InPlane<N>>>::boxed(parameters, units)
-        }
-    }
+) -> Result<Box<dyn Pipeline<N>>, BuildError> {
+    let parameters = &units.parameters(parameters);
+    kind.visit(Build { parameters, units })
 }
 
-struct Machine<N: Number, P: Payload<N>, L> {
-    tick: Tick<N, P, L>,
-    distances: Distances<N>,
+struct Build<'a> {
+    parameters: &'a Parameters,
     units: Units,
 }
 
-impl<N, P, L> Machine<N, P, L>
-where
-    N: Number,
-    P: Payload<N> + Send + Sync + 'static,
-    L: Links<N> + Send + Sync + 'static,
-{
-    fn boxed(parameters: &Parameters, units: Units) -> Result<Box<dyn Pipeline<N>>, BuildError> {
-        Ok(Box::new(Self {
-            tick: Tick::build(parameters)?,
-            distances: Distances::build(parameters),
-            units,
+impl<N: Number> ModelVisitor<N> for Build<'_> {
+    type Output = Result<Box<dyn Pipeline<N>>, BuildError>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        Ok(Box::new(Machine::<M> {
+            tick: Tick::build(self.parameters)?,
+            distances: Distances::build(self.parameters),
+            units: self.units,
         }))
     }
 }
 
-impl<N, P, L> Pipeline<N> for Machine<N, P, L>
-where
-    N: Number,
-    P: Payload<N> + Send + Sync,
-    L: Links<N> + Send + Sync,
-{
+struct Machine<M: Model> {
+    tick: Tick<M>,
+    distances: Distances<M::N>,
+    units: Units,
+}
+
+impl<N: Number, M: Model<N = N>> Pipeline<N> for Machine<M> {
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status> {
-        let motion = self.tick.evaluate(setpoint)?;
+        self.record(t, setpoint, &self.tick.evaluate(setpoint)?)
+    }
+
+    fn record(&self, t: f64, setpoint: &Setpoint<N>, motion: &Motion<N>) -> Result<Record, Status> {
         let powers = motion.powers()?;
         let position = motion.position();
         let serial = self.distances.serial(&position);

@@ -11,6 +11,7 @@ use std::fmt;
 use trirrr_core::inverse::Rotation;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
+use trirrr_core::model::Dynamic;
 use trirrr_core::number::{Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::{Motion, Tick};
@@ -118,7 +119,7 @@ struct Measured<'p> {
 }
 
 /// The machine with room for everything: what a machine has not is zero.
-type Everything = Tick<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
+type Everything = Tick<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
 
 impl<'p> Measured<'p> {
     /// What depends on the machine alone.

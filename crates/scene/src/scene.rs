@@ -16,6 +16,7 @@ use std::path::Path;
 use std::str::FromStr;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
+use trirrr_core::model::ModelKind;
 use trirrr_service::key;
 
 /// Slowest and fastest tick rate, Hz.
@@ -139,6 +140,11 @@ impl Scene {
             true => Ok(scene),
             false => Err(document.into_error(file)),
         }
+    }
+
+    /// Returns the kind of model that the scene needs.
+    pub fn model(&self) -> ModelKind {
+        ModelKind::of(&self.parameters, self.torque)
     }
 
     /// Seconds per tick.

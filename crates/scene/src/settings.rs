@@ -15,7 +15,7 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
     Settings {
         period: N::factor_from_f64(units.time(scene.period_s())),
         ramp_ticks: scene.ramp_ticks(),
-        silence_ticks: silence.round().max(1.0) as u32,
+        host_timeout_ticks: silence.round().max(1.0) as u32,
         telemetry_every: scene.service.telemetry_ticks as u16,
         scene: SceneIdentity {
             schema: schema::key::<Request<N>, Message<N>>(),

@@ -3,6 +3,7 @@
 
 use proptest::prelude::*;
 use trirrr_core::machine::Geometry;
+use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::{Hermite, Pose};
 use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::tick::Tick;
@@ -72,7 +73,7 @@ proptest! {
         match Scene::parse(&with_job(poses, velocity), "random.toml") {
             Ok(scene) => {
                 prop_assert!(worst >= 0.0 && !crosses, "accepted, but {worst} {crosses}");
-                let tick = Tick::<f64>::build(&scene.parameters).unwrap();
+                let tick = Tick::<Dynamic<f64>>::build(&scene.parameters).unwrap();
                 for setpoint in JobPlayer::<f64>::new(&scene.job, scene.period_s()).setpoints() {
                     let motion = tick.evaluate(&setpoint);
                     prop_assert!(motion.is_ok(), "{setpoint:?}: {motion:?}");
@@ -108,8 +109,8 @@ fn shipped_jobs_evaluate_at_every_tick() {
         include_str!("../../../scenes/engraving.toml"),
     ] {
         let scene = Scene::parse(text, "shipped.toml").unwrap();
-        let in_f64 = Tick::<f64>::build(&scene.parameters).unwrap();
-        let in_f32 = Tick::<f32>::build(&scene.parameters).unwrap();
+        let in_f64 = Tick::<Dynamic<f64>>::build(&scene.parameters).unwrap();
+        let in_f32 = Tick::<Dynamic<f32>>::build(&scene.parameters).unwrap();
         let player_f64 = JobPlayer::<f64>::new(&scene.job, scene.period_s());
         let player_f32 = JobPlayer::<f32>::new(&scene.job, scene.period_s());
         for (exact, single) in player_f64.setpoints().zip(player_f32.setpoints()) {

@@ -6,7 +6,9 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use trirrr_core::forward::Forward;
 use trirrr_core::machine::{Geometry, Parameters};
-use trirrr_core::number::{Arithmetic, Fixed};
+use trirrr_core::model::Dynamic;
+use trirrr_core::number::Arithmetic;
+use trirrr_core::number::Fixed;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
@@ -17,7 +19,7 @@ use trirrr_core::units::Units;
 use trirrr_scene::{JobPlayer, Scene, units_of_scene, units_of_setpoints};
 
 /// A machine that may have anything: what it has not is zero.
-type Any<N> = Tick<N, Offset<N>, Massive<N, InPlane<N>>>;
+type Any<N> = Tick<Dynamic<N, Offset<N>, Massive<N, InPlane<N>>>>;
 
 const SCENES: [&str; 4] = ["thesis", "thesis-links", "vertical", "engraving"];
 
@@ -88,8 +90,8 @@ fn the_thesis_machine_over_its_workspace() {
     let parameters = scene.parameters;
     let setpoints = workspace(&parameters, 30_000);
     let units = units_of_scene(&scene).unwrap();
-    let exact: Tick<f64> = Tick::build(&parameters).unwrap();
-    let fixed: Tick<Fixed> = Tick::build(&units.parameters(&parameters)).unwrap();
+    let exact: Tick<Dynamic<f64>> = Tick::build(&parameters).unwrap();
+    let fixed: Tick<Dynamic<Fixed>> = Tick::build(&units.parameters(&parameters)).unwrap();
     let geometry = Geometry::build(&parameters).unwrap();
     let forward = Forward::<f64>::build(&parameters, &geometry);
     let (mut angle, mut torque, mut peak, mut tool) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
@@ -166,8 +168,8 @@ fn small_and_large_machines_use_the_range_equally() {
             (own.length, own.time, own.mass),
             (units.length - length, units.time - time, units.mass - mass)
         );
-        let here: Tick<Fixed> = Tick::build(&units.parameters(&parameters)).unwrap();
-        let there: Tick<Fixed> = Tick::build(&own.parameters(&other)).unwrap();
+        let here: Tick<Dynamic<Fixed>> = Tick::build(&units.parameters(&parameters)).unwrap();
+        let there: Tick<Dynamic<Fixed>> = Tick::build(&own.parameters(&other)).unwrap();
         for (one, scaled) in setpoints.iter().zip(&scaled) {
             let a = here.evaluate(&in_fixed(one, &units)).unwrap();
             let b = there.evaluate(&in_fixed(scaled, &own)).unwrap();

@@ -3,9 +3,10 @@
 use super::background::{self, Background, Stand};
 use super::coefficients::Coefficients;
 use super::foreground::{self, Foreground};
-use super::link::{Order, Planned, Recover, Report, Shared};
+use super::handoff::{Order, QueuedMove, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
+use super::service::Service;
 use super::settings::Settings;
 use crate::admission::{Admission, Enclose};
 use core::fmt;
@@ -13,9 +14,7 @@ use heapless::spsc::Queue;
 use trirrr_core::machine::BuildError;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::status::Status;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
-use trirrr_protocol::message::{Event, Fault, Message, MessageRef, Move, Request, Telemetry};
+use trirrr_protocol::message::{Event, Fault, Move, Telemetry};
 
 /// Orders on their way to the tick, and one place that stays empty.
 const ORDERS: usize = 8;
@@ -31,50 +30,18 @@ const EVENTS: usize = 12;
 ///
 /// `MOVES` - 1 moves have room, those not yet judged and the one under way included; `SAMPLES` - 1 telemetry samples.
 /// `S` is the [kind of scene](Scene).
-pub struct Channels<N, P, L, S, const MOVES: usize, const SAMPLES: usize>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-{
-    moves: Queue<Planned<N>, MOVES>,
-    offered: Queue<Move<N>, MOVES>,
-    recoveries: Queue<Recover<N>, 2>,
+pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
+    moves: Queue<QueuedMove<S::N>, MOVES>,
+    offered: Queue<Move<S::N>, MOVES>,
+    recoveries: Queue<Recover<S::N>, 2>,
     orders: Queue<Order, ORDERS>,
-    reports: Queue<Report<N>, REPORTS>,
-    faults: Queue<Fault<N>, 2>,
-    samples: Queue<Telemetry<N>, SAMPLES>,
-    events: Queue<Event<N>, EVENTS>,
+    reports: Queue<Report<S::N>, REPORTS>,
+    faults: Queue<Fault<S::N>, 2>,
+    samples: Queue<Telemetry<S::N>, SAMPLES>,
+    events: Queue<Event<S::N>, EVENTS>,
     setups: S::Slot,
     shared: Shared,
 }
-
-/// The half that ticks, of a service with scene `S`.
-pub type ForegroundOf<'q, N, P, L, S> = Foreground<
-    'q,
-    N,
-    P,
-    L,
-    <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Take<'q>,
-    <S as Scene<N, P, L>>::Homing,
->;
-
-/// The half that talks, of a service with scene `S`.
-pub type BackgroundOf<'q, N, P, L, S> =
-    Background<'q, N, P, L, S, <<S as Scene<N, P, L>>::Slot as Slot<Setup<N, P, L>>>::Put<'q>>;
-
-/// What the half that talks takes, of a service with scene `S`.
-pub type RequestOf<N, P, L, S> = Request<N, <S as Scene<N, P, L>>::Replacement>;
-
-/// What it says.
-pub type MessageOf<N, P, L, S> = Message<N, <S as Scene<N, P, L>>::Part>;
-
-/// The same where it lies.
-pub type MessageRefOf<'m, N, P, L, S> = MessageRef<'m, N, <S as Scene<N, P, L>>::Part>;
-
-/// Both halves of a service with scene `S`.
-pub type Halves<'q, N, P, L, S> = (ForegroundOf<'q, N, P, L, S>, BackgroundOf<'q, N, P, L, S>);
 
 /// Why a service cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,12 +69,8 @@ impl From<BuildError> for ServiceError {
     }
 }
 
-impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Channels<N, P, L, S, MOVES, SAMPLES>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
+impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
+    Channels<S, MOVES, SAMPLES>
 {
     /// Empty queues.
     pub const fn new() -> Self {
@@ -125,6 +88,21 @@ where
         }
     }
 
+    /// Builds the service of `scene` for one thread, see [`Service`]. Otherwise as
+    /// [`Channels::split`].
+    ///
+    /// # Errors
+    /// As [`Channels::split`].
+    pub fn service(
+        &mut self,
+        scene: S,
+        pose: Pose<N>,
+        settings: Settings<N>,
+    ) -> Result<Service<'_, S>, ServiceError> {
+        let (foreground, background) = self.split(scene, pose, settings)?;
+        Ok(Service::new(foreground, background))
+    }
+
     /// Builds the service of `scene`, its machine standing at `pose`, at rest, with nothing queued:
     /// the half that ticks and the half that talks. A machine that has to be homed only counts its
     /// angles from there.
@@ -136,7 +114,7 @@ where
         scene: S,
         pose: Pose<N>,
         settings: Settings<N>,
-    ) -> Result<Halves<'_, N, P, L, S>, ServiceError> {
+    ) -> Result<(Foreground<'_, S>, Background<'_, S>), ServiceError> {
         let Coefficients {
             tick,
             limits,
@@ -204,14 +182,7 @@ where
     }
 }
 
-impl<N, P, L, S, const MOVES: usize, const SAMPLES: usize> Default
-    for Channels<N, P, L, S, MOVES, SAMPLES>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-{
+impl<S: Scene, const MOVES: usize, const SAMPLES: usize> Default for Channels<S, MOVES, SAMPLES> {
     fn default() -> Self {
         Self::new()
     }

@@ -1,35 +1,34 @@
 //! What a service works with.
 
-use crate::admission::{Enclose, EnclosedPath, Path};
+use crate::admission::Enclose;
+use crate::admission::Path;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters, Quantity};
+use trirrr_core::model::Model;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::balance::Solve;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 
 /// The coefficients of all that a service computes, in its number type: plain numbers, so that
 /// whoever builds an image can build them too and write them as constants.
 #[derive(Clone, Copy, Debug)]
-pub struct Coefficients<N: Enclose, P: Payload<N>, L: Links<N>> {
+pub struct Coefficients<M: Model<N: Enclose>> {
     /// Of the tick.
-    pub tick: Tick<N, P, L>,
+    pub tick: Tick<M>,
     /// What its results must keep.
-    pub limits: Limits<N>,
+    pub limits: Limits<M::N>,
     /// Of the distances to the singularities.
-    pub distances: Distances<N>,
+    pub distances: Distances<M::N>,
     /// Of the admission.
-    pub path: EnclosedPath<N, P, L>,
+    pub path: Path<M>,
 }
 
-impl<N: Enclose, P: Payload<N>, L: Links<N>> Coefficients<N, P, L> {
+impl<M: Model<N: Enclose>> Coefficients<M> {
     /// Checks the machine and its limits, in its own units, and builds the coefficients.
     /// `ramp_ticks`, positive, is how long a hold or a stop takes from normal speed to rest; a tick
     /// lasts `period`.
     ///
     /// # Errors
-    /// The first quantity that is refused; a limit of torque or power where `P` computes no
+    /// The first quantity that is refused; a limit of torque or power where `M` computes no
     /// torques.
     pub fn build(
         parameters: &Parameters,
@@ -37,7 +36,7 @@ impl<N: Enclose, P: Payload<N>, L: Links<N>> Coefficients<N, P, L> {
         ramp_ticks: u16,
         period: f64,
     ) -> Result<Self, BuildError> {
-        if !P::Balance::TORQUES {
+        if !M::TORQUES {
             no_limit(Quantity::TorqueLimit, limits.torque_nm)?;
             no_limit(Quantity::PowerLimit, limits.power_w)?;
         }
@@ -47,7 +46,7 @@ impl<N: Enclose, P: Payload<N>, L: Links<N>> Coefficients<N, P, L> {
             tick,
             limits,
             distances: Distances::build(parameters),
-            path: Path::build(parameters, limits.map(N::bound), ramp_ticks, period)?,
+            path: Path::build(parameters, limits.map(<M::N>::bound), ramp_ticks, period)?,
         })
     }
 }

@@ -1,23 +1,23 @@
 //! The last look at a tick's results before they go out.
 
 use trirrr_core::limits::Limits;
+use trirrr_core::model::Model;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::JointSetpoint;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Motion;
-use trirrr_core::torque::balance::Solve;
 use trirrr_protocol::message::{Bounded, FaultCode};
 
 /// What a tick's results break.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Broken<N> {
+pub(super) struct LimitBreach<N> {
     pub(super) code: FaultCode,
     pub(super) index: Option<u8>,
     pub(super) value: N,
     pub(super) limit: N,
 }
 
-impl<N: Number> Broken<N> {
+impl<N: Number> LimitBreach<N> {
     /// A setpoint without a motion.
     pub(super) fn of(status: Status) -> Self {
         let (code, index) = FaultCode::of(status);
@@ -33,17 +33,17 @@ impl<N: Number> Broken<N> {
 /// Whether the motors keep `limits` in `motion`. The distances to the singularities are left to the
 /// admission: near a singularity it is rate and torque that grow.
 ///
-/// `S` says whether the motion has torques.
+/// `M` says whether the motion has torques.
 #[inline]
-pub(super) fn check<N: Number, S: Solve<N>>(
-    limits: &Limits<N>,
-    motion: &Motion<N>,
-) -> Result<(), Broken<N>> {
+pub(super) fn check<M: Model>(
+    limits: &Limits<M::N>,
+    motion: &Motion<M::N>,
+) -> Result<(), LimitBreach<M::N>> {
     let [a, b, c] = &motion.motors;
     within(Bounded::Rate, &limits.rate, [a.rate, b.rate, c.rate])?;
     let accelerations = [a.acceleration, b.acceleration, c.acceleration];
     within(Bounded::Acceleration, &limits.acceleration, accelerations)?;
-    if !S::TORQUES {
+    if !M::TORQUES {
         return Ok(());
     }
     within(
@@ -62,7 +62,7 @@ pub(super) fn check<N: Number, S: Solve<N>>(
 pub(super) fn check_joints<N: Number>(
     limits: &Limits<N>,
     joints: &JointSetpoint<N>,
-) -> Result<(), Broken<N>> {
+) -> Result<(), LimitBreach<N>> {
     within(Bounded::Rate, &limits.rate, joints.rates)?;
     within(
         Bounded::Acceleration,
@@ -76,13 +76,13 @@ pub(super) fn within<N: Number>(
     what: Bounded,
     limits: &Option<[N; 3]>,
     values: [N; 3],
-) -> Result<(), Broken<N>> {
+) -> Result<(), LimitBreach<N>> {
     let Some(limits) = limits else {
         return Ok(());
     };
     for (index, (value, limit)) in values.into_iter().zip(limits).enumerate() {
         if !(value.abs() <= *limit) {
-            return Err(Broken {
+            return Err(LimitBreach {
                 code: FaultCode::Limit(what),
                 index: Some(index as u8),
                 value,

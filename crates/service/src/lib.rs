@@ -36,29 +36,29 @@ pub mod admission;
 mod background;
 mod channels;
 mod coefficients;
+mod feed;
 mod foreground;
 mod guard;
+mod handoff;
 mod homing;
-mod link;
 mod number;
-mod pace;
 mod queue;
 mod scene;
+mod service;
 mod settings;
 #[cfg(test)]
 mod tests;
 mod tool;
 
 pub use background::Background;
-pub use channels::{
-    BackgroundOf, Channels, ForegroundOf, Halves, MessageOf, MessageRefOf, RequestOf, ServiceError,
-};
+pub use channels::{Channels, ServiceError};
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};
 pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
-    HomingTimes, NoHoming, Plan, Progress, WithHoming,
+    HomingTimes, NoHoming, Plan, Progress,
 };
 pub use number::ServiceNumber;
-pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take};
+pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithHoming};
+pub use service::Service;
 pub use settings::{SceneIdentity, Settings, key, name};

@@ -1,8 +1,11 @@
-//! What a service is told when it is built.
+//! What a service is reported when it is built.
 
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::{Board, Identity, NAME_CAPACITY, PROTOCOL};
+use trirrr_protocol::message::{
+    Board, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit,
+};
+use trirrr_protocol::wire::schema;
 
 /// Settings of the service, from the scene. Times are ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +15,7 @@ pub struct Settings<N: Number> {
     /// Ticks from normal speed to rest, positive.
     pub ramp_ticks: u16,
     /// Silence of the host after which a machine that moves comes to rest; 0 for never.
-    pub silence_ticks: u32,
+    pub host_timeout_ticks: u32,
     /// One telemetry sample every so many ticks, until the host asks otherwise; 0 for none.
     pub telemetry_every: u16,
     /// What is said of the scene in answer to a hello.
@@ -76,6 +79,30 @@ impl SceneIdentity {
     }
 }
 
+impl<N: Transmit> Settings<N> {
+    /// Returns settings for a machine in SI units on a host: a stop takes a tenth of a second, the
+    /// host may stay silent, and telemetry is off until a host asks for samples.
+    pub fn at(tick_rate_hz: f64) -> Self {
+        Self {
+            period: N::factor_from_f64(1.0 / tick_rate_hz),
+            // From float to integer the cast saturates.
+            ramp_ticks: ((0.1 * tick_rate_hz) as u16).max(1),
+            host_timeout_ticks: 0,
+            telemetry_every: 0,
+            scene: SceneIdentity {
+                schema: schema::key::<Request<N>, Message<N>>(),
+                key: key(b"scene"),
+                name: name("scene"),
+                tick_rate_hz,
+                length_m: 1.0,
+                time_s: 1.0,
+                mass_kg: 1.0,
+            },
+            board: Board::HOST,
+        }
+    }
+}
+
 impl<N: Number> Settings<N> {
     pub(super) fn identity(&self, queue: u8, next_sequence: u32) -> Identity {
         let scene = &self.scene;
@@ -89,7 +116,7 @@ impl<N: Number> Settings<N> {
             time_s: scene.time_s,
             mass_kg: scene.mass_kg,
             ramp_ticks: self.ramp_ticks,
-            silence_ticks: self.silence_ticks,
+            silence_ticks: self.host_timeout_ticks,
             queue,
             next_sequence,
             board: self.board,

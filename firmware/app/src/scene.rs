@@ -1,5 +1,5 @@
 //! Constants of the scene: its rate, the coefficients and settings of its service, and the types `Scalar`,
-//! `Payload`, `Links`. The build script writes them from the file that `SCENE` names.
+//! `Model`. The build script writes them from the file that `SCENE` names.
 #![allow(missing_docs, clippy::approx_constant, clippy::excessive_precision)]
 
 include!(concat!(env!("OUT_DIR"), "/scene.rs"));

@@ -2,15 +2,11 @@
 
 #[cfg(homing)]
 use crate::scene::HOMING;
-use crate::scene::{
-    COEFFICIENTS, Links, NAME, PARTS, Payload, SETTINGS, START, Scalar, TICK_RATE_HZ,
-};
-use trirrr_protocol::message::{Board, Clock, Start};
+use crate::scene::{COEFFICIENTS, Model, NAME, PARTS, SETTINGS, START, Scalar, TICK_RATE_HZ};
+use trirrr_protocol::message::{self, Board, Clock, Start};
 #[cfg(homing)]
 use trirrr_service::WithHoming;
-use trirrr_service::{
-    self, BackgroundOf, Compiled, ForegroundOf, MessageOf, MessageRefOf, RequestOf, Settings,
-};
+use trirrr_service::{Compiled, Settings};
 
 /// Places for moves; one stays empty.
 const MOVES: usize = 16;
@@ -18,31 +14,37 @@ const MOVES: usize = 16;
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type Known = Compiled<'static, Scalar, Payload, Links>;
+type Known = Compiled<'static, Model>;
 
 #[cfg(not(homing))]
 type Scene = Known;
 
 #[cfg(homing)]
-type Scene = WithHoming<'static, Scalar, Known>;
+type Scene = WithHoming<'static, Known>;
+
+/// A part of the scene in a reply.
+type Part = <Scene as trirrr_service::Scene>::Part;
+
+/// A part of the scene in a request.
+type Replacement = <Scene as trirrr_service::Scene>::Replacement;
 
 /// Memory between both halves.
-pub type Channels = trirrr_service::Channels<Scalar, Payload, Links, Scene, MOVES, SAMPLES>;
+pub type Channels = trirrr_service::Channels<Scene, MOVES, SAMPLES>;
 
 /// Half that ticks.
-pub(crate) type Foreground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
+pub(crate) type Foreground = trirrr_service::Foreground<'static, Scene>;
 
 /// Half that talks.
-pub(crate) type Background = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+pub(crate) type Background = trirrr_service::Background<'static, Scene>;
 
 /// Message to the host.
-pub(crate) type Message = MessageOf<Scalar, Payload, Links, Scene>;
+pub(crate) type Message = message::Message<Scalar, Part>;
 
 /// Message to the host, its parts borrowed.
-pub(crate) type MessageRef<'m> = MessageRefOf<'m, Scalar, Payload, Links, Scene>;
+pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, Part>;
 
 /// Request of the host.
-pub(crate) type Request = RequestOf<Scalar, Payload, Links, Scene>;
+pub(crate) type Request = message::Request<Scalar, Replacement>;
 
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;

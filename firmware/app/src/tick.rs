@@ -72,7 +72,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         } = *failure;
         self.foreground.raise(failure.code(), drive, value, limit);
         if let Some(angles) = self.outputs.angles() {
-            self.foreground.motors_are_at(angles);
+            self.foreground.set_position(angles);
         }
         self.switch_off();
     }
@@ -87,7 +87,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     #[inline]
     fn report_timing(&mut self) {
         let (duration, period) = (self.clock.elapsed(), self.clock.period());
-        if self.foreground.took(duration, period) {
+        if self.foreground.report_timing(duration, period) {
             heartbeat::beat();
         } else {
             self.switch_off();

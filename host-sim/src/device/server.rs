@@ -62,7 +62,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             }
         }
         let took = u32::try_from(start.elapsed().as_nanos());
-        self.machine.took(took.unwrap_or(u32::MAX));
+        self.machine.report_timing(took.unwrap_or(u32::MAX));
         self.diary.tick();
         self.serve().map(|_| ())
     }

@@ -148,8 +148,8 @@ fn simulate_in<N: ServiceNumber + Countable>(
 ) -> Result<Report, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let evaluator = pipeline::build_in::<N>(&scene.parameters, units)
-        .map_err(|error| refused(error.to_string()))?;
+    let evaluator =
+        pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;

@@ -9,6 +9,7 @@ use criterion::{Bencher, Criterion, Throughput};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use trirrr_core::machine::Parameters;
+use trirrr_core::model::Dynamic;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
@@ -23,8 +24,8 @@ fn scene(name: &str) -> Scene {
 }
 
 /// The pipeline and what it is fed.
-struct Work<N: Number, L> {
-    tick: Tick<N, Centred<N>, L>,
+struct Work<N: Number, L: Links<N>> {
+    tick: Tick<Dynamic<N, Centred<N>, L>>,
     setpoints: Vec<Setpoint<N>>,
 }
 

@@ -1,18 +1,14 @@
 //! The thesis machine with the service and its end of the line: what a board is, in one thread and
 //! without one.
 
-use nalgebra::Vector2;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
+use trirrr_core::machine::example;
+use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::torque::links::Massless;
-use trirrr_core::torque::payload::Centred;
 use trirrr_protocol::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Telemetry};
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
-use trirrr_service::{
-    Adjustable, BackgroundOf, Channels, ForegroundOf, Output, SceneIdentity, Settings, name,
-};
+use trirrr_service::{Adjustable, Channels, Output, SceneIdentity, Service, Settings, name};
 
 /// Ticks per second.
 pub const TICK_RATE_HZ: f64 = 1000.0;
@@ -36,14 +32,15 @@ pub type RequestDecoder = Decoder<LONGEST_REQUEST>;
 pub type MessageDecoder = Decoder<LONGEST_MESSAGE>;
 
 /// The queues of a [`Device`].
-pub type DeviceChannels = Channels<f64, Centred<f64>, Massless, Adjustable, { QUEUE + 1 }, 64>;
+pub type DeviceChannels = Channels<DeviceScene, { QUEUE + 1 }, 64>;
 
-/// Both halves of the service, and the decoder in front of it.
+/// The thesis machine, whose parts can be changed.
+pub type DeviceScene = Adjustable<Dynamic<f64>>;
+
+/// The service, and a decoder in front of it that lets a test see every request.
 pub struct Device<'q> {
-    /// The half that ticks.
-    pub foreground: ForegroundOf<'q, f64, Centred<f64>, Massless, Adjustable>,
-    /// The half that talks.
-    pub background: BackgroundOf<'q, f64, Centred<f64>, Massless, Adjustable>,
+    /// The service.
+    pub service: Service<'q, DeviceScene>,
     decoder: RequestDecoder,
 }
 
@@ -61,36 +58,6 @@ pub fn hello() -> Hello {
     }
 }
 
-/// The thesis machine.
-pub fn parameters() -> Parameters {
-    let leg = |x: f64, y: f64, degrees: f64| LegParameters {
-        base_m: Vector2::new(x, y),
-        proximal_m: 0.2,
-        distal_m: 0.2,
-        joint_radius_m: 0.02,
-        joint_angle_rad: degrees.to_radians(),
-        elbow: Elbow::Positive,
-        proximal: LinkParameters::default(),
-        distal: LinkParameters::default(),
-        rotor_inertia_kgm2: 0.0,
-    };
-    Parameters {
-        legs: [
-            leg(0.0, 0.433, 150.0),
-            leg(0.5, 0.433, 30.0),
-            leg(0.25, 0.0, 270.0),
-        ],
-        platform: PlatformParameters {
-            mass_kg: 0.5,
-            inertia_kgm2: 0.0025,
-            com_m: Vector2::zeros(),
-        },
-        gravity_m_s2: Vector2::zeros(),
-        wrench_force_n: Vector2::zeros(),
-        wrench_torque_nm: 0.0,
-    }
-}
-
 impl<'q> Device<'q> {
     /// Switches the machine on, at [`home`]. `silence_ticks`: silence after which it stops, 0 for
     /// never.
@@ -102,7 +69,7 @@ impl<'q> Device<'q> {
         let settings = Settings {
             period: 1.0 / TICK_RATE_HZ,
             ramp_ticks: RAMP_TICKS,
-            silence_ticks,
+            host_timeout_ticks: silence_ticks,
             telemetry_every: 0,
             scene: SceneIdentity {
                 schema: hello().schema,
@@ -115,24 +82,23 @@ impl<'q> Device<'q> {
             },
             board: Board::HOST,
         };
-        let (foreground, background) = channels
-            .split(Adjustable::new(parameters(), limits), home(), settings)
+        let service = channels
+            .service(Adjustable::new(example(), limits), home(), settings)
             .expect("the thesis machine stands at its start");
         Self {
-            foreground,
-            background,
+            service,
             decoder: Decoder::new(),
         }
     }
 
     /// One tick, and what came of it: the sample is there whenever one was asked for.
     pub fn tick(&mut self) -> Output<f64> {
-        *self.foreground.tick()
+        *self.service.tick()
     }
 
     /// The next sample.
     pub fn sample(&mut self) -> Option<Telemetry<f64>> {
-        self.background.sample()
+        self.service.sample()
     }
 
     /// Takes bytes from the line. `heard` sees each request that was understood, `answer` the
@@ -148,7 +114,7 @@ impl<'q> Device<'q> {
                 continue;
             };
             heard(&request);
-            let reply = self.background.receive(&request, self.decoder.checksum());
+            let reply = self.service.answer(&request, self.decoder.checksum());
             answer(&Message::Reply {
                 sequence: request.sequence,
                 reply,
@@ -165,7 +131,7 @@ impl<'q> Device<'q> {
 /// The answer to a request that comes over no line.
 pub fn answer(device: &mut Device, request: &Request<f64>) -> Reply<f64> {
     let checksum = checksum(request).expect("a request has a length");
-    device.background.receive(request, checksum)
+    device.service.answer(request, checksum)
 }
 
 /// The frame of a request.

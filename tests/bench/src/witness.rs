@@ -326,19 +326,17 @@ fn same<T: serde::Serialize>(a: &T, b: &T) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::{
-        Device, DeviceChannels, RAMP_TICKS, TICK_RATE_HZ, answer, hello, home, parameters,
-    };
+    use crate::device::{Device, DeviceChannels, RAMP_TICKS, TICK_RATE_HZ, answer, hello, home};
     use crate::faulty_link::Random;
     use crate::job::random_job;
     use trirrr_core::limits::LimitParameters;
+    use trirrr_core::machine::example;
+    use trirrr_core::model::Dynamic;
     use trirrr_core::tick::Tick;
-    use trirrr_core::torque::links::Massless;
-    use trirrr_core::torque::payload::Centred;
     use trirrr_protocol::message::{Command, Reply, Request};
 
     fn motors(setpoint: &Setpoint<f64>) -> Option<[Motor<f64>; 3]> {
-        let tick = Tick::<f64, Centred<f64>, Massless>::build(&parameters()).ok()?;
+        let tick = Tick::<Dynamic<f64>>::build(&example()).ok()?;
         Some(tick.evaluate(setpoint).ok()?.motors)
     }
 
@@ -363,9 +361,9 @@ mod tests {
         for (number, each) in (0..).zip(&job) {
             ask(&mut device, Command::Move(Move { number, ..*each }));
         }
-        while device.background.step() {}
+        while device.service.step() {}
         device.tick();
-        while device.background.outgoing().is_some() {}
+        while device.service.poll().is_some() {}
         ask(&mut device, Command::Start);
         let mut samples = Vec::new();
         for tick in 0..2000 {
@@ -373,9 +371,9 @@ mod tests {
                 ask(&mut device, *command);
             }
             device.tick();
-            while device.background.step() {}
+            while device.service.step() {}
             samples.extend(device.sample());
-            while device.background.outgoing().is_some() {}
+            while device.service.poll().is_some() {}
         }
         (job, samples)
     }

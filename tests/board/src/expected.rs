@@ -31,7 +31,7 @@ impl<N: ServiceNumber> Expected<N> {
             scene: scene.clone(),
             hello: local::hello::<N>(scene),
             units,
-            evaluator: pipeline::build_in(&scene.parameters, units)?,
+            evaluator: pipeline::of_scene(scene, units)?,
         })
     }
 

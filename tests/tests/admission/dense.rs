@@ -3,14 +3,12 @@
 
 use crate::judge::Setting;
 use nalgebra::Vector3;
-use trirrr_core::machine::{LinksKind, PayloadKind};
-use trirrr_core::number::Number;
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
 use trirrr_protocol::message::Move;
+use trirrr_service::admission::Enclose;
 
 /// How closely a move is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +91,7 @@ impl Extremes {
 }
 
 /// The move as the tick plays it.
-pub(crate) fn segment<N: Number>(offered: &Move<N>, period_s: f64) -> Segment<N> {
+pub(crate) fn segment<N: Enclose>(offered: &Move<N>, period_s: f64) -> Segment<N> {
     let period = N::factor_from_f64(period_s);
     if offered.is_rest_to_rest() {
         let segment = RestToRest::new(offered.from, offered.to, offered.ticks, period);
@@ -110,7 +108,7 @@ pub(crate) fn segment<N: Number>(offered: &Move<N>, period_s: f64) -> Segment<N>
 }
 
 /// The extremes of a move.
-pub(crate) fn extremes<N: Number>(
+pub(crate) fn extremes<N: Enclose>(
     setting: &Setting,
     offered: &Move<N>,
     density: Density,
@@ -124,45 +122,44 @@ pub(crate) fn extremes<N: Number>(
 }
 
 /// Calls `visitor` with the fraction of the move and the extremes there, as long as it returns true.
-pub(crate) fn visit<N: Number>(
+pub(crate) fn visit<N: Enclose>(
     setting: &Setting,
     offered: &Move<N>,
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {
-    match PayloadKind::of(&setting.parameters) {
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(setting, offered, density, visitor),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(setting, offered, density, visitor),
-    }
+    ModelKind::of(&setting.parameters, true).visit(Visit {
+        setting,
+        offered,
+        density,
+        visitor,
+    });
 }
 
 type Visitor<'v> = dyn FnMut(f64, &Extremes) -> bool + 'v;
 
-fn with_payload<N: Number, P: Payload<N>>(
-    setting: &Setting,
-    offered: &Move<N>,
+struct Visit<'a, 'v, N: Enclose> {
+    setting: &'a Setting,
+    offered: &'a Move<N>,
     density: Density,
-    visitor: &mut Visitor<'_>,
-) {
-    match LinksKind::of(&setting.parameters) {
-        LinksKind::Massless => with::<N, P, Massless>(setting, offered, density, visitor),
-        LinksKind::Rotors => with::<N, P, Rotors<N>>(setting, offered, density, visitor),
-        LinksKind::MassiveHorizontal => {
-            with::<N, P, Massive<N, Horizontal>>(setting, offered, density, visitor)
-        }
-        LinksKind::MassiveInPlane => {
-            with::<N, P, Massive<N, InPlane<N>>>(setting, offered, density, visitor)
-        }
+    visitor: &'a mut Visitor<'v>,
+}
+
+impl<N: Enclose> ModelVisitor<N> for Visit<'_, '_, N> {
+    type Output = ();
+
+    fn visit<M: Model<N = N>>(self) {
+        with::<N, M>(self.setting, self.offered, self.density, self.visitor);
     }
 }
 
-fn with<N: Number, P: Payload<N>, L: Links<N>>(
+fn with<N: Enclose, M: Model<N = N>>(
     setting: &Setting,
     offered: &Move<N>,
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {
-    let tick = Tick::<N, P, L>::build(&setting.parameters).expect("a good machine");
+    let tick = Tick::<M>::build(&setting.parameters).expect("a good machine");
     let distances = Distances::<N>::build(&setting.parameters);
     let segment = segment(offered, setting.period_s);
     let ramp = 1.0 / (f64::from(setting.ramp_ticks) * setting.period_s);

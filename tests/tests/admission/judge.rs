@@ -1,9 +1,8 @@
 //! Admission of a move on any machine, with the types that it calls for.
 
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::machine::{LinksKind, Parameters, PayloadKind};
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload};
+use trirrr_core::machine::Parameters;
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_protocol::message::{Move, Violation};
 use trirrr_service::admission::{Admission, Enclose, Verdict};
 
@@ -23,24 +22,25 @@ pub(crate) struct Judged<N: Enclose> {
 }
 
 pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
-    match PayloadKind::of(&setting.parameters) {
-        PayloadKind::Centred => with_payload::<N, Centred<N>>(setting, offered),
-        PayloadKind::Offset => with_payload::<N, Offset<N>>(setting, offered),
+    ModelKind::of(&setting.parameters, true).visit(Judge { setting, offered })
+}
+
+struct Judge<'a, N: Enclose> {
+    setting: &'a Setting,
+    offered: &'a Move<N>,
+}
+
+impl<N: Enclose> ModelVisitor<N> for Judge<'_, N> {
+    type Output = Judged<N>;
+
+    fn visit<M: Model<N = N>>(self) -> Judged<N> {
+        with::<N, M>(self.setting, self.offered)
     }
 }
 
-fn with_payload<N: Enclose, P: Payload<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
-    match LinksKind::of(&setting.parameters) {
-        LinksKind::Massless => with::<N, P, Massless>(setting, offered),
-        LinksKind::Rotors => with::<N, P, Rotors<N>>(setting, offered),
-        LinksKind::MassiveHorizontal => with::<N, P, Massive<N, Horizontal>>(setting, offered),
-        LinksKind::MassiveInPlane => with::<N, P, Massive<N, InPlane<N>>>(setting, offered),
-    }
-}
-
-fn with<N: Enclose, P: Payload<N>, L: Links<N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+fn with<N: Enclose, M: Model<N = N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
     let limits = Limits::build(&setting.limits).expect("good limits");
-    let mut admission = Admission::<N, P, L>::build(
+    let mut admission = Admission::<M>::build(
         &setting.parameters,
         limits,
         setting.ramp_ticks,

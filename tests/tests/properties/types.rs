@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 use std::cell::RefCell;
 use trirrr_core::machine::{LinkParameters, Parameters};
+use trirrr_core::model::Dynamic;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motion;
@@ -17,7 +18,7 @@ fn motion<P: Payload<f64>, L: Links<f64>>(
     parameters: &Parameters,
     setpoint: &Setpoint<f64>,
 ) -> Motion<f64> {
-    with::<f64, P, L>(parameters, setpoint).expect("a motion")
+    with::<Dynamic<f64, P, L>>(parameters, setpoint).expect("a motion")
 }
 
 fn torques(motion: &Motion<f64>) -> [f64; 3] {

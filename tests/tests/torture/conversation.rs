@@ -3,7 +3,7 @@
 use std::time::Duration;
 use trirrr_bench::device::{
     Device, DeviceChannels, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
-    parameters, request_frame,
+    request_frame,
 };
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::random_job;
@@ -11,6 +11,8 @@ use trirrr_bench::sent::Sent;
 use trirrr_bench::witness::Witness;
 use trirrr_client::{Action, Ask, Patience, Stream};
 use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::example;
+use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::Massless;
@@ -76,7 +78,7 @@ pub(crate) struct Conversation<'q> {
     sent_to_client: Sent,
     witness: Witness<f64>,
     /// The machine without a service.
-    tick: Tick<f64, Centred<f64>, Massless>,
+    tick: Tick<Dynamic<f64, Centred<f64>, Massless>>,
     random: Random,
     /// Sequence number of the last request that the machine heard.
     heard: Option<u32>,
@@ -102,7 +104,7 @@ impl Conversation<'_> {
             to_client: FaultyLink::new(random.bits(), PERCENT),
             sent_to_device: Sent::default(),
             sent_to_client: Sent::default(),
-            tick: Tick::build(&parameters()).expect("the thesis machine"),
+            tick: Tick::build(&example()).expect("the thesis machine"),
             witness: Witness::new(&moves, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ),
             random,
             heard: None,
@@ -133,7 +135,7 @@ impl Conversation<'_> {
     fn work_at_device(&mut self) {
         self.device.tick();
         for _ in 0..STEPS_PER_TICK {
-            if !self.device.background.step() {
+            if !self.device.service.step() {
                 break;
             }
         }
@@ -166,7 +168,7 @@ impl Conversation<'_> {
                 },
             );
         }
-        while let Some(message) = device.background.outgoing() {
+        while let Some(message) = device.service.poll() {
             if let Message::Telemetry(sample) = &message {
                 witness.see(sample, motors).expect("a tick of the job");
             }
@@ -234,7 +236,7 @@ impl Conversation<'_> {
     fn over(mut self, seed: u64) -> Tally {
         self.witness.complete().expect("the whole job");
         assert_eq!(self.client.done(), self.client.moves(), "job {seed}");
-        let status = self.device.background.status();
+        let status = self.device.service.status();
         assert_eq!(status.done, self.client.moves(), "job {seed}");
         self.tally.repeated = self.client.repeated();
         for link in [&self.to_device, &self.to_client] {

@@ -6,7 +6,7 @@ pub mod drives;
 pub mod service;
 pub mod tick;
 
-/// The scene: `PARAMETERS`, `MOVES`, `PERIOD`, and the types `Scalar`, `Payload`, `Links` that
+/// The scene: `PARAMETERS`, `MOVES`, `PERIOD`, and the types `Scalar` and `Model` that
 /// it needs. Written by the build script from the file that `SCENE` names.
 #[allow(missing_docs, clippy::approx_constant, clippy::excessive_precision)]
 pub mod scene {

@@ -1,15 +1,15 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
 use crate::drives::Drives;
-use crate::scene::{COEFFICIENTS, Links, MOVES, PARTS, Payload, SETTINGS, START, Scalar};
+use crate::scene::{COEFFICIENTS, MOVES, Model, PARTS, SETTINGS, START, Scalar};
 use nalgebra::Vector3;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
 use trirrr_protocol::message::{Command, Reply};
-use trirrr_service::{BackgroundOf, Channels, Compiled, ForegroundOf, Settings};
+use trirrr_service::{Background, Channels, Compiled, Foreground, Settings};
 
-type Known = Compiled<'static, Scalar, Payload, Links>;
+type Known = Compiled<'static, Model>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
@@ -17,23 +17,22 @@ pub type Scene = Known;
 
 /// The same, of a machine that is homed.
 #[cfg(homing)]
-pub type Scene = service::WithHoming<'static, Scalar, Known>;
+pub type Scene = trirrr_service::WithHoming<'static, Known>;
 
 /// Sixteen moves and samples less one each.
-pub type SceneChannels = Channels<Scalar, Payload, Links, Scene, 16, 16>;
+pub type SceneChannels = Channels<Scene, 16, 16>;
 
 /// The half that ticks.
-pub type SceneForeground = ForegroundOf<'static, Scalar, Payload, Links, Scene>;
+pub type SceneForeground = Foreground<'static, Scene>;
 
 /// The half that talks.
-pub type SceneBackground = BackgroundOf<'static, Scalar, Payload, Links, Scene>;
+pub type SceneBackground = Background<'static, Scene>;
 
 /// What it is told.
-pub type SceneCommand =
-    Command<Scalar, <Scene as trirrr_service::Scene<Scalar, Payload, Links>>::Replacement>;
+pub type SceneCommand = Command<Scalar, <Scene as trirrr_service::Scene>::Replacement>;
 
 /// What it answers.
-pub type SceneReply = Reply<Scalar, <Scene as trirrr_service::Scene<Scalar, Payload, Links>>::Part>;
+pub type SceneReply = Reply<Scalar, <Scene as trirrr_service::Scene>::Part>;
 
 /// The scene.
 pub fn scene() -> Scene {
@@ -42,7 +41,7 @@ pub fn scene() -> Scene {
         parts: PARTS,
     };
     #[cfg(homing)]
-    let scene = service::WithHoming {
+    let scene = trirrr_service::WithHoming {
         scene,
         homing: Some(&crate::scene::HOMING),
     };

@@ -3,7 +3,7 @@
 //! None is inlined and all take their coefficients by reference, so that the geometry is
 //! known at run time only and nothing is computed by the compiler.
 
-use crate::scene::{Links, Payload, Scalar};
+use crate::scene::{Model, Scalar};
 use nalgebra::Vector2;
 use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::number::Arithmetic;
@@ -13,7 +13,7 @@ use trirrr_core::tick::{Motor, Tick};
 use trirrr_image::Segment;
 
 /// The tick that the scene needs.
-pub type SceneTick = Tick<Scalar, Payload, Links>;
+pub type SceneTick = Tick<Model>;
 
 /// What one tick leaves: angle, rate, acceleration and torque of each motor, or why there are none.
 pub struct Outcome {

@@ -4,7 +4,7 @@ use super::machine::RedundantMachine;
 use super::qr::Qr;
 use trirrr_core::inverse::LegPosition;
 use trirrr_core::number::{Number, cross};
-use trirrr_core::torque::payload::Demand;
+use trirrr_core::torque::demand::Demand;
 
 impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
     /// Factors the matrix with rows [r2x, r2y, (c - c1) x r2 / arm].

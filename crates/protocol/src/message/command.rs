@@ -113,6 +113,20 @@ pub struct Recovery<N: Number> {
 }
 
 impl<N: Number> Move<N> {
+    /// Returns move `number` from rest at `from` to rest at `to` in `ticks` ticks, with the tool off.
+    pub fn rest_to_rest(number: u32, from: Pose<N>, to: Pose<N>, ticks: u32) -> Self {
+        Self {
+            number,
+            from,
+            to,
+            start_velocity: [N::ZERO; 3],
+            end_velocity: [N::ZERO; 3],
+            ticks,
+            tool_power: N::ZERO,
+            tool_speed: N::ZERO,
+        }
+    }
+
     /// Whether both ends are at rest.
     pub fn is_rest_to_rest(&self) -> bool {
         self.starts_at_rest() && self.ends_at_rest()

@@ -18,8 +18,8 @@ use super::Breach;
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
 use trirrr_core::limits::Limits;
-use trirrr_core::number::{Arithmetic, Number};
-use trirrr_core::torque::balance::Solve;
+use trirrr_core::model::Model;
+use trirrr_core::number::Arithmetic;
 use trirrr_protocol::message::Bounded;
 
 /// One motor over an interval.
@@ -58,7 +58,7 @@ impl<N: Enclose> MotorBounds<N> {
     /// Whether motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1:
     /// what it breaks otherwise. A larger `speed` never breaks less: the speeds and ramps of a
     /// slower move are among those of a faster one. `S` says whether there are torques to look at.
-    pub(super) fn check<S: Solve<TaylorModel<N>>>(
+    pub(super) fn check<M: Model<N: Enclose>>(
         &self,
         index: usize,
         limits: &Limits<Float<N>>,
@@ -86,7 +86,7 @@ impl<N: Enclose> MotorBounds<N> {
                     break 'broken (what, value, limit, true);
                 }
             }
-            let Some(torque) = self.torque.as_ref().filter(|_| S::TORQUES) else {
+            let Some(torque) = self.torque.as_ref().filter(|_| M::TORQUES) else {
                 return Ok(());
             };
             let at_rest = torque.at_rest;
@@ -170,7 +170,7 @@ fn greatest_power<N: Enclose>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorMod
 
 /// Largest size of u (slow + (fast - slow) u^2) for 0 <= u <= 1: at u = 1, or where the derivative
 /// slow - 3 (slow - fast) u^2 vanishes, where it is 2/3 slow u.
-fn peak<N: Number>(slow: N, fast: N) -> N {
+fn peak<N: Arithmetic>(slow: N, fast: N) -> N {
     let drop = slow - fast;
     let drop = drop + drop + drop;
     // 0 < slow / drop < 1.
@@ -187,6 +187,6 @@ fn peak<N: Number>(slow: N, fast: N) -> N {
 }
 
 /// The greater of the two; what is not a number counts as greater.
-fn greater<N: Number>(a: N, b: N) -> N {
+fn greater<N: Arithmetic>(a: N, b: N) -> N {
     if a <= b { b } else { a }
 }

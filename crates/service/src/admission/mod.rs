@@ -18,7 +18,7 @@
 //! The intervals are taken in the order of time, so that what is named is the first violation.
 //!
 //! # The shortest duration
-//! A move that is merely too fast is told the shortest duration that would pass. From rest to rest
+//! A move that is merely too fast is reported the shortest duration that would pass. From rest to rest
 //! the path is the same at any duration, and what is broken less the slower it is played; the
 //! duration named is the shortest that passes this very check. With a velocity at an end, which
 //! stays as it is, the path changes with the duration: the duration named passes the check, one
@@ -45,26 +45,16 @@ use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
-use trirrr_core::torque::links::{Links, Massless};
-use trirrr_core::torque::payload::{Centred, Payload};
 use trirrr_protocol::message::{Move, Violation};
 
 /// Judges one move at a time. The parameters are those of the tick that will play the moves.
-pub struct Admission<N, P = Centred<N>, L = Massless>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-{
-    path: EnclosedPath<N, P, L>,
-    work: Work<N>,
+pub struct Admission<M: Model<N: Enclose>> {
+    path: Path<M>,
+    work: Work<M::N>,
 }
-
-/// The path of the tick with the payload `P` and the links `L`, on Taylor models.
-pub type EnclosedPath<N, P, L> =
-    Path<N, <P as Payload<N>>::Over<TaylorModel<N>>, <L as Links<N>>::Over<TaylorModel<N>>>;
 
 /// What is under way.
 #[derive(Clone, Copy, Debug)]
@@ -129,12 +119,7 @@ impl<N: Enclose> Ends<N> {
     }
 }
 
-impl<N, P, L> Admission<N, P, L>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-{
+impl<M: Model<N: Enclose>> Admission<M> {
     /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
     /// normal speed to rest.
     ///
@@ -142,16 +127,16 @@ where
     /// The first quantity of the machine that is refused.
     pub fn build(
         parameters: &Parameters,
-        limits: Limits<N>,
+        limits: Limits<M::N>,
         ramp_ticks: u16,
         period_s: f64,
     ) -> Result<Self, BuildError> {
-        let limits = limits.map(N::bound);
+        let limits = limits.map(<M::N>::bound);
         Path::build(parameters, limits, ramp_ticks, period_s).map(Self::over)
     }
 
     /// With coefficients that are built.
-    pub fn over(path: EnclosedPath<N, P, L>) -> Self {
+    pub fn over(path: Path<M>) -> Self {
         Self {
             path,
             work: Work::None,
@@ -161,9 +146,9 @@ where
     /// Takes a move to judge; one that is under way is dropped.
     ///
     /// A move that is no move is refused at once: a value that is not finite, or so far out that
-    /// no pose can be told from the next, as a violation of [`Bounded::Range`](trirrr_protocol::message::Bounded::Range) that names the
+    /// no pose can be reported from the next, as a violation of [`Bounded::Range`](trirrr_protocol::message::Bounded::Range) that names the
     /// coordinate; so is a duration of no tick, without a coordinate.
-    pub fn offer(&mut self, offered: &Move<N>) {
+    pub fn offer(&mut self, offered: &Move<M::N>) {
         let ends = Ends {
             from: offered.from,
             to: offered.to,
@@ -174,7 +159,9 @@ where
             period: self.path.period,
         };
         self.work = match breach::of_input(offered) {
-            Some(breach) => Work::Judged(Verdict::Refused(breach.violation(<N::Bound>::ZERO))),
+            Some(breach) => Work::Judged(Verdict::Refused(
+                breach.violation(<<M::N as Enclose>::Bound>::ZERO),
+            )),
             None => Work::Check {
                 offered: ends,
                 segment: ends.segment(ends.ticks),
@@ -184,7 +171,7 @@ where
     }
 
     /// Does a bounded amount of work: measures one interval.
-    pub fn step(&mut self) -> Verdict<N> {
+    pub fn step(&mut self) -> Verdict<M::N> {
         match &mut self.work {
             Work::None => return Verdict::Nothing,
             Work::Judged(verdict) => return *verdict,
@@ -220,7 +207,7 @@ where
     }
 
     /// How far the judgement is, without any work.
-    pub fn verdict(&self) -> Verdict<N> {
+    pub fn verdict(&self) -> Verdict<M::N> {
         match &self.work {
             Work::None => Verdict::Nothing,
             Work::Judged(verdict) => *verdict,

@@ -9,42 +9,33 @@ use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, Leg, Parameters};
+use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, dot};
 use trirrr_core::setpoint::{Segment, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::balance::Solve;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::Bounded;
 
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
 /// admission.
 #[derive(Clone, Copy, Debug)]
-pub struct Path<N: Enclose, P: Payload<TaylorModel<N>>, L> {
+pub struct Path<M: Model<N: Enclose>> {
     /// The tick, on Taylor models.
-    pub tick: Tick<TaylorModel<N>, P, L>,
+    pub tick: Tick<M::Over<TaylorModel<M::N>>>,
     /// The distances, likewise.
-    pub distances: Distances<TaylorModel<N>>,
+    pub distances: Distances<TaylorModel<M::N>>,
     /// What is compared with.
-    pub limits: Limits<Float<N>>,
+    pub limits: Limits<Float<M::N>>,
     /// Seconds, or the machine's unit of time, per tick.
-    pub period: Float<N>,
+    pub period: Float<M::N>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
-    pub ramp: TaylorModel<N>,
+    pub ramp: TaylorModel<M::N>,
     /// Whether the motors may have to hold something at rest: gravity or a wrench.
     pub loaded: bool,
 }
 
-type Model<N> = TaylorModel<N>;
-
-impl<N, P, L> Path<N, P, L>
-where
-    N: Enclose,
-    P: Payload<Model<N>>,
-    L: Links<Model<N>>,
-{
+impl<N: Enclose, M: Model<N = N>> Path<M> {
     /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
     /// normal speed to rest; a tick lasts `period_s`.
     ///
@@ -69,7 +60,7 @@ where
             distances: Distances::build(parameters),
             limits,
             period: <Float<N>>::from_f64(period_s),
-            ramp: Model::near(ramp),
+            ramp: TaylorModel::near(ramp),
             loaded: loads.iter().any(|&load| load != 0.0),
         })
     }
@@ -77,13 +68,13 @@ where
     /// Whether every limit is kept for certain during the interval `s`: what is broken otherwise.
     pub(super) fn check(
         &self,
-        segment: &Segment<Model<N>>,
-        s: Model<N>,
+        segment: &Segment<TaylorModel<N>>,
+        s: TaylorModel<N>,
     ) -> Result<(), Breach<Float<N>>> {
         let mut motors = [MotorBounds::UNMEASURED; 3];
         self.measure(segment, s, &mut motors)?;
         for (index, motor) in motors.iter().enumerate() {
-            motor.check::<P::Balance>(index, &self.limits, <Float<N>>::ONE)?;
+            motor.check::<M>(index, &self.limits, <Float<N>>::ONE)?;
         }
         Ok(())
     }
@@ -93,8 +84,8 @@ where
     #[inline(never)]
     pub(super) fn measure(
         &self,
-        segment: &Segment<Model<N>>,
-        s: Model<N>,
+        segment: &Segment<TaylorModel<N>>,
+        s: TaylorModel<N>,
         motors: &mut [MotorBounds<N>; 3],
     ) -> Result<(), Breach<Float<N>>> {
         let mut setpoint = segment.at_fraction(s);
@@ -108,12 +99,12 @@ where
             motor.acceleration = leg.accelerations.proximal;
             motor.ramp_acceleration = leg.rates.proximal * self.ramp;
         }
-        if P::Balance::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
+        if M::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
             self.add_torques(motors, &mut legs, &mut setpoint, &rotation)
                 .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         }
         // An acceleration is the last that leaves the range.
-        let mut sum = Model::ZERO;
+        let mut sum = TaylorModel::ZERO;
         for motor in motors {
             sum += motor.acceleration;
             if let Some(torque) = &motor.torque {
@@ -129,9 +120,9 @@ where
 
     fn solve(
         &self,
-        setpoint: &Setpoint<Model<N>>,
-        rotation: &Rotation<Model<N>>,
-        motions: &mut [LegMotion<Model<N>>; 3],
+        setpoint: &Setpoint<TaylorModel<N>>,
+        rotation: &Rotation<TaylorModel<N>>,
+        motions: &mut [LegMotion<TaylorModel<N>>; 3],
     ) -> Result<(), Status> {
         let legs = &self.tick.geometry().legs;
         for (index, (leg, motion)) in legs.iter().zip(motions).enumerate() {
@@ -142,7 +133,10 @@ where
 
     /// Whether the singularities are as far as the limits ask.
     #[inline(never)]
-    fn keeps_distance(&self, legs: &[LegMotion<Model<N>>; 3]) -> Result<(), Breach<Float<N>>> {
+    fn keeps_distance(
+        &self,
+        legs: &[LegMotion<TaylorModel<N>>; 3],
+    ) -> Result<(), Breach<Float<N>>> {
         let least = self.limits.serial_distance;
         for (index, leg) in legs.iter().enumerate() {
             let value = self
@@ -177,32 +171,32 @@ where
     fn add_torques(
         &self,
         motors: &mut [MotorBounds<N>; 3],
-        legs: &mut [LegMotion<Model<N>>; 3],
-        setpoint: &mut Setpoint<Model<N>>,
-        rotation: &Rotation<Model<N>>,
+        legs: &mut [LegMotion<TaylorModel<N>>; 3],
+        setpoint: &mut Setpoint<TaylorModel<N>>,
+        rotation: &Rotation<TaylorModel<N>>,
     ) -> Result<(), Status> {
         let at_normal_speed = self.torques(legs, setpoint, rotation)?;
 
-        let zero = Vector3::from([Model::ZERO; 3]);
+        let zero = Vector3::from([TaylorModel::ZERO; 3]);
         setpoint.acceleration = setpoint.velocity * self.ramp;
         setpoint.velocity = zero;
         for leg in legs.iter_mut() {
             leg.accelerations.proximal = leg.rates.proximal * self.ramp;
             leg.accelerations.distal = leg.rates.distal * self.ramp;
             leg.rates = Rates {
-                proximal: Model::ZERO,
-                distal: Model::ZERO,
+                proximal: TaylorModel::ZERO,
+                distal: TaylorModel::ZERO,
             };
         }
         let starting = self.torques(legs, setpoint, rotation)?;
 
-        let mut at_rest = [Model::ZERO; 3];
+        let mut at_rest = [TaylorModel::ZERO; 3];
         if self.loaded {
             setpoint.acceleration = zero;
             for leg in legs.iter_mut() {
                 leg.accelerations = Accelerations {
-                    proximal: Model::ZERO,
-                    distal: Model::ZERO,
+                    proximal: TaylorModel::ZERO,
+                    distal: TaylorModel::ZERO,
                 };
             }
             at_rest = self.torques(legs, setpoint, rotation)?;
@@ -221,10 +215,10 @@ where
     #[inline(never)]
     fn torques(
         &self,
-        legs: &[LegMotion<Model<N>>; 3],
-        setpoint: &Setpoint<Model<N>>,
-        rotation: &Rotation<Model<N>>,
-    ) -> Result<[Model<N>; 3], Status> {
+        legs: &[LegMotion<TaylorModel<N>>; 3],
+        setpoint: &Setpoint<TaylorModel<N>>,
+        rotation: &Rotation<TaylorModel<N>>,
+    ) -> Result<[TaylorModel<N>; 3], Status> {
         self.tick.torques(legs, setpoint, rotation)
     }
 
@@ -232,8 +226,8 @@ where
     fn breach(
         &self,
         status: Status,
-        setpoint: &Setpoint<Model<N>>,
-        rotation: &Rotation<Model<N>>,
+        setpoint: &Setpoint<TaylorModel<N>>,
+        rotation: &Rotation<TaylorModel<N>>,
     ) -> Breach<Float<N>> {
         match status {
             Status::Unreachable { leg } | Status::SerialSingular { leg } => {
@@ -275,26 +269,26 @@ where
 }
 
 /// A leg to be filled in. No constant, which would take its place in an image.
-fn unsolved<N: Enclose>() -> LegMotion<Model<N>> {
-    let zero = Vector2::new(Model::ZERO, Model::ZERO);
+fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
+    let zero = Vector2::new(TaylorModel::ZERO, TaylorModel::ZERO);
     LegMotion {
         position: LegPosition {
             platform_joint: zero,
             links: DyadPosition {
                 r1: zero,
                 r2: zero,
-                r1_cross_r2: Model::ZERO,
-                inverse_cross: Model::ZERO,
-                base_sq: Model::ZERO,
+                r1_cross_r2: TaylorModel::ZERO,
+                inverse_cross: TaylorModel::ZERO,
+                base_sq: TaylorModel::ZERO,
             },
         },
         rates: Rates {
-            proximal: Model::ZERO,
-            distal: Model::ZERO,
+            proximal: TaylorModel::ZERO,
+            distal: TaylorModel::ZERO,
         },
         accelerations: Accelerations {
-            proximal: Model::ZERO,
-            distal: Model::ZERO,
+            proximal: TaylorModel::ZERO,
+            distal: TaylorModel::ZERO,
         },
     }
 }
@@ -303,10 +297,10 @@ fn unsolved<N: Enclose>() -> LegMotion<Model<N>> {
 #[inline(never)]
 fn solve<N: Enclose>(
     index: usize,
-    leg: &Leg<Model<N>>,
-    setpoint: &Setpoint<Model<N>>,
-    rotation: &Rotation<Model<N>>,
-    motion: &mut LegMotion<Model<N>>,
+    leg: &Leg<TaylorModel<N>>,
+    setpoint: &Setpoint<TaylorModel<N>>,
+    rotation: &Rotation<TaylorModel<N>>,
+    motion: &mut LegMotion<TaylorModel<N>>,
 ) -> Result<(), Status> {
     motion.position = leg.position(index, setpoint.pose.position, rotation)?;
     motion.rates = leg.rates(&motion.position, &setpoint.velocity);

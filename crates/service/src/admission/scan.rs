@@ -4,10 +4,9 @@ use super::Breach;
 use super::path::Path;
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
+use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 
 /// Halvings of the whole move at the start: intervals much longer would seldom be certain. At
 /// least one, because the setpoint is computed from the nearer end.
@@ -81,16 +80,11 @@ impl Scan {
     }
 
     /// Measures one interval of `segment`.
-    pub(super) fn step<N, P, L>(
+    pub(super) fn step<N: Enclose, M: Model<N = N>>(
         &mut self,
-        path: &Path<N, P, L>,
+        path: &Path<M>,
         segment: &Segment<TaylorModel<N>>,
-    ) -> Scanned<Float<N>>
-    where
-        N: Enclose,
-        P: Payload<TaylorModel<N>>,
-        L: Links<TaylorModel<N>>,
-    {
+    ) -> Scanned<Float<N>> {
         self.measured += 1;
         match path.check(segment, self.interval()) {
             Ok(()) => {

@@ -6,10 +6,9 @@ use super::path::Path;
 use super::scan::{Scan, Scanned};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
+use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 
 /// Intervals in which the offered move is measured for a first guess: 2^this.
 const SURVEY: u32 = 6;
@@ -75,11 +74,7 @@ impl<N: Enclose> Search<N> {
     }
 
     /// Measures one interval.
-    pub(super) fn step<P, L>(&mut self, path: &Path<N, P, L>) -> Found
-    where
-        P: Payload<TaylorModel<N>>,
-        L: Links<TaylorModel<N>>,
-    {
+    pub(super) fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Found {
         match &mut self.stage {
             Stage::Survey { speed } => {
                 // What is not certain about reach or singularities is left to the trials.
@@ -88,9 +83,7 @@ impl<N: Enclose> Search<N> {
                 if path.measure(&self.segment, interval, &mut motors).is_ok() {
                     let keeps = |speed: Float<N>| {
                         motors.iter().enumerate().all(|(index, motor)| {
-                            motor
-                                .check::<P::Balance>(index, &path.limits, speed)
-                                .is_ok()
+                            motor.check::<M>(index, &path.limits, speed).is_ok()
                         })
                     };
                     if !keeps(*speed) {

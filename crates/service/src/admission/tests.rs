@@ -3,6 +3,7 @@
 use super::*;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
+use trirrr_core::model::Dynamic;
 use trirrr_protocol::message::Bounded;
 
 fn thesis_move(ticks: u32) -> Move<f32> {
@@ -18,7 +19,7 @@ fn thesis_move(ticks: u32) -> Move<f32> {
     }
 }
 
-fn with_torque(limit_nm: f64) -> Admission<f32> {
+fn with_torque(limit_nm: f64) -> Admission<Dynamic<f32>> {
     let limits = LimitParameters {
         torque_nm: Some([limit_nm; 3]),
         ..LimitParameters::default()
@@ -27,7 +28,7 @@ fn with_torque(limit_nm: f64) -> Admission<f32> {
     Admission::build(&example(), limits, 50, 0.01).expect("a good machine")
 }
 
-fn judged(admission: &mut Admission<f32>, offered: &Move<f32>) -> Verdict<f32> {
+fn judged(admission: &mut Admission<Dynamic<f32>>, offered: &Move<f32>) -> Verdict<f32> {
     admission.offer(offered);
     // More than any search takes.
     for _ in 0..100_000 {

@@ -1,28 +1,19 @@
 //! Start, hold, resume, stop, faults and recovery.
 
+use super::super::feed::FeedScale;
 use super::super::foreground::slope;
-use super::super::guard::{self, Broken};
-use super::super::link::{Order, Recover};
-use super::super::pace::Pace;
-use super::super::scene::{Put, Scene, Setup};
+use super::super::guard::{self, LimitBreach};
+use super::super::handoff::{Order, Recover};
+use super::super::scene::Scene;
 use super::Background;
 use crate::admission::Enclose;
 use trirrr_core::inverse::Position;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Bounded, FaultCode, Recovery, Refusal, State, Violation};
 
-impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-    U: Put<Setup<N, P, L>>,
-{
+impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
@@ -37,7 +28,7 @@ where
                 Refusal::NothingQueued
             });
         }
-        let enough = Pace::new(self.settings.ramp_ticks).is_enough(left, 0);
+        let enough = FeedScale::new(self.settings.ramp_ticks).is_enough(left, 0);
         if !self.ahead.ends_at_rest && !enough {
             return Err(if undecided {
                 Refusal::Undecided
@@ -90,7 +81,7 @@ where
 
     pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {
         if self.status.state != State::Cleared {
-            self.waits()?;
+            self.require_idle()?;
         }
         let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
         self.send_along(path, recovery.to, Order::Recover, State::Recovering)
@@ -102,7 +93,7 @@ where
             return Err(Refusal::NoHoming);
         };
         if !matches!(self.status.state, State::Unhomed | State::Cleared) {
-            self.waits()?;
+            self.require_idle()?;
         }
         let limits = &self.limits;
         guard::within(Bounded::Rate, &limits.rate, plan.rates)
@@ -165,7 +156,7 @@ where
     }
 
     /// Refuses unless the machine waits in idle with nothing queued.
-    pub(super) fn waits(&self) -> Result<(), Refusal<N>> {
+    pub(super) fn require_idle(&self) -> Result<(), Refusal<N>> {
         let empty = self.offered.1.peek().is_none() && self.ahead.left(self.played) == 0;
         if self.status.state == State::Idle && empty {
             Ok(())
@@ -215,7 +206,7 @@ fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> R
 }
 
 /// What joint rates or accelerations break; `ramp`: those of a stop are in them.
-fn too_fast<N: Number>(broken: Broken<N>, ramp: bool) -> Refusal<N> {
+fn too_fast<N: Number>(broken: LimitBreach<N>, ramp: bool) -> Refusal<N> {
     let what = match broken.code {
         FaultCode::Limit(what) => what,
         _ => Bounded::Range,

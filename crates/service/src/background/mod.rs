@@ -5,72 +5,65 @@ mod moves;
 mod parts;
 mod receive;
 
-use super::link::{Ahead, Order, Planned, Recover, Report, Shared};
+use super::handoff::{Ahead, Order, QueuedMove, Recover, Report, Shared};
 use super::queue::{Receiver, Sender};
-use super::scene::{Put, Scene, Setup};
+use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::{Admission, Enclose};
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::Geometry;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{
     Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry,
 };
 
 /// The half of the service that receives commands, judges moves and has what is to be sent.
-pub struct Background<'q, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-{
+pub struct Background<'q, S: Scene> {
     scene: S,
-    settings: Settings<N>,
-    geometry: Geometry<N>,
-    limits: Limits<N>,
-    distances: Distances<N>,
-    admission: Admission<N, P, L>,
+    settings: Settings<S::N>,
+    geometry: Geometry<S::N>,
+    limits: Limits<S::N>,
+    distances: Distances<S::N>,
+    admission: Admission<S::Model>,
 
-    moves: Sender<'q, Planned<N>>,
-    recoveries: Sender<'q, Recover<N>>,
+    moves: Sender<'q, QueuedMove<S::N>>,
+    recoveries: Sender<'q, Recover<S::N>>,
     orders: Sender<'q, Order>,
-    setups: U,
-    reports: Receiver<'q, Report<N>>,
-    faults: Receiver<'q, Fault<N>>,
-    samples: Receiver<'q, Telemetry<N>>,
+    setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
+    reports: Receiver<'q, Report<S::N>>,
+    faults: Receiver<'q, Fault<S::N>>,
+    samples: Receiver<'q, Telemetry<S::N>>,
     shared: &'q Shared,
 
     /// Offered moves that are not judged yet; both ends are here.
-    offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
+    offered: (Sender<'q, Move<S::N>>, Receiver<'q, Move<S::N>>),
     /// Events that wait to be sent; both ends are here.
-    events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+    events: (Sender<'q, Event<S::N>>, Receiver<'q, Event<S::N>>),
 
     greeted: bool,
     /// The last request that counted.
-    last: Option<Last<N>>,
+    last: Option<Last<S::N>>,
     next_sequence: u32,
 
-    /// What the host is told, kept as it is sent. The state is the tick's, as far as known, with what
+    /// What the host is reported, kept as it is sent. The state is the tick's, as far as known, with what
     /// the orders that it has not taken yet will make of it; the tick's counters and the room are
     /// those of the last time that somebody asked.
-    status: Status<N>,
+    status: Status<S::N>,
     /// The last state event.
-    told: (State, Acting, u32),
+    reported: (State, Acting, u32),
     generation: u8,
     begun: u32,
     played: u32,
-    angles: [N::Angle; 3],
+    angles: [<S::N as Arithmetic>::Angle; 3],
     orders_sent: u8,
     orders_taken: u8,
     ahead: Ahead,
     /// The oldest of the offered moves is with the admission.
-    judging: bool,
+    checking: bool,
 }
 
 /// A request that counted.
@@ -107,7 +100,7 @@ pub(super) struct Stand<N: Number> {
 
 /// The ends that belong to the background.
 pub(super) struct Ends<'q, N: Number, U> {
-    pub(super) moves: Sender<'q, Planned<N>>,
+    pub(super) moves: Sender<'q, QueuedMove<N>>,
     pub(super) recoveries: Sender<'q, Recover<N>>,
     pub(super) orders: Sender<'q, Order>,
     pub(super) setups: U,
@@ -119,21 +112,14 @@ pub(super) struct Ends<'q, N: Number, U> {
     pub(super) events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
 }
 
-impl<'q, N, P, L, S, U> Background<'q, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-    U: Put<Setup<N, P, L>>,
-{
+impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
     pub(super) fn new(
         scene: S,
         stand: Stand<N>,
         angles: [N::Angle; 3],
-        admission: Admission<N, P, L>,
+        admission: Admission<S::Model>,
         settings: Settings<N>,
-        ends: Ends<'q, N, U>,
+        ends: Ends<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Put<'q>>,
     ) -> Self {
         let state = match scene.plan().is_some() {
             true => State::Unhomed,
@@ -173,7 +159,7 @@ where
                 lost: 0,
                 longest_tick: 0,
             },
-            told: (state, Acting::Nothing, 0),
+            reported: (state, Acting::Nothing, 0),
             generation: 0,
             begun: 0,
             played: 0,
@@ -181,20 +167,20 @@ where
             orders_sent: 0,
             orders_taken: 0,
             ahead: Ahead::NOTHING,
-            judging: false,
+            checking: false,
         }
     }
 
     /// A slice of background work, bounded: what the tick reported, then one step of the admission.
     /// Whether there is more to do at once.
     pub fn step(&mut self) -> bool {
-        self.learn();
-        self.judge()
+        self.drain_reports();
+        self.check_step()
     }
 
     /// What is to be sent next: events, then telemetry.
     pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
-        self.learn();
+        self.drain_reports();
         if let Some(event) = self.events.1.receive() {
             return Some(Message::Event(event));
         }
@@ -204,7 +190,7 @@ where
     /// Hands on what is to be sent next, as [`Background::outgoing`], from where it lies: a sample is
     /// not copied. Whether there was anything.
     pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, S::Part>)) -> bool {
-        self.learn();
+        self.drain_reports();
         if let Some(event) = self.events.1.peek() {
             send(&MessageRef::Event(event));
             self.events.1.discard();
@@ -217,13 +203,6 @@ where
         true
     }
 
-    /// The next event. [`Background::outgoing`] has them too; for who sends the two kinds in
-    /// different ways.
-    pub fn event(&mut self) -> Option<Event<N>> {
-        self.learn();
-        self.events.1.receive()
-    }
-
     /// The next telemetry sample.
     pub fn sample(&mut self) -> Option<Telemetry<N>> {
         self.samples.receive()
@@ -231,7 +210,7 @@ where
 
     /// Where everything stands.
     pub fn status(&mut self) -> Status<N> {
-        self.learn();
+        self.drain_reports();
         self.status.tick = self.shared.tick.load(Ordering::Relaxed);
         self.status.room = self.room();
         self.status.lost = self.shared.lost.load(Ordering::Relaxed);
@@ -240,14 +219,14 @@ where
     }
 
     /// Takes in what the tick reported.
-    fn learn(&mut self) {
+    fn drain_reports(&mut self) {
         while let Some(report) = self.reports.receive() {
-            self.heed(&report);
+            self.apply_report(&report);
         }
     }
 
     #[inline(never)]
-    fn heed(&mut self, report: &Report<N>) {
+    fn apply_report(&mut self, report: &Report<N>) {
         self.orders_taken = report.orders;
         self.begun = report.begun;
         self.played = report.played;
@@ -259,16 +238,16 @@ where
         if report.state == State::Fault {
             if let Some(fault) = self.faults.receive() {
                 self.status.fault = Some(fault);
-                self.tell(Event::Fault(fault));
+                self.push_event(Event::Fault(fault));
             }
         } else {
             self.status.fault = None;
         }
         self.status.done = report.done;
-        let told = (report.state, report.acting, report.done);
-        if self.told != told {
-            self.told = told;
-            self.tell(Event::State {
+        let reported = (report.state, report.acting, report.done);
+        if self.reported != reported {
+            self.reported = reported;
+            self.push_event(Event::State {
                 state: report.state,
                 acting: report.acting,
                 done: report.done,
@@ -287,7 +266,7 @@ where
     fn start_over(&mut self, report: &Report<N>) {
         self.generation = report.generation;
         while self.offered.1.receive().is_some() {}
-        self.judging = false;
+        self.checking = false;
         self.status.next = report.begun;
         self.status.admitted = report.begun;
         self.ahead = Ahead::NOTHING;
@@ -296,7 +275,7 @@ where
     }
 
     /// An event on its way to the host. Where there is no room it is dropped: the status has it.
-    fn tell(&mut self, event: Event<N>) {
+    fn push_event(&mut self, event: Event<N>) {
         self.events.0.send(event);
     }
 

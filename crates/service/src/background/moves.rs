@@ -1,7 +1,7 @@
 //! Moves: what is offered, its admission, and the queue to the tick.
 
-use super::super::link::Planned;
-use super::super::scene::{Put, Scene, Setup};
+use super::super::handoff::QueuedMove;
+use super::super::scene::Scene;
 use super::super::tool::Tool;
 use super::{Background, ends};
 use crate::admission;
@@ -9,18 +9,9 @@ use crate::admission::Enclose;
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Event, Move, Refusal, State, Verdict};
 
-impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-    U: Put<Setup<N, P, L>>,
-{
+impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     /// Moves for which there is room.
     pub(super) fn room(&self) -> u8 {
         let waiting = self.offered.0.len() + self.moves.len();
@@ -75,13 +66,13 @@ where
 
     /// One step of the admission. Whether there is more to do.
     #[inline(never)]
-    pub(super) fn judge(&mut self) -> bool {
+    pub(super) fn check_step(&mut self) -> bool {
         let Some(offered) = self.offered.1.peek() else {
             return false;
         };
-        if !self.judging {
+        if !self.checking {
             self.admission.offer(offered);
-            self.judging = true;
+            self.checking = true;
             return true;
         }
         match self.admission.step() {
@@ -99,7 +90,7 @@ where
             }
             // The admission has nothing to judge: it is offered again.
             admission::Verdict::Nothing => {
-                self.judging = false;
+                self.checking = false;
                 true
             }
         }
@@ -110,8 +101,8 @@ where
         let Some(offered) = self.offered.1.receive() else {
             return;
         };
-        self.judging = false;
-        let planned = Planned {
+        self.checking = false;
+        let planned = QueuedMove {
             segment: segment(&offered, self.settings.period),
             ticks: offered.ticks,
             number: offered.number,
@@ -124,7 +115,7 @@ where
         self.ahead = self.ahead.and(offered.ticks, offered.ends_at_rest());
         self.shared.set_ahead(self.ahead);
         self.status.admitted = offered.number.wrapping_add(1);
-        self.tell(Event::Verdict(Verdict {
+        self.push_event(Event::Verdict(Verdict {
             number: offered.number,
             violation: None,
         }));
@@ -137,7 +128,7 @@ where
             return;
         };
         while self.offered.1.receive().is_some() {}
-        self.judging = false;
+        self.checking = false;
         self.status.next = offered.number;
         self.status.end = Some(ends(offered.from, offered.start_velocity));
         let verdict = Verdict {
@@ -145,7 +136,7 @@ where
             violation: Some(violation),
         };
         self.status.refused = Some(verdict);
-        self.tell(Event::Verdict(verdict));
+        self.push_event(Event::Verdict(verdict));
     }
 }
 

@@ -1,13 +1,11 @@
 //! Overrides: another geometry, other loads, other limits.
 
 use super::super::coefficients::Coefficients;
-use super::super::link::Order;
+use super::super::handoff::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
 use crate::admission::{Admission, Enclose};
 use trirrr_core::forward::Forward;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Refusal, Replacement, State};
 
@@ -15,25 +13,18 @@ use trirrr_protocol::message::{Refusal, Replacement, State};
 /// or four.
 const MOST_STEPS: u32 = 32;
 
-impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-    U: Put<Setup<N, P, L>>,
-{
+impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
     pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
         let section = part.section().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
         let (parameters, limits) = self.scene.changed(section, &units)?;
-        self.waits()?;
+        self.require_idle()?;
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
         let ramp = self.settings.ramp_ticks;
-        let built = Coefficients::<N, P, L>::build(&parameters, &limits, ramp, period);
+        let built = Coefficients::<S::Model>::build(&parameters, &limits, ramp, period);
         let built = built.map_err(refusal)?;
         let geometry = *built.tick.geometry();
         let pose = match section {

@@ -1,25 +1,16 @@
 //! Requests: their order, and who may make them.
 
-use super::super::link::count;
-use super::super::scene::{Put, Scene, Setup};
+use super::super::handoff::count;
+use super::super::scene::Scene;
 use super::{Background, Last};
 use crate::admission::Enclose;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
 
-impl<N, P, L, S, U> Background<'_, N, P, L, S, U>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-    U: Put<Setup<N, P, L>>,
-{
+impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     /// Executes a request, unless it was executed already: the answer, to be sent with the request's
     /// sequence number. `checksum` is that of its frame
     /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)), by which one that is repeated is
-    /// told from another with the same number.
+    /// reported from another with the same number.
     #[inline(never)]
     pub fn receive(
         &mut self,
@@ -28,7 +19,7 @@ where
     ) -> Reply<N, S::Part> {
         // Whatever it is that comes, the host is there.
         count(&self.shared.heard);
-        self.learn();
+        self.drain_reports();
         if let Command::Hello(hello) = &request.command {
             return self.greet(hello);
         }
@@ -60,6 +51,21 @@ where
         self.next_sequence = request.sequence.wrapping_add(1);
         match result {
             Ok(()) => self.answer(&request.command),
+            Err(refusal) => Reply::Refused(refusal),
+        }
+    }
+
+    /// Executes a command of the program that owns the service, which needs no hello and no sequence
+    /// numbers.
+    pub fn submit(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
+        count(&self.shared.heard);
+        self.drain_reports();
+        let result = match command {
+            Command::Hello(hello) => return self.greet(hello),
+            _ => self.execute(command),
+        };
+        match result {
+            Ok(()) => self.answer(command),
             Err(refusal) => Reply::Refused(refusal),
         }
     }

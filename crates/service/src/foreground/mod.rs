@@ -1,60 +1,58 @@
 //! The half that runs once per tick, above everything else.
 
-mod obey;
+mod orders;
 mod output;
 mod play;
 mod report;
 
 pub use output::Output;
 
-use super::guard::{self, Broken};
-use super::homing::{Homing, NoHoming};
-use super::link::{Order, Planned, Recover, Report, Shared};
-use super::pace::{Pace, Place};
+use super::feed::{FeedScale, PathPosition};
+use super::guard::{self, LimitBreach};
+use super::handoff::{Order, QueuedMove, Recover, Report, Shared};
+use super::homing::Homing;
 use super::queue::{Receiver, Sender};
-use super::scene::Setup;
+use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::Enclose;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
-use trirrr_core::tick::{Motor, Tick};
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
+use trirrr_core::tick::{Motion, Motor, Tick};
 use trirrr_protocol::message::{Acting, Fault, FaultCode, State, Telemetry};
 
 /// The half of the service that runs once per tick.
-pub struct Foreground<'q, N: Number, P: Payload<N>, L, T, H = NoHoming> {
-    tick: Tick<N, P, L>,
-    pub(super) limits: Limits<N>,
+pub struct Foreground<'q, S: Scene> {
+    tick: Tick<S::Model>,
+    pub(super) limits: Limits<S::N>,
     /// 1 / (R dt): change of the speed along the path per time on a ramp.
-    slope: N::Factor,
+    slope: <S::N as WideArithmetic>::Factor,
     /// R and 2 R, to take fractions of.
-    ramp: [N::Count; 2],
-    silence_ticks: u32,
+    ramp: [<S::N as WideArithmetic>::Count; 2],
+    host_timeout_ticks: u32,
 
-    moves: Receiver<'q, Planned<N>>,
-    recoveries: Receiver<'q, Recover<N>>,
+    moves: Receiver<'q, QueuedMove<S::N>>,
+    recoveries: Receiver<'q, Recover<S::N>>,
     orders: Receiver<'q, Order>,
-    setups: T,
-    reports: Sender<'q, Report<N>>,
-    faults: Sender<'q, Fault<N>>,
-    samples: Sender<'q, Telemetry<N>>,
+    setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
+    reports: Sender<'q, Report<S::N>>,
+    faults: Sender<'q, Fault<S::N>>,
+    samples: Sender<'q, Telemetry<S::N>>,
     shared: &'q Shared,
 
-    homing: H,
+    homing: S::Homing,
     state: State,
     acting: Acting,
     path: Path,
-    place: Place,
-    pace: Pace,
+    place: PathPosition,
+    pace: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
     held: bool,
     /// Where the platform was commanded last.
-    pub(super) pose: Pose<N>,
-    output: Output<N>,
+    pub(super) pose: Pose<S::N>,
+    output: Output<S::N>,
 
     generation: u8,
     begun: u32,
@@ -96,7 +94,7 @@ enum Target<N: Number> {
 
 /// The ends that belong to the tick.
 pub(super) struct Ends<'q, N: Number, T> {
-    pub(super) moves: Receiver<'q, Planned<N>>,
+    pub(super) moves: Receiver<'q, QueuedMove<N>>,
     pub(super) recoveries: Receiver<'q, Recover<N>>,
     pub(super) orders: Receiver<'q, Order>,
     pub(super) setups: T,
@@ -106,22 +104,15 @@ pub(super) struct Ends<'q, N: Number, T> {
     pub(super) shared: &'q Shared,
 }
 
-impl<'q, N, P, L, T, H> Foreground<'q, N, P, L, T, H>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    T: super::scene::Take<Setup<N, P, L>>,
-    H: Homing<N>,
-{
+impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
     pub(super) fn new(
-        setup: Setup<N, P, L>,
+        setup: Setup<S::Model>,
         angles: [N::Angle; 3],
-        homing: H,
+        homing: S::Homing,
         settings: &Settings<N>,
-        ends: Ends<'q, N, T>,
+        ends: Ends<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Take<'q>>,
     ) -> Self {
-        let pace = Pace::new(settings.ramp_ticks);
+        let pace = FeedScale::new(settings.ramp_ticks);
         let motor = |angle| Motor {
             angle,
             rate: N::ZERO,
@@ -133,7 +124,7 @@ where
             limits: setup.limits,
             slope: slope::<N>(pace.ramp(), settings.period),
             ramp: [N::count(pace.ramp()), N::count(2 * pace.ramp())],
-            silence_ticks: settings.silence_ticks,
+            host_timeout_ticks: settings.host_timeout_ticks,
             moves: ends.moves,
             recoveries: ends.recoveries,
             orders: ends.orders,
@@ -149,7 +140,7 @@ where
             homing,
             acting: Acting::Nothing,
             path: Path::None,
-            place: Place::START,
+            place: PathPosition::START,
             pace,
             held: false,
             pose: setup.pose,
@@ -178,7 +169,7 @@ where
     #[inline]
     pub fn tick(&mut self) -> &Output<N>
     where
-        H: Homing<N, Inputs = ()>,
+        S::Homing: Homing<N, Inputs = ()>,
     {
         self.tick_with(())
     }
@@ -187,15 +178,27 @@ where
     /// in the last tick: for each motor whether its switch is closed, or its drive says that it
     /// stalls. Otherwise as [`Foreground::tick`].
     #[inline]
-    pub fn tick_with(&mut self, inputs: H::Inputs) -> &Output<N> {
+    pub fn tick_with(&mut self, inputs: <S::Homing as Homing<N>>::Inputs) -> &Output<N> {
+        self.tick_observed(inputs, |_, _| {})
+    }
+
+    /// Computes one tick as [`Foreground::tick_with`]. `observe` sees the setpoint and the motion
+    /// that the tick plays, if there is one.
+    #[inline]
+    pub fn tick_observed(
+        &mut self,
+        inputs: <S::Homing as Homing<N>>::Inputs,
+        observe: impl FnOnce(&Setpoint<N>, &Motion<N>),
+    ) -> &Output<N> {
         self.homing.listen(inputs, &self.output.motors);
         self.listen();
-        let started = self.obey();
+        let started = self.take_order();
         let target = self.advance(started);
         let setpoint = match target {
             Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
-                Ok(motion) => match guard::check::<N, P::Balance>(&self.limits, &motion) {
+                Ok(motion) => match guard::check::<S::Model>(&self.limits, &motion) {
                     Ok(()) => {
+                        observe(&setpoint, &motion);
                         self.output.motors = motion.motors;
                         self.output.tool = self.tool(&setpoint);
                         self.pose = setpoint.pose;
@@ -203,7 +206,7 @@ where
                     }
                     Err(broken) => self.latch(broken),
                 },
-                Err(status) => self.latch(Broken::of(status)),
+                Err(status) => self.latch(LimitBreach::of(status)),
             },
             Target::Joints(joints) => match guard::check_joints(&self.limits, &joints) {
                 Ok(()) => {
@@ -213,7 +216,7 @@ where
                 Err(broken) => self.latch(broken),
             },
             Target::Still => {
-                self.stand();
+                self.zero_motion();
                 None
             }
         };
@@ -238,7 +241,7 @@ where
     /// between two ticks; the next one gives out no more motion. A fault that is latched already
     /// stays.
     pub fn raise(&mut self, code: FaultCode, index: Option<u8>, value: N, limit: N) {
-        self.latch(Broken {
+        self.latch(LimitBreach {
             code,
             index,
             value,
@@ -250,7 +253,7 @@ where
     /// one tick to the next, both in counts of the board's timer. Whether it was in time; if not,
     /// that is a [fault](FaultCode::Overrun), and the [output](Foreground::output) is off.
     #[inline]
-    pub fn took(&mut self, duration: u32, period: u32) -> bool {
+    pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
         self.duration = duration;
         let longest = self.shared.longest.load(Ordering::Relaxed);
         if duration > longest {
@@ -282,7 +285,7 @@ where
     /// Says where the motors are, for a machine that has just found out by encoders. Heard
     /// while nothing moves; afterwards the platform's pose is not known, and it takes a
     /// [recovery](trirrr_protocol::message::Command::Recover) to get there. Whether it was heard.
-    pub fn motors_are_at(&mut self, angles: [N::Angle; 3]) -> bool {
+    pub fn set_position(&mut self, angles: [N::Angle; 3]) -> bool {
         let waits = match self.state {
             State::Idle => self.moves.peek().is_none(),
             State::Unhomed => true,
@@ -296,7 +299,7 @@ where
         }
         if waits {
             self.drop_queue();
-            self.become_(State::Cleared, Acting::Nothing);
+            self.transition_to(State::Cleared, Acting::Nothing);
         }
         self.unreported = true;
         true
@@ -316,13 +319,13 @@ where
             self.state,
             State::Running | State::Recovering | State::Homing
         );
-        if moves && self.silence_ticks != 0 && self.silent >= self.silence_ticks {
+        if moves && self.host_timeout_ticks != 0 && self.silent >= self.host_timeout_ticks {
             self.homing.stop();
-            self.become_(State::Stopping, Acting::Silence);
+            self.transition_to(State::Stopping, Acting::Silence);
         }
     }
 
-    fn become_(&mut self, state: State, acting: Acting) {
+    fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
             self.state = state;
             self.acting = acting;
@@ -335,7 +338,7 @@ where
     fn drop_queue(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;
-        self.place = Place::START;
+        self.place = PathPosition::START;
         self.pace.end();
         self.held = false;
         self.done = self.begun;

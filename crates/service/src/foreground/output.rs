@@ -1,16 +1,14 @@
 //! What goes out: motion, tool, or nothing at all.
 
-use super::super::guard::Broken;
+use super::super::guard::LimitBreach;
+use super::super::handoff::QueuedMove;
 use super::super::homing::Homing;
-use super::super::link::Planned;
-use super::super::scene::{Setup, Take};
+use super::super::scene::Scene;
 use super::{Foreground, Path};
 use crate::admission::Enclose;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Acting, Fault, State};
 
 /// What the motors and the tool have to do until the next tick.
@@ -24,14 +22,7 @@ pub struct Output<N: Number> {
     pub enabled: bool,
 }
 
-impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    T: Take<Setup<N, P, L>>,
-    H: Homing<N>,
-{
+impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
     /// runs.
     #[inline]
@@ -40,7 +31,7 @@ where
             return N::ZERO;
         }
         match self.moves.peek() {
-            Some(Planned {
+            Some(QueuedMove {
                 tool: Some(tool), ..
             }) => tool.power(setpoint),
             _ => N::ZERO,
@@ -62,7 +53,7 @@ where
     }
 
     /// Neither motion nor tool: the motors stay at their last angles.
-    pub(super) fn stand(&mut self) {
+    pub(super) fn zero_motion(&mut self) {
         for motor in &mut self.output.motors {
             motor.rate = N::ZERO;
             motor.acceleration = N::ZERO;
@@ -73,8 +64,8 @@ where
 
     /// Latches a fault: no motion any more, the queue is dropped, the drives go off.
     #[cold]
-    pub(super) fn latch(&mut self, broken: Broken<N>) -> Option<Setpoint<N>> {
-        self.stand();
+    pub(super) fn latch(&mut self, broken: LimitBreach<N>) -> Option<Setpoint<N>> {
+        self.zero_motion();
         self.output.enabled = false;
         if self.state != State::Fault {
             // There is room: the one before was taken before it was cleared.
@@ -91,7 +82,7 @@ where
             self.homing.abandon();
             self.drop_queue();
             let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
-            self.become_(State::Fault, acting);
+            self.transition_to(State::Fault, acting);
         }
         None
     }

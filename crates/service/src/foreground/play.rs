@@ -1,28 +1,19 @@
 //! Along the path, tick by tick.
 
-use super::super::guard::Broken;
+use super::super::feed::{PathPosition, Step};
+use super::super::guard::LimitBreach;
 use super::super::homing::{Homing, Progress};
-use super::super::pace::{Place, Stride};
-use super::super::scene::{Setup, Take};
+use super::super::scene::Scene;
 use super::{Foreground, Path, Target};
 use crate::admission::Enclose;
 use trirrr_core::setpoint::Setpoint;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    T: Take<Setup<N, P, L>>,
-    H: Homing<N>,
-{
+impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     /// One tick further; `started`: the path was begun in this tick, and this is its start.
     #[inline]
     pub(super) fn advance(&mut self, started: bool) -> Target<N> {
-        self.settle();
+        self.finish_path();
         if self.homing.is_under_way() {
             return self.look_for_motors();
         }
@@ -34,7 +25,7 @@ where
         let stride = if started {
             self.pace.faster()
         } else {
-            let stride = self.stride();
+            let stride = self.step_length();
             self.place = self.pace.take(stride, self.place);
             self.change_over();
             stride
@@ -53,16 +44,16 @@ where
             Progress::Done => {
                 self.path = Path::Joints;
                 self.begin();
-                self.become_(State::Recovering, Acting::Nothing);
+                self.transition_to(State::Recovering, Acting::Nothing);
                 self.target(self.pace.faster())
             }
             Progress::Stopped => {
                 self.recoveries.discard();
-                self.become_(State::Unhomed, self.acting);
+                self.transition_to(State::Unhomed, self.acting);
                 Target::Still
             }
             Progress::Failed { code, motor, limit } => {
-                self.latch(Broken {
+                self.latch(LimitBreach {
                     code,
                     index: Some(motor),
                     value: limit,
@@ -75,7 +66,7 @@ where
 
     /// What was at its end a tick ago is over, unless more was queued in time.
     #[inline]
-    fn settle(&mut self) {
+    fn finish_path(&mut self) {
         match self.path {
             Path::Ended => {
                 let stopping = matches!(self.state, State::Stopping);
@@ -86,7 +77,7 @@ where
                 }
                 self.leave();
                 self.path = Path::None;
-                self.place = Place::START;
+                self.place = PathPosition::START;
                 self.pace.end();
                 self.held = false;
                 if stopping {
@@ -97,7 +88,7 @@ where
                 } else {
                     Acting::Nothing
                 };
-                self.become_(State::Idle, acting);
+                self.transition_to(State::Idle, acting);
             }
             Path::JointsEnded => {
                 if let Some(recovery) = self.recoveries.receive() {
@@ -105,7 +96,7 @@ where
                 }
                 self.path = Path::None;
                 self.pace.end();
-                self.become_(State::Idle, Acting::Nothing);
+                self.transition_to(State::Idle, Acting::Nothing);
             }
             _ => {}
         }
@@ -114,26 +105,26 @@ where
     /// How far this tick goes: towards normal speed where the state and what is queued allow, else
     /// towards rest.
     #[inline]
-    fn stride(&mut self) -> Stride {
+    fn step_length(&mut self) -> Step {
         match self.state {
             State::Running => {
                 let faster = self.pace.faster();
                 if self.reaches(faster) {
                     if faster.is_normal(&self.pace) && self.acting != Acting::Nothing {
-                        self.become_(State::Running, Acting::Nothing);
+                        self.transition_to(State::Running, Acting::Nothing);
                     }
                     return faster;
                 }
-                self.become_(State::Slowing, Acting::QueueDry);
+                self.transition_to(State::Slowing, Acting::QueueDry);
             }
             State::Recovering => return self.pace.faster(),
             State::Holding if !self.held && self.has_enough() => {
                 self.pace.aim(self.place.part);
-                self.become_(State::Running, Acting::Resume);
+                self.transition_to(State::Running, Acting::Resume);
                 return self.pace.faster();
             }
             State::Holding if !self.held && self.acting != Acting::QueueDry => {
-                self.become_(State::Holding, Acting::QueueDry);
+                self.transition_to(State::Holding, Acting::QueueDry);
             }
             _ => {}
         }
@@ -151,7 +142,7 @@ where
 
     /// Whether the path could still come to rest on what is admitted.
     #[inline]
-    fn reaches(&self, stride: Stride) -> bool {
+    fn reaches(&self, stride: Step) -> bool {
         let part = self.place.part;
         self.left()
             .is_none_or(|left| self.pace.can_stop(stride, left, part))
@@ -184,7 +175,7 @@ where
                 if self.moves.has_second() {
                     self.take_next();
                 } else if self.shared.ahead().ends_at_rest {
-                    self.place = Place {
+                    self.place = PathPosition {
                         tick: ticks,
                         part: 0,
                     };
@@ -198,7 +189,7 @@ where
                     .peek()
                     .map_or(0, |recovery| recovery.path.ticks());
                 if self.place.tick >= ticks {
-                    self.place = Place {
+                    self.place = PathPosition {
                         tick: ticks,
                         part: 0,
                     };
@@ -231,7 +222,7 @@ where
 
     /// What this place on the path asks of the machine, at the speed after `stride`.
     #[inline]
-    fn target(&self, stride: Stride) -> Target<N> {
+    fn target(&self, stride: Step) -> Target<N> {
         let place = self.place;
         match self.path {
             Path::Move | Path::Ended => {
@@ -267,7 +258,7 @@ where
     }
 
     /// u and u' after `stride`.
-    fn speed(&self, stride: Stride) -> (N, Option<N::Factor>) {
+    fn speed(&self, stride: Step) -> (N, Option<N::Factor>) {
         let change = match stride.slope {
             0 => None,
             1.. => Some(self.slope),
@@ -277,7 +268,7 @@ where
     }
 
     /// q' u and q'' u^2 + q' u'.
-    fn scaled(&self, on_path: &Setpoint<N>, stride: Stride) -> Setpoint<N> {
+    fn scaled(&self, on_path: &Setpoint<N>, stride: Step) -> Setpoint<N> {
         let (speed, change) = self.speed(stride);
         let mut acceleration = on_path.acceleration * speed * speed;
         if let Some(change) = change {
@@ -294,7 +285,7 @@ where
     #[inline(never)]
     fn come_to_rest(&mut self) {
         match self.state {
-            State::Slowing => self.become_(State::Holding, self.acting),
+            State::Slowing => self.transition_to(State::Holding, self.acting),
             State::Stopping => {
                 let on_path = matches!(self.path, Path::Move | Path::Ended);
                 if !on_path {
@@ -303,7 +294,7 @@ where
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.
                 let state = if on_path { State::Idle } else { State::Cleared };
-                self.become_(state, self.acting);
+                self.transition_to(state, self.acting);
             }
             _ => {}
         }

@@ -1,23 +1,13 @@
 //! What the tick says of itself.
 
-use super::super::homing::Homing;
-use super::super::link::{Report, count};
-use super::super::scene::{Setup, Take};
+use super::super::handoff::{Report, count};
+use super::super::scene::Scene;
 use super::Foreground;
 use crate::admission::Enclose;
 use trirrr_core::setpoint::Setpoint;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::Telemetry;
 
-impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    T: Take<Setup<N, P, L>>,
-    H: Homing<N>,
-{
+impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     /// Reports what changed; where there is no room, later.
     #[inline]
     pub(super) fn report(&mut self) {

@@ -1,20 +1,8 @@
-//! Homing as a machine computes it, and the scene that has it.
+//! Coefficients of homing.
 
-use super::super::coefficients::Coefficients;
-use super::super::scene::Scene;
-use super::super::settings::Settings;
 use super::parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
-use super::{Cycle, Plan};
-use crate::admission::Enclose;
-use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
-use trirrr_core::units::Units;
-use trirrr_protocol::message::Refusal;
-use trirrr_protocol::message::scene::{Section, SectionName};
 
 /// The coefficients of homing: plain numbers, so that whoever builds an image can build them too
 /// and write them as constants.
@@ -93,64 +81,5 @@ impl<N: Number> HomingAxis<N> {
             acceleration: N::from_f64(motor.acceleration_rad_s2),
             slope: N::from_f64(motor.acceleration_rad_s2 * period),
         }
-    }
-}
-
-/// A scene with homing, or one that may have it.
-#[derive(Clone, Copy, Debug)]
-pub struct WithHoming<'a, N: Number, S> {
-    /// The scene otherwise.
-    pub scene: S,
-    /// Its homing, in the machine's units; none where the motors' angles are known.
-    pub homing: Option<&'a HomingCoefficients<N>>,
-}
-
-impl<'a, N, P, L, S> Scene<N, P, L> for WithHoming<'a, N, S>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L>,
-{
-    type Slot = S::Slot;
-    type Replacement = S::Replacement;
-    type Part = S::Part;
-    type Homing = Option<Cycle<'a, N>>;
-
-    fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<N, P, L>, BuildError> {
-        self.scene.coefficients(settings)
-    }
-
-    fn part(&self, name: SectionName, units: &Units) -> Option<S::Part> {
-        self.scene.part(name, units)
-    }
-
-    fn homing(&self) -> Option<Cycle<'a, N>> {
-        self.homing.map(Cycle::new)
-    }
-
-    fn plan(&self) -> Option<Plan<N>> {
-        let homing = self.homing?;
-        let axes = homing.axes.each_ref();
-        Some(Plan {
-            from: axes.map(|axis| axis.park),
-            to: homing.start,
-            ticks: homing.times.to_start,
-            rates: axes.map(|axis| axis.search),
-            accelerations: axes.map(|axis| axis.acceleration),
-        })
-    }
-
-    #[inline(always)]
-    fn changed(
-        &self,
-        section: &Section,
-        units: &Units,
-    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
-        self.scene.changed(section, units)
-    }
-
-    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
-        self.scene.adopt(parameters, limits);
     }
 }

@@ -21,7 +21,7 @@ mod cycle;
 mod input;
 mod parameters;
 
-pub use coefficients::{HomingAxis, HomingCoefficients, WithHoming};
+pub use coefficients::{HomingAxis, HomingCoefficients};
 pub use cycle::Cycle;
 pub use parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 
@@ -32,7 +32,7 @@ use trirrr_protocol::message::FaultCode;
 
 /// How a machine finds out where its motors are, tick by tick.
 pub trait Homing<N: Number>: Send {
-    /// What the tick is told of switches and drives.
+    /// What the tick is reported of switches and drives.
     type Inputs: Copy + Default;
 
     /// Whether the machine has to be homed at all.

@@ -4,7 +4,7 @@ use super::*;
 use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
 
-fn running() -> Rig<f64> {
+fn running() -> Rig<Thesis<f64>> {
     let mut rig = Rig::new();
     rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
     rig.offer(rest(1, pose(0.28, 0.28, 0.2), home(), 100));
@@ -20,10 +20,14 @@ fn recover(to: Pose<f64>, ticks: u32) -> Command<f64> {
 #[test]
 fn a_fault_is_latched_until_it_is_cleared() {
     let mut rig = running();
-    let before = *rig.foreground.output();
-    rig.foreground.raise(FaultCode::Overrun, None, 1.5, 1.0);
+    let before = *rig.service.foreground.output();
+    rig.service
+        .foreground
+        .raise(FaultCode::Overrun, None, 1.5, 1.0);
     // A later one does not take its place.
-    rig.foreground.raise(FaultCode::Board, Some(2), 7.0, 0.0);
+    rig.service
+        .foreground
+        .raise(FaultCode::Board, Some(2), 7.0, 0.0);
     for _ in 0..200 {
         let output = rig.tick();
         assert!(!output.enabled);
@@ -60,36 +64,37 @@ fn a_fault_is_latched_until_it_is_cleared() {
     rig.ticks(1);
     let status = rig.status();
     assert_eq!((status.state, status.fault), (State::Cleared, None));
-    assert!(rig.foreground.output().enabled);
+    assert!(rig.service.foreground.output().enabled);
 }
 
 /// From where a fault left it, to a pose at rest, by the motors' own cubic.
 #[test]
 fn a_recovery_leads_from_anywhere_to_idle() {
     let mut rig = running();
-    rig.foreground
+    rig.service
+        .foreground
         .raise(FaultCode::Drive(DriveFault::Reported), Some(0), 0.0, 0.0);
     rig.ticks(5);
     rig.done(Command::ClearFault);
     rig.ticks(1);
     let target = pose(0.25, 0.25, 0.1);
-    let from = rig.foreground.output().motors;
+    let from = rig.service.foreground.output().motors;
     rig.done(recover(target, 150));
     assert_eq!(
         rig.refused(Command::Move(rest(1, target, home(), 100))),
         Refusal::State(State::Recovering)
     );
     rig.tick();
-    for (motor, from) in rig.foreground.output().motors.iter().zip(&from) {
+    for (motor, from) in rig.service.foreground.output().motors.iter().zip(&from) {
         assert_eq!(motor.angle, from.angle);
     }
-    let mut last = *rig.foreground.output();
+    let mut last = *rig.service.foreground.output();
     let mut ticks = 1;
-    while rig.foreground.state() != State::Idle {
+    while rig.service.foreground.state() != State::Idle {
         let output = rig.tick();
         for (motor, before) in output.motors.iter().zip(&last.motors) {
             // No torque while it moves, and no jump: at most half a turn in 1.5 s makes 3.2 rad/s.
-            assert!(motor.torque == 0.0 || rig.foreground.state() == State::Idle);
+            assert!(motor.torque == 0.0 || rig.service.foreground.state() == State::Idle);
             assert!((motor.angle - before.angle).abs() < 3.2 * PERIOD_S);
         }
         last = output;
@@ -114,12 +119,12 @@ fn singular_poses_are_left_in_joint_space() {
     for singular in [parallel, serial] {
         let geometry = trirrr_core::machine::Geometry::<f64>::build(&example()).unwrap();
         let angles = geometry.motor_angles(&geometry.position(&singular).unwrap());
-        let mut rig = Rig::<f64>::new();
+        let mut rig = Rig::<Thesis<f64>>::new();
         // The motors are there; nobody knows how they came there.
-        assert!(rig.foreground.motors_are_at(angles));
+        assert!(rig.service.foreground.set_position(angles));
         rig.ticks(1);
         assert_eq!(rig.state(), State::Cleared);
-        for (motor, angle) in rig.foreground.output().motors.iter().zip(angles) {
+        for (motor, angle) in rig.service.foreground.output().motors.iter().zip(angles) {
             assert_eq!(motor.angle, angle);
         }
         // Not to another singular pose, and not to none at all.
@@ -146,7 +151,7 @@ fn a_recovery_keeps_the_joint_limits_or_is_refused() {
         acceleration_rad_s2: Some([8.0; 3]),
         ..LimitParameters::default()
     };
-    let mut rig = Rig::<f64>::with(example(), limits);
+    let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
     let target = pose(0.25, 0.28, 0.3);
     let mut longest_refused = 0;
     let mut passed = 0;
@@ -171,7 +176,7 @@ fn a_recovery_keeps_the_joint_limits_or_is_refused() {
     let mut fastest = 0.0f64;
     rig.ticks(passed / 2);
     rig.done(Command::Stop);
-    while !rig.foreground.state().is_at_rest() {
+    while !rig.service.foreground.state().is_at_rest() {
         for motor in rig.tick().motors {
             assert!(motor.rate.abs() <= 0.5 && motor.acceleration.abs() <= 8.0);
             fastest = fastest.max(motor.rate.abs());
@@ -188,7 +193,7 @@ fn a_recovery_keeps_the_joint_limits_or_is_refused() {
 
 #[test]
 fn a_recovery_with_nonsense_is_refused() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     assert_eq!(
         rig.refused(recover(pose(f64::NAN, 0.0, 0.0), 10)),
         Refusal::NotFinite
@@ -214,24 +219,24 @@ fn a_recovery_with_nonsense_is_refused() {
 #[test]
 fn a_setpoint_without_a_motion_is_a_fault() {
     let (a, far) = (home::<f64>(), pose(0.9, 0.9, 0.0));
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.offer(rest(0, a, pose(0.28, 0.28, 0.2), 100));
     // The platform is taken out of reach behind the admission's back.
-    rig.foreground.pose = far;
+    rig.service.foreground.pose = far;
     rig.ticks(1);
     let status = rig.status();
     let fault = status.fault.unwrap();
     assert_eq!(fault.code, FaultCode::Unreachable);
     assert!(fault.index.is_some());
     assert_eq!(status.acting, Acting::Limit(Bounded::Reach));
-    assert!(!rig.foreground.output().enabled);
+    assert!(!rig.service.foreground.output().enabled);
 }
 
 #[test]
 fn the_longest_tick_is_remembered() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     for duration in [100, 700, 300] {
-        assert!(rig.foreground.took(duration, 700));
+        assert!(rig.service.foreground.report_timing(duration, 700));
         rig.tick();
     }
     assert_eq!(rig.status().longest_tick, 700);
@@ -242,11 +247,11 @@ fn the_longest_tick_is_remembered() {
 #[test]
 fn a_tick_that_is_not_done_when_the_next_is_due_is_a_fault() {
     let mut rig = running();
-    assert!(rig.foreground.took(1000, 1000));
-    assert!(rig.foreground.output().enabled);
-    assert!(!rig.foreground.took(1250, 1000));
+    assert!(rig.service.foreground.report_timing(1000, 1000));
+    assert!(rig.service.foreground.output().enabled);
+    assert!(!rig.service.foreground.report_timing(1250, 1000));
     // At once, not with the next tick only.
-    assert!(!rig.foreground.output().enabled);
+    assert!(!rig.service.foreground.output().enabled);
     rig.tick();
     let status = rig.status();
     let fault = status.fault.unwrap();
@@ -254,7 +259,7 @@ fn a_tick_that_is_not_done_when_the_next_is_due_is_a_fault() {
     assert_eq!((fault.value, fault.limit, fault.tick), (1.25, 1.0, 30));
     assert_eq!((status.state, status.longest_tick), (State::Fault, 1250));
     // Latched: ticks that are in time do not lift it.
-    assert!(rig.foreground.took(10, 1000));
+    assert!(rig.service.foreground.report_timing(10, 1000));
     assert!(!rig.tick().enabled);
     rig.done(Command::ClearFault);
     rig.ticks(1);
@@ -270,8 +275,8 @@ fn the_value_of_an_overrun_fits_the_number_type() {
         (u32::MAX, 1),
         (u32::MAX, u32::MAX - 1),
     ] {
-        let mut rig = Rig::<Fixed>::new();
-        rig.foreground.took(duration, period);
+        let mut rig = Rig::<Thesis<Fixed>>::new();
+        rig.service.foreground.report_timing(duration, period);
         rig.ticks(1);
         let value = rig.status().fault.unwrap().value.to_f64();
         assert!(

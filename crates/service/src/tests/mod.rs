@@ -10,13 +10,13 @@ mod threads;
 
 use super::*;
 use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use std::boxed::Box;
 use std::vec::Vec;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Parameters, example};
+use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
-use trirrr_core::torque::links::{Links, Massless};
-use trirrr_core::torque::payload::{Centred, Payload};
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
     Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
@@ -30,33 +30,25 @@ pub(super) const PERIOD_S: f64 = 0.01;
 pub(super) const SCHEMA: u64 = 0x1234;
 pub(super) const SCENE: u32 = 77;
 
-type Foreground<N, S> = ForegroundOf<'static, N, Centred<N>, Massless, S>;
-type InputsOf<N, S> = <<S as Scene<N, Centred<N>, Massless>>::Homing as Homing<N>>::Inputs;
-type Background<N, S> = BackgroundOf<'static, N, Centred<N>, Massless, S>;
+/// The thesis machine, whose parts can be changed.
+pub(super) type Thesis<N> = Adjustable<Dynamic<N>>;
 
-/// A whole service, both halves in one thread.
-pub(super) struct Rig<N: Enclose, S: Scene<N, Centred<N>, Massless> + 'static = Adjustable> {
-    pub(super) foreground: Foreground<N, S>,
-    pub(super) background: Background<N, S>,
+/// A service, with what it said so far.
+pub(super) struct Rig<S: Scene + 'static> {
+    pub(super) service: Service<'static, S>,
     sequence: u32,
     /// What the tick is told of switches.
-    pub(super) inputs: InputsOf<N, S>,
-    pub(super) telemetry: Vec<Telemetry<N>>,
-    pub(super) events: Vec<Event<N>>,
+    pub(super) inputs: <S::Homing as Homing<S::N>>::Inputs,
+    pub(super) telemetry: Vec<Telemetry<S::N>>,
+    pub(super) events: Vec<Event<S::N>>,
 }
 
 /// What `background` answers to a request, both over a line.
-pub(super) fn hear<'q, N, P, L, S>(
-    background: &mut BackgroundOf<'q, N, P, L, S>,
+pub(super) fn hear<N: ServiceNumber, S: Scene<N = N>>(
+    background: &mut Background<'_, S>,
     sequence: u32,
     command: Command<N>,
-) -> Reply<N>
-where
-    N: ServiceNumber,
-    P: Payload<N>,
-    L: Links<N>,
-    S: Scene<N, P, L> + 'q,
-{
+) -> Reply<N> {
     let mut room = [0; 256];
     let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
     let mut decoder = Decoder::<256>::new();
@@ -97,7 +89,7 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
     Settings {
         period: N::factor_from_f64(units.time(PERIOD_S)),
         ramp_ticks: RAMP,
-        silence_ticks: SILENCE,
+        host_timeout_ticks: SILENCE,
         telemetry_every: 1,
         scene: SceneIdentity {
             schema: SCHEMA,
@@ -112,7 +104,7 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
     }
 }
 
-impl<N: ServiceNumber> Rig<N> {
+impl<N: ServiceNumber> Rig<Thesis<N>> {
     pub(super) fn new() -> Self {
         Self::with(example(), LimitParameters::default())
     }
@@ -122,23 +114,18 @@ impl<N: ServiceNumber> Rig<N> {
     }
 }
 
-impl<N, S> Rig<N, S>
-where
-    N: ServiceNumber,
-    S: Scene<N, Centred<N>, Massless> + 'static,
-{
+impl<N: ServiceNumber, S: Scene<N = N> + 'static> Rig<S> {
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
         Self::in_units(scene, stands, Units::SI)
     }
 
     pub(super) fn in_units(scene: S, stands: Pose<N>, units: Units) -> Self {
-        let channels: Channels<N, Centred<N>, Massless, S, 8, 64> = Channels::new();
-        let (foreground, background) = Box::leak(Box::new(channels))
-            .split(scene, stands, settings_in(units))
+        let channels: Channels<S, 8, 64> = Channels::new();
+        let service = Box::leak(Box::new(channels))
+            .service(scene, stands, settings_in(units))
             .unwrap();
         let mut rig = Self {
-            foreground,
-            background,
+            service,
             sequence: 0,
             inputs: Default::default(),
             telemetry: Vec::new(),
@@ -161,7 +148,7 @@ where
     }
 
     pub(super) fn ask_as(&mut self, sequence: u32, command: Command<N>) -> Reply<N> {
-        hear(&mut self.background, sequence, command)
+        hear(&mut self.service.background, sequence, command)
     }
 
     pub(super) fn ask(&mut self, command: Command<N>) -> Reply<N> {
@@ -184,7 +171,7 @@ where
     }
 
     pub(super) fn status(&mut self) -> Status<N> {
-        self.background.status()
+        self.service.status()
     }
 
     pub(super) fn state(&mut self) -> State {
@@ -194,7 +181,7 @@ where
     /// Judges all that is offered.
     pub(super) fn judge(&mut self) {
         let mut steps = 0;
-        while self.background.step() {
+        while self.service.step() {
             steps += 1;
             assert!(steps < 10_000_000, "never judged");
         }
@@ -202,8 +189,9 @@ where
 
     /// One tick, with everything that it says taken in; the invariants that hold after any.
     pub(super) fn tick(&mut self) -> Output<N> {
-        let output = *self.foreground.tick_with(self.inputs);
-        let state = self.foreground.state();
+        self.service.set_inputs(self.inputs);
+        let output = *self.service.tick();
+        let state = self.service.state();
         if !state.is_running() {
             assert_eq!(output.tool, N::ZERO, "the tool is on in {state:?}");
         }
@@ -215,7 +203,7 @@ where
                 assert_eq!(motor.rate, N::ZERO, "{state:?}");
             }
         }
-        while let Some(message) = self.background.outgoing() {
+        while let Some(message) = self.service.poll() {
             match message {
                 Message::Telemetry(sample) => self.telemetry.push(sample),
                 Message::Event(event) => self.events.push(event),
@@ -243,7 +231,7 @@ where
     pub(super) fn until(&mut self, state: State) -> u32 {
         for ticks in 1..100_000 {
             self.tick();
-            if self.foreground.state() == state {
+            if self.service.state() == state {
                 return ticks;
             }
             if ticks % 100 == 0 {

@@ -193,7 +193,7 @@ fn each_refusal_by_its_name_and_nothing_lost() {
 
 #[test]
 fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let (a, b) = (home(), pose(0.22, 0.23, 0.16));
     let nth = |number: u32| {
         let ends = if number.is_multiple_of(2) {
@@ -226,7 +226,7 @@ fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
 
 #[test]
 fn start_says_what_it_waits_for() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     assert_eq!(rig.refused(Command::Start), Refusal::NothingQueued);
     rig.done(Command::Move(offered()));
     assert_eq!(rig.refused(Command::Start), Refusal::Undecided);
@@ -235,7 +235,7 @@ fn start_says_what_it_waits_for() {
     assert_eq!(rig.refused(Command::Start), Refusal::State(State::Running));
 
     // Four ticks that end moving: less than the ramp of ten takes, five.
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let (middle, end) = (pose(0.2101, 0.22, 0.157), pose(0.2103, 0.22, 0.157));
     let speed = [0.005, 0.0, 0.0];
     rig.offer(moving(0, home(), middle, [[0.0; 3], speed], 4));
@@ -256,7 +256,7 @@ fn a_refused_move_takes_those_behind_it_along() {
         rate_rad_s: Some([1.0; 3]),
         ..LimitParameters::default()
     };
-    let mut rig = Rig::<f64>::with(example(), limits);
+    let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
     let (a, b) = (home::<f64>(), pose(0.28, 0.28, 0.2));
     rig.done(Command::Move(rest(0, a, b, 200)));
     rig.done(Command::Move(rest(1, b, a, 20)));
@@ -293,7 +293,7 @@ fn a_refused_move_takes_those_behind_it_along() {
 
 #[test]
 fn a_stop_drops_what_is_queued() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let (a, b) = (home(), pose(0.28, 0.28, 0.2));
     for (number, from, to) in [(0, a, b), (1, b, a), (2, a, b)] {
         rig.offer(rest(number, from, to, 100));
@@ -327,7 +327,7 @@ fn a_stop_drops_what_is_queued() {
 
 #[test]
 fn a_stop_in_idle_empties_the_queue() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.offer(offered());
     rig.done(Command::Stop);
     rig.ticks(3);
@@ -346,9 +346,9 @@ fn a_stop_in_idle_empties_the_queue() {
 /// The tick never waits: who does not fetch telemetry loses it, and is told how much.
 #[test]
 fn telemetry_that_nobody_fetches_is_counted() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     for _ in 0..100 {
-        rig.foreground.tick();
+        rig.service.foreground.tick();
     }
     rig.tick();
     // 63 fit.

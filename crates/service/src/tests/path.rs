@@ -1,6 +1,7 @@
 //! Along the path: the segments' own bits, holds that stay on it, limits that hold.
 
 use super::*;
+use crate::number::ServiceNumber;
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::units::Units;
@@ -56,7 +57,7 @@ pub(super) fn chain<N: ServiceNumber>() -> Vec<Move<N>> {
         .collect()
 }
 
-fn ready<N: ServiceNumber>() -> Rig<N> {
+fn ready<N: ServiceNumber>() -> Rig<Thesis<N>> {
     let mut rig = Rig::new();
     for each in chain() {
         rig.offer(each);
@@ -119,7 +120,7 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
         rig.ticks(at);
         rig.done(Command::Hold);
         rig.ticks(ramp + 7);
-        let held = rig.foreground.state() == State::Holding;
+        let held = rig.service.foreground.state() == State::Holding;
         if held {
             rig.done(Command::Resume);
         }
@@ -211,7 +212,7 @@ fn fixed_point_plays_and_holds() {
         units.limits(&LimitParameters::default()),
     );
     let home = place(0.21, 0.22, 0.157);
-    let mut rig = Rig::<Fixed>::in_units(scene, home, units);
+    let mut rig = Rig::<Thesis<Fixed>>::in_units(scene, home, units);
     // On the line the scene is in SI.
     let Reply::Section(Section::Leg { leg, .. }) = rig.ask(Command::Read(SectionName::Leg(1)))
     else {
@@ -273,7 +274,7 @@ fn limits_are_kept_on_the_ramps() {
     };
     let mut peaks = [0.0f64; 4];
     for at in (1..185).step_by(3) {
-        let mut rig = Rig::<f64>::with(example(), limits);
+        let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
         for each in &job {
             rig.offer(*each);
         }
@@ -295,7 +296,7 @@ fn limits_are_kept_on_the_ramps() {
                     *peak = peak.max(value.abs() / limit);
                 }
             }
-            if rig.foreground.state() == State::Holding {
+            if rig.service.foreground.state() == State::Holding {
                 rig.done(Command::Resume);
             }
         }
@@ -312,7 +313,7 @@ fn limits_are_kept_on_the_ramps() {
 fn a_queue_that_runs_dry_comes_to_rest_on_the_path() {
     let moves = chain::<f64>();
     let expected = expected::<f64>();
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     for each in &moves[..2] {
         rig.offer(*each);
     }
@@ -351,7 +352,7 @@ fn a_queue_that_runs_dry_comes_to_rest_on_the_path() {
 fn no_move_comes_too_late_for_the_velocity() {
     let moves = chain::<f64>();
     for late in 0..60 {
-        let mut rig = Rig::<f64>::new();
+        let mut rig = Rig::<Thesis<f64>>::new();
         rig.offer(moves[0]);
         rig.done(Command::Start);
         rig.ticks(late);
@@ -399,7 +400,7 @@ fn the_tool_follows_the_speed_along_the_path() {
     assert!(on_ramps > 5);
 
     // Faster than its speed for full power it stays at full power.
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let full = Move {
         tool_power: 1.0,
         tool_speed: 0.01,
@@ -432,9 +433,9 @@ fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
     for (what, change) in cases {
         let mut limits = LimitParameters::default();
         change(&mut limits);
-        let mut rig = Rig::<f64>::new();
+        let mut rig = Rig::<Thesis<f64>>::new();
         rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
-        rig.foreground.limits = trirrr_core::limits::Limits::build(&limits).unwrap();
+        rig.service.foreground.limits = trirrr_core::limits::Limits::build(&limits).unwrap();
         rig.done(Command::Start);
         let mut before = rig.tick();
         let mut latched = false;

@@ -77,7 +77,7 @@ proptest! {
             torque_nm: Some([TORQUE; 3]),
             ..LimitParameters::default()
         };
-        let mut rig = Rig::<f64>::with(example(), limits);
+        let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
         let mut last: Option<(u32, Command<f64>, Reply<f64>)> = None;
         let mut before = rig.tick();
         let mut sequence = 0;
@@ -108,7 +108,7 @@ proptest! {
                     Some(Command::Recover(Recovery { to: place(to), ticks }))
                 }
                 Action::Fault => {
-                    rig.foreground.raise(FaultCode::Drive(DriveFault::Reported), None, 0.0, 0.0);
+                    rig.service.foreground.raise(FaultCode::Drive(DriveFault::Reported), None, 0.0, 0.0);
                     None
                 }
                 Action::Repeat => {
@@ -119,7 +119,7 @@ proptest! {
                 }
                 Action::Judge { steps } => {
                     for _ in 0..steps {
-                        rig.background.step();
+                        rig.service.background.step();
                     }
                     None
                 }
@@ -154,7 +154,7 @@ proptest! {
 
         // The way out. Seven orders may wait for their ticks, and an eighth is refused.
         rig.ticks(8);
-        let mut ask = |rig: &mut Rig<f64>, command| {
+        let mut ask = |rig: &mut Rig<Thesis<f64>>, command| {
             let reply = rig.ask_as(sequence, command);
             sequence += 1;
             reply

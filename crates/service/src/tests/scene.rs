@@ -2,14 +2,11 @@
 
 use super::*;
 use trirrr_core::machine::Quantity;
-use trirrr_core::torque::payload::PositionOnly;
+use trirrr_core::model::Kinematic;
 use trirrr_protocol::message::scene::{Limits, Section, SectionName};
 use trirrr_protocol::message::{Bounded, FaultCode};
 
-fn read<S: Scene<f64, Centred<f64>, Massless>>(
-    rig: &mut Rig<f64, S>,
-    name: SectionName,
-) -> Section {
+fn read<S: Scene<N = f64>>(rig: &mut Rig<S>, name: SectionName) -> Section {
     match rig.ask(Command::Read(name)) {
         Reply::Section(section) => section,
         other => panic!("{other:?}"),
@@ -18,7 +15,7 @@ fn read<S: Scene<f64, Centred<f64>, Massless>>(
 
 #[test]
 fn the_scene_can_be_read() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let Section::Leg { index, leg } = read(&mut rig, SectionName::Leg(1)) else {
         panic!("a leg");
     };
@@ -39,7 +36,7 @@ fn the_scene_can_be_read() {
     assert_eq!(rig.refused_read(SectionName::Leg(3)), Refusal::NoSuchLeg);
 }
 
-impl Rig<f64> {
+impl Rig<Thesis<f64>> {
     fn refused_read(&mut self, name: SectionName) -> Refusal<f64> {
         self.refused(Command::Read(name))
     }
@@ -49,7 +46,8 @@ impl Rig<f64> {
 fn an_image_without_the_code_refuses_overrides() {
     let parameters = Box::leak(Box::new(example()));
     let limits = Box::leak(Box::new(LimitParameters::default()));
-    let coefficients = Coefficients::build(parameters, limits, RAMP, PERIOD_S).unwrap();
+    let coefficients =
+        Coefficients::<Dynamic<f64>>::build(parameters, limits, RAMP, PERIOD_S).unwrap();
     let part = |name| {
         let section = Section::of(name, parameters, limits).unwrap();
         let mut room = [0; 256];
@@ -102,7 +100,7 @@ fn an_image_without_the_code_refuses_overrides() {
 
 #[test]
 fn a_machine_without_torques_has_no_limit_of_them() {
-    type Machine = Coefficients<f64, PositionOnly, Massless>;
+    type Machine = Coefficients<Kinematic<f64>>;
     let of = |limits: LimitParameters| Machine::build(&example(), &limits, RAMP, PERIOD_S);
     assert!(of(LimitParameters::default()).is_ok());
     let some = Some([1.0; 3]);
@@ -126,7 +124,7 @@ fn a_machine_without_torques_has_no_limit_of_them() {
     }
 
     let scene = Adjustable::new(example(), LimitParameters::default());
-    let channels: Channels<f64, PositionOnly, Massless, Adjustable, 8, 64> = Channels::new();
+    let channels: Channels<Adjustable<Kinematic<f64>>, 8, 64> = Channels::new();
     let mut channels = Box::new(channels);
     let (mut foreground, mut background) = channels.split(scene, home(), settings()).unwrap();
     let mut sequence = 0;
@@ -176,7 +174,7 @@ fn a_machine_without_torques_has_no_limit_of_them() {
 
 #[test]
 fn overrides_are_refused_while_there_is_a_job() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let section = read(&mut rig, SectionName::Leg(0));
     rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     for _ in 0..2 {
@@ -198,7 +196,7 @@ fn overrides_are_refused_while_there_is_a_job() {
 /// next job runs on the new geometry.
 #[test]
 fn a_geometry_override_moves_the_pose_and_not_the_motors() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let before = rig.tick();
     let Section::Leg { index, mut leg } = read(&mut rig, SectionName::Leg(0)) else {
         panic!("a leg");
@@ -229,14 +227,14 @@ fn a_geometry_override_moves_the_pose_and_not_the_motors() {
     rig.until(State::Idle);
     let geometry = trirrr_core::machine::Geometry::<f64>::build(&parameters).unwrap();
     let angles = geometry.motor_angles(&geometry.position(&target).unwrap());
-    for (motor, angle) in rig.foreground.output().motors.iter().zip(angles) {
+    for (motor, angle) in rig.service.foreground.output().motors.iter().zip(angles) {
         assert_eq!(motor.angle, angle);
     }
 }
 
 #[test]
 fn new_limits_count_for_the_admission_and_in_the_tick() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let Section::Limits(limits) = read(&mut rig, SectionName::Limits) else {
         panic!("limits");
     };
@@ -245,7 +243,7 @@ fn new_limits_count_for_the_admission_and_in_the_tick() {
         ..limits
     })));
     rig.ticks(1);
-    assert_eq!(rig.foreground.limits.rate, Some([0.1; 3]));
+    assert_eq!(rig.service.foreground.limits.rate, Some([0.1; 3]));
     rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     rig.judge();
     let violation = rig.status().refused.unwrap().violation.unwrap();
@@ -258,7 +256,7 @@ fn new_limits_count_for_the_admission_and_in_the_tick() {
 
 #[test]
 fn what_cannot_be_built_is_refused_by_name_and_changes_nothing() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let before = read(&mut rig, SectionName::Leg(2));
     let Section::Leg { leg, .. } = before else {
         panic!("a leg");

@@ -17,7 +17,7 @@ fn commands() -> [Command<f64>; 5] {
 #[test]
 fn a_repeated_command_is_acknowledged_and_not_executed() {
     let play = |repeats: u32| {
-        let mut rig = Rig::<f64>::new();
+        let mut rig = Rig::<Thesis<f64>>::new();
         let mut outputs = Vec::new();
         for (sequence, command) in (0..).zip(commands()) {
             for _ in 0..repeats {
@@ -59,11 +59,13 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
         Command::Stop,
     ];
     let play = |repeats: u32| {
-        let mut rig = Rig::<f64>::new();
+        let mut rig = Rig::<Thesis<f64>>::new();
         let mut outputs = Vec::new();
         for (sequence, command) in (0..).zip(commands) {
             if command == Command::ClearFault {
-                rig.foreground.raise(FaultCode::Board, None, 0.0, 0.0);
+                rig.service
+                    .foreground
+                    .raise(FaultCode::Board, None, 0.0, 0.0);
                 outputs.push(rig.tick());
             }
             for _ in 0..repeats {
@@ -86,7 +88,7 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
 
 #[test]
 fn a_repeated_refusal_is_the_same_refusal() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let nan = Move {
         ticks: 10,
         ..rest(0, pose(f64::NAN, 0.0, 0.0), home(), 10)
@@ -102,7 +104,7 @@ fn a_repeated_refusal_is_the_same_refusal() {
         }
     }
     // Even where it would be accepted by now.
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.ask_as(0, Command::Hold);
     assert_eq!(
         rig.ask_as(0, Command::Hold),
@@ -112,7 +114,7 @@ fn a_repeated_refusal_is_the_same_refusal() {
 
 #[test]
 fn old_and_skipped_numbers_are_refused_with_the_expected_one() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.ask(Command::Status);
     rig.done(Command::Telemetry { every: 5 });
     for sequence in [0, 3, 17, u32::MAX] {
@@ -132,8 +134,8 @@ fn old_and_skipped_numbers_are_refused_with_the_expected_one() {
 
 #[test]
 fn sequence_numbers_go_round() {
-    let mut rig = Rig::<f64>::new();
-    rig.background.next_sequence_is(u32::MAX);
+    let mut rig = Rig::<Thesis<f64>>::new();
+    rig.service.background.next_sequence_is(u32::MAX);
     assert_eq!(rig.ask_as(u32::MAX, Command::Stop), Reply::Done);
     assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
     assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
@@ -142,7 +144,7 @@ fn sequence_numbers_go_round() {
 /// Questions are answered anew when they are repeated.
 #[test]
 fn a_repeated_question_has_a_fresh_answer() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     let tick = |reply| match reply {
         Reply::Status(status) => status.tick,
         other => panic!("{other:?}"),
@@ -154,7 +156,7 @@ fn a_repeated_question_has_a_fresh_answer() {
 
 #[test]
 fn nothing_is_heard_before_a_hello_that_fits() {
-    let channels: Channels<f64, Centred<f64>, Massless, Adjustable, 8, 8> = Channels::new();
+    let channels: Channels<Thesis<f64>, 8, 8> = Channels::new();
     let scene = Adjustable::new(example(), LimitParameters::default());
     let (_, mut background) = Box::leak(Box::new(channels))
         .split(scene, home(), settings())

@@ -4,7 +4,7 @@ use super::*;
 use trirrr_protocol::message::{Acting, DriveFault, FaultCode, Recovery};
 
 /// A rig in `state`.
-fn rig_in(state: State) -> Rig<f64> {
+fn rig_in(state: State) -> Rig<Thesis<f64>> {
     let mut rig = Rig::new();
     let job = rest(0, home(), pose(0.28, 0.28, 0.2), 100);
     if !matches!(
@@ -30,7 +30,8 @@ fn rig_in(state: State) -> Rig<f64> {
             rig.ticks(2);
         }
         State::Fault => {
-            rig.foreground
+            rig.service
+                .foreground
                 .raise(FaultCode::Drive(DriveFault::Reported), Some(1), 3.0, 0.0);
             rig.ticks(1);
         }
@@ -50,7 +51,7 @@ fn rig_in(state: State) -> Rig<f64> {
         State::Unhomed | State::Homing => unreachable!("the tests of homing have these"),
     }
     assert_eq!(rig.state(), state);
-    assert_eq!(rig.foreground.state(), state);
+    assert_eq!(rig.service.foreground.state(), state);
     rig
 }
 
@@ -161,15 +162,15 @@ fn no_state_is_without_an_exit() {
 
 #[test]
 fn a_silent_host_ends_in_a_controlled_stop() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
     rig.done(Command::Start);
     rig.ticks(SILENCE - 1);
-    assert_eq!(rig.foreground.state(), State::Running);
+    assert_eq!(rig.service.foreground.state(), State::Running);
     // A frame of any kind, even a refused one, is a sign of life.
     rig.ask_as(999, Command::Status);
     rig.ticks(SILENCE - 1);
-    assert_eq!(rig.foreground.state(), State::Running);
+    assert_eq!(rig.service.foreground.state(), State::Running);
     rig.ticks(2);
     let status = rig.status();
     assert_eq!(
@@ -192,7 +193,7 @@ fn a_silent_host_ends_in_a_controlled_stop() {
 
 #[test]
 fn the_state_is_told_at_each_change() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     rig.offer(rest(0, home(), pose(0.22, 0.23, 0.2), 30));
     rig.done(Command::Start);
     rig.ticks(5);

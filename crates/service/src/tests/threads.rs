@@ -10,11 +10,11 @@ use trirrr_protocol::message::MessageRef;
 /// chain comes out in its own bits wherever the machine did not wait for the talker.
 #[test]
 fn the_halves_need_nothing_but_their_queues() {
-    let channels: Channels<f64, Centred<f64>, Massless, Adjustable, 8, 4096> = Channels::new();
+    let channels: Channels<Thesis<f64>, 8, 4096> = Channels::new();
     let scene = Adjustable::new(example(), LimitParameters::default());
     let settings = Settings {
         // The talker may be put aside for longer than any number of ticks.
-        silence_ticks: 0,
+        host_timeout_ticks: 0,
         ..settings()
     };
     let (mut foreground, mut background) = Box::leak(Box::new(channels))
@@ -30,7 +30,7 @@ fn the_halves_need_nothing_but_their_queues() {
             }
         });
         let mut sequence = 0;
-        let mut ask = |command, background: &mut Background<f64, Adjustable>| {
+        let mut ask = |command, background: &mut Background<Thesis<f64>>| {
             let reply = hear(background, sequence, command);
             sequence += 1;
             reply

@@ -13,6 +13,7 @@ use trirrr_core::machine::{
     Geometry, Leg, LegParameters, LinkParameters, Parameters, PlatformParameters,
 };
 use trirrr_protocol::message::{Board, Clock::Host, Start::Power};
+use trirrr_core::model::{Dynamic, Kinematic};
 use trirrr_core::number::fixed::{Factor, Length, Sum, Turns};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_service::Contact::{Stall, Switch, Unfelt};
@@ -22,9 +23,9 @@ use trirrr_service::{
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::balance::{Balance, Unsolved};
+use trirrr_core::torque::balance::Balance;
 use trirrr_core::torque::links::{Horizontal, InPlane, Massive, MassiveLeg, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, PositionOnly};
+use trirrr_core::torque::payload::{Centred, Offset};
 use trirrr_core::units::Units;
 ";
 

@@ -1,16 +1,16 @@
-//! The Rust types of the kinds that a machine needs, so that its image holds nothing else.
+//! The model that a machine needs, so that its image holds nothing else.
 
 use super::constant::constant;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{BuildError, LinksKind, Parameters, PayloadKind};
-use trirrr_core::torque::links::{Horizontal, InPlane, Links, Massive, Massless, Rotors};
-use trirrr_core::torque::payload::{Centred, Offset, Payload, PositionOnly};
+use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::model::{LinksKind, Model, ModelKind, ModelVisitor};
 use trirrr_service::Coefficients;
 use trirrr_service::admission::Enclose;
 
-/// What the coefficients are built from, in the machine's units.
+/// Parameters of the coefficients, in the units of the machine.
+#[derive(Clone, Copy)]
 pub(super) struct Machine<'a> {
-    pub(super) torque: bool,
+    pub(super) kind: ModelKind,
     pub(super) parameters: &'a Parameters,
     pub(super) limits: &'a LimitParameters,
     pub(super) ramp_ticks: u16,
@@ -18,54 +18,42 @@ pub(super) struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    /// The Rust type of its payload for the number type `scalar`.
-    pub(super) fn payload_path(&self, scalar: &str) -> String {
-        let payload = "trirrr_core::torque::payload";
-        match PayloadKind::of(self.parameters) {
-            _ if !self.torque => format!("{payload}::PositionOnly"),
-            kind => format!("{payload}::{kind:?}<{scalar}>"),
-        }
-    }
-
-    /// The Rust type of its links for the number type `scalar`.
-    pub(super) fn links_path(&self, scalar: &str) -> String {
-        let links = "trirrr_core::torque::links";
-        match LinksKind::of(self.parameters) {
-            _ if !self.torque => format!("{links}::Massless"),
-            LinksKind::Massless => format!("{links}::Massless"),
-            LinksKind::Rotors => format!("{links}::Rotors<{scalar}>"),
-            LinksKind::MassiveHorizontal => {
-                format!("{links}::Massive<{scalar}, {links}::Horizontal>")
-            }
-            LinksKind::MassiveInPlane => {
-                format!("{links}::Massive<{scalar}, {links}::InPlane<{scalar}>>")
-            }
-        }
-    }
-
-    /// The coefficients of its service in those types, as Rust source.
+    /// Returns the coefficients of the service as Rust source.
     ///
     /// # Errors
-    /// The first quantity that does not fit the number type.
-    pub(super) fn coefficients<N: Enclose>(&self) -> Result<String, BuildError> {
-        match PayloadKind::of(self.parameters) {
-            _ if !self.torque => self.with::<N, PositionOnly, Massless>(),
-            PayloadKind::Centred => self.with_payload::<N, Centred<N>>(),
-            PayloadKind::Offset => self.with_payload::<N, Offset<N>>(),
-        }
+    /// First quantity that does not fit the number type.
+    pub(super) fn coefficients<N: Enclose>(self) -> Result<String, BuildError> {
+        self.kind.visit::<N, _>(self)
     }
 
-    fn with_payload<N: Enclose, P: Payload<N>>(&self) -> Result<String, BuildError> {
-        match LinksKind::of(self.parameters) {
-            LinksKind::Massless => self.with::<N, P, Massless>(),
-            LinksKind::Rotors => self.with::<N, P, Rotors<N>>(),
-            LinksKind::MassiveHorizontal => self.with::<N, P, Massive<N, Horizontal>>(),
-            LinksKind::MassiveInPlane => self.with::<N, P, Massive<N, InPlane<N>>>(),
-        }
+    /// Returns the path of the model's type for the number type `scalar`.
+    pub(super) fn model(&self, scalar: &str) -> String {
+        let (model, torque) = ("trirrr_core::model", "trirrr_core::torque");
+        let (payload, links) = match self.kind {
+            ModelKind::Kinematic => return format!("{model}::Kinematic<{scalar}>"),
+            ModelKind::Dynamic(payload, links) => (payload, links),
+        };
+        let links = match links {
+            LinksKind::Massless => "Massless".into(),
+            LinksKind::Rotors => format!("Rotors<{scalar}>"),
+            LinksKind::MassiveHorizontal => {
+                format!("Massive<{scalar}, {torque}::links::Horizontal>")
+            }
+            LinksKind::MassiveInPlane => {
+                format!("Massive<{scalar}, {torque}::links::InPlane<{scalar}>>")
+            }
+        };
+        format!(
+            "{model}::Dynamic<{scalar}, {torque}::payload::{payload:?}<{scalar}>, {torque}::links::{links}>"
+        )
     }
+}
 
-    fn with<N: Enclose, P: Payload<N>, L: Links<N>>(&self) -> Result<String, BuildError> {
-        Coefficients::<N, P, L>::build(self.parameters, self.limits, self.ramp_ticks, self.period)
+impl<N: Enclose> ModelVisitor<N> for Machine<'_> {
+    type Output = Result<String, BuildError>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        Coefficients::<M>::build(self.parameters, self.limits, self.ramp_ticks, self.period)
             .map(|coefficients| constant(&coefficients))
     }
 }

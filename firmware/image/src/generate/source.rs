@@ -36,7 +36,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let job = scene.job.in_units(&units);
     let period = units.time(scene.period_s());
     let machine = Machine {
-        torque: scene.torque,
+        kind: scene.model(),
         parameters,
         limits,
         ramp_ticks: scene.ramp_ticks(),
@@ -45,9 +45,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let mut file = File(String::new());
     file.line(&names());
     file.line(&format!("pub type Scalar = {scalar};"));
-    let (payload, links) = (machine.payload_path(scalar), machine.links_path(scalar));
-    file.line(&format!("pub type Payload = {payload};"));
-    file.line(&format!("pub type Links = {links};"));
+    file.line(&format!("pub type Model = {};", machine.model(scalar)));
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -64,7 +62,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         &format!("{service}::Settings<Scalar>"),
         settings,
     );
-    let coefficients = format!("{service}::Coefficients<Scalar, Payload, Links>");
+    let coefficients = format!("{service}::Coefficients<Model>");
     file.global("COEFFICIENTS", &coefficients, machine.coefficients::<N>()?);
     let (parameters_type, limits_type) = (
         "trirrr_core::machine::Parameters",
@@ -195,8 +193,12 @@ mod tests {
             ),
         ] {
             let text = shipped(name);
-            let line = format!("pub type Links = trirrr_core::torque::links::{kind};\n");
-            assert!(text.contains(&line), "{name}: {text}");
+            let line = text
+                .lines()
+                .find(|line| line.starts_with("pub type Model = "));
+            let line = line.expect("an image has a model");
+            let links = format!(", trirrr_core::torque::links::{kind}>;");
+            assert!(line.ends_with(&links), "{name}: {line}");
         }
     }
 

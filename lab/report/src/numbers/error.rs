@@ -116,7 +116,7 @@ pub(crate) fn measure<N: Number>(
     scene: &Scene,
     instants: &[Instant],
 ) -> Result<SceneErrors, ReportError> {
-    let pipeline::Played {
+    let pipeline::Job {
         machine,
         player,
         units,

@@ -15,7 +15,7 @@ const SAMPLE: Duration = Duration::from_millis(10);
 
 /// Nanoseconds per tick over the job of `scene`, in the fastest sample.
 pub(crate) fn nanoseconds<N: Number>(scene: &Scene) -> Result<f64, ReportError> {
-    let pipeline::Played {
+    let pipeline::Job {
         machine, player, ..
     } = pipeline::scene::<N>(scene)
         .map_err(|error| ReportError::Refused(format!("scene {}: {error}", scene.name)))?;

@@ -58,7 +58,7 @@ impl Session<'_> {
             }
             2 | 3 => {
                 for _ in 0..u32::from(bytes.byte()?) * 16 {
-                    self.watched.device.background.step();
+                    self.watched.device.service.step();
                 }
             }
             4 => {
@@ -82,7 +82,7 @@ impl Session<'_> {
                     FaultCode::Board,
                 ];
                 let code = code[usize::from(bytes.byte()?) % 3];
-                self.watched.device.foreground.raise(code, None, 0.0, 0.0);
+                self.watched.device.service.raise(code, None, 0.0, 0.0);
             }
             12 => self.repeat(),
             13 => {
@@ -158,7 +158,7 @@ impl Session<'_> {
 
     /// A move from where the last one ends.
     fn chained_move(&mut self, bytes: &mut Bytes) -> Option<Move<f64>> {
-        let status = self.watched.device.background.status();
+        let status = self.watched.device.service.status();
         let (from, start_velocity) = match status.end {
             Some(end) => (end.pose, end.velocity.into()),
             None => (home(), [0.0; 3]),

@@ -45,14 +45,14 @@ impl<'q> Watched<'q> {
     }
 
     pub(super) fn reached(mut self) -> Reached {
-        self.reached.moves = self.device.background.status().done;
+        self.reached.moves = self.device.service.status().done;
         self.reached
     }
 
     /// One tick.
     pub(super) fn tick(&mut self) {
         let output = self.device.tick();
-        let state = self.device.foreground.state();
+        let state = self.device.service.state();
         assert!(
             output.tool == 0.0 || state.is_running(),
             "the tool is on in {state:?}"
@@ -93,7 +93,7 @@ impl<'q> Watched<'q> {
     /// Ticks enough for orders to be taken and any ramp to end.
     fn settle(&mut self) {
         for _ in 0..64 {
-            self.device.background.step();
+            self.device.service.step();
             self.tick();
         }
     }
@@ -114,11 +114,11 @@ pub(super) fn leave(watched: &mut Watched, mut sequence: u32) {
     watched.settle();
     ask(watched, Command::Stop);
     watched.settle();
-    if watched.device.foreground.state() == State::Fault {
+    if watched.device.service.state() == State::Fault {
         ask(watched, Command::ClearFault);
         watched.settle();
     }
-    if watched.device.foreground.state() == State::Cleared {
+    if watched.device.service.state() == State::Cleared {
         let recovery = Recovery {
             to: home(),
             ticks: RECOVERY,
@@ -133,9 +133,9 @@ pub(super) fn leave(watched: &mut Watched, mut sequence: u32) {
         }
     }
     assert_eq!(
-        watched.device.foreground.state(),
+        watched.device.service.state(),
         State::Idle,
         "no way out: {:?}",
-        watched.device.background.status()
+        watched.device.service.status()
     );
 }

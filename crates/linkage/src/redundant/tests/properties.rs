@@ -4,13 +4,14 @@ use super::super::random::{dot_of, for_all};
 use super::super::*;
 use core::cell::Cell;
 use nalgebra::Vector3;
+use trirrr_core::model::Dynamic;
 use trirrr_core::number::cross;
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
 #[test]
 fn three_legs_are_the_tick() {
-    type Full = Tick<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
+    type Full = Tick<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
     for_all::<3>(10_000, false, |case| {
         let machine = RedundantMachine::build(&case.parameters).unwrap();
         let tick = Full::build(&case.parameters.three([0, 1, 2])).unwrap();

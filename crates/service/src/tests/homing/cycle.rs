@@ -1,6 +1,7 @@
 //! The way from switched on to idle.
 
 use super::*;
+use crate::number::ServiceNumber;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, Recovery, scene};
 
@@ -78,7 +79,7 @@ fn each_command_while_it_is_homed() {
 
 #[test]
 fn a_machine_whose_motors_are_known_has_no_homing() {
-    let mut rig = Rig::<f64>::new();
+    let mut rig = Rig::<Thesis<f64>>::new();
     assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
     rig.ticks(1);
     assert_eq!(rig.state(), State::Idle);
@@ -87,13 +88,13 @@ fn a_machine_whose_motors_are_known_has_no_homing() {
         scene: Adjustable::new(example(), LimitParameters::default()),
         homing: None,
     };
-    let mut rig = Rig::<f64, Homed<f64>>::of(scene, home());
+    let mut rig = Rig::<Homed<f64>>::of(scene, home());
     assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
     rig.inputs = [true; 3];
     rig.offer(rest(0, home(), pose(0.25, 0.25, 0.1), 100));
     rig.done(Command::Start);
     rig.until(State::Idle);
-    assert_eq!(rig.foreground.shift(), None);
+    assert_eq!(rig.service.foreground.shift(), None);
 }
 
 fn homes<N: ServiceNumber>(contact: Contact) {
@@ -139,12 +140,12 @@ fn stages_follow_one_another() {
     let mut machine = Machine::<f64>::new(timed(parameters), [0.1; 3]);
     machine.rig.done(Command::Home);
     let mut order = Vec::new();
-    while machine.rig.foreground.state() != State::Recovering {
+    while machine.rig.service.foreground.state() != State::Recovering {
         let output = machine.tick();
         machine.rig.ask(Command::Status);
         let moving = |i: &usize| output.motors[*i].rate != 0.0;
         let moving: Vec<usize> = (0..3).filter(moving).collect();
-        if machine.rig.foreground.state() != State::Homing {
+        if machine.rig.service.foreground.state() != State::Homing {
             continue;
         }
         assert!(moving.len() <= 1, "{moving:?}");
@@ -233,7 +234,7 @@ fn homing_keeps_the_limits() {
 fn angles_from_elsewhere_take_the_place_of_homing() {
     let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
     let angles = home_angles().map(|angle| angle + 0.1);
-    assert!(machine.rig.foreground.motors_are_at(angles));
+    assert!(machine.rig.service.foreground.set_position(angles));
     machine.rig.ticks(1);
     assert_eq!(machine.rig.state(), State::Cleared);
     machine.rig.done(Command::Recover(Recovery {

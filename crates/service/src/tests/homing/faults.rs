@@ -87,7 +87,7 @@ fn each_fault_names_its_motor() {
             }
             machine.rig.done(Command::Home);
             machine.until(State::Fault);
-            let output = *machine.rig.foreground.output();
+            let output = *machine.rig.service.foreground.output();
             assert!(!output.enabled);
             let status = machine.rig.status();
             let fault = status.fault.expect("it is latched");
@@ -142,7 +142,7 @@ fn lengths(contact: Contact) -> (u32, u32) {
         machine.tick();
         machine.rig.ask(Command::Status);
         ticks += 1;
-        match machine.rig.foreground.state() {
+        match machine.rig.service.foreground.state() {
             State::Recovering if found.is_none() => found = Some(ticks),
             State::Idle => return (found.expect("on the way"), ticks),
             _ => {}
@@ -171,6 +171,7 @@ fn a_stop_at_any_time_leads_to_rest_and_back() {
             };
             let mut rates = machine
                 .rig
+                .service
                 .foreground
                 .output()
                 .motors
@@ -184,10 +185,14 @@ fn a_stop_at_any_time_leads_to_rest_and_back() {
                     );
                     *rate = motor.rate;
                 }
-                if machine.rig.foreground.state() == at_rest {
+                if machine.rig.service.foreground.state() == at_rest {
                     break;
                 }
-                assert!(tick < 40, "{after}: {:?}", machine.rig.foreground.state());
+                assert!(
+                    tick < 40,
+                    "{after}: {:?}",
+                    machine.rig.service.foreground.state()
+                );
             }
             let status = machine.rig.status();
             assert_eq!((status.acting, status.end), (Acting::Stop, None));
@@ -209,6 +214,7 @@ fn a_fault_at_any_time_makes_it_home_anew() {
         }
         machine
             .rig
+            .service
             .foreground
             .raise(FaultCode::Board, Some(1), 7.0, 0.0);
         machine.tick();
@@ -236,10 +242,10 @@ fn a_silent_host_ends_it() {
         machine.tick();
         let expected = match tick {
             _ if tick < SILENCE + 1 => State::Homing,
-            _ if machine.rig.foreground.state() == State::Stopping => State::Stopping,
+            _ if machine.rig.service.foreground.state() == State::Stopping => State::Stopping,
             _ => State::Unhomed,
         };
-        assert_eq!(machine.rig.foreground.state(), expected, "{tick}");
+        assert_eq!(machine.rig.service.foreground.state(), expected, "{tick}");
     }
     let status = machine.rig.status();
     assert_eq!(

@@ -5,9 +5,10 @@ mod faults;
 mod random;
 
 use super::*;
+use crate::number::ServiceNumber;
 use trirrr_core::machine::Geometry;
 
-pub(super) type Homed<N> = WithHoming<'static, N, Adjustable>;
+pub(super) type Homed<N> = WithHoming<'static, Thesis<N>>;
 
 /// Angles of the motors at [`home`], rad.
 pub(super) fn home_angles() -> [f64; 3] {
@@ -76,7 +77,7 @@ pub(super) enum Defect {
 
 /// A machine that is homed, with the motors as they truly are.
 pub(super) struct Machine<N: ServiceNumber> {
-    pub(super) rig: Rig<N, Homed<N>>,
+    pub(super) rig: Rig<Homed<N>>,
     pub(super) parameters: HomingParameters,
     /// Where the motors truly are, rad, unwrapped.
     pub(super) truth: [f64; 3],
@@ -108,7 +109,13 @@ impl<N: ServiceNumber> Machine<N> {
         };
         let rig = Rig::of(scene, home());
         let commanded = |motor: &trirrr_core::tick::Motor<N>| N::angle_to_f64(motor.angle);
-        let before = rig.foreground.output().motors.each_ref().map(commanded);
+        let before = rig
+            .service
+            .foreground
+            .output()
+            .motors
+            .each_ref()
+            .map(commanded);
         let angles = home_angles();
         Self {
             rig,
@@ -159,14 +166,15 @@ impl<N: ServiceNumber> Machine<N> {
         self.rig.inputs = [self.input(0), self.input(1), self.input(2)];
         let rates = self
             .rig
+            .service
             .foreground
             .output()
             .motors
             .each_ref()
             .map(|m| m.rate.to_f64());
         let output = self.rig.tick();
-        let shift = self.rig.foreground.shift();
-        let state = self.rig.foreground.state();
+        let shift = self.rig.service.foreground.shift();
+        let state = self.rig.service.foreground.state();
         for i in 0..3 {
             let (motor, limits) = (&output.motors[i], &self.parameters.motors[i]);
             let angle = N::angle_to_f64(motor.angle);
@@ -210,7 +218,7 @@ impl<N: ServiceNumber> Machine<N> {
     pub(super) fn until(&mut self, state: State) {
         for ticks in 0..20_000 {
             self.tick();
-            if self.rig.foreground.state() == state {
+            if self.rig.service.foreground.state() == state {
                 // So that the host has heard of it.
                 self.rig.status();
                 return;

@@ -1,6 +1,7 @@
 //! Any offsets, switches, stages and contacts.
 
 use super::*;
+use crate::number::ServiceNumber;
 use proptest::prelude::*;
 use trirrr_core::number::Fixed;
 
@@ -115,7 +116,7 @@ proptest! {
                 6 => Command::Start,
                 _ => {
                     let code = trirrr_protocol::message::FaultCode::Board;
-                    machine.rig.foreground.raise(code, None, 0.0, 0.0);
+                    machine.rig.service.foreground.raise(code, None, 0.0, 0.0);
                     Command::Status
                 }
             };
@@ -130,7 +131,7 @@ proptest! {
         }
         machine.rig.ask(Command::ClearFault);
         machine.tick();
-        let stopped = machine.rig.foreground.state();
+        let stopped = machine.rig.service.foreground.state();
         prop_assert!(stopped.is_at_rest(), "{stopped:?}");
         // Wherever that is, it is not far behind a switch.
         machine.home();

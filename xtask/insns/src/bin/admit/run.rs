@@ -7,11 +7,11 @@ use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_image::Move;
-use trirrr_insns::scene::{LIMITS, Links, MOVES, PARAMETERS, PERIOD, Payload, RAMP_TICKS, Scalar};
+use trirrr_insns::scene::{LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS, Scalar};
 use trirrr_protocol::message;
 use trirrr_service::admission::{Admission, Verdict};
 
-type SceneAdmission = Admission<Scalar, Payload, Links>;
+type SceneAdmission = Admission<Model>;
 
 /// The move as a host would offer it.
 fn offer(one: &Move) -> message::Move<Scalar> {

@@ -1,28 +1,19 @@
 //! Orders from the background.
 
+use super::super::feed::PathPosition;
+use super::super::handoff::{Order, QueuedMove};
 use super::super::homing::Homing;
-use super::super::link::{Order, Planned};
-use super::super::pace::Place;
-use super::super::scene::{Setup, Take};
+use super::super::scene::{Scene, Take};
 use super::{Foreground, Path};
 use crate::admission::Enclose;
-use trirrr_core::torque::links::Links;
-use trirrr_core::torque::payload::Payload;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N, P, L, T, H> Foreground<'_, N, P, L, T, H>
-where
-    N: Enclose,
-    P: Payload<N>,
-    L: Links<N>,
-    T: Take<Setup<N, P, L>>,
-    H: Homing<N>,
-{
+impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
     /// its first setpoint is this tick's. An order that does not fit the state, because the state
     /// changed while it was on its way, changes nothing.
     #[inline]
-    pub(super) fn obey(&mut self) -> bool {
+    pub(super) fn take_order(&mut self) -> bool {
         if self.path == Path::None && self.moves.peek().is_some_and(|next| self.is_stale(next)) {
             // One per tick; orders given after the queue was dropped wait until it is empty.
             self.moves.discard();
@@ -56,7 +47,7 @@ where
         false
     }
 
-    pub(super) fn is_stale(&self, planned: &Planned<N>) -> bool {
+    pub(super) fn is_stale(&self, planned: &QueuedMove<N>) -> bool {
         planned.generation != self.generation
     }
 
@@ -72,7 +63,7 @@ where
         self.begun = first.number.wrapping_add(1);
         self.path = Path::Move;
         self.begin();
-        self.become_(State::Running, Acting::Nothing);
+        self.transition_to(State::Running, Acting::Nothing);
         true
     }
 
@@ -84,7 +75,7 @@ where
         self.drop_queue();
         self.path = Path::Joints;
         self.begin();
-        self.become_(State::Recovering, Acting::Nothing);
+        self.transition_to(State::Recovering, Acting::Nothing);
         true
     }
 
@@ -97,12 +88,12 @@ where
         self.drop_queue();
         self.homing.begin();
         self.silent = 0;
-        self.become_(State::Homing, Acting::Nothing);
+        self.transition_to(State::Homing, Acting::Nothing);
     }
 
     /// At the start of a path, which starts at rest: normal speed at once.
     pub(super) fn begin(&mut self) {
-        self.place = Place::START;
+        self.place = PathPosition::START;
         self.pace.start();
         self.held = false;
         self.silent = 0;
@@ -112,12 +103,12 @@ where
         match self.state {
             State::Running => {
                 self.held = true;
-                self.become_(State::Slowing, Acting::Hold);
+                self.transition_to(State::Slowing, Acting::Hold);
             }
             // What it waits for changes: it does not go on by itself any more.
             State::Slowing | State::Holding => {
                 self.held = true;
-                self.become_(self.state, Acting::Hold);
+                self.transition_to(self.state, Acting::Hold);
             }
             _ => {}
         }
@@ -126,16 +117,16 @@ where
     fn stop(&mut self) {
         match self.state {
             State::Running | State::Slowing | State::Holding | State::Recovering => {
-                self.become_(State::Stopping, Acting::Stop);
+                self.transition_to(State::Stopping, Acting::Stop);
             }
-            State::Stopping => self.become_(State::Stopping, Acting::Stop),
+            State::Stopping => self.transition_to(State::Stopping, Acting::Stop),
             State::Homing => {
                 self.homing.stop();
-                self.become_(State::Stopping, Acting::Stop);
+                self.transition_to(State::Stopping, Acting::Stop);
             }
             State::Idle => {
                 self.drop_queue();
-                self.become_(State::Idle, Acting::Nothing);
+                self.transition_to(State::Idle, Acting::Nothing);
             }
             State::Fault | State::Cleared | State::Unhomed => {}
         }
@@ -149,7 +140,7 @@ where
                 true => State::Unhomed,
                 false => State::Cleared,
             };
-            self.become_(state, self.acting);
+            self.transition_to(state, self.acting);
         }
     }
 }

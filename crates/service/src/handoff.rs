@@ -2,7 +2,7 @@
 //!
 //! | from | to | by | what |
 //! |---|---|---|---|
-//! | background | tick | queue | admitted moves ([`Planned`]); the first is under way |
+//! | background | tick | queue | admitted moves ([`QueuedMove`]); the first is under way |
 //! | background | tick | queue | a recovery ([`Recover`]) |
 //! | background | tick | queue | orders ([`Order`]) |
 //! | tick | background | queue | where it stands, after each change ([`Report`]) |
@@ -18,7 +18,7 @@ use trirrr_protocol::message::{Acting, State};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Planned<N: Number> {
+pub(super) struct QueuedMove<N: Number> {
     pub(super) segment: Segment<N>,
     pub(super) ticks: u32,
     pub(super) number: u32,
@@ -27,7 +27,7 @@ pub(super) struct Planned<N: Number> {
     pub(super) generation: u8,
 }
 
-/// What the tick is told to do. It takes one per tick.
+/// What the tick is reported to do. It takes one per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Order {
     Start,

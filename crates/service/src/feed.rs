@@ -11,23 +11,23 @@
 //! out; then the way back spends one tick more at the level d for which it does: d adds 2 d parts,
 //! and d = 0 .. R - 1 reaches every remainder, for remainders are even.
 
-/// Place on the path, in its own time.
+/// PathPosition on the path, in its own time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct PathPosition {
     /// Whole ticks since the start of the move.
     pub(super) tick: u32,
     /// Parts of 1 / (2 R) of a tick, less than 2 R.
     pub(super) part: u32,
 }
 
-impl Place {
+impl PathPosition {
     /// The start of a move.
     pub(super) const START: Self = Self { tick: 0, part: 0 };
 }
 
 /// The speed along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Pace {
+pub(super) struct FeedScale {
     /// R, positive.
     ramp: u32,
     /// k.
@@ -41,7 +41,7 @@ const NOWHERE: u32 = u32::MAX;
 
 /// One tick of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Stride {
+pub(super) struct Step {
     /// k' after it.
     pub(super) level: u32,
     /// k' - k: -1, 0 or 1.
@@ -50,7 +50,7 @@ pub(super) struct Stride {
     parts: u32,
 }
 
-impl Pace {
+impl FeedScale {
     /// At rest; `ramp`: R, at most 2^16.
     pub(super) fn new(ramp: u16) -> Self {
         Self {
@@ -83,22 +83,22 @@ impl Pace {
     }
 
     /// One tick towards rest.
-    pub(super) fn slower(&self) -> Stride {
-        self.stride(self.level.saturating_sub(1))
+    pub(super) fn slower(&self) -> Step {
+        self.step_length(self.level.saturating_sub(1))
     }
 
     /// One tick towards normal speed, or at it.
-    pub(super) fn faster(&self) -> Stride {
+    pub(super) fn faster(&self) -> Step {
         let next = if self.level == self.dwell {
             self.level
         } else {
             (self.level + 1).min(self.ramp)
         };
-        self.stride(next)
+        self.step_length(next)
     }
 
-    fn stride(&self, level: u32) -> Stride {
-        Stride {
+    fn step_length(&self, level: u32) -> Step {
+        Step {
             level,
             slope: level as i32 - self.level as i32,
             parts: self.level + level,
@@ -121,7 +121,7 @@ impl Pace {
     }
 
     /// Takes the stride: the place after it. `slope` up and down alike.
-    pub(super) fn take(&mut self, stride: Stride, from: Place) -> Place {
+    pub(super) fn take(&mut self, stride: Step, from: PathPosition) -> PathPosition {
         if stride.slope == 0 && stride.level == self.dwell {
             self.dwell = NOWHERE;
         }
@@ -130,9 +130,9 @@ impl Pace {
         // At most two ramps, one tick.
         let part = from.part + stride.parts;
         if part < whole {
-            Place { part, ..from }
+            PathPosition { part, ..from }
         } else {
-            Place {
+            PathPosition {
                 tick: from.tick.wrapping_add(1),
                 part: part - whole,
             }
@@ -141,7 +141,7 @@ impl Pace {
 
     /// Whether, after `stride`, the path can still come to rest within what is left before it:
     /// `ticks` whole ones less `part`.
-    pub(super) fn can_stop(&self, stride: Stride, ticks: u32, part: u32) -> bool {
+    pub(super) fn can_stop(&self, stride: Step, ticks: u32, part: u32) -> bool {
         // Beyond a ramp there is no question, and below the product fits.
         if ticks > self.ramp {
             return true;
@@ -153,7 +153,7 @@ impl Pace {
 
     /// Whether `ticks` less `part` are enough to come to rest from normal speed.
     pub(super) fn is_enough(&self, ticks: u32, part: u32) -> bool {
-        let at_normal_speed = Stride {
+        let at_normal_speed = Step {
             level: self.ramp,
             slope: 0,
             parts: 0,
@@ -162,9 +162,9 @@ impl Pace {
     }
 }
 
-impl Stride {
+impl Step {
     /// Whether it is one at normal speed all along.
-    pub(super) fn is_normal(&self, pace: &Pace) -> bool {
+    pub(super) fn is_normal(&self, pace: &FeedScale) -> bool {
         self.slope == 0 && self.level == pace.ramp
     }
 }
@@ -174,16 +174,16 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn walk(pace: &mut Pace, place: &mut Place, stride: Stride) {
+    fn walk(pace: &mut FeedScale, place: &mut PathPosition, stride: Step) {
         *place = pace.take(stride, *place);
     }
 
     #[test]
     fn a_hold_and_a_resume_take_whole_ticks() {
         for ramp in [1, 2, 3, 7, 10, 100, u16::MAX] {
-            let mut pace = Pace::new(ramp);
+            let mut pace = FeedScale::new(ramp);
             pace.start();
-            let mut place = Place { tick: 5, part: 0 };
+            let mut place = PathPosition { tick: 5, part: 0 };
             let mut ticks = 0;
             while !pace.is_at_rest() {
                 let stride = pace.slower();
@@ -203,7 +203,7 @@ mod tests {
             }
             assert_eq!(
                 place,
-                Place {
+                PathPosition {
                     tick: 5 + u32::from(ramp),
                     part: 0
                 }
@@ -213,7 +213,7 @@ mod tests {
             walk(&mut pace, &mut place, stride);
             assert_eq!(
                 place,
-                Place {
+                PathPosition {
                     tick: 6 + u32::from(ramp),
                     part: 0
                 }
@@ -230,8 +230,8 @@ mod tests {
             wishes in proptest::collection::vec((any::<bool>(), 1u32..60), 1..30),
             length in 40u32..2000,
         ) {
-            let mut pace = Pace::new(ramp);
-            let mut place = Place::START;
+            let mut pace = FeedScale::new(ramp);
+            let mut place = PathPosition::START;
             pace.start();
             let mut down = false;
             for (go, ticks) in wishes {

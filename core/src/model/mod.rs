@@ -1,0 +1,160 @@
+//! The model of a machine: number type, and what a tick computes besides the motion of its joints.
+//!
+//! A scene chooses its model by type. An image therefore holds the code of one model and of
+//! nothing else.
+//!
+//! | model | computes |
+//! |---|---|
+//! | [`Kinematic`] | angles, rates and accelerations |
+//! | [`Dynamic`] | torques as well, for one kind of payload and one kind of links |
+
+mod kind;
+
+pub use kind::{LinksKind, ModelKind, ModelVisitor, PayloadKind};
+
+use crate::dyad::Rrr;
+use crate::inverse::{LegMotion, Position, Rotation};
+use crate::machine::Parameters;
+use crate::number::Number;
+use crate::setpoint::Setpoint;
+use crate::singularity;
+use crate::status::Status;
+use crate::torque::balance::{Balance, Forces};
+use crate::torque::links::{LegLoad, Links, Massless};
+use crate::torque::payload::{Centred, Payload};
+use core::fmt::{self, Debug};
+use core::marker::PhantomData;
+
+/// Number type and dynamics of a machine, with the coefficients of the dynamics.
+pub trait Model: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// Number type of the whole pipeline.
+    type N: Number;
+
+    /// The same model in another number type.
+    type Over<N: Number>: Model<N = N>;
+
+    /// Kind of the model.
+    const KIND: ModelKind;
+
+    /// True if the model computes torques.
+    const TORQUES: bool;
+
+    /// Builds the coefficients from checked parameters.
+    fn build(parameters: &Parameters) -> Self;
+
+    /// Returns the load that the links of leg `leg`, 0 to 2, put on the motors. `dyad` are the links.
+    fn load(
+        &self,
+        leg: usize,
+        dyad: &Rrr<Self::N>,
+        motion: &LegMotion<Self::N>,
+    ) -> LegLoad<Self::N>;
+
+    /// Solves for the forces along the distal links. The angle of `setpoint` is resolved in `rotation`.
+    ///
+    /// # Errors
+    /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
+    fn forces(
+        &self,
+        legs: &[LegMotion<Self::N>; 3],
+        loads: &[LegLoad<Self::N>; 3],
+        setpoint: &Setpoint<Self::N>,
+        rotation: &Rotation<Self::N>,
+    ) -> Result<Forces<Self::N>, Status>;
+}
+
+/// Positions, rates and accelerations only, for motors that take positions, such as steppers.
+///
+/// Every force and torque is zero. The torque that a pose near a parallel singularity would take
+/// does not matter to such a machine. The admission still keeps the distance from the singularity.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Kinematic<N>(PhantomData<N>);
+
+impl<N> Debug for Kinematic<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Kinematic::NEW")
+    }
+}
+
+impl<N: Number> Kinematic<N> {
+    /// The model. It has no coefficients.
+    pub const NEW: Self = Self(PhantomData);
+}
+
+impl<N: Number> Model for Kinematic<N> {
+    type N = N;
+    type Over<M: Number> = Kinematic<M>;
+
+    const KIND: ModelKind = ModelKind::Kinematic;
+    const TORQUES: bool = false;
+
+    fn build(_: &Parameters) -> Self {
+        Self::NEW
+    }
+
+    #[inline(always)]
+    fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
+        LegLoad::NONE
+    }
+
+    #[inline(always)]
+    fn forces(
+        &self,
+        legs: &[LegMotion<N>; 3],
+        _: &[LegLoad<N>; 3],
+        _: &Setpoint<N>,
+        _: &Rotation<N>,
+    ) -> Result<Forces<N>, Status> {
+        let position = Position {
+            legs: legs.each_ref().map(|leg| leg.position),
+        };
+        Ok(Forces {
+            along: [N::ZERO; 3],
+            det_a: singularity::det_a(&position),
+        })
+    }
+}
+
+/// Torques by virtual work, for the payload `P` and the links `L`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamic<N: Number, P = Centred<N>, L = Massless> {
+    /// Solver for the forces of the legs.
+    pub balance: Balance<N>,
+    /// Platform and external loads.
+    pub payload: P,
+    /// Masses of the legs.
+    pub links: L,
+}
+
+impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
+    type N = N;
+    type Over<M: Number> = Dynamic<M, P::Over<M>, L::Over<M>>;
+
+    const KIND: ModelKind = ModelKind::Dynamic(P::KIND, L::KIND);
+    const TORQUES: bool = true;
+
+    fn build(parameters: &Parameters) -> Self {
+        Self {
+            balance: Balance::build(parameters),
+            payload: P::build(parameters),
+            links: L::build(parameters),
+        }
+    }
+
+    #[inline(always)]
+    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
+        self.links.load(leg, dyad, motion)
+    }
+
+    #[inline(always)]
+    fn forces(
+        &self,
+        legs: &[LegMotion<N>; 3],
+        loads: &[LegLoad<N>; 3],
+        setpoint: &Setpoint<N>,
+        rotation: &Rotation<N>,
+    ) -> Result<Forces<N>, Status> {
+        let demand = self.payload.demand(setpoint, rotation);
+        self.balance.forces(legs, &demand, loads)
+    }
+}

@@ -1,0 +1,98 @@
+//! A scene that the host can change while the machine is idle.
+
+use super::{Scene, Setup};
+use crate::admission::Enclose;
+use crate::coefficients::Coefficients;
+use crate::homing::{NoHoming, Plan};
+use crate::settings::Settings;
+use core::marker::PhantomData;
+use heapless::spsc::Queue;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{BuildError, LegParameters, Parameters};
+use trirrr_core::model::{Model, ModelKind};
+use trirrr_core::units::Units;
+use trirrr_protocol::message::Refusal;
+use trirrr_protocol::message::scene::{Section, SectionName};
+
+/// Scene that the host can change, within the room that the model `M` has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adjustable<M> {
+    parameters: Parameters,
+    limits: LimitParameters,
+    model: PhantomData<M>,
+}
+
+impl<M: Model> Adjustable<M> {
+    /// Starts with this machine, in its own units. `M` has to be the model of the machine.
+    pub fn new(parameters: Parameters, limits: LimitParameters) -> Self {
+        Self {
+            parameters,
+            limits,
+            model: PhantomData,
+        }
+    }
+
+    /// Returns true if the model can hold the changed scene.
+    fn has_room_for(&self, parameters: &Parameters, limits: &LimitParameters) -> bool {
+        let keeps = M::TORQUES || (limits.torque_nm.is_none() && limits.power_w.is_none());
+        keeps && M::KIND.has_room_for(ModelKind::of(parameters, M::TORQUES))
+    }
+}
+
+impl<N: Enclose, M: Model<N = N>> Scene for Adjustable<M> {
+    type N = N;
+    type Model = M;
+    type Slot = Queue<Setup<M>, 2>;
+    type Replacement = Section;
+    type Part = Section;
+    type Homing = NoHoming;
+
+    fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
+        let period = N::factor_to_f64(settings.period);
+        Coefficients::build(&self.parameters, &self.limits, settings.ramp_ticks, period)
+    }
+
+    fn part(&self, name: SectionName, units: &Units) -> Option<Section> {
+        let si = units.inverse();
+        Section::of(
+            name,
+            &si.parameters(&self.parameters),
+            &si.limits(&self.limits),
+        )
+    }
+
+    fn homing(&self) -> NoHoming {
+        NoHoming
+    }
+
+    #[inline(always)]
+    fn plan(&self) -> Option<Plan<N>> {
+        None
+    }
+
+    fn changed(
+        &self,
+        section: &Section,
+        units: &Units,
+    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+        let si = units.inverse();
+        let mut parameters = si.parameters(&self.parameters);
+        let mut limits = si.limits(&self.limits);
+        match section {
+            Section::Leg { index, leg } => {
+                let place = parameters.legs.get_mut(usize::from(*index));
+                *place.ok_or(Refusal::NoSuchLeg)? = LegParameters::from(leg);
+            }
+            Section::Platform(platform) => parameters = platform.put_into(&parameters),
+            Section::Limits(section) => limits = section.into(),
+        }
+        if !self.has_room_for(&parameters, &limits) {
+            return Err(Refusal::NotInImage);
+        }
+        Ok((units.parameters(&parameters), units.limits(&limits)))
+    }
+
+    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
+        (self.parameters, self.limits) = (parameters, limits);
+    }
+}

@@ -1,0 +1,74 @@
+//! A scene that cannot change.
+
+use super::{NoSlot, Scene};
+use crate::admission::Enclose;
+use crate::coefficients::Coefficients;
+use crate::homing::{NoHoming, Plan};
+use crate::settings::Settings;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::model::Model;
+use trirrr_core::units::Units;
+use trirrr_protocol::message::scene::{Section, SectionName};
+use trirrr_protocol::message::{Refusal, Unread, Written};
+
+/// Scene that cannot change. A host may have built the coefficients; the service passes the
+/// description on as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Compiled<'a, M: Model<N: Enclose>> {
+    /// Coefficients of the service, in the units of the machine.
+    pub coefficients: &'a Coefficients<M>,
+    /// Description.
+    pub parts: Parts<'a>,
+}
+
+/// Parts of a scene in SI units, each a [`Section`](trirrr_protocol::message::scene::Section) as the bytes on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts<'a> {
+    /// The legs.
+    pub legs: [&'a [u8]; 3],
+    /// The platform and its loads.
+    pub platform: &'a [u8],
+    /// The limits.
+    pub limits: &'a [u8],
+}
+
+impl<'a, N: Enclose, M: Model<N = N>> Scene for Compiled<'a, M> {
+    type N = N;
+    type Model = M;
+    type Slot = NoSlot;
+    type Replacement = Unread;
+    type Part = Written<'a>;
+    type Homing = NoHoming;
+
+    #[inline(always)]
+    fn coefficients(&self, _: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
+        Ok(*self.coefficients)
+    }
+
+    fn part(&self, name: SectionName, _: &Units) -> Option<Written<'a>> {
+        Some(Written(match name {
+            SectionName::Leg(index) => self.parts.legs.get(usize::from(index))?,
+            SectionName::Platform => self.parts.platform,
+            SectionName::Limits => self.parts.limits,
+        }))
+    }
+
+    #[inline(always)]
+    fn homing(&self) -> NoHoming {
+        NoHoming
+    }
+
+    #[inline(always)]
+    fn plan(&self) -> Option<Plan<N>> {
+        None
+    }
+
+    // Inlined: the compiler then sees that the code for a changed scene is unreachable.
+    #[inline(always)]
+    fn changed(&self, _: &Section, _: &Units) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+        Err(Refusal::NotAdjustable)
+    }
+
+    fn adopt(&mut self, _: Parameters, _: LimitParameters) {}
+}

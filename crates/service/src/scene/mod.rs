@@ -1,0 +1,103 @@
+//! The scene that a service is built from. It says whether the host can change the machine.
+//!
+//! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
+//! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
+//! [`WithHoming`] adds homing to either. The choice is a type, so that a scene pays only for its own
+//! kind.
+
+mod adjustable;
+mod compiled;
+mod homed;
+mod slot;
+
+pub use adjustable::Adjustable;
+pub use compiled::{Compiled, Parts};
+pub use homed::WithHoming;
+pub use slot::{NoSlot, Put, Slot, Take};
+
+use crate::admission::Enclose;
+use crate::coefficients::Coefficients;
+use crate::homing::{Homing, Plan};
+use crate::settings::Settings;
+use postcard_schema::Schema;
+use serde::Serialize;
+use trirrr_core::limits::{LimitParameters, Limits};
+use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::model::Model;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::Pose;
+use trirrr_core::tick::Tick;
+use trirrr_core::units::Units;
+use trirrr_protocol::message::scene::{Section, SectionName};
+use trirrr_protocol::message::{Refusal, Replacement};
+
+/// Coefficients of the tick, built from a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup<M: Model> {
+    /// Pipeline.
+    pub(crate) tick: Tick<M>,
+    /// Limits of the results.
+    pub(crate) limits: Limits<M::N>,
+    /// Pose of the platform.
+    pub(crate) pose: Pose<M::N>,
+}
+
+/// Scene of a service. The background keeps it.
+pub trait Scene {
+    /// Number type.
+    type N: Enclose;
+
+    /// Model of the machine.
+    type Model: Model<N = Self::N>;
+
+    /// Mailbox for a setup on its way to the tick.
+    type Slot: Slot<Setup<Self::Model>>;
+
+    /// Content of a part of the scene in a request. A scene that can be changed reads all of it.
+    type Replacement: Replacement;
+
+    /// Part of the scene in a reply.
+    type Part: Serialize + Schema;
+
+    /// Homing of the machine; [`NoHoming`](crate::NoHoming) without any.
+    type Homing: Homing<Self::N>;
+
+    /// Returns the coefficients at the start.
+    ///
+    /// # Errors
+    /// Machine or limit that cannot be built.
+    fn coefficients(
+        &self,
+        settings: &Settings<Self::N>,
+    ) -> Result<Coefficients<Self::Model>, BuildError>;
+
+    /// Returns the part `name` in SI units; the machine is in `units`. `None` if there is no such leg.
+    fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
+
+    /// Returns the homing, not begun.
+    fn homing(&self) -> Self::Homing;
+
+    /// Returns the plan of the homing; `None` if the machine needs no homing.
+    fn plan(&self) -> Option<Plan<Self::N>>;
+
+    /// Returns the scene in `units` of the machine, with `section` in place of its own.
+    ///
+    /// # Errors
+    /// Reason why there is no such scene.
+    fn changed(
+        &self,
+        section: &Section,
+        units: &Units,
+    ) -> Result<(Parameters, LimitParameters), Refusal<Self::N>>;
+
+    /// Replaces the scene.
+    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters);
+}
+
+/// Returns the refusal for a scene that cannot be built.
+pub(crate) fn refusal<N: Number>(error: BuildError) -> Refusal<N> {
+    Refusal::Parameter {
+        quantity: error.quantity,
+        leg: error.leg.map(|leg| leg as u8),
+    }
+}
