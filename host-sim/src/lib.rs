@@ -15,7 +15,7 @@ pub mod failure;
 pub mod figures;
 pub mod histogram;
 pub mod linkage;
-pub mod pace;
+pub mod realtime;
 pub mod recording;
 pub mod report;
 pub mod run;

@@ -236,6 +236,50 @@ fn what_cannot_be_read_is_refused_and_what_cannot_be_written_fails() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// The machine computes no torques, so that a mass beyond f32's forces is none of its business, nor of
+/// the record.
+#[test]
+fn a_position_only_scene_is_written_without_torques_whatever_its_mass() {
+    let folder = TempDir::new().unwrap();
+    let toml = fs::read_to_string(scene_file("pick-stepper.toml")).unwrap();
+    let mass = toml
+        .lines()
+        .find(|line| line.starts_with("mass_kg"))
+        .unwrap();
+    let number = toml
+        .lines()
+        .find(|line| line.starts_with("number"))
+        .unwrap();
+    let heavy = toml
+        .replace(mass, "mass_kg = 3e38")
+        .replace(number, "number = \"f32\"");
+    fs::write(folder.path().join("heavy.toml"), heavy).unwrap();
+    let scenes = [
+        scene_file("pick-stepper.toml"),
+        folder.path().join("heavy.toml"),
+    ];
+    let [light, heavy] = scenes.map(|scene| {
+        let out = folder.path().join(scene.file_stem().unwrap()).join("out");
+        let output = run(&scene, &out, &["--fast", "--scalar", "f32"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let summary = text(&output.stdout);
+        assert!(summary.contains("peak rate"), "{summary}");
+        for absent in ["torque", "N m", "power"] {
+            assert!(!summary.contains(absent), "{absent} in\n{summary}");
+        }
+        for figure in ["torque.svg", "power.svg"] {
+            assert!(!out.join(figure).exists(), "{figure}");
+        }
+        assert_eq!(fs::read_dir(&out).unwrap().count(), FILES.len() - 2);
+        fs::read_to_string(out.join("ticks.csv")).unwrap()
+    });
+    assert_eq!(light, heavy, "a mass moves nothing");
+    let header = HEADER.replace("tau1,tau2,tau3,P1,P2,P3,", "");
+    assert_eq!(light.lines().next(), Some(header.as_str()));
+    assert!(light.lines().all(|row| row.split(',').count() == 37));
+    assert!(light.lines().count() > 100);
+}
+
 /// The scene's reader refuses such jobs; the machine holds its own all the same.
 #[test]
 fn a_job_that_cannot_be_played_is_refused_before_it_starts() {

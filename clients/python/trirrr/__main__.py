@@ -80,7 +80,7 @@ def main() -> int:
         return 1
     finally:
         if stream.survey and recorder.samples:
-            write(options.out, stream, recorder, Path(options.job).stem)
+            write(options.out, stream, recorder, Path(options.job).stem, job.torque)
     if not options.quiet:
         lost = recorder.missing if options.every == 1 else 0
         print(
@@ -90,15 +90,15 @@ def main() -> int:
     return 0
 
 
-def write(folder: str, stream: Stream, recorder: Recorder, title: str) -> None:
+def write(folder: str, stream: Stream, recorder: Recorder, title: str, torque: bool) -> None:
     """Writes table and figures of what was recorded."""
     out = Path(folder)
     out.mkdir(parents=True, exist_ok=True)
     legs = [section.content.leg for section in stream.survey]
     exchange = stream.exchange
     rows = recorder.rows(exchange.identity, legs, exchange.numbers)
-    recorder.write(str(out / "ticks.csv"), rows)
-    plot.plot(str(out / "ticks.svg"), rows, title)
+    recorder.write(str(out / "ticks.csv"), rows, torque)
+    plot.plot(str(out / "ticks.svg"), rows, title, torque)
 
 
 if __name__ == "__main__":

@@ -66,6 +66,8 @@ class Job:
     scene: int = 0
     #: Name of the machine's number type, where the file says it.
     number: str | None = None
+    #: The machine computes torques; a table does not say.
+    torque: bool = True
     #: Geometry of the legs where the file has it: the parsed ``[[machine.leg]]`` tables.
     legs: list[dict[str, Any]] = field(default_factory=list)
 
@@ -149,7 +151,8 @@ def _from_scene(path: str, data: bytes) -> Job:
     except (TypeError, AttributeError, ValueError) as error:
         raise JobError(f"{path}: job: {error}") from None
     legs = scene.get("machine", {}).get("leg", [])
-    return Job(steps, scene_key(data), scene.get("number", "f64"), legs)
+    torque = bool(scene.get("torque", True))
+    return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs)
 
 
 def _pose(table: dict[str, Any]) -> Vector:

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from xml.sax.saxutils import escape
 
+from . import record
 from .record import COLUMNS
 
 #: Title of each panel, unit, columns.
@@ -21,19 +22,23 @@ PANELS = [
 _COLOURS = ["#0072b2", "#d55e00", "#009e73"]
 
 
-def plot(path: str, rows: list[list[float]], title: str) -> str:
-    """Draws ``rows`` (in the columns of ``record``) to ``path``; by what it was drawn."""
+def plot(path: str, rows: list[list[float]], title: str, torque: bool) -> str:
+    """Draws ``rows`` (in the columns of ``record``) to ``path``. Returns the name of the tool used.
+
+    A machine without ``torque`` has no panels of torques and powers."""
     columns = {name: [row[index] for row in rows] for index, name in enumerate(COLUMNS)}
+    kept = set(record.columns(torque))
+    panels = [panel for panel in PANELS if kept.issuperset(panel[2])]
     try:
         import matplotlib
 
         matplotlib.use("svg")
         from matplotlib import pyplot
     except ImportError:
-        Path(path).write_text(_svg(columns, title))
+        Path(path).write_text(_svg(columns, panels, title))
         return "own SVG"
-    figure, axes = pyplot.subplots(len(PANELS), 1, sharex=True, figsize=(8, 2 * len(PANELS)))
-    for axis, (name, unit, series) in zip(axes, PANELS):
+    figure, axes = pyplot.subplots(len(panels), 1, sharex=True, figsize=(8, 2 * len(panels)))
+    for axis, (name, unit, series) in zip(axes, panels):
         for column, colour in zip(series, _COLOURS):
             axis.plot(columns["t"], columns[column], color=colour, label=column)
         axis.set_ylabel(f"{name}\n{unit}")
@@ -50,16 +55,16 @@ def plot(path: str, rows: list[list[float]], title: str) -> str:
 _WIDTH, _HEIGHT, _LEFT, _TOP, _GAP = 800, 150, 90, 40, 30
 
 
-def _svg(columns: dict[str, list[float]], title: str) -> str:
+def _svg(columns: dict[str, list[float]], panels: list[tuple[str, str, list[str]]], title: str) -> str:
     times = columns["t"]
-    height = _TOP + len(PANELS) * (_HEIGHT + _GAP)
+    height = _TOP + len(panels) * (_HEIGHT + _GAP)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{height}" '
         'font-family="sans-serif" font-size="12">',
         f'<rect width="{_WIDTH}" height="{height}" fill="white"/>',
         f'<text x="{_LEFT}" y="24" font-size="16">{escape(title)}</text>',
     ]
-    for index, (name, unit, series) in enumerate(PANELS):
+    for index, (name, unit, series) in enumerate(panels):
         top = _TOP + index * (_HEIGHT + _GAP)
         parts += _panel(top, f"{name}, {unit}", times, {each: columns[each] for each in series})
     return "\n".join(parts + ["</svg>\n"])

@@ -20,8 +20,16 @@ COLUMNS = (
     + ["parallel", "tool"]
 )
 
+#: Columns that the table of a machine without torques does not have.
+_DYNAMIC = {f"{name}{leg}" for name in ("tau", "P") for leg in (1, 2, 3)}
+
 #: States in which a sample belongs to a job.
 _OF_A_JOB = {"Running", "Slowing", "Stopping", "Holding"}
+
+
+def columns(torque: bool) -> list[str]:
+    """Columns of the table of a machine that computes torques, or of one that does not."""
+    return [name for name in COLUMNS if torque or name not in _DYNAMIC]
 
 
 class Recorder:
@@ -49,12 +57,14 @@ class Recorder:
         start = first.tick - first.at
         return [_row(sample, start, identity, legs, numbers) for sample in self.samples]
 
-    def write(self, path: str, rows: list[list[float]]) -> None:
+    def write(self, path: str, rows: list[list[float]], torque: bool) -> None:
         """Writes ``rows`` under their names; every number reads back as itself."""
+        names = columns(torque)
+        kept = [COLUMNS.index(name) for name in names]
         with Path(path).open("w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows([repr(value) for value in row] for row in rows)
+            writer.writerow(names)
+            writer.writerows([repr(row[index]) for index in kept] for row in rows)
 
 
 def _row(sample: Any, start: int, identity: Any, legs: list[Any], numbers: Numbers) -> list[float]:

@@ -7,8 +7,8 @@
 //!            poll(now) ──> Send, Wait, Lost, Finished
 //! port ────> receive(message, now)
 //! ```
-//! [`exchange`] keeps requests and answers in step; [`stream`] plays a job through it. [`transport`]
-//! carries frames over a serial port or TCP. [`local`] is a machine in the same program. [`job`]
+//! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it. [`transport`]
+//! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it. [`job`]
 //! turns a scene's job into moves, [`records`] turns telemetry into records, and [`describe`] says
 //! in words and SI units what a machine reports.
 
@@ -18,14 +18,16 @@ pub mod describe;
 pub mod exchange;
 mod failure;
 pub mod job;
+mod job_client;
 pub mod local;
 pub mod records;
-pub mod stream;
+pub mod runner;
+
 pub mod transport;
 
 pub use exchange::Patience;
 pub use failure::Failure;
-pub use stream::{Action, Ask, Stream};
+pub use job_client::{Action, JobClient, UserCommand};
 
 /// Example of the README, compiled as a test.
 #[cfg(doctest)]

@@ -1,6 +1,7 @@
 //! Telemetry as the records of a run.
 
 use crate::describe::Units;
+use crate::runner::PlayedTick;
 use trirrr_core::status::Status;
 use trirrr_protocol::message::{State, Telemetry, Transmit};
 use trirrr_scene::pipeline::Pipeline;
@@ -8,30 +9,26 @@ use trirrr_scene::record::Record;
 
 /// Turns the samples of one job into records.
 ///
-/// A sample carries the setpoint and what it asked of the motors. What else a record holds (the
-/// distal links, det A, the distances to singularity) follows from the setpoint and the scene, by
-/// the core that the machine runs: the same bits.
+/// A sample carries the setpoint and the twelve results for the motors. The rest of a record (distal
+/// links, det A, distances to singularity) comes from the motion that the machine played. Over a
+/// line there is no motion: the same model computes it again from the setpoint, to the same bits.
 pub struct Samples<'a, N: Transmit> {
-    evaluator: &'a dyn Pipeline<N>,
+    pipeline: &'a dyn Pipeline<N>,
     units: Units,
-    /// Whether the machine computes torques.
-    torque: bool,
-    /// The machine's tick at which the job started.
+    /// Tick of the machine at which the job started.
     start: Option<u32>,
-    /// The tick of the last record.
+    /// Tick of the last record.
     last: Option<u32>,
     missing: u64,
     differing: u64,
 }
 
 impl<'a, N: Transmit> Samples<'a, N> {
-    /// Of a job on the machine that `evaluator` is the pipeline of, in `units`. `torque`: whether it
-    /// computes torques; the samples of one that does not hold 0 there.
-    pub fn new(evaluator: &'a dyn Pipeline<N>, units: Units, torque: bool) -> Self {
+    /// Takes the samples of a job on a machine with the model of `pipeline`, in `units`.
+    pub fn new(pipeline: &'a dyn Pipeline<N>, units: Units) -> Self {
         Self {
-            evaluator,
+            pipeline,
             units,
-            torque,
             start: None,
             last: None,
             missing: 0,
@@ -39,41 +36,46 @@ impl<'a, N: Transmit> Samples<'a, N> {
         }
     }
 
-    /// Whether there was a sample.
+    /// Returns true if there was a sample.
     pub fn have_begun(&self) -> bool {
         self.start.is_some()
     }
 
-    /// Ticks of the job, `every` apart, that no sample came of: the line lost them, or the machine
-    /// dropped them.
+    /// Returns the number of samples that the line lost or the machine dropped.
     pub fn missing(&self) -> u64 {
         self.missing
     }
 
-    /// Samples in which the machine's motors are not where the scene puts them: it runs another
-    /// scene, or another version of the core.
+    /// Returns the number of samples in which the motors are not where the scene puts them: the
+    /// machine runs another scene, or another version of the core.
     pub fn differing(&self) -> u64 {
         self.differing
     }
 
-    /// The record of a sample, its time counted from the start of the job.
+    /// Returns the record of a tick in this program, its time counted from the start of the job.
     ///
     /// # Errors
-    /// The setpoint has no motion on this machine.
+    /// [`Status::OutOfRange`] if a value of the record is not finite.
+    pub fn played(&mut self, tick: &PlayedTick<N>) -> Result<Record, Status> {
+        let sample = &tick.sample;
+        let t = self.time(sample, 1);
+        let mut record = match &tick.motion {
+            Some(motion) => self.pipeline.record(t, &sample.setpoint, motion)?,
+            // A machine that stands computes no motion.
+            None => self.pipeline.evaluate(t, &sample.setpoint)?,
+        };
+        record.tool = sample.tool.to_f64();
+        Ok(record)
+    }
+
+    /// Returns the record of a sample that came over a line, its time counted from the start of the
+    /// job. Samples come `every` ticks.
+    ///
+    /// # Errors
+    /// [`Status`] of a setpoint without a motion on this machine.
     pub fn record(&mut self, sample: &Telemetry<N>, every: u16) -> Result<Record, Status> {
-        let start = *self.start.get_or_insert_with(|| started(sample));
-        if let Some(last) = self.last {
-            let steps = sample.tick.wrapping_sub(last) / u32::from(every.max(1));
-            self.missing += u64::from(steps.saturating_sub(1));
-        }
-        self.last = Some(sample.tick);
-        let t = f64::from(sample.tick.wrapping_sub(start)) / self.units.tick_rate_hz;
-        let mut computed = self.evaluator.evaluate(t, &sample.setpoint)?;
-        if !self.torque {
-            for leg in &mut computed.legs {
-                (leg.torque, leg.power) = (0.0, 0.0);
-            }
-        }
+        let t = self.time(sample, every);
+        let computed = self.pipeline.evaluate(t, &sample.setpoint)?;
         let mut record = computed;
         let rate = 1.0 / self.units.time_s;
         let torque =
@@ -89,9 +91,20 @@ impl<'a, N: Transmit> Samples<'a, N> {
         record.tool = sample.tool.to_f64();
         Ok(record)
     }
+
+    /// Returns the time since the start of the job, s, and counts the samples that are missing.
+    fn time(&mut self, sample: &Telemetry<N>, every: u16) -> f64 {
+        let start = *self.start.get_or_insert_with(|| started(sample));
+        if let Some(last) = self.last {
+            let steps = sample.tick.wrapping_sub(last) / u32::from(every.max(1));
+            self.missing += u64::from(steps.saturating_sub(1));
+        }
+        self.last = Some(sample.tick);
+        f64::from(sample.tick.wrapping_sub(start)) / self.units.tick_rate_hz
+    }
 }
 
-/// Whether a sample belongs to a job: the machine plays it, or stands on its path.
+/// Returns true if a sample in `state` belongs to a job: the machine plays it, or stands on its path.
 pub fn is_of_a_job(state: State) -> bool {
     match state {
         State::Running | State::Slowing | State::Stopping | State::Holding => true,
@@ -104,7 +117,7 @@ pub fn is_of_a_job(state: State) -> bool {
     }
 }
 
-/// The tick at which the job of its first sample started.
+/// Tick at which the job of its first sample started.
 fn started<N: Transmit>(sample: &Telemetry<N>) -> u32 {
     sample.tick.wrapping_sub(sample.at)
 }

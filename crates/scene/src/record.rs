@@ -92,8 +92,13 @@ impl Record {
         values
     }
 
-    /// The columns of `ticks.csv`, in their order (see [`TICK_COLUMNS`]).
-    pub fn tick_row(&self) -> [f64; TICK_COLUMNS.len()] {
+    /// Returns the values of a row of `ticks.csv`, in the order of [`tick_columns`].
+    pub fn tick_row(&self, torque: bool) -> impl Iterator<Item = f64> {
+        let values = self.values().into_iter().enumerate();
+        values.filter_map(move |(column, value)| is_kept(column, torque).then_some(value))
+    }
+
+    fn values(&self) -> [f64; TICK_COLUMNS.len()] {
         let mut values = [0.0; TICK_COLUMNS.len()];
         let mut next = 0;
         let mut put = |value: f64| {
@@ -127,13 +132,29 @@ impl Record {
 
     /// Whether every value is finite.
     pub fn is_finite(&self) -> bool {
-        self.tick_row().iter().all(|value| value.is_finite())
+        self.values().iter().all(|value| value.is_finite())
     }
 }
 
-/// Columns of `ticks.csv`, SI units: the setpoint, the motors, det A, then the distal links,
-/// D = r1 x r2, the scale-free distances to the serial and parallel singularity, and the tool.
-pub const TICK_COLUMNS: [&str; 43] = [
+/// Returns the columns of `ticks.csv`, SI units. A scene without `torque` has no torques and powers.
+///
+/// The setpoint comes first, then the motors, det A, the distal links, D = r1 x r2, the scale-free
+/// distances to the serial and parallel singularity, and the tool.
+pub fn tick_columns(torque: bool) -> impl Iterator<Item = &'static str> {
+    let columns = TICK_COLUMNS.into_iter().enumerate();
+    columns.filter_map(move |(column, name)| is_kept(column, torque).then_some(name))
+}
+
+/// Returns true if `column` is in the table of a scene with or without `torque`.
+fn is_kept(column: usize, torque: bool) -> bool {
+    torque || !TORQUES_AND_POWERS.contains(&column)
+}
+
+/// Columns that only a scene with torques has.
+const TORQUES_AND_POWERS: std::ops::Range<usize> = 19..25;
+
+/// Columns of a scene with torques.
+const TICK_COLUMNS: [&str; 43] = [
     "t", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha", //
     "th1_1", "th1_2", "th1_3", "dth1_1", "dth1_2", "dth1_3", "ddth1_1", "ddth1_2",
     "ddth1_3", //
@@ -193,7 +214,7 @@ mod tests {
     fn values_stand_under_their_names() {
         let record = numbered();
         let tick =
-            |name: &str| record.tick_row()[TICK_COLUMNS.iter().position(|&c| c == name).unwrap()];
+            |name: &str| record.values()[TICK_COLUMNS.iter().position(|&c| c == name).unwrap()];
         let result =
             |name: &str| record.results()[RESULT_COLUMNS.iter().position(|&c| c == name).unwrap()];
         for (i, leg) in record.legs.iter().enumerate() {
@@ -223,6 +244,18 @@ mod tests {
             .map(tick),
             [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 9.5]
         );
+    }
+
+    #[test]
+    fn a_scene_without_torques_has_no_columns_of_them() {
+        let record = numbered();
+        let all: Vec<_> = tick_columns(true).zip(record.tick_row(true)).collect();
+        assert_eq!(all.len(), 43);
+        let left: Vec<_> = tick_columns(false).zip(record.tick_row(false)).collect();
+        let is_dynamic = |name: &str| name.starts_with("tau") || name.starts_with('P');
+        let expected = all.into_iter().filter(|(name, _)| !is_dynamic(name));
+        assert_eq!(left, expected.collect::<Vec<_>>());
+        assert_eq!(left.len(), 37);
     }
 
     #[test]

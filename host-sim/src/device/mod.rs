@@ -3,15 +3,15 @@
 
 mod args;
 mod client;
-mod diary;
+mod event_log;
 mod motors;
 mod server;
 
 pub use args::DeviceArgs;
 
 use crate::failure::Failure;
-use crate::pace::{Deadlines, Pacer};
-use diary::Diary;
+use crate::realtime::{Deadlines, Pacer};
+use event_log::EventLog;
 use motors::Motors;
 use server::Server;
 use std::io::{self, Write};
@@ -90,16 +90,16 @@ impl Device<'_> {
                     offset.unwrap_or_else(|| Motors::some_offset(&homing, scene.key, commanded));
                 Motors::new(scene, homing, commanded, offset)
             });
-            let diary = Diary::new(Units::of_scene(scene, &units));
+            let log = EventLog::new(Units::of_scene(scene, &units));
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
-            let server = Server::new(machine, motors, listener, silence, diary);
+            let server = Server::new(machine, motors, listener, silence, log);
             run(server, rate_hz, stop)
         })?;
-        let (diary, deadlines) =
+        let (log, deadlines) =
             played.map_err(|error| Failure::Failed(format!("the listener failed: {error}")))?;
-        let [ticks, clients, requests] = diary.totals();
+        let [ticks, clients, requests] = log.totals();
         print(&format!(
             "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \
              {requests} requests",
@@ -114,7 +114,7 @@ fn run<N: ServiceNumber>(
     mut server: Server<N>,
     rate_hz: f64,
     stop: &AtomicBool,
-) -> io::Result<(Diary, Deadlines)> {
+) -> io::Result<(EventLog, Deadlines)> {
     let mut pacer = Pacer::start(rate_hz);
     let mut tick = 0;
     while !stop.load(Ordering::Relaxed) {

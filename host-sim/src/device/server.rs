@@ -1,7 +1,7 @@
 //! What a device does between two ticks: its client, and what the machine has to say.
 
 use super::client::Client;
-use super::diary::Diary;
+use super::event_log::EventLog;
 use super::motors::{self, Motors};
 use std::io;
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ pub(super) struct Server<'a, N: ServiceNumber> {
     /// A client that is silent for this long gives way to another.
     silence: Duration,
     client: Option<Client>,
-    diary: Diary,
+    log: EventLog,
 }
 
 impl<'a, N: ServiceNumber> Server<'a, N> {
@@ -31,7 +31,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         motors: Option<Motors>,
         listener: Listener,
         silence: Duration,
-        diary: Diary,
+        log: EventLog,
     ) -> Self {
         Self {
             machine,
@@ -39,7 +39,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             listener,
             silence,
             client: None,
-            diary,
+            log,
         }
     }
 
@@ -58,12 +58,12 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             let shift = shift.map(|by| by.map(N::angle_to_f64));
             motors.follow(motors::angles(self.machine.motors()), shift);
             if shift.is_some() {
-                self.diary.referenced(motors.errors());
+                self.log.referenced(motors.errors());
             }
         }
         let took = u32::try_from(start.elapsed().as_nanos());
         self.machine.report_timing(took.unwrap_or(u32::MAX));
-        self.diary.tick();
+        self.log.tick();
         self.serve().map(|_| ())
     }
 
@@ -77,7 +77,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         self.accept()?;
         let busy = (0..SLICES).all(|_| self.machine.work());
         while let Some(message) = self.machine.outgoing() {
-            self.diary.message(&message);
+            self.log.message(&message);
             if let Some(client) = &mut self.client {
                 client.put(&message);
             }
@@ -86,12 +86,12 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         Ok(heard || busy)
     }
 
-    /// The diary, when all is over.
-    pub(super) fn end(self) -> Diary {
+    /// The log, when all is over.
+    pub(super) fn end(self) -> EventLog {
         if let Some(motors) = &self.motors {
-            self.diary.left(motors.errors());
+            self.log.left(motors.errors());
         }
-        self.diary
+        self.log
     }
 
     fn accept(&mut self) -> io::Result<()> {
@@ -100,12 +100,12 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             // silence is all that is heard.
             if let Some(client) = &self.client {
                 if client.is_heard_within(self.silence) {
-                    self.diary.turned_away(from, client.from());
+                    self.log.turned_away(from, client.from());
                     continue;
                 }
-                self.diary.replaced(from);
+                self.log.replaced(from);
             }
-            self.diary.connected(from);
+            self.log.connected(from);
             self.client = Some(Client::new(link, from));
         }
         Ok(())
@@ -119,7 +119,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         let heard = !requests.is_empty();
         for request in requests {
             let reply = self.machine.receive(&request);
-            self.diary.answered(&request, &reply);
+            self.log.answered(&request, &reply);
             let sequence = request.sequence;
             if let Some(client) = &mut self.client {
                 client.put(&Message::Reply { sequence, reply });
@@ -134,7 +134,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         match what(client) {
             Ok(done) => Some(done),
             Err(error) => {
-                self.diary.gone(client, &error);
+                self.log.gone(client, &error);
                 self.client = None;
                 None
             }

@@ -39,6 +39,8 @@ pub(super) struct PanelSource {
 pub(super) struct FigureSource {
     pub(super) file: &'static str,
     pub(super) title: &'static str,
+    /// Shows torques or powers: a scene that computes none has no such figure.
+    pub(super) dynamic: bool,
     pub(super) panels: &'static [PanelSource],
 }
 
@@ -65,10 +67,11 @@ const fn distances(quantity: &'static str, curves: &'static [Source]) -> PanelSo
 }
 
 /// The figures against time. Translation and rotation have panels of their own.
-pub(super) const FIGURES: &[FigureSource] = &[
+const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "pose.svg",
         title: "pose of the platform",
+        dynamic: false,
         panels: &[
             panel(
                 "position",
@@ -81,6 +84,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "velocity.svg",
         title: "velocity of the platform",
+        dynamic: false,
         panels: &[
             panel(
                 "velocity",
@@ -97,6 +101,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "acceleration.svg",
         title: "acceleration of the platform",
+        dynamic: false,
         panels: &[
             panel(
                 "acceleration",
@@ -116,6 +121,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "joint_angle.svg",
         title: "angles of the links",
+        dynamic: false,
         panels: &[
             panel(
                 "proximal links",
@@ -140,6 +146,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "joint_rate.svg",
         title: "angular velocities of the links",
+        dynamic: false,
         panels: &[
             panel(
                 "proximal links",
@@ -164,6 +171,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "torque.svg",
         title: "torques of the motors",
+        dynamic: true,
         panels: &[panel(
             "torque",
             "N m",
@@ -177,6 +185,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "power.svg",
         title: "powers of the motors",
+        dynamic: true,
         panels: &[panel(
             "power",
             "W",
@@ -191,6 +200,7 @@ pub(super) const FIGURES: &[FigureSource] = &[
     FigureSource {
         file: "singularity.svg",
         title: "scale-free distances to singularity",
+        dynamic: false,
         panels: &[
             distances(
                 "serial",
@@ -205,10 +215,16 @@ pub(super) const FIGURES: &[FigureSource] = &[
     },
 ];
 
-/// Every curve, in the order of figures and panels.
-pub(super) fn sources() -> impl Iterator<Item = &'static Source> {
+/// Returns the figures of a scene with or without `torque`.
+pub(super) fn figures(torque: bool) -> impl Iterator<Item = &'static FigureSource> {
     FIGURES
         .iter()
+        .filter(move |figure| torque || !figure.dynamic)
+}
+
+/// Returns every curve, in the order of figures and panels.
+pub(super) fn sources(torque: bool) -> impl Iterator<Item = &'static Source> {
+    figures(torque)
         .flat_map(|figure| figure.panels)
         .flat_map(|panel| panel.curves)
 }

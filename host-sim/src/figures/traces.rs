@@ -1,6 +1,6 @@
 //! What the figures need of a run, gathered tick by tick in bounded memory.
 
-use super::catalogue::{FIGURES, Source, sources};
+use super::catalogue::{Source, figures, sources};
 use super::machine::Scenery;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel};
@@ -19,6 +19,8 @@ struct Trace {
 
 /// Everything the figures need, gathered from the records of a run.
 pub struct Traces {
+    /// The scene computes torques.
+    torque: bool,
     traces: Vec<Trace>,
     path: Decimator<2>,
     ticks: u64,
@@ -28,10 +30,11 @@ pub struct Traces {
 }
 
 impl Traces {
-    /// For a job of `ticks` records.
-    pub fn new(ticks: u64) -> Self {
+    /// Gathers a job of `ticks` records of a scene with or without `torque`.
+    pub fn new(ticks: u64, torque: bool) -> Self {
         Self {
-            traces: sources()
+            torque,
+            traces: sources(torque)
                 .map(|_| Trace {
                     points: Decimator::new(ticks),
                     last: None,
@@ -48,7 +51,7 @@ impl Traces {
 
     /// Adds the record of the next tick.
     pub fn push(&mut self, record: &Record) {
-        for (source, trace) in sources().zip(&mut self.traces) {
+        for (source, trace) in sources(self.torque).zip(&mut self.traces) {
             let value = (source.value)(record);
             trace.push(record.t, value, source.unwrap);
         }
@@ -81,8 +84,7 @@ impl Traces {
                 .map(|(t, [value])| (t, value))
                 .collect(),
         };
-        FIGURES
-            .iter()
+        figures(self.torque)
             .map(|figure| {
                 let panels = figure.panels.iter().map(|panel| Panel {
                     quantity: panel.quantity,
@@ -140,7 +142,7 @@ mod tests {
 
     #[test]
     fn angles_are_drawn_without_jumps() {
-        let mut traces = Traces::new(200);
+        let mut traces = Traces::new(200, true);
         for tick in 0..200 {
             let turning = 0.1 * f64::from(tick);
             let mut record = Record {
@@ -165,7 +167,7 @@ mod tests {
     #[test]
     fn the_machine_is_drawn_at_start_quarters_and_end() {
         let times = |ticks: u64, pushed: u64| {
-            let mut traces = Traces::new(ticks);
+            let mut traces = Traces::new(ticks, false);
             for tick in 0..pushed {
                 traces.push(&Record {
                     t: tick as f64,

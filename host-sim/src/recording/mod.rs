@@ -10,13 +10,15 @@ use crate::figures::Traces;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use trirrr_scene::record::{Record, TICK_COLUMNS};
+use trirrr_scene::record::{Record, tick_columns};
 
 /// What a job gives, while it is being written.
 pub struct Recorder {
     folder: PathBuf,
     path: PathBuf,
     table: BufWriter<File>,
+    /// The scene computes torques.
+    torque: bool,
     traces: Traces,
     peaks: Option<Peaks>,
     rows: u64,
@@ -36,20 +38,23 @@ pub struct Recorded {
 
 impl Recorder {
     /// Begins `ticks.csv` in `folder`, which is made if it is missing, for a job of `ticks` records.
+    /// A scene without `torque` gets neither columns nor figures of torques and powers.
     ///
     /// # Errors
     /// Failed: it cannot be written.
-    pub fn create(folder: &Path, ticks: u64) -> Result<Self, Failure> {
+    pub fn create(folder: &Path, ticks: u64, torque: bool) -> Result<Self, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         let path = folder.join("ticks.csv");
         let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
         let mut table = BufWriter::new(file);
-        writeln!(table, "{}", TICK_COLUMNS.join(",")).map_err(|error| unwritable(&path, &error))?;
+        let columns: Vec<&str> = tick_columns(torque).collect();
+        writeln!(table, "{}", columns.join(",")).map_err(|error| unwritable(&path, &error))?;
         Ok(Self {
             folder: folder.into(),
             path,
             table,
-            traces: Traces::new(ticks),
+            torque,
+            traces: Traces::new(ticks, torque),
             peaks: None,
             rows: 0,
             line: String::new(),
@@ -63,7 +68,7 @@ impl Recorder {
     pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
         use std::fmt::Write as _;
         self.line.clear();
-        for (column, value) in record.tick_row().iter().enumerate() {
+        for (column, value) in record.tick_row(self.torque).enumerate() {
             let comma = if column > 0 { "," } else { "" };
             // Writing to a String does not fail. See `record::number` for the form.
             let _ = write!(self.line, "{comma}{value:?}");

@@ -3,7 +3,7 @@
 
 mod args;
 mod plant;
-mod player;
+mod play;
 mod progress;
 mod summary;
 
@@ -12,10 +12,10 @@ pub use plant::Simulated;
 
 use crate::failure::Failure;
 use crate::histogram::Histogram;
-use crate::pace::Deadlines;
+use crate::realtime::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
 use plant::PlantRecorder;
-use player::Player;
+use play::play;
 use progress::Progress;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -26,17 +26,17 @@ use trirrr_client::describe::Units;
 use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::{Samples, is_of_a_job};
+use trirrr_client::runner::{JobRunner, PlayedTick};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
-use trirrr_protocol::message::Telemetry;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
-/// Samples that may wait for the recorder before a tick has to.
-const WAITING: usize = 16_384;
+/// Ticks that may wait for the recorder before the machine has to. Each is about 1 KB.
+const WAITING: usize = 4096;
 
 /// How a run came to its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -148,7 +148,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
 ) -> Result<Report, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let evaluator =
+    let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
@@ -159,10 +159,10 @@ fn simulate_in<N: ServiceNumber + Countable>(
         Some(_) => Some(PlantRecorder::create(scene, &line, folder)?),
         None => None,
     };
-    let recorder = Recorder::create(folder, setpoints)?;
+    let recorder = Recorder::create(folder, setpoints, scene.torque)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
-        samples: Samples::new(&*evaluator, units, scene.torque),
+        samples: Samples::new(&*pipeline, units),
         recorder,
         progress: Progress::new(setpoints, expected),
         plant,
@@ -172,7 +172,12 @@ fn simulate_in<N: ServiceNumber + Countable>(
         let (sender, receiver) = sync_channel(WAITING);
         std::thread::scope(|scope| {
             let recording = scope.spawn(move || recording.record_all(&receiver));
-            let played = Player::new(machine, moves, units).play(scene, paced, stop, sender);
+            let runner =
+                JobRunner::new(machine, moves, local::hello::<N>(scene), scene.tick_rate_hz);
+            let rate_hz = paced.then_some(scene.tick_rate_hz);
+            let played = play(runner, rate_hz, stop, &sender);
+            // The recorder ends with the last tick that it is sent.
+            drop(sender);
             // A panic there is a bug and goes on here.
             let recorded = recording.join();
             (
@@ -199,8 +204,8 @@ fn simulate_in<N: ServiceNumber + Countable>(
     })
 }
 
-/// Consumers of the samples: the record, and the plant. They have a thread of their own, so that a
-/// slow disk does not delay a tick.
+/// Consumers of the ticks: the record, and the plant. They have a thread of their own, so that a slow
+/// disk does not delay a tick.
 struct Recording<'a, N: ServiceNumber> {
     samples: Samples<'a, N>,
     recorder: Recorder,
@@ -209,22 +214,23 @@ struct Recording<'a, N: ServiceNumber> {
 }
 
 impl<'a, N: ServiceNumber> Recording<'a, N> {
-    /// Takes every sample until the sender is gone. After an error no more are taken, which the
+    /// Takes every tick until the sender is gone. After an error the receiver is gone, which the
     /// sender notices.
     fn record_all(
         mut self,
-        samples: &Receiver<Telemetry<N>>,
+        ticks: &Receiver<PlayedTick<N>>,
     ) -> Result<(Recorder, Option<PlantRecorder<'a, N>>), Failure> {
-        for sample in samples {
+        for tick in ticks {
             if let Some(plant) = &mut self.plant {
-                plant.tick(&sample);
+                plant.tick(&tick.sample);
             }
             // After the job only the plant goes on.
-            if !is_of_a_job(sample.state) {
+            if !is_of_a_job(tick.sample.state) {
                 continue;
             }
-            let record = self.samples.record(&sample, 1).map_err(|status| {
-                Failure::Failed(format!("tick {} of the machine: {status}", sample.tick))
+            let record = self.samples.played(&tick).map_err(|status| {
+                let number = tick.sample.tick;
+                Failure::Failed(format!("tick {number} of the machine: {status}"))
             })?;
             self.recorder.record(&record)?;
             self.progress.update(self.recorder.rows(), record.t);

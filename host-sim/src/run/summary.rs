@@ -16,7 +16,7 @@ pub(super) fn print(
     report: &Report,
 ) -> io::Result<()> {
     job(out, file, scene, report)?;
-    motion(out, report)?;
+    motion(out, scene, report)?;
     timing(out, scene, report)?;
     files(out, report)?;
     out.flush()
@@ -75,29 +75,26 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::
     }
 }
 
-fn motion(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+fn motion(out: &mut dyn Write, scene: &Scene, report: &Report) -> io::Result<()> {
     let Some(peaks) = &report.peaks else {
         return Ok(());
     };
     writeln!(out)?;
-    let header = ["peak rate", "peak torque", "peak power"];
-    line(
-        out,
-        "",
-        &header.map(|title| format!("{title:<18}")).concat(),
-    )?;
+    // A scene without torques has rates only.
+    let columns = if scene.torque { 3 } else { 1 };
+    let row = |cells: &[String]| -> String {
+        let cells = cells.iter().take(columns);
+        cells.map(|cell| format!("{cell:<18}")).collect()
+    };
+    let header = ["peak rate", "peak torque", "peak power"].map(String::from);
+    line(out, "", &row(&header))?;
     for (i, motor) in peaks.motors.iter().enumerate() {
-        let [rate, torque, power] = [
-            (motor.rate, "rad/s"),
-            (motor.torque, "N m"),
-            (motor.power, "W"),
-        ]
-        .map(|(at, unit)| format!("{:<18}", quantity(at.value, unit)));
-        line(
-            out,
-            &format!("motor {}", i + 1),
-            &format!("{rate}{torque}{power}"),
-        )?;
+        let cells = [
+            quantity(motor.rate.value, "rad/s"),
+            quantity(motor.torque.value, "N m"),
+            quantity(motor.power.value, "W"),
+        ];
+        line(out, &format!("motor {}", i + 1), &row(&cells))?;
     }
     writeln!(out)?;
     let nearest = |at: At| format!("{} at t = {} s", digits(at.value), at.t);

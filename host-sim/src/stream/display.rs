@@ -14,6 +14,8 @@ const LINES: Duration = Duration::from_secs(5);
 /// What is shown.
 pub(super) struct Display {
     ticks: u64,
+    /// The scene computes torques.
+    torque: bool,
     bar: Option<ProgressBar>,
     /// When the next line with values is due.
     next: Instant,
@@ -21,8 +23,8 @@ pub(super) struct Display {
 }
 
 impl Display {
-    /// For a job of `ticks`.
-    pub(super) fn new(ticks: u64) -> Self {
+    /// Shows a job of `ticks` of a scene with or without `torque`.
+    pub(super) fn new(ticks: u64, torque: bool) -> Self {
         let bar = io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(ticks), ProgressDrawTarget::stderr());
             match ProgressStyle::with_template("{wide_bar} {percent:>3} %\n{msg}") {
@@ -32,6 +34,7 @@ impl Display {
         });
         Self {
             ticks,
+            torque,
             bar,
             next: Instant::now() + LINES,
             state: None,
@@ -60,14 +63,14 @@ impl Display {
     pub(super) fn values(&mut self, at: u64, record: &Record) {
         if let Some(bar) = &self.bar {
             bar.set_position(at);
-            bar.set_message(values(record));
+            bar.set_message(values(record, self.torque));
             return;
         }
         let now = Instant::now();
         if now >= self.next {
             self.next = now + LINES;
             let percent = 100 * at / self.ticks.max(1);
-            self.note(&format!("{percent} %, {}", values(record)));
+            self.note(&format!("{percent} %, {}", values(record, self.torque)));
         }
     }
 
@@ -80,12 +83,14 @@ impl Display {
 }
 
 /// One line of values.
-fn values(record: &Record) -> String {
+fn values(record: &Record, torque: bool) -> String {
     let [x, y, alpha] = record.pose;
-    let [t1, t2, t3] = record.legs.map(|leg| leg.torque);
+    let torques = match (torque, record.legs.map(|leg| leg.torque)) {
+        (true, [t1, t2, t3]) => format!(" torques {t1:.4} {t2:.4} {t3:.4} N m,"),
+        (false, _) => String::new(),
+    };
     format!(
-        "t {:.3} s, x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad, torques {t1:.4} {t2:.4} {t3:.4} N m, \
-         tool {:.0} %",
+        "t {:.3} s, x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad,{torques} tool {:.0} %",
         record.t,
         100.0 * record.tool
     )
@@ -104,9 +109,13 @@ mod tests {
             ..Record::default()
         };
         assert_eq!(
-            values(&record),
+            values(&record, true),
             "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, \
              torques 0.0000 0.0000 0.0000 N m, tool 60 %"
+        );
+        assert_eq!(
+            values(&record, false),
+            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, tool 60 %"
         );
     }
 }

@@ -2,11 +2,11 @@
 
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
-use trirrr_client::Ask;
+use trirrr_client::UserCommand;
 
 /// Reads lines from standard input as long as there are any, on a thread of its own: a read cannot
 /// be waited for in pieces. The thread ends with the program.
-pub(super) fn listen() -> Receiver<Ask> {
+pub(super) fn listen() -> Receiver<UserCommand> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
@@ -25,11 +25,11 @@ pub(super) fn listen() -> Receiver<Ask> {
     receiver
 }
 
-fn read(line: &str) -> Option<Ask> {
+fn read(line: &str) -> Option<UserCommand> {
     match line.trim() {
-        "hold" | "h" => Some(Ask::Hold),
-        "resume" | "r" => Some(Ask::Resume),
-        "stop" | "s" => Some(Ask::Stop),
+        "hold" | "h" => Some(UserCommand::Hold),
+        "resume" | "r" => Some(UserCommand::Resume),
+        "stop" | "s" => Some(UserCommand::Stop),
         _ => None,
     }
 }
@@ -41,12 +41,12 @@ mod tests {
     #[test]
     fn words_and_letters_mean_the_same() {
         for (line, ask) in [
-            ("hold", Some(Ask::Hold)),
-            (" h ", Some(Ask::Hold)),
-            ("resume\r", Some(Ask::Resume)),
-            ("r", Some(Ask::Resume)),
-            ("stop", Some(Ask::Stop)),
-            ("s", Some(Ask::Stop)),
+            ("hold", Some(UserCommand::Hold)),
+            (" h ", Some(UserCommand::Hold)),
+            ("resume\r", Some(UserCommand::Resume)),
+            ("r", Some(UserCommand::Resume)),
+            ("stop", Some(UserCommand::Stop)),
+            ("s", Some(UserCommand::Stop)),
             ("halt", None),
             ("", None),
         ] {

@@ -23,7 +23,7 @@ use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{Patience, Stream};
+use trirrr_client::{JobClient, Patience};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::Telemetry;
 use trirrr_protocol::wire::frame_length;
@@ -63,7 +63,7 @@ fn stream<N: ServiceNumber>(
 ) -> Result<End, Failure> {
     let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let evaluator =
+    let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
     let moves = job::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
@@ -74,7 +74,7 @@ fn stream<N: ServiceNumber>(
     });
     let before: Vec<u64> = before.collect();
     let ticks = u64::from(scene.ticks());
-    let display = Display::new(ticks);
+    let display = Display::new(ticks, scene.torque);
     let every = telemetry_every::<N>(args, scene, &display);
     let port = Port::open(
         &args.port,
@@ -86,11 +86,11 @@ fn stream<N: ServiceNumber>(
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
-    let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1)?;
+    let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1, scene.torque)?;
     let mut session = Session {
         stream: to_start(
             args,
-            Stream::new(
+            JobClient::new(
                 moves,
                 local::hello::<N>(scene),
                 every,
@@ -99,7 +99,7 @@ fn stream<N: ServiceNumber>(
             ),
         ),
         port,
-        samples: Samples::new(&*evaluator, units, scene.torque),
+        samples: Samples::new(&*pipeline, units),
         recorder,
         display,
         before,
@@ -191,7 +191,7 @@ fn patience(total: Duration) -> Patience {
 }
 
 /// The stream, which brings the machine to the start of its job as the user wants it.
-fn to_start<N: ServiceNumber>(args: &StreamArgs, stream: Stream<N>) -> Stream<N> {
+fn to_start<N: ServiceNumber>(args: &StreamArgs, stream: JobClient<N>) -> JobClient<N> {
     let stream = match args.no_homing {
         true => stream.without_homing(),
         false => stream,

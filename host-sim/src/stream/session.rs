@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use trirrr_client::records::{Samples, is_of_a_job};
-use trirrr_client::{Action, Ask, Stream};
+use trirrr_client::{Action, JobClient, UserCommand};
 use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
 
 /// Longest wait for the board before the user is looked after.
@@ -30,7 +30,7 @@ pub enum End {
 
 /// A stream under way.
 pub(super) struct Session<'a, N: Transmit> {
-    pub(super) stream: Stream<N>,
+    pub(super) stream: JobClient<N>,
     pub(super) port: Port,
     pub(super) samples: Samples<'a, N>,
     pub(super) recorder: Recorder,
@@ -39,7 +39,7 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) before: Vec<u64>,
     /// Ticks from one sample to the next.
     pub(super) every: u16,
-    pub(super) keys: Option<Receiver<Ask>>,
+    pub(super) keys: Option<Receiver<UserCommand>>,
     pub(super) stop: &'a AtomicBool,
     /// Whether the board has told of a tick after the job.
     pub(super) is_over: bool,
@@ -79,10 +79,10 @@ impl<N: Transmit> Session<'_, N> {
         if self.stop.load(Ordering::Relaxed) && !*stop_asked {
             *stop_asked = true;
             self.display.note("Ctrl-C: the machine stops on its path");
-            self.stream.ask(Ask::Stop);
+            self.stream.command(UserCommand::Stop);
         }
         for ask in self.keys.iter().flat_map(Receiver::try_iter) {
-            self.stream.ask(ask);
+            self.stream.command(ask);
         }
     }
 

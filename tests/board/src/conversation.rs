@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, Ask, Failure, Patience, Stream};
+use trirrr_client::{Action, Failure, JobClient, Patience, UserCommand};
 use trirrr_protocol::message::{Message, Move, Reply, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -138,7 +138,7 @@ impl Conversation {
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
         see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
-    ) -> Result<Stream<N>> {
+    ) -> Result<JobClient<N>> {
         let (client, result) = self.converse(expected, moves, see)?;
         result.map_err(|failure| anyhow!(client.describe(&failure)))?;
         Ok(client)
@@ -154,13 +154,13 @@ impl Conversation {
         expected: &Expected<N>,
         moves: Vec<Move<N>>,
         mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
-    ) -> Result<(Stream<N>, End<N>)> {
+    ) -> Result<(JobClient<N>, End<N>)> {
         let patience = Patience {
             answer: Duration::from_millis(if self.random.is_some() { 20 } else { 500 }),
             attempts: 7,
         };
         self.number = self.number.wrapping_add(1000);
-        let mut client = Stream::new(moves, expected.hello, 1, patience, self.number);
+        let mut client = JobClient::new(moves, expected.hello, 1, patience, self.number);
         let start = Instant::now();
         let mut over: Option<(Instant, End<N>)> = None;
         let mut ticks = 0;
@@ -235,7 +235,7 @@ impl Conversation {
     }
 
     /// Hands on what reaches the client.
-    fn hear<N: ServiceNumber>(&mut self, client: &mut Stream<N>, now: Duration) -> Result<()> {
+    fn hear<N: ServiceNumber>(&mut self, client: &mut JobClient<N>, now: Duration) -> Result<()> {
         while let Some(bytes) = self.to_client.receive() {
             let mut messages: Vec<Message<N>> = Vec::new();
             self.frames
@@ -269,14 +269,14 @@ impl Conversation {
     }
 
     /// Now and then the user holds the job, and resumes it.
-    fn ask_for_holds<N: ServiceNumber>(&mut self, client: &mut Stream<N>) {
+    fn ask_for_holds<N: ServiceNumber>(&mut self, client: &mut JobClient<N>) {
         if let Some(random) = &mut self.random
             && random.below(HOLD_EVERY) == 0
         {
             self.tally.holds += u64::from(!self.held);
-            client.ask(match self.held {
-                true => Ask::Resume,
-                false => Ask::Hold,
+            client.command(match self.held {
+                true => UserCommand::Resume,
+                false => UserCommand::Hold,
             });
             self.held = !self.held;
         }

@@ -9,7 +9,7 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::sent::Sent;
 use trirrr_bench::witness::Witness;
-use trirrr_client::{Action, Ask, Patience, Stream};
+use trirrr_client::{Action, JobClient, Patience, UserCommand};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
@@ -70,7 +70,7 @@ impl Tally {
 /// Both ends of one job and the line between them.
 pub(crate) struct Conversation<'q> {
     device: Device<'q>,
-    client: Stream<f64>,
+    client: JobClient<f64>,
     decoder: MessageDecoder,
     to_device: FaultyLink,
     to_client: FaultyLink,
@@ -98,7 +98,7 @@ impl Conversation<'_> {
         };
         let conversation = Conversation {
             device: Device::new(&mut channels, LimitParameters::default(), 0),
-            client: Stream::new(moves.clone(), hello(), 1, patience, seed as u32),
+            client: JobClient::new(moves.clone(), hello(), 1, patience, seed as u32),
             decoder: MessageDecoder::new(),
             to_device: FaultyLink::new(random.bits(), PERCENT),
             to_client: FaultyLink::new(random.bits(), PERCENT),
@@ -197,8 +197,11 @@ impl Conversation<'_> {
     fn ask_for_holds(&mut self) {
         if self.random.below(400) == 0 {
             self.tally.holds += u64::from(!self.held);
-            self.client
-                .ask(if self.held { Ask::Resume } else { Ask::Hold });
+            self.client.command(if self.held {
+                UserCommand::Resume
+            } else {
+                UserCommand::Hold
+            });
             self.held = !self.held;
         }
     }

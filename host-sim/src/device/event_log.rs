@@ -7,8 +7,8 @@ use std::net::SocketAddr;
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
 
-/// The diary of one device.
-pub(super) struct Diary {
+/// The log of one device.
+pub(super) struct EventLog {
     units: Units,
     ticks: u64,
     clients: u64,
@@ -17,7 +17,7 @@ pub(super) struct Diary {
     offered: (u32, u32),
 }
 
-impl Diary {
+impl EventLog {
     pub(super) fn new(units: Units) -> Self {
         Self {
             units,

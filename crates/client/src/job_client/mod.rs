@@ -1,0 +1,251 @@
+//! Plays a job on a machine: hello, moves as the machine has room for them, start, and an eye on the
+//! job to its end.
+
+mod phase;
+mod progress;
+mod reply;
+mod schedule;
+mod status;
+
+use crate::Failure;
+use crate::describe::Units;
+use crate::exchange::{Exchange, Patience, Turn};
+use phase::{Next, Phase};
+use progress::Progress;
+use schedule::Schedule;
+use std::collections::VecDeque;
+use std::time::Duration;
+use trirrr_protocol::message::{
+    Command, Event, Hello, Identity, Message, Move, Reply, Request, Status, Telemetry, Transmit,
+};
+
+/// Next act of the owner of the port.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action<N: Transmit> {
+    /// Send this to the machine.
+    Send(Request<N>),
+    /// Listen; unless something comes, nothing is to be done before this time.
+    Wait(Duration),
+    /// The machine does not answer: open the port anew and call [`JobClient::reconnected`], or give
+    /// up.
+    Lost,
+    /// The job has ended: played to its end, or why not.
+    Finished(Result<(), Failure<N>>),
+}
+
+/// Command of the user while the job runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UserCommand {
+    /// Come to rest on the path.
+    Hold,
+    /// Go on.
+    Resume,
+    /// Come to rest on the path and drop the rest.
+    Stop,
+}
+
+/// Client that plays one job on a machine, without a port and a clock of its own.
+#[derive(Clone, Debug)]
+pub struct JobClient<N: Transmit> {
+    exchange: Exchange<N>,
+    hello: Hello,
+    /// Ticks from one telemetry sample to the next.
+    telemetry: u16,
+    progress: Progress<N>,
+    identity: Option<Identity>,
+    status: Option<Status<N>>,
+    approach: Approach,
+    user: User,
+    schedule: Schedule,
+    phase: Phase<N>,
+}
+
+/// Means to bring the machine to the start of the job.
+#[derive(Clone, Debug)]
+struct Approach {
+    /// A machine that is not homed may be homed.
+    homing: bool,
+    /// Duration of the way to the start of the job, s. `None` without such a way, and once the
+    /// machine is on it.
+    recovery_s: Option<f64>,
+    /// The client has acknowledged a fault.
+    acknowledged: bool,
+}
+
+/// Commands of the user.
+#[derive(Clone, Debug, Default)]
+struct User {
+    waiting: VecDeque<UserCommand>,
+    /// The machine has executed a stop.
+    has_stopped: bool,
+}
+
+impl<N: Transmit> JobClient<N> {
+    /// Creates the client of a job of `moves`, for a machine that is what `hello` says, with a telemetry
+    /// sample every `telemetry` ticks.
+    ///
+    /// The client replaces the numbers of the moves by those that the machine expects. Another
+    /// conversation with the machine should have another number `conversation`.
+    pub fn new(
+        moves: Vec<Move<N>>,
+        hello: Hello,
+        telemetry: u16,
+        patience: Patience,
+        conversation: u32,
+    ) -> Self {
+        Self {
+            exchange: Exchange::new(patience, conversation),
+            hello,
+            telemetry,
+            progress: Progress::new(moves),
+            identity: None,
+            status: None,
+            approach: Approach {
+                homing: true,
+                recovery_s: None,
+                acknowledged: false,
+            },
+            user: User::default(),
+            schedule: Schedule::new(),
+            phase: Phase::Greeting,
+        }
+    }
+
+    /// Leaves a machine that is not homed as it is, which ends the job before it begins.
+    #[must_use]
+    pub fn without_homing(mut self) -> Self {
+        self.approach.homing = false;
+        self
+    }
+
+    /// Acknowledges a fault that was latched before the job, and brings the machine to the start of
+    /// the job. A machine that is not homed is homed; any other moves there in `seconds`.
+    #[must_use]
+    pub fn with_recovery(mut self, seconds: f64) -> Self {
+        self.approach.recovery_s = Some(seconds);
+        self
+    }
+
+    /// Asks for the status every `interval`, at least.
+    #[must_use]
+    pub fn with_status_every(mut self, interval: Duration) -> Self {
+        self.schedule.limit(interval);
+        self
+    }
+
+    /// Returns the identity of the machine that answered.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// Returns the last status.
+    pub fn status(&self) -> Option<&Status<N>> {
+        self.status.as_ref()
+    }
+
+    /// Returns the number of moves of the job.
+    pub fn moves(&self) -> u32 {
+        self.progress.moves()
+    }
+
+    /// Returns the number of moves that the machine has taken.
+    pub fn offered(&self) -> u32 {
+        self.progress.offered()
+    }
+
+    /// Returns the number of moves played to their end, as of the last status.
+    pub fn done(&self) -> u32 {
+        let status = self.status.as_ref();
+        status.map_or(0, |status| self.progress.done(status))
+    }
+
+    /// Returns the index, counted from 0, of the move that the machine calls `number`.
+    pub fn index(&self, number: u32) -> Option<u32> {
+        self.progress.index(number)
+    }
+
+    /// Returns true if `sample` is the last of the job: at the end of the last move.
+    pub fn is_last(&self, sample: &Telemetry<N>) -> bool {
+        let index = self.index(sample.number);
+        index.is_some_and(|index| {
+            let ticks = self.progress.get(index).map(|each| each.ticks);
+            index + 1 == self.moves() && ticks == Some(sample.at) && sample.part == 0
+        })
+    }
+
+    /// Returns the number of requests that had to be sent again.
+    pub fn repeated(&self) -> u64 {
+        self.exchange.repeated()
+    }
+
+    /// Describes `failure` in words and SI units.
+    pub fn describe(&self, failure: &Failure<N>) -> String {
+        // Before a hello nothing with a unit is reported.
+        let units = self.identity.as_ref().map_or(Units::si(1.0), Units::of);
+        let about = failure.index().and_then(|index| self.progress.get(index));
+        failure.describe(about.map_or(0, |each| each.ticks), &units)
+    }
+
+    /// Takes a command of the user. The command goes before everything but the open request.
+    pub fn command(&mut self, command: UserCommand) {
+        self.user.waiting.push_back(command);
+    }
+
+    /// Begins the conversation again on a port that was opened anew. The job goes on where it is.
+    pub fn reconnected(&mut self) {
+        if !matches!(self.phase, Phase::Ending(_) | Phase::Finished(_)) {
+            self.phase = Phase::Greeting;
+        }
+        self.exchange.forget();
+    }
+
+    /// Returns the next act at `now`, counted from any start and never going back.
+    pub fn poll(&mut self, now: Duration) -> Action<N> {
+        loop {
+            if let Phase::Finished(result) = &self.phase {
+                return Action::Finished(*result);
+            }
+            match self.exchange.poll(now) {
+                Turn::Send(request) => return Action::Send(request),
+                Turn::Wait(until) => return Action::Wait(until),
+                Turn::Silent => return Action::Lost,
+                Turn::Free => {}
+            }
+            match self.next(now) {
+                Next::Ask(Command::Hello(hello)) => self.exchange.greet(hello, now),
+                Next::Ask(command) => self.exchange.ask(command, now),
+                Next::Listen(until) => return Action::Wait(until),
+            }
+        }
+    }
+
+    /// Takes a message of the machine.
+    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+        if let Message::Event(event) = message {
+            // An event is a hint: it may be late, or come twice. The status says what holds.
+            self.schedule.look_at(now);
+            if let (Event::State { state, .. }, Some(status)) = (event, &mut self.status) {
+                status.state = *state;
+            }
+            return;
+        }
+        let Some((command, reply)) = self.exchange.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(identity) => self.on_hello(identity),
+            Reply::Status(status) => self.on_status(status, now),
+            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
+            Reply::Done => self.on_done(&command, now),
+            // The client asks for none.
+            Reply::Section(_) => {}
+        }
+    }
+
+    fn enter(&mut self, phase: Phase<N>) {
+        if matches!(phase, Phase::Ending(_)) {
+            self.schedule.hurry();
+        }
+        self.phase = phase;
+    }
+}

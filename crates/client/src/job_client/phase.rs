@@ -1,0 +1,115 @@
+//! Phases of a conversation, and the request that each sends next.
+
+use super::{JobClient, UserCommand};
+use crate::Failure;
+use std::time::Duration;
+use trirrr_protocol::message::{Command, Recovery, State, Transmit};
+
+/// Phase of a conversation.
+///
+/// ```text
+/// Greeting ─> Meeting ──> Acknowledging ─> Surveying
+///    │           ├──────> Homing ─────┬──> Awaiting ──┐
+///    │           ├──────> Recovering ─┘               │
+///    │           └──────> Preparing ─> Streaming <────┘ by Preparing
+///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
+/// ```
+/// Every phase may end in Ending or Finished. A lost line leads back to Greeting.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Phase<N: Transmit> {
+    /// The client sends a hello.
+    Greeting,
+    /// The client asks for the first status of the machine.
+    Meeting,
+    /// The client asks a known machine where the job stands: on a new line, after a fault was
+    /// acknowledged, or if both count the moves in different ways.
+    Surveying,
+    /// The client acknowledges a fault that was latched before the job.
+    Acknowledging,
+    /// The client homes the machine, which does not know where its motors are.
+    Homing,
+    /// The client moves the machine to the start of the job.
+    Recovering(Recovery<N>),
+    /// The machine is on its way to the start of the job.
+    Awaiting,
+    /// The client sets the rate of the telemetry.
+    Preparing,
+    /// The client offers moves, starts them and watches.
+    Streaming,
+    /// The client stops the machine; then the job has ended with the failure.
+    Ending(Failure<N>),
+    /// The job has ended.
+    Finished(Result<(), Failure<N>>),
+}
+
+/// Next act of the client.
+pub(super) enum Next<N: Transmit> {
+    /// Ask this.
+    Ask(Command<N>),
+    /// Listen; nothing is to be said before this time.
+    Listen(Duration),
+}
+
+impl<N: Transmit> JobClient<N> {
+    /// Returns the next act in the present phase.
+    pub(super) fn next(&mut self, now: Duration) -> Next<N> {
+        let order = match &self.phase {
+            Phase::Greeting => return Next::Ask(Command::Hello(self.hello)),
+            Phase::Meeting | Phase::Surveying => return Next::Ask(Command::Status),
+            Phase::Awaiting => return self.watch(now),
+            Phase::Streaming => return self.feed(now),
+            Phase::Finished(_) => return Next::Listen(self.schedule.look()),
+            Phase::Acknowledging => Command::ClearFault,
+            Phase::Homing => Command::Home,
+            Phase::Recovering(recovery) => Command::Recover(*recovery),
+            Phase::Preparing => Command::Telemetry {
+                every: self.telemetry,
+            },
+            Phase::Ending(_) => Command::Stop,
+        };
+        // The tick takes one order at a time: after a refusal the client waits for a tick.
+        match self.schedule.pause() {
+            pause if now < pause => Next::Listen(pause),
+            _ => Next::Ask(order),
+        }
+    }
+
+    /// Passes on what the user commands, and asks for the status in time.
+    fn watch(&mut self, now: Duration) -> Next<N> {
+        if let Some(command) = self.user.waiting.pop_front() {
+            return Next::Ask(match command {
+                UserCommand::Hold => Command::Hold,
+                UserCommand::Resume => Command::Resume,
+                UserCommand::Stop => Command::Stop,
+            });
+        }
+        match self.schedule.look() {
+            look if look <= now => Next::Ask(Command::Status),
+            look => Next::Listen(look),
+        }
+    }
+
+    /// Watches, offers moves as the machine has room, and starts them.
+    fn feed(&mut self, now: Duration) -> Next<N> {
+        let look = match self.watch(now) {
+            Next::Listen(look) if !self.user.has_stopped && now >= self.schedule.pause() => look,
+            next => return next,
+        };
+        match self.progress.next_move() {
+            Some(each) => Next::Ask(Command::Move(each)),
+            None if self.is_ready() => Next::Ask(Command::Start),
+            None => Next::Listen(look),
+        }
+    }
+
+    /// Returns true if the machine stands, has judged all moves that it has taken, and has moves to
+    /// play. That happens more than once: a machine that gets moves too slowly comes to rest at the
+    /// end of those that it has.
+    fn is_ready(&self) -> bool {
+        self.status.as_ref().is_some_and(|status| {
+            status.state == State::Idle
+                && status.admitted == status.next
+                && status.admitted != status.done
+        })
+    }
+}

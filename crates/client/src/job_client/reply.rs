@@ -1,0 +1,93 @@
+//! Effect of the other answers: executed, or refused and why.
+
+use super::JobClient;
+use super::phase::Phase;
+use crate::Failure;
+use std::time::Duration;
+use trirrr_protocol::message::{Command, Identity, Refusal, State, Transmit};
+
+impl<N: Transmit> JobClient<N> {
+    pub(super) fn on_hello(&mut self, identity: Identity) {
+        self.schedule.adapt_to(&identity);
+        self.identity = Some(identity);
+        self.phase = match self.status {
+            None => Phase::Meeting,
+            Some(_) => Phase::Surveying,
+        };
+    }
+
+    /// The machine has executed `command`.
+    pub(super) fn on_done(&mut self, command: &Command<N>, now: Duration) {
+        match command {
+            Command::Telemetry { .. } => self.phase = Phase::Streaming,
+            Command::Home | Command::Recover(_) => {
+                self.approach.recovery_s = None;
+                self.phase = Phase::Awaiting;
+                self.schedule.look_at(now);
+            }
+            Command::ClearFault => {
+                self.approach.acknowledged = true;
+                self.phase = Phase::Surveying;
+            }
+            Command::Move(_) => {
+                if let Some(status) = &mut self.status {
+                    status.next = status.next.wrapping_add(1);
+                }
+                // The verdict on the last move takes a moment.
+                if self.progress.count_offered() {
+                    self.schedule.look_at(now);
+                }
+            }
+            Command::Start => {
+                if let Some(status) = &mut self.status {
+                    status.state = State::Running;
+                }
+            }
+            Command::Stop => match &self.phase {
+                Phase::Ending(failure) => self.phase = Phase::Finished(Err(*failure)),
+                _ => {
+                    self.user.has_stopped = true;
+                    self.schedule.look_at(now);
+                }
+            },
+            _ => {}
+        }
+    }
+
+    /// The machine has refused `command`.
+    pub(super) fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        match (command, refusal) {
+            (Command::Hello(_), refusal) => {
+                self.phase = Phase::Finished(Err(Failure::Refused {
+                    index: None,
+                    refusal,
+                }));
+            }
+            // The machine was switched off and on, or another client came between.
+            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                self.phase = match self.phase {
+                    Phase::Ending(failure) => Phase::Finished(Err(failure)),
+                    _ => Phase::Greeting,
+                };
+            }
+            // Not now: the status will say when.
+            (_, Refusal::Busy)
+            | (Command::Move(_), Refusal::QueueFull)
+            | (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
+                self.schedule.wait(now)
+            }
+            // The machine counts its moves in another way: the status says how.
+            (Command::Move(_), Refusal::MoveNumber { .. }) => self.phase = Phase::Surveying,
+            // The user's command came too late or too early, which does no harm.
+            (Command::Hold | Command::Resume, _) => {}
+            (_, refusal) => match self.phase {
+                Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
+                _ => {
+                    let offered = self.progress.offered();
+                    let index = matches!(command, Command::Move(_)).then_some(offered);
+                    self.enter(Phase::Ending(Failure::Refused { index, refusal }));
+                }
+            },
+        }
+    }
+}

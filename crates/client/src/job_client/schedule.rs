@@ -1,0 +1,79 @@
+//! Times of the next status and of the next order.
+
+use std::time::Duration;
+use trirrr_protocol::message::Identity;
+
+/// Longest time from one status to the next while the line is idle.
+const STATUS_EVERY: Duration = Duration::from_millis(100);
+
+/// Statuses within the host timeout, after which the machine would stop.
+const STATUS_PER_TIMEOUT: u32 = 4;
+
+/// Times of what comes next, counted from any start.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    /// Time from one status to the next.
+    every: Duration,
+    /// Time of the next status.
+    look: Duration,
+    /// Neither moves nor orders before this time.
+    pause: Duration,
+}
+
+impl Schedule {
+    pub(super) fn new() -> Self {
+        Self {
+            every: STATUS_EVERY,
+            look: Duration::ZERO,
+            pause: Duration::ZERO,
+        }
+    }
+
+    /// Limits the time from one status to the next.
+    pub(super) fn limit(&mut self, every: Duration) {
+        self.every = self.every.min(every);
+    }
+
+    /// Asks so often that the host timeout of the machine never ends.
+    pub(super) fn adapt_to(&mut self, identity: &Identity) {
+        let timeout_s = f64::from(identity.silence_ticks) / identity.tick_rate_hz;
+        let interval_s = timeout_s / f64::from(STATUS_PER_TIMEOUT);
+        // Without a timeout of its own, a machine says 0 ticks.
+        if let Ok(interval) = Duration::try_from_secs_f64(interval_s)
+            && !interval.is_zero()
+        {
+            self.limit(interval);
+        }
+    }
+
+    /// Returns the time of the next status.
+    pub(super) fn look(&self) -> Duration {
+        self.look
+    }
+
+    /// Returns the time before which neither moves nor orders are sent.
+    pub(super) fn pause(&self) -> Duration {
+        self.pause
+    }
+
+    /// Takes note of a status that came at `now`.
+    pub(super) fn looked(&mut self, now: Duration) {
+        self.look = now + self.every;
+    }
+
+    /// Asks for the status at `now`.
+    pub(super) fn look_at(&mut self, now: Duration) {
+        self.look = self.look.min(now);
+    }
+
+    /// Asks for the status after a moment, and sends neither moves nor orders before.
+    pub(super) fn wait(&mut self, now: Duration) {
+        self.pause = now + self.every / 4;
+        self.look = self.pause;
+    }
+
+    /// Ends a pause: a stop is not to wait.
+    pub(super) fn hurry(&mut self) {
+        self.pause = Duration::ZERO;
+    }
+}

@@ -1,0 +1,175 @@
+//! Effect of a status in each phase.
+
+use super::JobClient;
+use super::phase::Phase;
+use crate::Failure;
+use std::time::Duration;
+use trirrr_protocol::message::{Acting, Recovery, State, Status, Transmit};
+
+impl<N: Transmit> JobClient<N> {
+    /// Takes a status, and changes the phase if the status asks for it.
+    pub(super) fn on_status(&mut self, status: Status<N>, now: Duration) {
+        self.schedule.looked(now);
+        self.progress.update(&status);
+        let before = self.status.replace(status);
+        let next = match (&self.phase, before) {
+            (Phase::Meeting, _) | (_, None) => Some(self.on_meeting(&status)),
+            (Phase::Surveying, Some(before)) => Some(self.on_survey(&before, &status)),
+            (Phase::Awaiting, Some(before)) => self.on_the_way(&before, &status),
+            (_, Some(before)) => self.on_path(&before, &status),
+        };
+        if let Some(next) = next {
+            self.enter(next);
+        }
+    }
+
+    /// First status of the machine: it has to be idle and empty, or to be brought to that.
+    fn on_meeting(&mut self, status: &Status<N>) -> Phase<N> {
+        if let Some(fault) = status.fault {
+            return match self.approach.recovery_s {
+                Some(_) => {
+                    // The machine drops its moves with the fault.
+                    self.progress.restart_count();
+                    Phase::Acknowledging
+                }
+                None => failed(Failure::Fault(fault)),
+            };
+        }
+        if let Some(recovering) = self.recovering(status) {
+            return recovering;
+        }
+        match status.state {
+            State::Unhomed if self.approach.homing => Phase::Homing,
+            // Another client has begun this; with a recovery the user takes over.
+            State::Homing | State::Recovering | State::Stopping
+                if self.approach.recovery_s.is_some() =>
+            {
+                Phase::Awaiting
+            }
+            State::Idle if status.next == status.done => self.at_start(status),
+            state => failed(Failure::Occupied(state)),
+        }
+    }
+
+    /// Status of a machine that is known already.
+    fn on_survey(&mut self, before: &Status<N>, status: &Status<N>) -> Phase<N> {
+        if let Some(complaint) = self.complaint(status) {
+            return complaint;
+        }
+        if self.progress.offered() == 0 {
+            if let Some(recovering) = self.recovering(status) {
+                return recovering;
+            }
+            match status.state {
+                State::Unhomed if self.approach.homing => return Phase::Homing,
+                State::Homing | State::Recovering | State::Stopping => return Phase::Awaiting,
+                _ => {}
+            }
+        }
+        self.interruption(before, status)
+            .unwrap_or_else(|| self.at_start(status))
+    }
+
+    /// Status of a machine on its way to the start of the job.
+    fn on_the_way(&mut self, before: &Status<N>, status: &Status<N>) -> Option<Phase<N>> {
+        let complaint = self.complaint(status);
+        if let Some(next) = complaint.or_else(|| self.recovering(status)) {
+            return Some(next);
+        }
+        match status.state {
+            State::Homing | State::Recovering | State::Stopping => return None,
+            State::Unhomed if self.approach.homing && self.approach.recovery_s.is_some() => {
+                return Some(Phase::Homing);
+            }
+            // The machine came to rest before it arrived.
+            State::Unhomed | State::Cleared => {
+                return Some(failed(self.stopped(0, status.acting)));
+            }
+            _ => {}
+        }
+        let interruption = self.interruption(before, status);
+        interruption.or_else(|| Some(self.at_start(status)))
+    }
+
+    /// Status of a machine that plays the job.
+    fn on_path(&mut self, before: &Status<N>, status: &Status<N>) -> Option<Phase<N>> {
+        if let Some(end) = self
+            .complaint(status)
+            .or_else(|| self.interruption(before, status))
+        {
+            return Some(end);
+        }
+        // More than were offered only if the line has lost the answer to the last move.
+        self.progress.resume_behind(self.progress.taken(status));
+        self.is_played(status).then_some(Phase::Finished(Ok(())))
+    }
+
+    /// Phase of a machine that stands where the job may start, or plays it already.
+    fn at_start(&mut self, status: &Status<N>) -> Phase<N> {
+        self.progress.resume_behind(self.progress.taken(status));
+        match self.is_played(status) {
+            true => Phase::Finished(Ok(())),
+            false => Phase::Preparing,
+        }
+    }
+
+    fn is_played(&self, status: &Status<N>) -> bool {
+        status.state == State::Idle && self.progress.done(status) == self.progress.moves()
+    }
+
+    /// End of the job by a fault, or by a move that the machine does not admit.
+    fn complaint(&self, status: &Status<N>) -> Option<Phase<N>> {
+        // The machine reports an acknowledged fault until its tick has heard of it.
+        let is_latched = !self.approach.acknowledged || status.state == State::Fault;
+        if let Some(fault) = status.fault.filter(|_| is_latched) {
+            return Some(failed(Failure::Fault(fault)));
+        }
+        let verdict = status.refused?;
+        let (index, violation) = (self.progress.index(verdict.number)?, verdict.violation?);
+        Some(Phase::Ending(Failure::Inadmissible { index, violation }))
+    }
+
+    /// End of the job by a machine that has started anew, or has stopped and dropped moves.
+    fn interruption(&self, before: &Status<N>, status: &Status<N>) -> Option<Phase<N>> {
+        let taken = self.progress.taken(status);
+        // Ticks only go forwards.
+        let went_back = status.tick.wrapping_sub(before.tick) > u32::MAX / 2;
+        if let Some(identity) = &self.identity
+            && (went_back || taken > self.progress.moves())
+        {
+            return Some(failed(Failure::Restarted(identity.board.start)));
+        }
+        let done = self.progress.done(status);
+        // A machine that was stopped before its first move ended has dropped nothing yet.
+        let has_stopped = status.state == State::Idle
+            && matches!(status.acting, Acting::Stop | Acting::Silence)
+            && done > 0;
+        let has_dropped = taken < self.progress.offered();
+        (has_dropped || has_stopped).then(|| failed(self.stopped(done, status.acting)))
+    }
+
+    /// Failure of a job that stopped after `done` moves.
+    fn stopped(&self, done: u32, acting: Acting) -> Failure<N> {
+        match self.user.has_stopped {
+            true => Failure::Stopped { done },
+            false => Failure::Dropped { done, acting },
+        }
+    }
+
+    /// Way to the start of the job, for a machine that stands without moves of another job.
+    fn recovering(&self, status: &Status<N>) -> Option<Phase<N>> {
+        let is_free =
+            matches!(status.state, State::Idle | State::Cleared) && status.next == status.done;
+        let seconds = self.approach.recovery_s.filter(|_| is_free)?;
+        let ticks = (seconds * self.identity.as_ref()?.tick_rate_hz).round();
+        Some(Phase::Recovering(Recovery {
+            to: self.progress.get(0)?.from,
+            // The cast saturates, and the machine refuses so many.
+            ticks: ticks.max(1.0) as u32,
+        }))
+    }
+}
+
+fn failed<N: Transmit>(failure: Failure<N>) -> Phase<N> {
+    Phase::Finished(Err(failure))
+}

@@ -1,0 +1,134 @@
+//! A job on a machine in the same program: client and service talk in one thread, without a line.
+
+use crate::job_client::{Action, JobClient};
+use crate::local::LocalService;
+use crate::{Failure, Patience};
+use std::time::Duration;
+use trirrr_core::tick::Motion;
+use trirrr_protocol::message::{
+    Command, Hello, Message, Move, Reply, Request, Telemetry, Transmit,
+};
+use trirrr_service::ServiceNumber;
+
+/// One tick of a machine that plays a job.
+#[derive(Clone, Debug)]
+pub struct PlayedTick<N: Transmit> {
+    /// Telemetry sample of the tick.
+    pub sample: Telemetry<N>,
+    /// Motion that the machine computed for the sample's setpoint. `None` if the machine stood.
+    pub motion: Option<Motion<N>>,
+}
+
+/// Part of a job that a runner is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The path has not begun.
+    Before,
+    /// The next tick is one of the path.
+    Path,
+    /// The path is over: the machine comes to its state of rest.
+    After,
+}
+
+/// Plays one job on a [`LocalService`] by the [`JobClient`] that plays jobs over a line.
+///
+/// Time is the machine's: it goes on by one period with each tick. The owner decides when a tick is
+/// due, and calls [`talk`](Self::talk) between ticks.
+pub struct JobRunner<'a, N: ServiceNumber> {
+    service: &'a mut dyn LocalService<N>,
+    client: JobClient<N>,
+    part: Part,
+    period: Duration,
+    now: Duration,
+}
+
+impl<'a, N: ServiceNumber> JobRunner<'a, N> {
+    /// Creates the runner of `moves` on `service`, a machine that is what `hello` says and ticks at
+    /// `tick_rate_hz`.
+    pub fn new(
+        service: &'a mut dyn LocalService<N>,
+        moves: Vec<Move<N>>,
+        hello: Hello,
+        tick_rate_hz: f64,
+    ) -> Self {
+        let period = Duration::from_secs_f64(1.0 / tick_rate_hz);
+        // A status between any two ticks, as there is no line to spare: a machine whose moves are
+        // short is fed in time.
+        let client = JobClient::new(moves, hello, 1, Patience::default(), 0);
+        Self {
+            service,
+            client: client.with_status_every(period),
+            part: Part::Before,
+            period,
+            now: Duration::ZERO,
+        }
+    }
+
+    /// Returns the part of the job that the next tick belongs to.
+    pub fn part(&self) -> Part {
+        self.part
+    }
+
+    /// Describes `failure` in words and SI units.
+    pub fn describe(&self, failure: &Failure<N>) -> String {
+        self.client.describe(failure)
+    }
+
+    /// Lets client and machine talk until they wait for a tick. Returns the end of the job once the
+    /// client knows it.
+    pub fn talk(&mut self) -> Option<Result<(), Failure<N>>> {
+        loop {
+            match self.client.poll(self.now) {
+                Action::Send(request) => {
+                    let reply = self.service.receive(&request);
+                    // Moves are judged before the client asks what became of them.
+                    while self.service.work() {}
+                    let is_done = reply == Reply::Done;
+                    let Request { sequence, command } = request;
+                    let message = Message::Reply { sequence, reply };
+                    self.client.receive(&message, self.now);
+                    if is_done && !matches!(command, Command::Move(_)) {
+                        // The tick takes one order at a time: the one after a start is the first of
+                        // the path.
+                        if matches!(command, Command::Start) {
+                            self.part = Part::Path;
+                        }
+                        return None;
+                    }
+                }
+                Action::Wait(_) => return None,
+                Action::Lost => self.client.reconnected(),
+                Action::Finished(result) => return Some(result),
+            }
+        }
+    }
+
+    /// Computes one tick of the machine.
+    pub fn tick(&mut self) {
+        self.service.tick();
+        self.now += self.period;
+    }
+
+    /// Hands the events of the last tick to the client. Returns what the tick played, from the first
+    /// tick of the path on.
+    pub fn collect(&mut self) -> Option<PlayedTick<N>> {
+        let mut played = None;
+        while let Some(message) = self.service.outgoing() {
+            match message {
+                Message::Telemetry(sample) if self.part != Part::Before => {
+                    played = Some(PlayedTick {
+                        sample,
+                        motion: self.service.motion().map(|(_, motion)| *motion),
+                    });
+                }
+                message => self.client.receive(&message, self.now),
+            }
+        }
+        if let Some(PlayedTick { sample, .. }) = &played
+            && self.client.is_last(sample)
+        {
+            self.part = Part::After;
+        }
+        played
+    }
+}
