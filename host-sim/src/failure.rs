@@ -1,15 +1,15 @@
-//! How a command fails, and the exit code that says so.
+//! Failures of a command, and their exit codes.
 
 use trirrr_client::local::Unbuildable;
 
-/// Why a command did not do what it was asked to.
+/// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// What was asked for or handed in is refused: a scene, a table, a number type.
+    /// The input is refused: a scene, a table, a number type.
     #[error("{0}")]
     Refused(String),
-    /// The request was good and could not be carried out: the disk is full, a file not writable,
-    /// the motion ended in a status.
+    /// The input is good, and the work failed: the disk is full, a file not writable, the motion ended
+    /// in a status.
     #[error("{0}")]
     Failed(String),
 }
@@ -21,7 +21,7 @@ impl From<Unbuildable> for Failure {
 }
 
 impl Failure {
-    /// 2 for what was refused, as for arguments that clap refuses; 1 for what failed.
+    /// Returns 2 for a refusal, as clap does for arguments, and 1 for a failure.
     pub fn exit_code(&self) -> u8 {
         match self {
             Failure::Refused(_) => 2,

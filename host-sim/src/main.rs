@@ -13,7 +13,7 @@ use trirrr_host_sim::run::{End, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::{device, eval, linkage, report, run, stream};
 
-/// What a shell reports for a program that Ctrl-C ended: 128 + SIGINT.
+/// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
@@ -38,12 +38,12 @@ fn main() -> ExitCode {
     })
 }
 
-/// What Ctrl-C raises.
+/// Returns the flag that Ctrl-C raises.
 fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&stop);
     ctrlc::set_handler(move || {
-        // The first asks for a clean end; who asks again does not want to wait for it.
+        // The first Ctrl-C asks for a clean end; the second one does not wait for that.
         if raised.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }

@@ -1,20 +1,20 @@
-//! Real time: each tick has an absolute deadline, so that no delay adds up.
+//! Real time. Each tick has an absolute deadline, so that no delay adds up.
 
 use crate::histogram::Histogram;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The last part of a wait is spun: the system wakes a sleeper this late, now and then later.
+/// Last part of a wait, spent in a loop: the system wakes a thread up to this late, sometimes later.
 const SPIN: Duration = Duration::from_micros(300);
-/// A sleep is at most this long, so that a stop is noticed.
+/// Longest sleep, so that a stop is noticed.
 const NAP: Duration = Duration::from_millis(50);
 
-/// How well the deadlines were kept.
+/// Statistics of the deadlines.
 #[derive(Clone, Debug, Default)]
 pub struct Deadlines {
-    /// How long after its time each tick began.
+    /// Time from each deadline to the begin of the tick.
     pub release: Histogram,
-    /// Ticks whose result was not there when the next tick was due.
+    /// Ticks whose result came after the next deadline.
     pub late: u64,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct Pacer {
 }
 
 impl Pacer {
-    /// Tick 0 is due now.
+    /// Starts the clock: tick 0 is due now.
     pub(crate) fn start(rate_hz: f64) -> Self {
         Self {
             start: Instant::now(),
@@ -40,7 +40,7 @@ impl Pacer {
         self.start + Duration::from_secs_f64(tick as f64 / self.rate_hz)
     }
 
-    /// Waits until `tick` is due. False if `stop` was raised before that.
+    /// Waits until `tick` is due. Returns false if `stop` was raised before.
     pub(crate) fn wait(&mut self, tick: u64, stop: &AtomicBool) -> bool {
         let due = self.due(tick);
         loop {
@@ -59,7 +59,7 @@ impl Pacer {
         }
     }
 
-    /// How long it is until `tick` is due; zero when it is, and then it begins now.
+    /// Returns the time until `tick` is due. Zero begins the tick.
     pub(crate) fn left(&mut self, tick: u64) -> Duration {
         let now = Instant::now();
         let left = self.due(tick).saturating_duration_since(now);
@@ -69,7 +69,7 @@ impl Pacer {
         left
     }
 
-    /// Notes that the result of `tick` is there.
+    /// Notes that `tick` has its result.
     pub(crate) fn done(&mut self, tick: u64) {
         if Instant::now() > self.due(tick + 1) {
             self.deadlines.late += 1;

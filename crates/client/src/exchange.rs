@@ -1,25 +1,24 @@
-//! One request at a time: asked, repeated until it is answered, given up.
+//! One request at a time: sent, repeated until the machine answers, given up.
 //!
-//! A request that is executed but whose answer is lost is repeated with the same sequence number;
-//! the machine answers it again and does not execute it again. So every request is executed once,
-//! or it is not known whether it was, which the next hello and status tell.
+//! A request whose answer is lost is repeated with the same sequence number. The machine answers again
+//! and does not execute the request again. Where no answer comes at all, the next hello and status
+//! tell whether the request was executed.
 
 use std::time::Duration;
 use trirrr_protocol::message::{Command, Hello, Message, Reply, Request, Transmit};
 
-/// How long to wait for an answer, and how often to ask.
+/// Time to wait for an answer, and number of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patience {
-    /// An answer that takes longer is asked for again; after each time the wait doubles, up to
-    /// eight times this.
+    /// Wait for the first answer. The wait doubles with each request, up to eight times this.
     pub answer: Duration,
-    /// Requests in all before the machine counts as silent, at least 1.
+    /// Requests before the machine counts as silent, at least 1.
     pub attempts: u32,
 }
 
 impl Default for Patience {
-    /// A frame of 300 bytes takes 26 ms at 115,200 baud; with what a machine may have to say before
-    /// its answer, 200 ms are enough. Together 200 + 400 + 800 + 4 * 1600 ms.
+    /// Waits 200 + 400 + 800 + 4 * 1600 ms. A frame of 300 bytes takes 26 ms at 115,200 baud, and other
+    /// messages may come before the answer.
     fn default() -> Self {
         Self {
             answer: Duration::from_millis(200),
@@ -28,23 +27,23 @@ impl Default for Patience {
     }
 }
 
-/// The wait doubles this often at most.
+/// Number of times that the wait doubles.
 const DOUBLINGS: u32 = 3;
 
-/// What there is to do next. Time is an argument, counted from any start.
+/// Next act. Times count from any start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Turn<N: Transmit> {
-    /// Send this.
+    /// Send this request.
     Send(Request<N>),
     /// Listen; unless something comes, there is nothing to do before this time.
     Wait(Duration),
-    /// Every attempt went without an answer.
+    /// No attempt was answered.
     Silent,
-    /// Everything is answered.
+    /// Every request is answered.
     Free,
 }
 
-/// A request that waits for its answer.
+/// Request that waits for its answer.
 #[derive(Clone, Debug)]
 struct Open<N: Transmit> {
     request: Request<N>,
@@ -52,7 +51,7 @@ struct Open<N: Transmit> {
     due: Duration,
 }
 
-/// Requests and their answers, in step.
+/// Keeps requests and their answers in step.
 #[derive(Clone, Debug)]
 pub struct Exchange<N: Transmit> {
     patience: Patience,
@@ -66,8 +65,8 @@ pub struct Exchange<N: Transmit> {
 }
 
 impl<N: Transmit> Exchange<N> {
-    /// Nothing is said yet. Hellos are numbered from `hello`: two clients, or two runs of one,
-    /// should not use the same.
+    /// Creates an exchange without requests. Hellos are numbered from `hello`, which another client, or
+    /// another run of this one, should not use.
     pub fn new(patience: Patience, hello: u32) -> Self {
         Self {
             patience,
@@ -78,23 +77,23 @@ impl<N: Transmit> Exchange<N> {
         }
     }
 
-    /// Requests that had to be sent again so far.
+    /// Returns the number of requests that had to be sent again.
     pub fn repeated(&self) -> u64 {
         self.repeated
     }
 
-    /// Opens the conversation, anew if need be: whatever was open is dropped.
+    /// Opens the conversation, and drops the open request.
     pub fn greet(&mut self, hello: Hello, now: Duration) {
         self.hello = self.hello.wrapping_add(1);
         self.put(self.hello, Command::Hello(hello), now);
     }
 
-    /// Asks `command`, dropping whatever was open.
+    /// Asks `command`, and drops the open request.
     pub fn ask(&mut self, command: Command<N>, now: Duration) {
         self.put(self.sequence, command, now);
     }
 
-    /// Drops what is open: its answer is not waited for any longer.
+    /// Drops the open request.
     pub fn forget(&mut self) {
         self.open = None;
     }
@@ -107,7 +106,7 @@ impl<N: Transmit> Exchange<N> {
         });
     }
 
-    /// What to do at `now`.
+    /// Returns the next act at `now`.
     pub fn poll(&mut self, now: Duration) -> Turn<N> {
         let Some(open) = &mut self.open else {
             return Turn::Free;
@@ -124,8 +123,8 @@ impl<N: Transmit> Exchange<N> {
         Turn::Send(open.request)
     }
 
-    /// Takes what the machine said: the open request and its answer, if this is it. Everything
-    /// else leaves the exchange as it is.
+    /// Takes a message of the machine. Returns the open request and its answer if the message is that
+    /// answer; every other message leaves the exchange unchanged.
     pub fn receive(&mut self, message: &Message<N>) -> Option<(Command<N>, Reply<N>)> {
         let Message::Reply { sequence, reply } = message else {
             return None;
@@ -145,8 +144,8 @@ impl<N: Transmit> Exchange<N> {
     }
 }
 
-/// Whether `reply` is of the kind that answers `command`. An answer to another request of the same
-/// number, from an earlier conversation, mostly is not.
+/// Returns true if `reply` is of the kind that answers `command`. An answer to a request of an earlier
+/// conversation, with the same number, mostly is not.
 fn answers<N: Transmit>(command: &Command<N>, reply: &Reply<N>) -> bool {
     match (command, reply) {
         (_, Reply::Refused(_)) => true,

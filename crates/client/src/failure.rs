@@ -1,25 +1,25 @@
-//! How a job ends when it does not end at its end.
+//! Ends of a job before its end.
 
 use crate::describe::{self, Units};
 use trirrr_protocol::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
 
-/// Why a job was not played to its end. Moves are counted from 0 here and from 1 in messages.
+/// Reason why a job was not played to its end. Moves are counted from 0 here and from 1 in texts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure<N: Transmit> {
     /// The machine was not idle and empty when the conversation began.
     Occupied(State),
     /// A command was refused.
     Refused {
-        /// The move that it was about.
+        /// Index of the move, if the command was a move.
         index: Option<u32>,
-        /// Why.
+        /// Reason of the machine.
         refusal: Refusal<N>,
     },
-    /// The machine took a move and found that it breaks a limit.
+    /// The machine took a move and found that the move breaks a limit.
     Inadmissible {
-        /// The move.
+        /// Index of the move.
         index: u32,
-        /// What it would break.
+        /// Limit that the move would break.
         violation: Violation<N>,
     },
     /// A fault is latched.
@@ -33,16 +33,15 @@ pub enum Failure<N: Transmit> {
     Dropped {
         /// Moves played to their end.
         done: u32,
-        /// What acted last.
+        /// Cause that acted last.
         acting: Acting,
     },
-    /// The machine knows nothing of the job any more: it started anew, and why.
+    /// The machine started anew, for this cause, and has lost the job.
     Restarted(Start),
 }
 
 impl<N: Transmit> Failure<N> {
-    /// The failure in words and SI units. `ticks`: the duration of the move that it is about, if it is
-    /// about one.
+    /// Describes the failure in words and SI units. `ticks` is the duration of the move that failed.
     pub(crate) fn describe(&self, ticks: u32, units: &Units) -> String {
         match self {
             Self::Occupied(State::Idle) => "the machine has moves of another job".into(),
@@ -75,7 +74,7 @@ impl<N: Transmit> Failure<N> {
         }
     }
 
-    /// The move that it is about.
+    /// Returns the index of the move that failed.
     pub(crate) fn index(&self) -> Option<u32> {
         match self {
             Self::Refused { index, .. } => *index,

@@ -1,18 +1,18 @@
-//! A scene's job as the moves that a client offers to a machine.
+//! Moves of a scene's job, as a client offers them.
 
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{Move, Transmit};
 use trirrr_scene::{self as scene, Scene};
 
-/// The moves of a scene's job in the number type `N` and in `units`, numbered from 0.
+/// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<Move<N>> {
     let job = scene.job.in_units(units);
     let moves = job.moves.iter().zip(0..);
     moves.map(|(each, number)| offer(each, number)).collect()
 }
 
-/// A pose in the number type `N`.
+/// Converts a pose to the number type `N`.
 pub fn pose<N: Transmit>(pose: &Pose<f64>) -> Pose<N> {
     Pose::from_f64(pose.position.x, pose.position.y, pose.angle)
 }

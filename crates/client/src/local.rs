@@ -1,5 +1,5 @@
-//! The service of a scene behind one object: the core's types say what its machine holds, a scene
-//! says it at run time, and here the one is chosen by the other.
+//! Machine in the same program: the service of a scene behind one object. The scene names its model at
+//! run time, the types of the service name the model at compile time.
 
 use crate::job;
 use trirrr_core::limits::LimitParameters;
@@ -16,41 +16,41 @@ use trirrr_service::{
     Adjustable, Channels, Homing, HomingCoefficients, Service, ServiceError, Settings, WithHoming,
 };
 
-/// Moves that can wait, as on a board, and one place that stays empty.
+/// Places of the queue for moves, as on a board. One place stays empty.
 const MOVES: usize = 16 + 1;
 
-/// Telemetry samples that can wait, and one place that stays empty. They are fetched after every
-/// tick.
+/// Places of the queue for telemetry samples, which the owner fetches after every tick. One place
+/// stays empty.
 const SAMPLES: usize = 63 + 1;
 
-/// A machine that is talked to: the core's service, with both of its halves in one hand.
+/// Service of a scene, whatever model the scene has.
 pub trait LocalService<N: ServiceNumber> {
-    /// One tick.
+    /// Computes one tick.
     fn tick(&mut self);
 
-    /// What the inputs of homing say from now on.
+    /// Sets the inputs of homing for the next ticks.
     fn inputs(&mut self, closed: [bool; 3]);
 
-    /// What the motors were commanded in the last tick.
+    /// Returns the commands of the last tick to the motors.
     fn motors(&self) -> &[Motor<N>; 3];
 
-    /// Setpoint and motion that the last tick played, if the platform had a setpoint.
+    /// Returns setpoint and motion of the last tick, if the platform had a setpoint.
     fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)>;
 
-    /// What the last tick has added to their angles without moving them.
+    /// Returns the angles that the last tick added to the commanded ones without a motion, rad.
     fn shift(&self) -> Option<[N::Angle; 3]>;
 
-    /// Says how long the last tick took, ns. It is told on and is no fault, however long: a host
-    /// keeps no deadlines.
+    /// Reports the duration of the last tick, ns. The service passes the duration on. A long tick is no
+    /// fault: a host keeps no deadlines.
     fn report_timing(&mut self, duration_ns: u32);
 
-    /// Takes a request; the answer to it.
+    /// Executes a request. Returns the answer.
     fn receive(&mut self, request: &Request<N>) -> Reply<N>;
 
-    /// A slice of the work below the tick; false where nothing is left to do at once.
+    /// Does a slice of the work below the tick. Returns false if nothing is left to do.
     fn work(&mut self) -> bool;
 
-    /// The oldest event or telemetry sample that nobody has fetched.
+    /// Returns the next event or telemetry sample.
     fn outgoing(&mut self) -> Option<Message<N>>;
 }
 
@@ -60,11 +60,11 @@ pub trait LocalService<N: ServiceNumber> {
 pub struct Unbuildable {
     /// Name of the scene.
     pub scene: String,
-    /// Quantity that is refused, and why.
+    /// Refused quantity, and the reason.
     pub reason: String,
 }
 
-/// What a client says first to the machine of `scene`.
+/// Returns the first request of a client to the machine of `scene`.
 pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
     Hello {
         protocol: PROTOCOL,
@@ -73,8 +73,8 @@ pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
     }
 }
 
-/// Builds the machine of `scene`, with room for what the scene holds and for nothing else, standing
-/// where its job starts, and hands it to `play`.
+/// Builds the machine of `scene` and hands the machine to `play`. The machine stands where the job
+/// starts. The model has room for what the scene holds, and for nothing else.
 ///
 /// # Errors
 /// A machine, limits or a pose that the scene's reader would have refused, or that the number type
@@ -86,7 +86,8 @@ pub fn with_machine<N: ServiceNumber, T>(
     build(scene, None, play)
 }
 
-/// The same, just switched on: where the scene has homing, the machine has to be homed.
+/// Builds as [`with_machine`], for a machine that was just switched on. Where the scene has homing, the
+/// machine has to be homed.
 ///
 /// # Errors
 /// As [`with_machine`].
@@ -127,7 +128,7 @@ fn build<N: ServiceNumber, T>(
     built.map_err(|error| refused(error.to_string()))
 }
 
-/// What a service is built from, in the machine's units.
+/// Description of a service in the units of the machine.
 struct Described<N: ServiceNumber> {
     parameters: Parameters,
     limits: LimitParameters,

@@ -1,5 +1,5 @@
-//! What a device tells of itself on standard output: clients that come and go, states, verdicts,
-//! faults. One line each, with the time since it was switched on.
+//! Event log of a device on standard output: clients that come and go, states, verdicts, faults. Each
+//! line has the time since the device was switched on.
 
 use super::client::Client;
 use std::io::{self, Write};
@@ -7,13 +7,13 @@ use std::net::SocketAddr;
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
 
-/// The log of one device.
+/// Event log of one device.
 pub(super) struct EventLog {
     units: Units,
     ticks: u64,
     clients: u64,
     requests: u64,
-    /// Ticks of the last move that was offered, for the words of its verdict.
+    /// Number and ticks of the last move that was offered, for the text of its verdict.
     offered: (u32, u32),
 }
 
@@ -28,7 +28,7 @@ impl EventLog {
         }
     }
 
-    /// Ticks, clients and requests so far.
+    /// Returns the numbers of ticks, clients and requests.
     pub(super) fn totals(&self) -> [u64; 3] {
         [self.ticks, self.clients, self.requests]
     }
@@ -62,7 +62,7 @@ impl EventLog {
         self.note(&text);
     }
 
-    /// Notes a request that was refused; that others were done shows in what follows.
+    /// Notes a request that was refused. Events show the effect of the others.
     pub(super) fn answered<N: Transmit>(&mut self, request: &Request<N>, reply: &Reply<N>) {
         self.requests += 1;
         let mut ticks = 0;
@@ -76,13 +76,13 @@ impl EventLog {
         }
     }
 
-    /// Notes that a motor has found its reference. `errors`: how far the motors are from where they
-    /// are thought to be, rad.
+    /// Notes that a motor has found its reference. `errors` are the differences between the true angles
+    /// of the motors and the commanded ones, rad.
     pub(super) fn referenced(&self, errors: [f64; 3]) {
         self.motors("a motor is found", errors);
     }
 
-    /// Notes where the motors are left.
+    /// Notes the `errors` of the motors at the end, rad.
     pub(super) fn left(&self, errors: [f64; 3]) {
         self.motors("switched off", errors);
     }
@@ -95,7 +95,7 @@ impl EventLog {
         ));
     }
 
-    /// Notes what the machine says by itself. Telemetry is not for reading.
+    /// Notes an event of the machine. Telemetry is left out.
     pub(super) fn message<N: Transmit>(&self, message: &Message<N>) {
         let Message::Event(event) = message else {
             return;
@@ -128,13 +128,13 @@ impl EventLog {
 
     fn note(&self, text: &str) {
         let t = self.ticks as f64 / self.units.tick_rate_hz;
-        // Who does not listen does not stop the device.
+        // A closed standard output does not stop the device.
         let mut out = io::stdout().lock();
         let _ = writeln!(out, "{t:>10.3} s  {text}").and_then(|()| out.flush());
     }
 }
 
-/// What a command is called.
+/// Returns the name of a command.
 fn name<N: Transmit>(command: &Command<N>) -> &'static str {
     match command {
         Command::Hello(_) => "hello",

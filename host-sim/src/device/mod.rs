@@ -1,5 +1,5 @@
-//! A board that is none: the service of a scene behind a TCP port, in real time, for whoever
-//! writes or tries a client.
+//! `trirrr device`: the service of a scene behind a TCP port, in real time. A client talks to the device
+//! as to a board.
 
 mod args;
 mod client;
@@ -25,10 +25,10 @@ use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
 
-/// From one look at the link to the next, while no tick is due.
+/// Time from one look at the link to the next, while no tick is due.
 const LOOK: Duration = Duration::from_micros(500);
 
-/// `trirrr device`: plays the board until `stop` is raised, which is its good end.
+/// Serves clients until `stop` is raised, which is the good end.
 ///
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
@@ -68,7 +68,7 @@ struct Device<'a> {
     /// Ticks per second of real time.
     rate_hz: f64,
     stop: &'a AtomicBool,
-    /// Of the motors, rad; none for some of its own.
+    /// Offset of the motors, rad. `None` takes one that depends on the scene.
     offset: Option<[f64; 3]>,
 }
 
@@ -130,7 +130,7 @@ fn run<N: ServiceNumber>(
     Ok((server.end(), pacer.finish()))
 }
 
-/// Says something on standard output, whether anyone listens or not.
+/// Prints a line. A closed standard output is no error.
 fn print(text: &str) {
     let mut out = io::stdout().lock();
     let _ = writeln!(out, "{text}").and_then(|()| out.flush());

@@ -1,4 +1,4 @@
-//! What a device does between two ticks: its client, and what the machine has to say.
+//! Work of a device between two ticks: its client, and the messages of the machine.
 
 use super::client::Client;
 use super::event_log::EventLog;
@@ -13,13 +13,13 @@ use trirrr_service::ServiceNumber;
 /// Slices of background work between two looks at the link.
 const SLICES: u32 = 64;
 
-/// A machine that listens: one client at a time, the next one when that has gone.
+/// Machine that serves one client at a time.
 pub(super) struct Server<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
-    /// The motors, where the machine has to find them.
+    /// Simulated motors, if the machine has to be homed.
     motors: Option<Motors>,
     listener: Listener,
-    /// A client that is silent for this long gives way to another.
+    /// Silence after which a client gives way to another.
     silence: Duration,
     client: Option<Client>,
     log: EventLog,
@@ -43,7 +43,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         }
     }
 
-    /// One tick, and what it gave is sent.
+    /// Computes one tick and sends its messages.
     ///
     /// # Errors
     /// As [`Server::serve`].
@@ -67,11 +67,11 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         self.serve().map(|_| ())
     }
 
-    /// Takes what the client says, works a little, sends what there is; never waits. Whether there
-    /// is more to do.
+    /// Executes requests of the client, works a little, and sends messages. Never waits. Returns true if
+    /// there is more to do.
     ///
     /// # Errors
-    /// Nobody can be listened to any more.
+    /// The listener is lost.
     pub(super) fn serve(&mut self) -> io::Result<bool> {
         let heard = self.listen();
         self.accept()?;
@@ -86,7 +86,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         Ok(heard || busy)
     }
 
-    /// The log, when all is over.
+    /// Ends the service. Returns the event log.
     pub(super) fn end(self) -> EventLog {
         if let Some(motors) = &self.motors {
             self.log.left(motors.errors());
@@ -96,8 +96,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
 
     fn accept(&mut self) -> io::Result<()> {
         while let Some((link, from)) = self.listener.accept()? {
-            // Who is on the line has the machine. But of a line that was cut without a word, its
-            // silence is all that is heard.
+            // A client keeps the machine. A line that was cut shows by its silence only.
             if let Some(client) = &self.client {
                 if client.is_heard_within(self.silence) {
                     self.log.turned_away(from, client.from());
@@ -111,7 +110,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         Ok(())
     }
 
-    /// Answers what the client has asked; whether it has asked anything.
+    /// Answers the requests of the client. Returns true if there were any.
     fn listen(&mut self) -> bool {
         let Some(requests) = self.with_client(Client::requests::<N>) else {
             return false;
@@ -128,7 +127,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         heard
     }
 
-    /// Does `what` with the client, if there is one. If it is gone by that, there is none any more.
+    /// Does `what` with the client, if there is one. An error removes the client.
     fn with_client<T>(&mut self, what: impl FnOnce(&mut Client) -> io::Result<T>) -> Option<T> {
         let client = self.client.as_mut()?;
         match what(client) {

@@ -1,4 +1,4 @@
-//! What the figures need of a run, gathered tick by tick in bounded memory.
+//! Curves of the figures, gathered tick by tick in bounded memory.
 
 use super::catalogue::{Source, figures, sources};
 use super::machine::Scenery;
@@ -17,7 +17,7 @@ struct Trace {
     turns: f64,
 }
 
-/// Everything the figures need, gathered from the records of a run.
+/// Gathers the curves of all figures from the records of a run.
 pub struct Traces {
     /// The scene computes torques.
     torque: bool,
@@ -67,7 +67,7 @@ impl Traces {
         self.last = Some(*record);
     }
 
-    /// The last record, if there is any.
+    /// Returns the last record.
     pub fn last(&self) -> Option<&Record> {
         self.last.as_ref()
     }

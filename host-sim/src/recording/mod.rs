@@ -1,4 +1,4 @@
-//! Takes the records of a job as they come, from a run or from a board: table, figures, peaks.
+//! Table, figures and peaks of a job, from the records of a run or of a board.
 
 mod peaks;
 
@@ -12,7 +12,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use trirrr_scene::record::{Record, tick_columns};
 
-/// What a job gives, while it is being written.
+/// Writes the records of one job.
 pub struct Recorder {
     folder: PathBuf,
     path: PathBuf,
@@ -25,14 +25,14 @@ pub struct Recorder {
     line: String,
 }
 
-/// What was written.
+/// Written job.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// Rows of the table.
+    /// Number of rows of the table.
     pub rows: u64,
-    /// None if there was no record.
+    /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
-    /// The files.
+    /// Written files, the table first.
     pub files: Vec<PathBuf>,
 }
 
@@ -41,7 +41,7 @@ impl Recorder {
     /// A scene without `torque` gets neither columns nor figures of torques and powers.
     ///
     /// # Errors
-    /// Failed: it cannot be written.
+    /// Failed: the table cannot be written.
     pub fn create(folder: &Path, ticks: u64, torque: bool) -> Result<Self, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         let path = folder.join("ticks.csv");
@@ -64,7 +64,7 @@ impl Recorder {
     /// Adds the record of the next tick.
     ///
     /// # Errors
-    /// Failed: it cannot be written.
+    /// Failed: the table cannot be written.
     pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
         use std::fmt::Write as _;
         self.line.clear();
@@ -86,16 +86,16 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records so far.
+    /// Returns the number of records.
     pub fn rows(&self) -> u64 {
         self.rows
     }
 
-    /// Ends the table and draws the figures. `name` begins their titles; of a job that did not come
-    /// to its end, they say when it ended.
+    /// Ends the table and draws the figures. `name` begins their titles. The titles of a job that is not
+    /// complete say when the job ended.
     ///
     /// # Errors
-    /// Failed: something cannot be written.
+    /// Failed: a file cannot be written.
     pub fn finish(mut self, name: &str, is_complete: bool) -> Result<Recorded, Failure> {
         self.table
             .flush()

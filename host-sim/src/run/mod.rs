@@ -1,5 +1,5 @@
-//! Runs a scene: its job through the machine's service, tick by tick, in real time or as fast as it
-//! goes.
+//! `trirrr run`: plays the job of a scene on its service, tick by tick, in real time or as fast as the
+//! computer can.
 
 mod args;
 mod plant;
@@ -38,41 +38,41 @@ use trirrr_service::ServiceNumber;
 /// Ticks that may wait for the recorder before the machine has to. Each is about 1 KB.
 const WAITING: usize = 4096;
 
-/// How a run came to its end.
+/// End of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The whole job was run.
+    /// The whole job was played.
     Complete,
-    /// It was stopped from outside.
+    /// The user stopped the run.
     Stopped,
-    /// The machine refuses the job or one of its moves; why, in words.
+    /// The machine refused the job or one of its moves, for this reason.
     Refused(String),
-    /// The machine has a fault; which, in words.
+    /// The machine has this fault.
     Fault(String),
 }
 
-/// What a run gives, besides what it writes.
+/// Result of a run, besides the files.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// How it ended.
+    /// End of the run.
     pub end: End,
-    /// Setpoints that have a record, from the first on.
+    /// Number of setpoints that have a record, from the first on.
     pub records: u64,
-    /// Setpoints of the whole job.
+    /// Number of setpoints of the whole job.
     pub setpoints: u64,
-    /// How long it took.
+    /// Duration of the run.
     pub elapsed: Duration,
-    /// How long the computation of a tick took.
+    /// Durations of the computation of a tick.
     pub computation: Histogram,
-    /// How the deadlines were kept, in real time.
+    /// Statistics of the deadlines, in real time.
     pub deadlines: Option<Deadlines>,
-    /// The extremes of the motion; none without a record.
+    /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
-    /// The number type it was computed in.
+    /// Number type of the computation.
     pub scalar: NumberType,
-    /// What was written.
+    /// Written files.
     pub files: Vec<PathBuf>,
-    /// What became of the plant, if the scene has one.
+    /// Result of the plant, if the scene has one.
     pub plant: Option<Simulated>,
 }
 

@@ -1,4 +1,4 @@
-//! Streams a scene's job to a board, and writes what the board tells of it.
+//! `trirrr stream`: plays the job of a scene on a board, and writes its telemetry.
 
 mod args;
 mod display;
@@ -33,13 +33,13 @@ use trirrr_scene::Scene;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
-/// Of the bytes that a serial port carries, this part may be telemetry.
+/// Part of the bytes of a serial port that may be telemetry.
 const TELEMETRY_SHARE: f64 = 0.8;
 
 /// Bits on a serial line for a byte: a start bit, eight, a stop bit.
 const BITS_PER_BYTE: f64 = 10.0;
 
-/// `trirrr stream`: streams the job, prints the summary. `stop` ends it early, on the path.
+/// Streams the job and prints the summary. `stop` ends the job early, on the path.
 ///
 /// # Errors
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
@@ -88,7 +88,7 @@ fn stream<N: ServiceNumber>(
     };
     let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1, scene.torque)?;
     let mut session = Session {
-        stream: to_start(
+        client: to_start(
             args,
             JobClient::new(
                 moves,
@@ -110,7 +110,7 @@ fn stream<N: ServiceNumber>(
     };
     let result = session.run();
     let Session {
-        stream,
+        client,
         port,
         samples,
         recorder,
@@ -125,15 +125,15 @@ fn stream<N: ServiceNumber>(
         scene,
         scalar,
         address: &args.port,
-        board: stream.identity(),
-        longest: stream.status().map(|status| status.longest_tick),
-        done: stream.done(),
-        moves: stream.moves(),
+        board: client.identity(),
+        longest: client.status().map(|status| status.longest_tick),
+        done: client.done(),
+        moves: client.moves(),
         every,
         recorded: &recorded,
         missing: samples.missing(),
         differing: samples.differing(),
-        repeated: stream.repeated(),
+        repeated: client.repeated(),
         opened_anew: port.opened_anew(),
         damaged: port.damaged(),
         end: result.as_ref().ok().copied(),
@@ -141,8 +141,8 @@ fn stream<N: ServiceNumber>(
     .and(result)
 }
 
-/// Ticks from one telemetry sample to the next: as asked for, or as the scene has it, or more where
-/// a serial port does not carry as many.
+/// Returns the ticks from one telemetry sample to the next: those of the user, those of the scene, or
+/// more where a serial port does not carry as many samples.
 fn telemetry_every<N: ServiceNumber>(args: &StreamArgs, scene: &Scene, display: &Display) -> u16 {
     // The scene's reader holds it to the same range.
     let wanted = u16::try_from(scene.service.telemetry_ticks).unwrap_or(u16::MAX);
@@ -169,14 +169,14 @@ fn telemetry_every<N: ServiceNumber>(args: &StreamArgs, scene: &Scene, display: 
     every
 }
 
-/// Fewest ticks from one sample to the next that a serial port carries.
+/// Returns the fewest ticks from one sample to the next that a serial port carries.
 fn least_every(frame_bytes: usize, tick_rate_hz: f64, baud: u32) -> u16 {
     let bits = frame_bytes as f64 * BITS_PER_BYTE * tick_rate_hz;
     // From float to integer the cast saturates.
     (bits / (TELEMETRY_SHARE * f64::from(baud))).ceil().max(1.0) as u16
 }
 
-/// How often to ask before the port is opened anew, for a user who waits as long as `total`.
+/// Returns the patience with one port, for a user who waits as long as `total`.
 fn patience(total: Duration) -> Patience {
     let Patience { answer, attempts } = Patience::default();
     let (mut waited, mut asked) = (answer, 1);
@@ -190,19 +190,19 @@ fn patience(total: Duration) -> Patience {
     }
 }
 
-/// The stream, which brings the machine to the start of its job as the user wants it.
-fn to_start<N: ServiceNumber>(args: &StreamArgs, stream: JobClient<N>) -> JobClient<N> {
-    let stream = match args.no_homing {
-        true => stream.without_homing(),
-        false => stream,
+/// Allows the client to bring the machine to the start of the job, as the user wants.
+fn to_start<N: ServiceNumber>(args: &StreamArgs, client: JobClient<N>) -> JobClient<N> {
+    let client = match args.no_homing {
+        true => client.without_homing(),
+        false => client,
     };
     match args.recover {
-        Some(seconds) => stream.with_recovery(seconds),
-        None => stream,
+        Some(seconds) => client.with_recovery(seconds),
+        None => client,
     }
 }
 
-/// A number that another conversation is not likely to have.
+/// Returns a number that another conversation is not likely to have.
 fn conversation() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let nanoseconds = now.map_or(0, |now| now.as_nanos() as u32);

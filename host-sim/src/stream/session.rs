@@ -1,5 +1,5 @@
-//! One job on its way to the board: what the client says next, over a port that may fail, and what
-//! the board tells of itself, into the files.
+//! One job on its way to the board: requests of the client, over a port that may fail, and telemetry of
+//! the board, into the files.
 
 use super::display::Display;
 use super::port::Port;
@@ -13,13 +13,13 @@ use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::{Action, JobClient, UserCommand};
 use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
 
-/// Longest wait for the board before the user is looked after.
+/// Longest wait for the board before the user is heard.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// How long the last samples of a job may take.
+/// Limit of the wait for the last samples of a job.
 const LAST_SAMPLES: Duration = Duration::from_millis(500);
 
-/// How a stream ended that did not fail.
+/// End of a stream that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The whole job was played.
@@ -28,9 +28,9 @@ pub enum End {
     Stopped,
 }
 
-/// A stream under way.
+/// Stream under way.
 pub(super) struct Session<'a, N: Transmit> {
-    pub(super) stream: JobClient<N>,
+    pub(super) client: JobClient<N>,
     pub(super) port: Port,
     pub(super) samples: Samples<'a, N>,
     pub(super) recorder: Recorder,
@@ -41,7 +41,7 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) every: u16,
     pub(super) keys: Option<Receiver<UserCommand>>,
     pub(super) stop: &'a AtomicBool,
-    /// Whether the board has told of a tick after the job.
+    /// The board has sent a sample of a tick after the job.
     pub(super) is_over: bool,
 }
 
@@ -56,7 +56,7 @@ impl<N: Transmit> Session<'_, N> {
         let mut stop_asked = false;
         loop {
             self.listen_to_user(&mut stop_asked);
-            match self.stream.poll(start.elapsed()) {
+            match self.client.poll(start.elapsed()) {
                 Action::Send(request) => {
                     if let Err(error) = self.port.send(&request) {
                         self.reopen(&error.to_string())?;
@@ -79,17 +79,17 @@ impl<N: Transmit> Session<'_, N> {
         if self.stop.load(Ordering::Relaxed) && !*stop_asked {
             *stop_asked = true;
             self.display.note("Ctrl-C: the machine stops on its path");
-            self.stream.command(UserCommand::Stop);
+            self.client.command(UserCommand::Stop);
         }
         for ask in self.keys.iter().flat_map(Receiver::try_iter) {
-            self.stream.command(ask);
+            self.client.command(ask);
         }
     }
 
     fn reopen(&mut self, why: &str) -> Result<(), Failure> {
         self.display.note(&format!("{why}; opening the port anew"));
         self.port.reopen(why, self.stop).map_err(Failure::Failed)?;
-        self.stream.reconnected();
+        self.client.reconnected();
         Ok(())
     }
 
@@ -112,7 +112,7 @@ impl<N: Transmit> Session<'_, N> {
                 }
                 Message::Event(_) | Message::Reply { .. } => {}
             }
-            self.stream.receive(message, start.elapsed());
+            self.client.receive(message, start.elapsed());
         }
         Ok(())
     }
@@ -127,7 +127,7 @@ impl<N: Transmit> Session<'_, N> {
     }
 
     fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), Failure> {
-        let Some(index) = self.stream.index(sample.number) else {
+        let Some(index) = self.client.index(sample.number) else {
             return Ok(());
         };
         if !is_of_a_job(sample.state) {
@@ -156,7 +156,7 @@ impl<N: Transmit> Session<'_, N> {
             Err(Lost::Stopped { .. }) => return Ok(End::Stopped),
             Err(failure) => failure,
         };
-        let text = self.stream.describe(&failure);
+        let text = self.client.describe(&failure);
         Err(match failure {
             Lost::Refused { .. } | Lost::Inadmissible { .. } => Failure::Refused(text),
             _ => Failure::Failed(text),

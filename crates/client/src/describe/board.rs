@@ -1,8 +1,8 @@
-//! What a board tells of itself, in words.
+//! Words for what a board reports of itself.
 
 use trirrr_protocol::message::{Clock, Registers, Start};
 
-/// What is wrong with the board's clock, if anything is.
+/// Describes a clock that is not as it should be.
 pub fn clock(clock: Clock) -> Option<&'static str> {
     match clock {
         Clock::Host | Clock::Crystal | Clock::Emulated => None,
@@ -16,7 +16,7 @@ pub fn clock(clock: Clock) -> Option<&'static str> {
     }
 }
 
-/// Why the board started last.
+/// Describes the cause of the last start of the board.
 pub fn start(start: &Start) -> String {
     match start {
         Start::Power => "it was switched on".into(),

@@ -1,17 +1,17 @@
-//! Where a board is reached, as it stands on the command line.
+//! Address of a board, as the command line has it.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Begins the address of a TCP port.
+/// Prefix of a TCP address.
 const TCP: &str = "tcp:";
 
-/// The far end of a link.
+/// Far end of a link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Address {
-    /// `tcp:HOST:PORT`.
+    /// TCP port, `HOST:PORT`.
     Tcp(String),
-    /// Any other text: a serial port, by the name that the system gives it.
+    /// Serial port, by the name that the system gives it.
     Serial(String),
 }
 
@@ -43,10 +43,10 @@ fn tcp_address(address: &str) -> Result<String, String> {
     }
 }
 
-/// Reads the address that a device listens at: TCP only.
+/// Reads the address at which a device listens: TCP only.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Part of the address that is wrong.
 pub fn listening(text: &str) -> Result<String, String> {
     match text.parse()? {
         Address::Tcp(address) => Ok(address),

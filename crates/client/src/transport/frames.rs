@@ -1,4 +1,4 @@
-//! Messages of either side as bytes of a link.
+//! Messages of both sides as bytes of a link.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -15,7 +15,7 @@ const MESSAGE_BYTES: usize = {
 /// Most bytes of a frame of either side.
 const FRAME_BYTES: usize = frame_length(MESSAGE_BYTES);
 
-/// Both directions of one link.
+/// Frames of one link, in both directions.
 #[derive(Debug, Default)]
 pub struct Frames {
     decoder: Decoder<{ decoded_length(MESSAGE_BYTES) }>,
@@ -32,8 +32,8 @@ impl Frames {
         bytes.truncate(start + length);
     }
 
-    /// Hands every message in `line` to `take`; frames that are damaged or cut off are counted and
-    /// left out.
+    /// Hands every message in `line` to `take`. Frames that are damaged or cut off are counted and
+    /// dropped.
     pub fn receive<T: DeserializeOwned>(&mut self, mut line: &[u8], mut take: impl FnMut(T)) {
         while let Some(frame) = self.decoder.take(&mut line) {
             if let Ok(message) = frame {
@@ -42,7 +42,7 @@ impl Frames {
         }
     }
 
-    /// What came so far.
+    /// Returns the counters of the frames that came.
     pub fn counters(&self) -> Counters {
         self.decoder.counters()
     }

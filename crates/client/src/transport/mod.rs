@@ -1,7 +1,7 @@
 //! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
 //!
-//! A link knows nothing of what it carries; [`Frames`] does. It is gone once a call has failed;
-//! whoever holds it opens a new one.
+//! A [`Link`] carries bytes, and [`Frames`] finds the messages in them. Once a call has failed, the link
+//! is lost, and the owner opens a new one.
 
 mod address;
 mod frames;
@@ -15,29 +15,29 @@ pub use tcp::{Listener, TcpLink};
 use std::io;
 use std::time::Duration;
 
-/// A write that the far end takes nothing of for this long fails: it does not read.
+/// Limit of a write: a far end that takes no byte for this long does not read.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// An open link, used from one thread.
+/// Open link, used from one thread.
 pub trait Link: Send {
-    /// Waits up to `timeout` for bytes and takes those that are there, at most as many as
-    /// `buffer` holds. None in that time: 0.
+    /// Waits up to `timeout` for bytes and reads at most as many as `buffer` holds. Returns the number of
+    /// bytes, 0 if none came.
     ///
     /// # Errors
-    /// The link is gone; [`io::ErrorKind::UnexpectedEof`] where the far end closed it.
+    /// The link is lost; [`io::ErrorKind::UnexpectedEof`] if the far end closed the link.
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize>;
 
     /// Sends all of `bytes`.
     ///
     /// # Errors
-    /// The link is gone; [`io::ErrorKind::TimedOut`] where the far end does not read.
+    /// The link is lost; [`io::ErrorKind::TimedOut`] if the far end does not read.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
-/// Why a link cannot be opened.
+/// Reason why a link cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// No such serial port: the cable is out, or the name is wrong.
+    /// The serial port does not exist: the cable is out, or the name is wrong.
     #[error("{0}: no such port")]
     Missing(Address),
     /// Another program has the port.
@@ -46,22 +46,22 @@ pub enum OpenError {
     /// The user may not open it.
     #[error("{0}: not allowed to open it; on Linux, the user has to be in the group of the port")]
     Forbidden(Address),
-    /// Nothing listens at that address.
+    /// No program listens at that address.
     #[error("{0}: nothing listens there; `trirrr device` does, or an emulated board")]
     Refused(Address),
-    /// Anything else, in the words of the system.
+    /// Another error, in the words of the system.
     #[error("{address}: cannot be opened: {reason}")]
     Other {
-        /// What was to be opened.
+        /// Address of the link.
         address: Address,
-        /// Why not.
+        /// Reason, in the words of the system.
         reason: String,
     },
 }
 
 impl OpenError {
-    /// Whether opening may succeed a moment later, without anyone changing the request: a cable
-    /// put in again, a device started again.
+    /// Returns true if a later attempt may succeed with the same request: after a cable was put in again,
+    /// or a device started again.
     pub fn may_pass(&self) -> bool {
         match self {
             Self::Missing(_) | Self::Busy(_) | Self::Refused(_) | Self::Other { .. } => true,
@@ -110,7 +110,7 @@ fn classify_serial(address: &Address, error: &serialport::Error) -> OpenError {
     }
 }
 
-/// The error of a link that the far end closed.
+/// Returns the error of a link that the far end closed.
 fn closed() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "closed by the far end")
 }

@@ -5,12 +5,12 @@ use serialport::SerialPort;
 use std::io;
 use std::time::Duration;
 
-/// An open serial port, 8 data bits, no parity, 1 stop bit, no flow control.
+/// Open serial port, 8 data bits, no parity, 1 stop bit, no flow control.
 pub(super) struct SerialLink {
     port: Box<dyn SerialPort>,
 }
 
-/// Opens the port called `path`, for this process alone.
+/// Opens the port `path` for this process alone.
 pub(super) fn open(path: &str, baud: u32) -> serialport::Result<SerialLink> {
     let port = serialport::new(path, baud).timeout(WRITE_TIMEOUT).open()?;
     // What arrived before is no answer to anything.

@@ -5,10 +5,10 @@ use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// An address that does not answer is given up after this long.
+/// Limit of the wait for an address that does not answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// An open connection.
+/// Open connection.
 #[derive(Debug)]
 pub struct TcpLink {
     stream: TcpStream,
@@ -40,7 +40,7 @@ impl TcpLink {
         })
     }
 
-    /// Takes the bytes that are there, without waiting. None: 0.
+    /// Reads the bytes that have come, without waiting. Returns 0 if none have come.
     ///
     /// # Errors
     /// As [`Link::receive`].
@@ -51,7 +51,7 @@ impl TcpLink {
         taken(read)
     }
 
-    /// Sends as many of `bytes` as go without waiting; how many.
+    /// Sends as many of `bytes` as possible without waiting. Returns their number.
     ///
     /// # Errors
     /// As [`Link::send`].
@@ -91,7 +91,7 @@ impl Link for TcpLink {
     }
 }
 
-/// What a read gave, in the terms of [`Link::receive`].
+/// Converts the result of a read to that of [`Link::receive`].
 fn taken(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Ok(0) => Err(closed()),
@@ -101,8 +101,8 @@ fn taken(read: io::Result<usize>) -> io::Result<usize> {
     }
 }
 
-/// Whether the far end closed the connection, in one of the ways to say so: a reset, where it did
-/// not read everything before.
+/// Returns true if the far end closed the connection. A far end that has not read everything resets the
+/// connection.
 fn is_closed(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -119,7 +119,7 @@ fn is_for_want_of_time(error: &io::Error) -> bool {
     )
 }
 
-/// Waits for clients.
+/// TCP port that waits for clients.
 #[derive(Debug)]
 pub struct Listener {
     listener: TcpListener,
@@ -127,10 +127,10 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// Listens at `HOST:PORT`; port 0 takes one that is free.
+    /// Listens at `HOST:PORT`. Port 0 takes a free one.
     ///
     /// # Errors
-    /// The address is not this machine's, or taken.
+    /// The address does not belong to this computer, or is taken.
     pub fn bind(address: &str) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
@@ -138,15 +138,15 @@ impl Listener {
         Ok(Self { listener, address })
     }
 
-    /// Where it listens.
+    /// Returns the address of the port.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// A client that has come, if one has.
+    /// Returns a client that has come, if any.
     ///
     /// # Errors
-    /// The listener is broken. A client that is gone already is no error.
+    /// The port is lost. A client that has left again is no error.
     pub fn accept(&self) -> io::Result<Option<(TcpLink, SocketAddr)>> {
         match self.listener.accept() {
             Ok((stream, from)) => Ok(TcpLink::new(stream).ok().map(|link| (link, from))),

@@ -1,0 +1,112 @@
+//! Latched faults.
+
+use super::limit::beyond;
+use super::{Units, short};
+use trirrr_protocol::message::{DriveFault, Fault, FaultCode, Transmit};
+
+/// Describes the failure of a drive. `value` is that of the fault.
+fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
+    let drive = match index {
+        Some(index) => format!("drive {}", index + 1),
+        None => "a drive".into(),
+    };
+    match what {
+        DriveFault::StepRate => {
+            format!("{drive} would have to step {value} times as fast as it can")
+        }
+        DriveFault::Range => format!("a command to {drive} is beyond what its frames can hold"),
+        DriveFault::BusBusy => format!("the bus did not carry the command to {drive} in a tick"),
+        DriveFault::BusOff => "the bus failed: too many errors on it".into(),
+        DriveFault::Reported => format!("{drive} reports its code {value}"),
+    }
+}
+
+/// Describes a latched fault.
+pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
+    let value = || short(fault.value.to_f64());
+    // Angles are radians in any units.
+    let searched = || {
+        let motor = fault.index.map_or(0, |index| index + 1);
+        (motor, short(fault.limit.to_f64()))
+    };
+    let leg = |text: &str| match fault.index {
+        Some(index) => format!("leg {} is {text}", index + 1),
+        None => text.into(),
+    };
+    let text = match fault.code {
+        FaultCode::Limit(what) => {
+            let values = [fault.value, fault.limit];
+            beyond(what, fault.index, "was", values, units)
+        }
+        FaultCode::Unreachable => leg("out of reach"),
+        FaultCode::SerialSingular => leg("stretched or folded"),
+        FaultCode::ParallelSingular => "parallel singular: the torques are not defined".into(),
+        FaultCode::OutOfRange => "a result was out of the range of the number type".into(),
+        FaultCode::Overrun => format!("a tick took {} of its period", value()),
+        FaultCode::Drive(what) => drive(what, fault.index, &value()),
+        FaultCode::Board if fault.value == N::ONE => {
+            "the board has started anew because it had failed".into()
+        }
+        FaultCode::Board => format!("the board reports its code {}", value()),
+        FaultCode::HomingNotFound => {
+            let (motor, limit) = searched();
+            format!("homing: motor {motor} has not found its switch or stop within {limit} rad")
+        }
+        FaultCode::HomingNotReleased => {
+            let (motor, limit) = searched();
+            format!("homing: the switch of motor {motor} is still closed {limit} rad back from it")
+        }
+        FaultCode::HomingClosedAtStart => {
+            let (motor, limit) = searched();
+            format!(
+                "homing: the switch of motor {motor} was closed at the start, and is still closed \
+                 {limit} rad away"
+            )
+        }
+    };
+    format!("{text} (tick {})", fault.tick)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trirrr_protocol::message::Bounded;
+
+    #[test]
+    fn a_fault_names_its_leg_and_tick() {
+        let (code, index) = FaultCode::of(trirrr_core::status::Status::Unreachable { leg: 2 });
+        let found = Fault {
+            code,
+            index,
+            value: 0.0,
+            limit: 0.0,
+            tick: 77,
+        };
+        assert_eq!(
+            fault(&found, &Units::si(500.0)),
+            "leg 3 is out of reach (tick 77)"
+        );
+        let found = Fault {
+            code: FaultCode::Overrun,
+            index: None,
+            value: 1.25,
+            limit: 1.0,
+            tick: 9,
+        };
+        assert_eq!(
+            fault(&found, &Units::si(500.0)),
+            "a tick took 1.25 of its period (tick 9)"
+        );
+        let found = Fault {
+            code: FaultCode::Limit(Bounded::Rate),
+            index: Some(0),
+            value: 5.25,
+            limit: 5.0,
+            tick: 8,
+        };
+        assert_eq!(
+            fault(&found, &Units::si(500.0)),
+            "rate of motor 1 was 5.25 rad/s, the most allowed is 5 rad/s (tick 8)"
+        );
+    }
+}

@@ -1,0 +1,68 @@
+//! Refusals of commands.
+
+use super::limit::violation;
+use super::{Units, state};
+use trirrr_protocol::message::{Acting, Refusal, Transmit};
+
+/// Describes the reason why a command was not executed. `ticks` is the duration of the move that was
+/// refused, if the command was a move.
+pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> String {
+    match refusal {
+        Refusal::HelloFirst => "the board has had no hello since it was switched on".into(),
+        Refusal::Protocol { expected } => format!(
+            "the board speaks version {expected} of the protocol, this program version {}",
+            trirrr_protocol::message::PROTOCOL
+        ),
+        Refusal::Schema { expected } => format!(
+            "the board's messages have another layout (schema key {expected:#010x}): it was built \
+             for another number type, or from another version of this program"
+        ),
+        Refusal::Scene { expected } => format!(
+            "the board was built for another scene (key {expected:#010x}): build its image from \
+             this one, or name the scene that it has"
+        ),
+        Refusal::Sequence { expected } => {
+            format!("the board expects request number {expected}: has it two clients?")
+        }
+        Refusal::SequenceReused => {
+            "the request's number was used for another command: has the board two clients?".into()
+        }
+        Refusal::State(found) => format!(
+            "not while the machine is {}",
+            state(*found, Acting::Nothing)
+        ),
+        Refusal::NothingQueued => "no move is queued".into(),
+        Refusal::Undecided => "a queued move is not admitted yet".into(),
+        Refusal::EndsMoving => {
+            "the queued moves end before the machine could come to rest on them".into()
+        }
+        Refusal::QueueFull => "the queue is full".into(),
+        Refusal::MoveNumber { expected } => {
+            format!("the board expects move number {expected}: has it two clients?")
+        }
+        Refusal::NotFinite => "a value is infinite or not a number".into(),
+        Refusal::Duration { longest } => {
+            format!("its duration is {ticks} ticks; 1 to {longest} are allowed")
+        }
+        Refusal::StartPose => {
+            "it does not start where the last one ends, or where the machine stands".into()
+        }
+        Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
+        Refusal::Tool => "the tool's power is not from 0 to 1, or its speed not positive".into(),
+        Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),
+        Refusal::NotInImage => {
+            "the board's image holds no code for such links, loads or such a centre of mass".into()
+        }
+        Refusal::NoSuchLeg => "there is no such leg".into(),
+        Refusal::Parameter { quantity, leg } => match leg {
+            Some(leg) => format!("{quantity:?} of leg {} cannot be built", leg + 1),
+            None => format!("{quantity:?} cannot be built"),
+        },
+        Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
+        Refusal::Recovery(found) => violation(found, ticks, units),
+        Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
+        Refusal::NoHoming => {
+            "the scene has no [homing]: the board knows where its motors are".into()
+        }
+    }
+}
