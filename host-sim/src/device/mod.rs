@@ -34,7 +34,7 @@ const LOOK: Duration = Duration::from_micros(500);
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
-    let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
+    let scalar = args.scalar.unwrap_or(scene.number);
     let listener = Listener::bind(&args.listen)
         .map_err(|error| Failure::Failed(format!("tcp:{}: {error}", args.listen)))?;
     print(&format!(

@@ -91,7 +91,7 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
-    let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
+    let scalar = args.scalar.unwrap_or(scene.number);
     let report = simulate(&scene, scalar, !args.fast, &folder, stop)?;
     match summary::print(&mut io::stdout().lock(), &args.scene, &scene, &report) {
         // Who closes standard output early does not want the summary.

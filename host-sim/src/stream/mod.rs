@@ -46,7 +46,7 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
     let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
-    let scalar = args.scalar.unwrap_or_else(|| scene.number.into());
+    let scalar = args.scalar.unwrap_or(scene.number);
     match scalar {
         NumberType::F64 => stream::<f64>(args, &scene, scalar, stop),
         NumberType::F32 => stream::<f32>(args, &scene, scalar, stop),

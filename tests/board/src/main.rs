@@ -99,7 +99,7 @@ fn main() -> Result<()> {
         Test::Log { elf, log } => return log::print(elf, log),
     };
     let scene = Scene::read(&board.scene).context("the scene")?;
-    match board.scalar.unwrap_or_else(|| scene.number.into()) {
+    match board.scalar.unwrap_or(scene.number) {
         NumberType::F64 => run::<f64>(&test, board, &scene),
         NumberType::F32 => run::<f32>(&test, board, &scene),
         NumberType::Fixed => run::<Fixed>(&test, board, &scene),
