@@ -1,5 +1,5 @@
-//! What a machine must keep: as a scene gives it ([`LimitParameters`], SI units, `f64`), and as the
-//! admission of moves and the tick compare with it ([`Limits`], any number type).
+//! Limits of a machine: as a scene gives them ([`LimitParameters`], SI units, `f64`), and as the
+//! admission and the tick compare with them ([`Limits`], any number type).
 
 use crate::machine::{BuildError, Quantity};
 use crate::number::Number;

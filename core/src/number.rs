@@ -12,7 +12,7 @@
 //! | trait | has | bounds |
 //! |---|---|---|
 //! | [`Arithmetic`] and [`WideArithmetic`] | constants, conversions, functions, sums of products | setpoints, linkages, kernels |
-//! | [`DyadKernel`](crate::dyad::DyadKernel) | the intersection of two circles | the tick, as [`Number`] |
+//! | [`DyadKernel`] | the intersection of two circles | the tick, as [`Number`] |
 //! | `Enclose` of the service's admission | bounds of what a type rounds | the admission |
 //!
 //! Every function gives the same bits on every machine. None calls the platform's libm, and no

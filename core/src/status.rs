@@ -1,8 +1,8 @@
-//! How an evaluation ends when it does not end in a value.
+//! Failure of an evaluation.
 
 use core::fmt;
 
-/// Why a setpoint has no motion. Legs are numbered 0 to 2 here and 1 to 3 in messages.
+/// Reason why a setpoint has no motion. Legs are numbered 0 to 2 here and 1 to 3 in messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// The platform joint is further from the motor than the leg is long, or closer than it folds.

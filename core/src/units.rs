@@ -38,8 +38,8 @@ impl Units {
         }
     }
 
-    /// What one unit of a quantity of dimension length^l time^t mass^m is in SI units; exact while
-    /// it is a normal number.
+    /// SI value of one unit of a quantity of dimension length^l time^t mass^m; exact while it is a
+    /// normal number.
     pub fn of(&self, length: i32, time: i32, mass: i32) -> f64 {
         let exponent = self.length * length + self.time * time + self.mass * mass;
         f64::from_bits(((exponent.clamp(-1022, 1023) + 1023) as u64) << 52)

@@ -24,7 +24,7 @@ pub enum PayloadKind {
     Offset,
 }
 
-/// Kind of [`Links`]. Each kind has room for those before.
+/// Kind of [`Links`](crate::torque::links::Links). Each kind has room for those before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LinksKind {
     /// No mass, no rotor inertia.

@@ -27,7 +27,7 @@ impl<N: Number> LegLoad<N> {
         distal_over_l2_sq: None,
     };
 
-    /// Whether the load [fits](Number::fit).
+    /// Returns `true` if the load is [in range](crate::number::Arithmetic::in_range).
     #[inline(always)]
     pub fn fits(&self) -> bool {
         let fits = |load: Option<N>| load.is_none_or(|load| N::in_range([load]));
