@@ -22,7 +22,7 @@ const BARE_TARGETS: [&str; 3] = [
 const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 
 /// Examples that end only with a board at the other end of a port.
-const EXAMPLES_WITH_BOARD: [&str; 0] = [];
+const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
 pub(crate) fn run() -> Result<()> {
     check_tools()?;

@@ -60,5 +60,5 @@ pub use homing::{
 };
 pub use number::ServiceNumber;
 pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithHoming};
-pub use service::Service;
+pub use service::{Played, Service};
 pub use settings::{SceneIdentity, Settings, key, name};

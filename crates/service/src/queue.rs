@@ -12,6 +12,9 @@ pub(super) struct Sender<'q, T>(Producer<'q, T>);
 /// Where the other side takes out.
 pub(super) struct Receiver<'q, T>(Consumer<'q, T>);
 
+/// Both ends of a queue that one side uses alone.
+pub(super) type BothEnds<'q, T> = (Sender<'q, T>, Receiver<'q, T>);
+
 impl<'q, T> Sender<'q, T> {
     pub(super) fn new(producer: Producer<'q, T>) -> Self {
         Self(producer)

@@ -14,6 +14,9 @@ use trirrr_protocol::message::{
 use trirrr_protocol::wire::schema::longest;
 use trirrr_protocol::wire::{Counters, Decoder, decoded_length, encode, frame_length};
 
+/// Setpoint and motion that a tick played.
+pub type Played<N> = (Setpoint<N>, Motion<N>);
+
 /// Both halves of a service for one thread, with the end of a line in front of them.
 ///
 /// [`Channels::service`](crate::Channels::service) builds one. A board that ticks in an interrupt
@@ -68,7 +71,7 @@ pub struct Service<'q, S: Scene, const LINE: usize = 512> {
     pub(crate) foreground: Foreground<'q, S>,
     pub(crate) background: Background<'q, S>,
     inputs: <S::Homing as Homing<S::N>>::Inputs,
-    motion: Option<(Setpoint<S::N>, Motion<S::N>)>,
+    motion: Option<Played<S::N>>,
     decoder: Decoder<LINE>,
     frame: [u8; LINE],
     /// Length of the reply in `frame` that waits to be sent.
@@ -126,7 +129,7 @@ impl<'q, N: Enclose, S: Scene<N = N>, const LINE: usize> Service<'q, S, LINE> {
 
     /// Returns setpoint and motion that the last tick played. `None` if the platform had no setpoint:
     /// at rest, in homing, in a recovery and in a fault.
-    pub fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)> {
+    pub fn motion(&self) -> Option<&Played<N>> {
         self.motion.as_ref()
     }
 

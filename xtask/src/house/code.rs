@@ -132,10 +132,10 @@ fn type_parameters(generics: &Generics) -> usize {
 
 /// Lines on which a token stands that is no documentation.
 fn collect_lines(tokens: TokenStream, lines: &mut BTreeSet<usize>) {
-    let mut tokens = tokens.into_iter().peekable();
+    let tokens = tokens.into_iter();
     // A `#`, perhaps with `!`, is held back until the group behind it is known to be no documentation.
     let mut held: Vec<Span> = Vec::new();
-    while let Some(token) = tokens.next() {
+    for token in tokens {
         match token {
             TokenTree::Punct(punct)
                 if punct.as_char() == '#' || (punct.as_char() == '!' && !held.is_empty()) =>

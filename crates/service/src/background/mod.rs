@@ -6,7 +6,7 @@ mod parts;
 mod receive;
 
 use super::handoff::{Ahead, Order, QueuedMove, Recover, Report, Shared};
-use super::queue::{Receiver, Sender};
+use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use crate::admission::{Admission, Enclose};
@@ -40,9 +40,9 @@ pub struct Background<'q, S: Scene> {
     shared: &'q Shared,
 
     /// Offered moves that are not judged yet; both ends are here.
-    offered: (Sender<'q, Move<S::N>>, Receiver<'q, Move<S::N>>),
+    offered: BothEnds<'q, Move<S::N>>,
     /// Events that wait to be sent; both ends are here.
-    events: (Sender<'q, Event<S::N>>, Receiver<'q, Event<S::N>>),
+    events: BothEnds<'q, Event<S::N>>,
 
     greeted: bool,
     /// The last request that counted.
@@ -108,8 +108,8 @@ pub(super) struct Ends<'q, N: Number, U> {
     pub(super) faults: Receiver<'q, Fault<N>>,
     pub(super) samples: Receiver<'q, Telemetry<N>>,
     pub(super) shared: &'q Shared,
-    pub(super) offered: (Sender<'q, Move<N>>, Receiver<'q, Move<N>>),
-    pub(super) events: (Sender<'q, Event<N>>, Receiver<'q, Event<N>>),
+    pub(super) offered: BothEnds<'q, Move<N>>,
+    pub(super) events: BothEnds<'q, Event<N>>,
 }
 
 impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
