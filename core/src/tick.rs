@@ -21,7 +21,7 @@ pub struct Tick<M: Model> {
     pub model: M,
 }
 
-/// What one motor has to do.
+/// Motion and torque that one motor has to give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor<N: Number> {
     /// theta_i1: direction of the proximal link, in (-pi, pi], counter-clockwise from the x axis.
@@ -41,7 +41,7 @@ pub struct Motor<N: Number> {
 pub struct Motion<N: Number> {
     /// The three motors.
     pub motors: [Motor<N>; 3],
-    /// How the links of each leg move.
+    /// Motion of the links of each leg.
     pub legs: [LegMotion<N>; 3],
     /// Loads of the legs' own masses.
     pub loads: [LegLoad<N>; 3],
@@ -67,7 +67,7 @@ impl<N: Number> Motion<N> {
         }
     }
 
-    /// Where every joint is, for the singularity distances.
+    /// Returns the position of every joint, for the singularity distances.
     pub fn position(&self) -> Position<N> {
         Position {
             legs: self.legs.each_ref().map(|leg| leg.position),
@@ -142,7 +142,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         Ok(forces.torques(legs, &loads))
     }
 
-    /// What motor `index` has to do.
+    /// Returns the motion and the torque that motor `index` has to give.
     #[inline(always)]
     fn motor(&self, index: usize, leg: &LegMotion<N>, torque: N) -> Motor<N> {
         Motor {

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::PathBuf;
 
-/// How far a figure may move before it has to be looked at.
+/// Largest relative change of a figure that need not be looked at.
 const TOLERANCE: f64 = 0.02;
 
-/// What every chore that measures scenes can be asked.
+/// Options of every chore that measures scenes.
 #[derive(clap::Args)]
 pub(crate) struct Options {
     /// Print one JSON array of flat objects in place of the table
@@ -65,7 +65,7 @@ impl Options {
 
 /// A row of figures that can be told from other rows.
 pub(crate) trait Measured {
-    /// What was measured, such as `m4f f32 thesis`.
+    /// Names what was measured, such as `m4f f32 thesis`.
     fn key(&self) -> String;
     /// The figures by name.
     fn figures(&self) -> Vec<(&'static str, f64)>;
@@ -113,7 +113,7 @@ fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Resu
     )
 }
 
-/// What is wrong with `row`, given the rows that are checked in.
+/// Returns what is wrong with `row`, given the rows that are checked in.
 fn compare<Row: Measured>(budget: &[Row], row: &Row) -> Vec<String> {
     let key = row.key();
     let Some(expected) = budget.iter().find(|other| other.key() == key) else {

@@ -34,8 +34,8 @@ const IN_VAIN: (&str, [&str; 3], &str) = (
 /// cancels in the distal link's motion weighed by up to l1 / l2 = 1.
 const ROUNDINGS: f64 = 64.0;
 
-/// How far the columns that the client computes may be from the core's, of the largest value of the
-/// column.
+/// Returns how far the client's computed columns may be from the core's, as a part of the largest
+/// value of the column.
 pub(crate) fn rounding(scalar: &str) -> f64 {
     let unit = match scalar {
         "f64" => f64::EPSILON / 2.0,

@@ -11,8 +11,8 @@ pub(crate) struct Core {
     pub(crate) emulator: Emulator,
     /// QEMU's name of the machine, and its arguments beyond that.
     pub(crate) machine: &'static [&'static str],
-    /// What the counter of the `count` image advances by per instruction: under `-icount shift=8`
-    /// an instruction lasts 256 ns, times the machine's clock; 1 where instructions are counted.
+    /// Units per instruction on the counter of the `count` image. Under `-icount shift=8` they are
+    /// 256 ns times the machine's clock. The value is 1 where the counter counts instructions.
     pub(crate) units_per_instruction: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What an ELF file says about the memory that an image takes, and whether it can boot.
+//! Reads from an ELF file the memory that an image takes, and checks whether it can boot.
 
 use anyhow::{Context, Result, bail, ensure};
 use crc::{CRC_32_MPEG_2, Crc};
@@ -44,10 +44,10 @@ pub(crate) fn footprint(file: &Path) -> Result<Footprint> {
     Ok(footprint)
 }
 
-/// What a Cortex-M needs to start.
+/// Memory that a Cortex-M needs to start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Memory {
-    /// Where the processor looks for the vector table.
+    /// Address at which the processor looks for the vector table.
     pub(crate) vectors: u64,
     /// Start and length of the flash.
     pub(crate) flash: (u64, u64),

@@ -26,7 +26,7 @@ pub(crate) fn scalars(scene: &Scene) -> Vec<&'static str> {
 /// Held from Cargo's start until its images are copied: the next build overwrites them.
 static BUILDING: Mutex<()> = Mutex::new(());
 
-/// What to build.
+/// Description of an image to build.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Image<'a> {
     /// Package and binary.

@@ -21,7 +21,7 @@ use trirrr_scene::Scene;
 /// The longest position of a dyad, f32 on m4f, in any scene.
 const DYAD_CEILING: f64 = 60.0;
 
-/// What no change may exceed: core, number type, scene, instructions of the longest tick.
+/// Ceilings that no change may exceed: core, number type, scene, instructions of the longest tick.
 const CEILINGS: &[(&str, &str, &str, f64)] = &[
     ("m4f", "f32", "thesis", 600.0),
     ("m4f", "f32", "thesis-links", 750.0),
@@ -29,7 +29,7 @@ const CEILINGS: &[(&str, &str, &str, f64)] = &[
     ("m0", "fixed", "thesis", 10_000.0),
 ];
 
-/// Where the service is counted.
+/// Core on which the service is counted.
 const SERVICE_CORE: &str = "m4f";
 const SERVICE_SCALAR: &str = "f32";
 
@@ -74,7 +74,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether it is that of this core, scene and number type.
+    /// Returns true if the row is that of this core, scene and number type.
     pub(crate) fn is(&self, core: &str, scene: &str, scalar: &str) -> bool {
         (
             self.core.as_str(),
@@ -382,8 +382,8 @@ mod tests {
         );
     }
 
-    /// What the report is about: a core or number type that nobody counts would be missing from it
-    /// without a word.
+    /// Checks that the file has the figures of every core and number type. The report would leave
+    /// out an uncounted one without a word.
     #[test]
     fn both_thesis_scenes_are_checked_in_for_every_core_and_number_type() {
         let rows: Vec<Row> = crate::budget::checked_in("insns").expect("the file of figures");

@@ -14,8 +14,8 @@ pub(crate) fn workers() -> usize {
         .max(2)
 }
 
-/// What `work` makes of each item, in their order. After a failure no further item is begun, and the
-/// failure of the first item in that order is returned.
+/// Applies `work` to each item and returns the results in the order of the items. After a failure it
+/// begins no further item. It then returns the failure of the first failed item in that order.
 pub(crate) fn map<T: Sync, R: Send>(
     workers: usize,
     items: &[T],

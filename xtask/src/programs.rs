@@ -29,7 +29,7 @@ impl Programs {
         cargo
     }
 
-    /// Where they are once they are built.
+    /// Returns the paths of the programs once they are built.
     pub(crate) fn built() -> Self {
         let built = target_directory().join("debug");
         Self {

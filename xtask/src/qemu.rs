@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Far beyond what any image here needs.
 const TIME_LIMIT: Duration = Duration::from_secs(300);
 
-/// What the image printed. An image that fails, or does not end, is an error.
+/// Runs the image and returns what it printed. An image that fails, or does not end, is an error.
 pub(crate) fn run(core: &Core, image: &Path) -> Result<String> {
     let child = Command::new(core.emulator.command)
         .arg("-M")
@@ -51,8 +51,8 @@ fn missing(error: std::io::Error, emulator: Emulator) -> anyhow::Error {
     }
 }
 
-/// What a program prints until it ends. One that fails, or takes longer than `limit`, is an error
-/// with all that it printed.
+/// Returns what a program prints until it ends. A program that fails, or takes longer than `limit`,
+/// is an error with all that it printed.
 pub(crate) fn wait(mut child: Child, limit: Duration) -> Result<String> {
     let mut stdout = child.stdout.take().context("no pipe to the emulator")?;
     let mut stderr = child.stderr.take().context("no pipe to the emulator")?;

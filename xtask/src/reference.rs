@@ -1,4 +1,4 @@
-//! What the host computes for a scene's job: the bits that every core has to give.
+//! Results that the host computes for a scene's job: the bits that every core has to give.
 
 use anyhow::{Context, Result, bail};
 use trirrr_core::machine::Parameters;

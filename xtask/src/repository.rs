@@ -1,4 +1,4 @@
-//! Where things are, and how Cargo is called.
+//! Places of the files in the repository, and the call of Cargo.
 
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
-/// Where Cargo puts what it builds.
+/// Returns the directory where Cargo puts what it builds.
 pub(crate) fn target_directory() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |dir| root().join(dir))
 }

@@ -21,7 +21,7 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// Whether `scene` is the one that this board's image is measured with.
+/// Returns true if `scene` is the one that this board's image is measured with.
 pub(crate) fn is_for(scene: &SceneFile) -> bool {
     scene.path.ends_with(RP2040_SCENE)
 }

@@ -38,7 +38,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether it is that of this image.
+    /// Returns true if the row is that of this image.
     pub(crate) fn is(&self, image: &str, scene: &str, scalar: &str, target: &str) -> bool {
         (self.image.as_str(), self.scene.as_str()) == (image, scene)
             && (self.scalar.as_str(), self.target.as_str()) == (scalar, target)
@@ -155,7 +155,7 @@ fn text(rows: &[Row]) -> String {
     table(&headings, &cells.collect::<Vec<_>>())
 }
 
-/// What a figure may be at most: image, target, scene, figure, bytes.
+/// Upper limits of figures: image, target, scene, figure, bytes.
 const CEILINGS: [(&str, &str, &str, &str, u64); 3] = [
     (
         "core",

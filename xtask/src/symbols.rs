@@ -1,4 +1,4 @@
-//! What an image holds, read from its symbols: a scene pays only for what it uses.
+//! Contents of an image, read from its symbols: a scene pays only for what it uses.
 //!
 //! Symbols are mangled as version v0 (`.cargo/config.toml`), so that the name of a function says for
 //! which types it was made: the whole service carries its number type, payload and links, inlined or
@@ -16,15 +16,15 @@ use trirrr_scene::Scene;
 
 /// Something that an image holds or not.
 struct Mark {
-    /// What it is.
+    /// Name of the thing, for messages.
     what: &'static str,
-    /// What the symbols have that come with it, any of them.
+    /// Parts of the symbol names that come with it; any of them counts.
     names: &'static [&'static str],
-    /// Whether the scene has use for it.
+    /// Test that is true for a scene that has use for it.
     used: fn(&Scene) -> bool,
 }
 
-/// What only images for an emulator hold, with the feature `ruled-switches`.
+/// Symbol that only images for an emulator hold, with the feature `ruled-switches`.
 const RULED_SWITCHES: &str = "13RuledSwitches";
 
 const MARKS: &[Mark] = &[

@@ -1,5 +1,5 @@
-//! What the legs' own masses add. The scene chooses the kind by type: with [`Massless`] links an
-//! image holds no link code.
+//! Loads that the legs' own masses add. The scene chooses the kind by type: with [`Massless`] links
+//! an image holds no link code.
 
 use crate::dyad::Rrr;
 use crate::inverse::LegMotion;

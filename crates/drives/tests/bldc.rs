@@ -49,7 +49,7 @@ fn parameters(index: usize) -> BldcParameters {
     }
 }
 
-type Drives<N> = Bldcs<N, Pwm, Pin, Pin>;
+type Drives<N> = Bldcs<BldcMotor<N, Pwm, Pin>, Pin>;
 
 fn drives<N: Countable>(reversed: bool) -> (Drives<N>, [Pwm; 3], Scope) {
     let scope = Scope::default();

@@ -22,7 +22,7 @@ pub enum Refusal {
     Scene {
         /// The key.
         key: String,
-        /// Why.
+        /// Reason of the refusal.
         reason: String,
     },
     /// A drive cannot do what a tick commands.
@@ -30,7 +30,7 @@ pub enum Refusal {
     Drive {
         /// The motor, from 0.
         motor: usize,
-        /// Why.
+        /// Reason of the refusal.
         reason: String,
     },
 }

@@ -9,9 +9,9 @@ pub struct Drive {
     pub gear_ratio: f64,
     /// Inertia of the rotor about its own axis, before the gear, kg m^2.
     pub rotor_inertia_kgm2: f64,
-    /// Whether the joint turns clockwise where the drive thinks that it turns forward.
+    /// True if the joint turns clockwise where the drive thinks that it turns forward.
     pub reversed: bool,
-    /// What kind of drive it is.
+    /// Kind of the drive.
     pub kind: DriveKind,
 }
 

@@ -1,4 +1,4 @@
-//! Why a scene was refused.
+//! Reasons for which a scene is refused.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ pub struct Problem {
     pub key: String,
     /// The offending value as the file has it, shortened to one line; `None` where there is none.
     pub value: Option<String>,
-    /// What is wrong with it, and where it helps, what would be right.
+    /// Description of what is wrong with it, and where it helps, of what would be right.
     pub reason: String,
 }
 
@@ -41,7 +41,7 @@ pub enum SceneError {
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// Why. Part of the message, so it is not repeated as the error's source.
+        /// The reason. It is part of the message, so it is not repeated as the error's source.
         reason: std::io::Error,
     },
     /// The file was read and something in it is wrong.

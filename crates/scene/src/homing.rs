@@ -13,12 +13,12 @@ use trirrr_service::{Contact, HomingMotor, HomingParameters, HomingTimes};
 /// Longest time that an input may take to settle, s.
 const LONGEST_DEBOUNCE_S: f64 = 1.0;
 
-/// What the scene says of homing, in SI units.
+/// Settings of homing in the scene, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homing {
-    /// What the motors meet.
+    /// Kind of contact that the motors meet.
     pub contact: Contact,
-    /// Whether an input is high where the switch is closed or the drive stalls.
+    /// True if an input is high where the switch is closed or the drive stalls.
     pub active_high: bool,
     /// The motors.
     pub motors: [HomingMotor; 3],
@@ -67,7 +67,7 @@ impl Homing {
     }
 }
 
-/// What a motor meets, by name.
+/// Name of the thing that a motor meets.
 #[derive(Clone, Copy)]
 enum To {
     Switches,
@@ -188,7 +188,7 @@ fn read_motors(section: &Section, contact: Option<Contact>) -> Option<[HomingMot
     }))
 }
 
-/// What takes more than one key.
+/// Checks the rules that involve more than one key.
 fn check(
     section: &Section,
     homing: &Homing,

@@ -23,9 +23,9 @@ struct Chain<'s> {
     geometry: Geometry<f64>,
     distances: Distances<f64>,
     tracker: Tracker<f64>,
-    /// Where the motors are, rad, not wrapped,
+    /// Angles of the motors, rad, not wrapped.
     angles: [f64; 3],
-    /// and the platform.
+    /// Track of the platform.
     track: Track<f64>,
 }
 

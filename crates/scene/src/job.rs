@@ -9,7 +9,7 @@ use trirrr_core::units::Units;
 /// A start pose and the moves from it, one after the other without a pause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// Where the machine stands, at rest, before the first move.
+    /// Pose in which the machine stands, at rest, before the first move.
     pub start: Pose<f64>,
     /// The moves, at least one. Each starts with the pose and velocity the one before ends with,
     /// the first from rest; the last ends at rest.
@@ -29,11 +29,11 @@ pub struct Move {
     pub end_velocity: Vector3<f64>,
     /// Duration in ticks, positive.
     pub duration_ticks: u32,
-    /// What the tool does on the way; none: it is off.
+    /// Work of the tool on the way; none: it is off.
     pub tool: Option<Tool>,
 }
 
-/// What the tool does in a move.
+/// Work of the tool in a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool {
     /// Power at `speed_m_s`, 0 to 1 of what the tool can give.
@@ -72,7 +72,7 @@ impl Job {
 }
 
 impl Move {
-    /// Whether both ends are at rest.
+    /// Returns true if both ends are at rest.
     pub fn is_rest_to_rest(&self) -> bool {
         self.start_velocity == Vector3::zeros() && self.end_velocity == Vector3::zeros()
     }
@@ -85,7 +85,7 @@ pub(crate) struct PlacedJob {
     pub(crate) moves: Vec<PlacedMove>,
 }
 
-/// Where a move stands in the file.
+/// Place of a move in the file.
 pub(crate) struct PlacedMove {
     pub(crate) whole: Place,
     pub(crate) to: Place,

@@ -22,7 +22,7 @@ use trirrr_service::admission::{Admission, Verdict};
 /// Admission with room for whatever a scene may hold.
 type AnyAdmission = Admission<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
 
-/// What a pose is measured with.
+/// Means to measure a pose with.
 struct Workspace<'p> {
     parameters: &'p Parameters,
     limits: &'p LimitParameters,
@@ -120,7 +120,7 @@ impl Workspace<'_> {
         Err(reason)
     }
 
-    /// What a move breaks at `pose`.
+    /// Describes what a move breaks at `pose`.
     fn broken(&self, violation: &Violation<f64>, pose: &Pose<f64>) -> String {
         let index = usize::from(violation.index.unwrap_or(0));
         let (value, limit) = (short(violation.value), short(violation.limit));
@@ -156,7 +156,7 @@ impl Workspace<'_> {
         )
     }
 
-    /// Whether a pose is allowed.
+    /// Checks that a pose is allowed.
     ///
     /// # Errors
     /// Why it is not.
@@ -212,7 +212,7 @@ impl Workspace<'_> {
         )
     }
 
-    /// Which leg is out of reach, and by how much.
+    /// Describes which leg is out of reach, and by how much.
     fn unreachable(&self, leg: usize, pose: &Pose<f64>) -> String {
         let parameters = &self.parameters.legs[leg];
         let Leg { base, joint, .. } = self.geometry.legs[leg];

@@ -4,10 +4,10 @@
 use crate::drive::{Drive, DriveKind};
 use crate::read::{Bound, Place, Section};
 
-/// How the plant is simulated. What is `None` takes no part in its equations.
+/// Settings of the simulated plant. A part that is `None` has no place in its equations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plant {
-    /// How to integrate.
+    /// Method of integration.
     pub method: Method,
     /// Time that is simulated after the end of the job, s.
     pub settle_s: f64,
@@ -64,7 +64,7 @@ pub struct Controller {
     pub kp_nm_rad: [f64; 3],
     /// Derivative gain at each joint, N m s/rad.
     pub kd_nm_s_rad: [f64; 3],
-    /// Whether the torque of the setpoint is added.
+    /// True if the controller adds the torque of the setpoint.
     pub feed_forward: bool,
 }
 
@@ -121,7 +121,7 @@ impl Plant {
     }
 }
 
-/// Where keys of the plant stand, for what is checked with the job.
+/// Plant and the places of its keys in the file, for the checks with the job.
 pub(crate) struct PlacedPlant {
     pub(crate) plant: Plant,
     step: Place,
@@ -353,7 +353,7 @@ fn read_transmission(
     })))
 }
 
-/// What of the drives the plant can simulate, and whether they are controlled.
+/// Checks that the plant can simulate the drives, and that they have the controller they need.
 fn check_drives(
     section: &Section,
     root: &Section,

@@ -71,8 +71,8 @@ impl<N: Number> JobPlayer<N> {
         self.ticks
     }
 
-    /// Which move, counted from 0, is under way at `tick`. The tick between two moves belongs to
-    /// the later one; beyond the end it stays the last.
+    /// Returns the number, counted from 0, of the move under way at `tick`. The tick between two
+    /// moves belongs to the later one. Beyond the end it stays the last.
     pub fn move_at(&self, tick: u32) -> usize {
         self.moves.partition_point(|each| each.start <= tick) - 1
     }

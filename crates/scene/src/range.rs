@@ -19,16 +19,16 @@ use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
 use trirrr_core::units::Units;
 
-/// How much larger a quantity may become than the job makes it.
+/// Factor by which a quantity may become larger than the job makes it.
 const HEADROOM: f64 = 1.25;
 
-/// What a quantity stays below, so that what a stage forms of several of them fits the format.
+/// Bound that a quantity stays below, so that what a stage forms of several of them fits the format.
 const RANGE: f64 = Fixed::RANGE;
 
-/// What a coordinate stays below.
+/// Bound that a coordinate stays below.
 const NEAR: f64 = 2.75;
 
-/// What a quantity stays below that is only added to others and subtracted.
+/// Bound of a quantity that a stage only adds to others or subtracts.
 const WIDE: f64 = 2.0 * RANGE;
 
 /// The least that a divisor may be: 256 units in the last place.
@@ -85,7 +85,7 @@ quantities! {
 /// A quantity that fits no units, or not those that the others ask for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeError {
-    /// What it is.
+    /// Name of the quantity.
     pub quantity: &'static str,
     /// Its greatest or its least size.
     pub value: f64,
@@ -122,7 +122,7 @@ struct Measured<'p> {
 type Everything = Tick<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
 
 impl<'p> Measured<'p> {
-    /// What depends on the machine alone.
+    /// Measures what depends on the machine alone.
     fn new(parameters: &'p Parameters) -> Self {
         let mut measured = Self {
             parameters,
@@ -176,7 +176,7 @@ impl<'p> Measured<'p> {
         }
     }
 
-    /// What the moves may be beyond the job.
+    /// Notes what the limits allow the moves beyond the job.
     fn limits(&mut self, limits: &LimitParameters) {
         let all = |values: Option<[f64; 3]>| values.into_iter().flatten();
         for rate in all(limits.rate_rad_s) {
@@ -215,7 +215,7 @@ impl<'p> Measured<'p> {
         }
     }
 
-    /// What a tick forms on the way to `motion`.
+    /// Notes what a tick forms on the way to `motion`.
     fn motion(&mut self, setpoint: &Setpoint<f64>, motion: &Motion<f64>) {
         let p = self.parameters;
         let (v, a) = (setpoint.velocity, setpoint.acceleration);

@@ -1,5 +1,5 @@
-//! What one tick of a run or one row of a batch gives, in SI units and binary64, whatever number
-//! type computed it.
+//! Results of one tick of a run or one row of a batch. They are in SI units and binary64, whatever
+//! number type computed them.
 
 /// The motion of one leg at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -130,7 +130,7 @@ impl Record {
         values
     }
 
-    /// Whether every value is finite.
+    /// Returns true if every value is finite.
     pub fn is_finite(&self) -> bool {
         self.values().iter().all(|value| value.is_finite())
     }

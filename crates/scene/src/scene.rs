@@ -40,27 +40,27 @@ pub struct Scene {
     pub key: u32,
     /// Name of the scene: letters, digits, `-` and `_`, fit to name a folder.
     pub name: String,
-    /// What the scene shows, in the author's words; may be empty.
+    /// Description of the scene in the author's words; may be empty.
     pub description: String,
     /// Ticks per second, from 1 to 100,000.
     pub tick_rate_hz: f64,
     /// The number type that the scene is meant to run in.
     pub number: NumberType,
-    /// Whether the tick computes torques; without, it is position, rate and acceleration alone.
+    /// True if the tick computes torques; otherwise it computes position, rate and acceleration alone.
     pub torque: bool,
     /// The machine with its loads; rotor inertias are those of `drives` behind their gears.
     pub parameters: Parameters,
     /// The drive of each motor, if the scene names any.
     pub drives: Option<[Drive; 3]>,
-    /// What the job must keep.
+    /// Limits that the job must keep.
     pub limits: Limits,
-    /// How the service runs the job.
+    /// Settings with which the service runs the job.
     pub service: Service,
-    /// How the machine finds out where its motors are, if it does not know.
+    /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
-    /// What to do.
+    /// Job that the machine is to do.
     pub job: Job,
-    /// How the real machine is simulated, if the scene says.
+    /// Simulation of the real machine, if the scene describes one.
     pub plant: Option<Plant>,
 }
 
@@ -262,7 +262,7 @@ fn refuse_torques(
     }
 }
 
-/// What takes a machine that is right in itself: poses and paths.
+/// Checks the poses and paths of the scene, which need a machine that is right in itself.
 fn check_machine(
     document: &Document,
     scene: &Scene,

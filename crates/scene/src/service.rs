@@ -1,4 +1,4 @@
-//! How the service runs the job.
+//! Settings with which the service runs the job.
 
 use crate::read::{Bound, Section};
 

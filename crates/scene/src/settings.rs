@@ -1,4 +1,4 @@
-//! What a scene says to the core's service.
+//! Settings that a scene gives to the core's service.
 
 use crate::scene::Scene;
 use trirrr_core::units::Units;

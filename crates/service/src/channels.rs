@@ -43,7 +43,7 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     shared: Shared,
 }
 
-/// Why a service cannot be built.
+/// Reason for which a service cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ServiceError {
     /// The machine or its limits.

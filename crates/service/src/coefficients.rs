@@ -1,4 +1,4 @@
-//! What a service works with.
+//! Coefficients with which a service computes.
 
 use crate::admission::Enclose;
 use crate::admission::Path;
@@ -14,7 +14,7 @@ use trirrr_core::tick::Tick;
 pub struct Coefficients<M: Model<N: Enclose>> {
     /// Of the tick.
     pub tick: Tick<M>,
-    /// What its results must keep.
+    /// Limits that the results of the tick must keep.
     pub limits: Limits<M::N>,
     /// Of the distances to the singularities.
     pub distances: Distances<M::N>,

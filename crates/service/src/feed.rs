@@ -32,7 +32,7 @@ pub(super) struct FeedScale {
     ramp: u32,
     /// k.
     level: u32,
-    /// Where the way up spends one tick more; [`NOWHERE`] if it does not.
+    /// Level at which the way up spends one tick more; [`NOWHERE`] if it does not.
     dwell: u32,
 }
 
@@ -77,7 +77,7 @@ impl FeedScale {
         self.dwell = NOWHERE;
     }
 
-    /// Whether the path stands.
+    /// Returns true if the path stands.
     pub(super) fn is_at_rest(&self) -> bool {
         self.level == 0
     }
@@ -139,8 +139,8 @@ impl FeedScale {
         }
     }
 
-    /// Whether, after `stride`, the path can still come to rest within what is left before it:
-    /// `ticks` whole ones less `part`.
+    /// Returns true if the path can still come to rest after `stride` within what is left.
+    /// What is left before it are `ticks` whole ones less `part`.
     pub(super) fn can_stop(&self, stride: Step, ticks: u32, part: u32) -> bool {
         // Beyond a ramp there is no question, and below the product fits.
         if ticks > self.ramp {
@@ -151,7 +151,7 @@ impl FeedScale {
         left >= u64::from(part) + u64::from(stride.parts) + level * level
     }
 
-    /// Whether `ticks` less `part` are enough to come to rest from normal speed.
+    /// Returns true if `ticks` less `part` are enough to come to rest from normal speed.
     pub(super) fn is_enough(&self, ticks: u32, part: u32) -> bool {
         let at_normal_speed = Step {
             level: self.ramp,
@@ -163,7 +163,7 @@ impl FeedScale {
 }
 
 impl Step {
-    /// Whether it is one at normal speed all along.
+    /// Returns true if the step is one at normal speed all along.
     pub(super) fn is_normal(&self, pace: &FeedScale) -> bool {
         self.slope == 0 && self.level == pace.ramp
     }

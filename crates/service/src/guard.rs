@@ -8,7 +8,7 @@ use trirrr_core::status::Status;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{Bounded, FaultCode};
 
-/// What a tick's results break.
+/// Breach of a limit by a tick's results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LimitBreach<N> {
     pub(super) code: FaultCode,
@@ -30,7 +30,7 @@ impl<N: Number> LimitBreach<N> {
     }
 }
 
-/// Whether the motors keep `limits` in `motion`. The distances to the singularities are left to the
+/// Checks that the motors keep `limits` in `motion`. It leaves the distances to the singularities to the
 /// admission: near a singularity it is rate and torque that grow.
 ///
 /// `M` says whether the motion has torques.
@@ -58,7 +58,7 @@ pub(super) fn check<M: Model>(
     Ok(())
 }
 
-/// Whether the motors keep `limits` one by one, without torque.
+/// Checks that the motors keep `limits` one by one, without torque.
 pub(super) fn check_joints<N: Number>(
     limits: &Limits<N>,
     joints: &JointSetpoint<N>,
@@ -71,7 +71,7 @@ pub(super) fn check_joints<N: Number>(
     )
 }
 
-/// Whether the peaks of a joint move keep `limits`: what they break otherwise.
+/// Checks that the peaks of a joint move keep `limits`. Returns what they break otherwise.
 pub(super) fn within<N: Number>(
     what: Bounded,
     limits: &Option<[N; 3]>,

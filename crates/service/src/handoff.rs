@@ -1,4 +1,4 @@
-//! What the two halves of the service hand to each other.
+//! Data that the two halves of the service hand to each other.
 //!
 //! | from | to | by | what |
 //! |---|---|---|---|
@@ -27,7 +27,7 @@ pub(super) struct QueuedMove<N: Number> {
     pub(super) generation: u8,
 }
 
-/// What the tick is reported to do. It takes one per tick.
+/// Order to the tick. The tick takes one order each time it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Order {
     Start,
@@ -54,7 +54,7 @@ pub(super) struct Recover<N: Number> {
     pub(super) to: Pose<N>,
 }
 
-/// Where the tick stands, after something changed.
+/// State of the tick, after something changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Report<N: Number> {
     /// Orders taken so far, modulo 256.
@@ -68,9 +68,9 @@ pub(super) struct Report<N: Number> {
     pub(super) done: u32,
     /// Ticks of all moves of this generation that are over, modulo 2^31.
     pub(super) played: u32,
-    /// Where the platform stands; meant in idle only.
+    /// Pose of the platform; meant in idle only.
     pub(super) pose: Pose<N>,
-    /// Where the motors stand; meant in idle, fault and cleared only.
+    /// Angles of the motors; meant in idle, fault and cleared only.
     pub(super) angles: [N::Angle; 3],
 }
 
@@ -79,7 +79,7 @@ pub(super) struct Report<N: Number> {
 pub(super) struct Shared {
     /// Requests heard. By the background.
     pub(super) heard: AtomicU32,
-    /// What is admitted. By the background.
+    /// Admitted moves, as an [`Ahead`] in one word. By the background.
     ahead: AtomicU32,
     /// Ticks since the start. By the tick.
     pub(super) tick: AtomicU32,
@@ -89,12 +89,12 @@ pub(super) struct Shared {
     pub(super) longest: AtomicU32,
 }
 
-/// What is admitted, in one word, so that both parts are of the same moment.
+/// Account of the admitted moves, in one word, so that both parts are of the same moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ahead {
     /// Ticks of all moves of this generation that are admitted, modulo 2^31.
     pub(super) ticks: u32,
-    /// Whether the last of them ends at rest.
+    /// True if the last of these moves ends at rest.
     pub(super) ends_at_rest: bool,
 }
 
@@ -139,7 +139,7 @@ impl Shared {
         self.ahead.store(word, Ordering::Release);
     }
 
-    /// What is admitted: the moves themselves are in their queue.
+    /// Returns what is admitted. The moves themselves are in their queue by then.
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
         let word = self.ahead.load(Ordering::Acquire);

@@ -6,10 +6,10 @@
 
 use heapless::spsc::{Consumer, Producer};
 
-/// Where one side puts in.
+/// End of a queue at which one side puts items in.
 pub(super) struct Sender<'q, T>(Producer<'q, T>);
 
-/// Where the other side takes out.
+/// End of a queue at which the other side takes items out.
 pub(super) struct Receiver<'q, T>(Consumer<'q, T>);
 
 /// Both ends of a queue that one side uses alone.
@@ -33,7 +33,7 @@ impl<'q, T> Sender<'q, T> {
         true
     }
 
-    /// Whether there is room.
+    /// Returns whether there is room for an item.
     #[inline]
     pub(super) fn has_room(&self) -> bool {
         self.0.capacity() != usize::MAX && self.0.ready()
@@ -79,13 +79,13 @@ impl<'q, T> Receiver<'q, T> {
         self.receive();
     }
 
-    /// Whether there are two items at least.
+    /// Returns whether at least two items wait.
     #[inline]
     pub(super) fn has_second(&self) -> bool {
         self.0.capacity() != usize::MAX && self.0.len() >= 2
     }
 
-    /// Whether there is no room for another.
+    /// Returns whether there is no room for another item.
     #[inline]
     pub(super) fn is_full(&self) -> bool {
         self.0.capacity() != usize::MAX && self.0.len() == self.0.capacity()

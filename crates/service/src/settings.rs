@@ -1,4 +1,4 @@
-//! What a service is reported when it is built.
+//! Settings that a service takes when it is built.
 
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
@@ -18,13 +18,13 @@ pub struct Settings<N: Number> {
     pub host_timeout_ticks: u32,
     /// One telemetry sample every so many ticks, until the host asks otherwise; 0 for none.
     pub telemetry_every: u16,
-    /// What is said of the scene in answer to a hello.
+    /// Identity of the scene that the service sends in answer to a hello.
     pub scene: SceneIdentity,
-    /// What is said of what carries the service.
+    /// Description of the board that carries the service.
     pub board: Board,
 }
 
-/// What a machine tells of its scene.
+/// Identity of the scene that a machine reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneIdentity {
     /// Key of the messages' layout, see [`wire::schema`](trirrr_protocol::wire::schema).

@@ -14,7 +14,7 @@ pub(super) struct Tool<N: Number> {
 }
 
 impl<N: Number> Tool<N> {
-    /// Whether power and speed of a move make sense: a power from 0 to 1, and a speed for it.
+    /// Returns true if a move's power and speed make sense: a power from 0 to 1, a speed for it.
     pub(super) fn is_one(offered: &Move<N>) -> bool {
         let (power, speed) = (offered.tool_power, offered.tool_speed);
         power == N::ZERO || (power > N::ZERO && power <= N::ONE && speed > N::ZERO)

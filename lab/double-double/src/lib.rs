@@ -92,7 +92,7 @@ impl DoubleDouble {
         (Self::new(result) - self).hi
     }
 
-    /// How far `result` is from this number, in units in the last place of this number as an `f64`.
+    /// Returns the distance of `result` from this number, in units in the last place of its `f64`.
     pub fn ulps(self, result: f64) -> f64 {
         let unit = self.hi.abs().next_up() - self.hi.abs();
         self.error_of(result).abs() / unit

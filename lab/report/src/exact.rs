@@ -7,7 +7,7 @@ use trirrr_scene::{Job, Move, Scene};
 use trirrr_truth::double_double::DoubleDouble;
 use trirrr_truth::inputs::Inputs;
 
-/// What one tick has to give.
+/// Exact values that one tick has to give.
 pub(crate) struct Instant {
     /// The machine in the exact setpoint.
     pub(crate) inputs: Inputs<DoubleDouble>,

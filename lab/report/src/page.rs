@@ -26,7 +26,7 @@ pub struct Block {
     pub name: String,
     /// Its Markdown, ending with a newline.
     pub text: String,
-    /// Whether every machine gives the same text: true of errors and counts, false of times.
+    /// True if every machine gives the same text: so for errors and counts, not for times.
     pub reproducible: bool,
 }
 
@@ -103,7 +103,7 @@ impl<'a> Page<'a> {
     }
 }
 
-/// What could not be written, and why.
+/// Returns the error that names the file that could not be written, and why.
 pub(super) fn unwritable(path: &Path, error: &dyn std::fmt::Display) -> ReportError {
     ReportError::Failed(format!("{}: cannot be written: {error}", path.display()))
 }

@@ -4,7 +4,7 @@
 use crate::scalar::Scalar;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How many inputs a machine with a state has: 13 of each leg, 4 of the platform, 5 of the loads,
+/// Number of inputs of a machine with a state: 13 of each leg, 4 of the platform, 5 of the loads,
 /// 9 of the state.
 pub const INPUTS: usize = 3 * 13 + 4 + 5 + 9;
 

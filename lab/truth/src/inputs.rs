@@ -46,12 +46,12 @@ pub struct Inputs<S> {
     pub angle_acceleration: S,
 }
 
-/// What an input is.
+/// Kind of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// A base joint's place, a link's length, a radius, a centre of mass on a link, m.
     Length,
-    /// Where a platform joint lies about D, rad.
+    /// Angle at which a platform joint lies about D, rad.
     JointAngle,
     /// kg.
     Mass,
@@ -98,13 +98,13 @@ impl Quantity {
 /// One input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// What it is.
+    /// Its kind.
     pub quantity: Quantity,
     /// Its value.
     pub value: f64,
     /// The length of the vector that it is a component of; of a scalar, its size.
     pub length: f64,
-    /// Which component it is, 0 or 1; of a scalar, 0.
+    /// Number of the component, 0 or 1; of a scalar, 0.
     pub component: usize,
 }
 

@@ -32,7 +32,7 @@ pub struct Kinematics<S> {
     pub det_a: S,
 }
 
-/// What holds and drives it.
+/// Torques and forces that hold and drive the machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Dynamics<S> {
     /// Motor torques.

@@ -12,7 +12,7 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Motion;
 
-/// What a result is: a name from the reference files and the leg, 0 to 2, if it belongs to one.
+/// Name of a result: a name from the reference files and the leg, 0 to 2, if it belongs to one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name {
     /// As in the reference files, without the leg.
@@ -31,7 +31,7 @@ impl Name {
         }
     }
 
-    /// Whether the result is an angle, of which whole turns do not matter.
+    /// Returns true if the result is an angle, of which whole turns do not matter.
     pub fn is_angle(self) -> bool {
         matches!(self.stem, "th1" | "th2")
     }
@@ -141,8 +141,8 @@ pub fn isotropic_conditions<N: Number>(
     uncertainties(parameters, setpoint, |input| input.length)
 }
 
-/// How far every result moves, at most and to first order, when each input moves by what
-/// `uncertainty` says of it: the sum of |dq/dp| times that.
+/// Computes how far every result moves, at most and to first order. Each input moves by what
+/// `uncertainty` says of it. The value is the sum of |dq/dp| times that.
 pub fn uncertainties<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,

@@ -1,11 +1,11 @@
-//! What half a unit in the last place of a number type is, quantity by quantity.
+//! Half a unit in the last place of a number type, quantity by quantity.
 
 use crate::inputs::Quantity;
 use core::f64::consts::TAU;
 use trirrr_core::number::{Fixed, Number};
 use trirrr_core::units::Units;
 
-/// How a number type rounds, in SI units.
+/// Rule by which a number type rounds, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rounding {
     /// Relative to the value: u.

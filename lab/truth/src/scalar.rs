@@ -1,4 +1,4 @@
-//! What the independent model needs of a number: precise ([`DoubleDouble`]) or with derivatives
+//! Numbers of the independent model: precise ([`DoubleDouble`]) or with derivatives
 //! ([`Dual`]).
 //!
 //! [`DoubleDouble`]: crate::double_double::DoubleDouble
@@ -22,7 +22,7 @@ pub trait Scalar:
     fn constant(x: f64) -> Self;
     /// The nearest `f64`.
     fn value(self) -> f64;
-    /// Whether products with it may be left out: zero, and so are its derivatives.
+    /// Returns whether products with the number may be left out: it and its derivatives are zero.
     fn is_zero(self) -> bool;
     /// Square root.
     fn sqrt(self) -> Self;

@@ -11,7 +11,7 @@ use trirrr_service::Output;
 
 type Angle = <Scalar as Arithmetic>::Angle;
 
-/// What stands for a register: what is written to it is not left out although nobody reads it.
+/// Stand-in for a register. The compiler keeps the writes to it although nobody reads it.
 #[used]
 static REGISTER: AtomicU32 = AtomicU32::new(0);
 
@@ -75,7 +75,7 @@ mod kind {
     /// Steppers.
     pub struct Drives(Steppers<'static, Scalar>);
 
-    /// What is called between ticks.
+    /// Slots that are called between ticks.
     pub type SceneSlots = Slots<'static, Pin, Pin, Pin>;
 
     impl Drives {
@@ -84,7 +84,7 @@ mod kind {
             Self(Steppers::new(PER_TURN, MOST_PER_TICK, angles, &LINE))
         }
 
-        /// What homing has found out.
+        /// Shifts the angles by what homing has found out.
         #[cfg(homing)]
         #[inline(always)]
         pub fn shift(&mut self, by: [Angle; 3]) {
@@ -134,7 +134,7 @@ mod kind {
     }
 
     /// Brushless motors.
-    pub struct Drives(Bldcs<Scalar, Pwm, Pin, Pin>);
+    pub struct Drives(Bldcs<BldcMotor<Scalar, Pwm, Pin>, Pin>);
 
     impl Drives {
         /// Motors that are off.

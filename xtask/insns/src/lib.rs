@@ -1,4 +1,4 @@
-//! What the images of this package share: the scene they were built for, as constants and types, and
+//! Code that the images of this package share. It holds their scene, as constants and types, and
 //! the tick, alone and in its service, as a caller sees it.
 #![no_std]
 

@@ -28,10 +28,10 @@ pub type SceneForeground = Foreground<'static, Scene>;
 /// The half that talks.
 pub type SceneBackground = Background<'static, Scene>;
 
-/// What it is told.
+/// Command that the service receives.
 pub type SceneCommand = Command<Scalar, <Scene as trirrr_service::Scene>::Replacement>;
 
-/// What it answers.
+/// Reply that the service gives.
 pub type SceneReply = Reply<Scalar, <Scene as trirrr_service::Scene>::Part>;
 
 /// The scene.
@@ -48,7 +48,7 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// Where the job starts.
+/// Returns the pose at which the job starts.
 pub fn start() -> Pose<Scalar> {
     START
 }
@@ -95,13 +95,13 @@ pub fn offered(index: usize, number: u32) -> Move<Scalar> {
     }
 }
 
-/// What runs once per tick.
+/// Parts that run once per tick.
 pub struct Ticking {
-    /// The service,
+    /// Foreground of the service.
     pub foreground: SceneForeground,
-    /// what its output goes to,
+    /// Drives that take the service's output.
     pub drives: Drives,
-    /// and what its switches say.
+    /// State of each switch of the machine: true if it is closed.
     #[cfg(homing)]
     pub closed: [bool; 3],
 }

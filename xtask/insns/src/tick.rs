@@ -15,11 +15,11 @@ use trirrr_image::Segment;
 /// The tick that the scene needs.
 pub type SceneTick = Tick<Model>;
 
-/// What one tick leaves: angle, rate, acceleration and torque of each motor, or why there are none.
+/// Result of one tick: angle, rate, acceleration and torque of each motor, or why there are none.
 pub struct Outcome {
     /// The motors, as of the last tick that had a motion.
     pub motors: [Motor<Scalar>; 3],
-    /// How the tick ended.
+    /// Status with which the tick ended.
     pub status: Result<(), Status>,
 }
 

@@ -1,15 +1,15 @@
-//! What an instruction of an IT block is under: the ways through such a block, and from one to the next.
+//! Conditions on the instructions of IT blocks: the ways through a block, and from one to the next.
 
-/// How the instructions to come depend on a condition.
+/// Dependence of the instructions to come on a condition.
 ///
 /// Two blocks in a row may ask for the same: `itt eq; addeq sp, #8; ...` and `it eq; popeq {pc}`. So what was
 /// taken to hold is kept from one to the next, or the stack would seem to be two things at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Condition {
-    /// How many of them do, and which are executed (bit 0: the next one).
+    /// Number of these instructions. A set bit of `then` means executed (bit 0: the next one).
     count: u8,
     then: u8,
-    /// What is taken to hold.
+    /// Condition that is taken to hold.
     holds: Option<u8>,
 }
 
@@ -25,7 +25,7 @@ impl Condition {
         Self { count, then, holds }
     }
 
-    /// Whether the next instruction is passed over.
+    /// Returns true if the processor passes over the next instruction.
     pub(super) fn skips(self) -> bool {
         self.count > 0 && self.then & 1 == 0
     }
@@ -38,7 +38,7 @@ impl Condition {
         }
     }
 
-    /// What may be behind the next instruction; `compares`: it changes the flags within a block.
+    /// Returns what may be behind the next instruction; `compares`: it changes the flags within a block.
     pub(super) fn after(self, compares: bool) -> Vec<Self> {
         let rest = self.rest();
         match compares {
@@ -50,8 +50,9 @@ impl Condition {
         }
     }
 
-    /// What may be behind an `it` of `count` instructions: those of `then` where the condition holds, the
-    /// others where its opposite does. Conditions are in pairs of opposites, which differ in the lowest bit.
+    /// Returns what may be behind an `it` of `count` instructions. Those of `then` are executed where the
+    /// condition holds, the others where its opposite does.
+    /// Conditions are in pairs of opposites, which differ in the lowest bit.
     pub(super) fn of(self, condition: u8, count: u8, then: u8) -> Vec<Self> {
         [(condition, then), (condition ^ 1, !then)]
             .into_iter()
@@ -69,7 +70,7 @@ mod tests {
     const NE: u8 = 1;
     const CS: u8 = 2;
 
-    /// Which of the next instructions are executed.
+    /// Returns for each of the next instructions whether it is executed.
     fn executed(mut condition: Condition) -> Vec<bool> {
         let mut executed = Vec::new();
         while condition.count > 0 {

@@ -1,4 +1,4 @@
-//! Which function calls which, how deep the stack gets below each, and the way to what must not be called.
+//! Graph of the calls, depth of the stack below each function, and the way to what must not be called.
 
 use super::program::Program;
 use super::walk::{Body, Call, walk};
@@ -8,13 +8,13 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 /// The functions that are called from somewhere.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
-    /// What each does.
+    /// Body of each function.
     pub(super) bodies: BTreeMap<u32, Body>,
-    /// How deep the stack gets in each, with all that it calls.
+    /// Depth of the stack in each function, with all that it calls.
     depths: BTreeMap<u32, Depth>,
 }
 
-/// How deep the stack gets in a function.
+/// Depth of the stack in a function.
 #[derive(Clone, Copy, Debug)]
 struct Depth {
     bytes: i32,
@@ -56,7 +56,7 @@ impl Graph {
         Ok(graph)
     }
 
-    /// How deep the stack gets in the last function on `path`.
+    /// Returns the depth of the stack in the last function on `path`.
     fn descend(&mut self, program: &Program, path: &mut Vec<u32>) -> Result<i32> {
         let Some(entry) = path.last().copied() else {
             return Ok(0);

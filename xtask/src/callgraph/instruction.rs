@@ -1,4 +1,4 @@
-//! What a Thumb instruction does, as far as the stack and calls go.
+//! Effects of a Thumb instruction on the stack and on calls.
 
 /// Numbers of core registers.
 pub(super) type Register = u8;
@@ -36,7 +36,7 @@ impl Registers {
     }
 }
 
-/// Where it goes on.
+/// Way in which the program goes on after an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flow {
     Next,
@@ -64,7 +64,7 @@ pub(super) enum Flow {
     Trap,
 }
 
-/// What becomes of the stack pointer.
+/// Change of the stack pointer by an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stack {
     Same,
@@ -76,7 +76,7 @@ pub(super) enum Stack {
     Adds(Register),
 }
 
-/// What a register gets, where that may be a constant or a place on the stack.
+/// New value of a register, where that may be a constant or a place on the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Value {
     /// Nothing that is followed.
@@ -107,10 +107,10 @@ pub(super) struct Instruction {
     pub(super) stack: Stack,
     /// The registers that it changes, without sp and pc.
     pub(super) writes: Registers,
-    /// What the one register that it writes gets.
+    /// Value that the instruction gives to the one register that it writes.
     pub(super) value: Value,
-    /// Whether it changes the flags that conditions are about, where it depends on one itself. (Where it does
-    /// not, most instructions of 16 bits do.)
+    /// True if the instruction depends on a condition and still changes the flags that conditions test.
+    /// (Most instructions of 16 bits that depend on no condition change them, too.)
     pub(super) compares: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What the code of an image says of itself: how deep its stack gets at most, and that no interrupt panics.
+//! Proofs from the code of an image: how deep its stack gets at most, and that no interrupt panics.
 //!
 //! Read is the very ELF that is flashed. Each function is walked along every way through it, with
 //! what is known of its registers: what constants they hold, and what places on the stack. So a call by way of
@@ -57,11 +57,11 @@ pub(crate) struct Arguments {
 pub(crate) struct Stack {
     /// Most that it takes.
     pub(crate) most: u32,
-    /// What it has.
+    /// Room that it has.
     pub(crate) room: u32,
 }
 
-/// What a function's name has that panics. All of them end in the handler, which is the second.
+/// Parts of the names of functions that panic. All of them end in the handler, which is the second.
 const PANICS: [&str; 2] = ["core::panicking::", "rust_begin_unwind"];
 
 /// Entries of the vector table: the program's start, and the tick.
@@ -87,7 +87,7 @@ pub(crate) fn check(file: &Path) -> Result<Stack> {
         .with_context(|| file.display().to_string())
 }
 
-/// Where the stack of the image in `file` lies.
+/// Returns the addresses of the stack of the image in `file`.
 pub(crate) fn place(file: &Path) -> Result<Range<u32>> {
     let place = read(file).and_then(|program| program.stack());
     place.with_context(|| file.display().to_string())
@@ -113,7 +113,7 @@ struct Image<'a> {
     program: &'a Program,
     graph: Graph,
     reset: u32,
-    /// What else is in the table, each once.
+    /// Other entries of the table, each once.
     handlers: BTreeSet<u32>,
 }
 

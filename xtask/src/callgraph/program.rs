@@ -9,7 +9,7 @@ use object::{Endianness, Object, ObjectSection, ObjectSymbol, SymbolKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What the compiler's outliner calls the pieces that it finds in several functions.
+/// Name prefix that the compiler's outliner gives to pieces that it finds in several functions.
 const OUTLINED: &str = "OUTLINED_FUNCTION_";
 
 /// Code from its entry to where the next begins.
@@ -32,13 +32,13 @@ impl Function {
 pub(super) struct Program {
     /// By address.
     pub(super) functions: BTreeMap<u32, Function>,
-    /// What does not change: addresses and bytes.
+    /// Data that does not change: addresses and bytes.
     pub(super) constants: Vec<(u32, Vec<u8>)>,
-    /// Where code begins (true) and where data between it.
+    /// Addresses where code begins (true) and where data between it begins (false).
     pub(super) marks: BTreeMap<u32, bool>,
     /// The entries of the vector table, from the first stack pointer on.
     pub(super) vectors: Vec<u32>,
-    /// Where the stack is to stay, as far as its linker script says.
+    /// Address range in which the stack must stay, if the linker script gives one.
     pub(super) stack: Option<Range<u32>>,
     /// It passes floats in the registers of a floating-point unit.
     pub(super) has_floats: bool,
@@ -122,7 +122,7 @@ impl Program {
         stack.context("no _stack_start and _stack_end")
     }
 
-    /// What a function is called, and where in it.
+    /// Returns the function at `address` and the offset in it, as text.
     pub(super) fn place(&self, address: u32) -> String {
         match self.functions.range(..=address).next_back() {
             Some((start, function)) if *start == address => function.names[0].clone(),
@@ -137,7 +137,7 @@ impl Program {
         }
     }
 
-    /// Whether there is code here, and not data between it.
+    /// Returns true if there is code at `address`, and not data between it.
     pub(super) fn is_code(&self, address: u32) -> bool {
         let mark = self.marks.range(..=address).next_back();
         mark.is_some_and(|(_, is_code)| *is_code)

@@ -1,10 +1,10 @@
-//! What is known of stack and registers at an instruction.
+//! Knowledge of stack and registers at an instruction.
 
 use super::instruction::{Instruction, LR, PC, Register, SP, Stack, Value};
 use super::program::Program;
 use anyhow::{Result, bail, ensure};
 
-/// What is known of a register.
+/// Knowledge of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing,
@@ -28,7 +28,7 @@ impl Known {
     }
 }
 
-/// What is known before an instruction.
+/// Knowledge before an instruction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct State {
     /// Bytes that the stack has grown by since the function's entry.
@@ -52,7 +52,7 @@ impl State {
         }
     }
 
-    /// What is known where another way comes in; whether that is less than before.
+    /// Keeps what is known on both ways, where another comes in. Returns true if it is less than before.
     ///
     /// # Errors
     /// The stack is not as deep on both.
@@ -73,7 +73,7 @@ impl State {
         Ok(changed)
     }
 
-    /// What a call may change by the calling convention: r0 to r3, r12 and lr (AAPCS32, 6.1.1).
+    /// Forgets what a call may change by the calling convention: r0 to r3, r12 and lr (AAPCS32, 6.1.1).
     pub(super) fn after_call(mut self) -> Self {
         for register in [0, 1, 2, 3, 12, LR] {
             self.registers[usize::from(register)] = Known::Nothing;
@@ -81,7 +81,7 @@ impl State {
         self
     }
 
-    /// What is known behind an instruction. True: it puts the stack at its very top.
+    /// Applies an instruction to what is known. Returns true if it puts the stack at its very top.
     ///
     /// # Errors
     /// What becomes of the stack is not known.

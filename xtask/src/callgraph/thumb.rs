@@ -33,7 +33,7 @@ pub(super) fn signed(value: u32, bits: u32) -> i32 {
     ((value << unused) as i32) >> unused
 }
 
-/// What an instruction at `address` sees as pc, for a branch.
+/// Returns what an instruction at `address` sees as pc, plus `offset`, for a branch.
 pub(super) fn ahead(address: u32, offset: i32) -> u32 {
     address.wrapping_add(4).wrapping_add_signed(offset)
 }

@@ -17,7 +17,7 @@ pub(super) struct Call {
     pub(super) depth: i32,
 }
 
-/// What a function does.
+/// Effects of a function: its use of the stack, its calls and its ends.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Body {
     /// Bytes of stack that it takes itself.
@@ -57,7 +57,7 @@ struct Walk<'a> {
     returning: &'a BTreeSet<u32>,
     entry: u32,
     body: Body,
-    /// What is known where it returns.
+    /// State known where the function returns.
     exit: Option<State>,
 }
 
@@ -98,7 +98,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// What comes behind an instruction in this function, and what is known there.
+    /// Returns the nodes behind an instruction in this function, with the state known at each.
     fn step(&mut self, node: Node, state: &State) -> Result<Vec<(Node, State)>> {
         self.execute(node, state.clone())
             .with_context(|| self.program.place(node.0))
@@ -164,8 +164,8 @@ impl<'a> Walk<'a> {
         function.is_some_and(|function| (self.entry..function.end).contains(&address))
     }
 
-    /// Where the entries of a table lead. It ends where code begins, or with what leads to no code of this
-    /// function; what is read beyond its end makes more ways, not less.
+    /// Returns the targets of a table. It ends where code begins, or where an entry leads to no code of
+    /// this function. Entries read beyond its end make more ways, not less.
     fn table(&self, table: u32, size: u32, target: impl Fn(u32) -> u32) -> Result<Vec<u32>> {
         let targets: Vec<u32> = (0..)
             .map(|nth| table + size * nth)
@@ -233,8 +233,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Whether it is a piece of several functions that the compiler has put elsewhere. It keeps to no calling
-    /// convention, so that it has to be walked as a part of each.
+    /// Returns true if `entry` begins a piece of several functions that the compiler has put elsewhere.
+    /// Such a piece keeps to no calling convention, so the walk takes it as a part of each.
     fn is_outlined(&self, entry: u32) -> Result<bool> {
         let function = self.program.functions.get(&entry).with_context(|| {
             format!(

@@ -18,16 +18,16 @@ use std::time::{Duration, Instant};
 /// instructions, so a host that is busy slows the board down and makes no tick late.
 const SHIFT: u32 = 4;
 
-/// What QEMU clocks the core's timer with, whatever the program sets, Hz.
+/// Clock of the core's timer in QEMU, whatever the program sets, Hz.
 const TIMER_HZ: f64 = 168e6;
 
 /// Counts of the tick's timer per instruction.
 pub(super) const COUNTS_PER_INSTRUCTION: f64 = TIMER_HZ * 1e-9 * (1_u64 << SHIFT) as f64;
 
-/// How long the emulator may take to start.
+/// Longest time that the emulator may take to start.
 const BOOT: Duration = Duration::from_secs(20);
 
-/// What the start of the program paints the stack with (cortex-m-rt).
+/// Word with which the start of the program (cortex-m-rt) paints the stack.
 const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
 
 /// Held from the choice of ports until the emulator listens there.
@@ -38,15 +38,15 @@ pub(super) struct Board {
     child: Child,
     address: String,
     log: PathBuf,
-    /// Where the emulator takes orders.
+    /// Port on which the emulator takes orders.
     monitor: u16,
-    /// Where the image has its stack.
+    /// Addresses of the image's stack.
     stack: Range<u32>,
 }
 
-/// What is left of a board that was switched off.
+/// Remains of a board that was switched off.
 pub(super) struct Ended {
-    /// What came out of its log's port.
+    /// File with the output of the board's log port.
     pub(super) log: PathBuf,
     /// Bytes of stack that it has used at most, interrupts included.
     pub(super) stack: u32,
@@ -127,7 +127,7 @@ impl Board {
         Ok(())
     }
 
-    /// Where the link is.
+    /// Returns the address of the board's link.
     pub(super) fn address(&self) -> &str {
         &self.address
     }
@@ -151,7 +151,7 @@ impl Board {
         })
     }
 
-    /// How deep the paint is gone.
+    /// Returns the bytes of stack, from its top, down to the deepest word that has lost its paint.
     fn used_stack(&self) -> Result<u32> {
         let file = self.log.with_extension("stack");
         // What an earlier board left is not to be taken for this one's.
@@ -186,7 +186,7 @@ impl Drop for Board {
     }
 }
 
-/// Where boards leave their files.
+/// Returns the folder in which boards leave their files, and creates it if need be.
 fn folder() -> Result<PathBuf> {
     let folder = target_directory().join("emulate");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;

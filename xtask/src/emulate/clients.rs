@@ -14,10 +14,10 @@ use std::time::Duration;
 /// than silicon.
 const TIME_LIMIT: Duration = Duration::from_secs(400);
 
-/// What a client says of the first motor's switch, which is never found.
+/// Message of a client about the first motor's switch, which is never found.
 const NOT_FOUND: &str = "homing: motor 1 has not found its switch or stop within";
 
-/// What `board-test play` saw.
+/// Figures that `board-test play` saw.
 pub(super) struct Played {
     pub(super) ticks: u64,
     pub(super) samples: u64,
@@ -26,7 +26,7 @@ pub(super) struct Played {
     pub(super) longest: u32,
 }
 
-/// What the board's inputs of homing do.
+/// Behaviour of the board's inputs of homing.
 #[derive(Clone, Copy)]
 pub(super) enum Inputs {
     /// They never close: in an emulator they are low, and a switch that is closed when low is in no
@@ -113,7 +113,7 @@ impl Clients {
         )
     }
 
-    /// What the board says of itself, once it has failed.
+    /// Returns what the board says of itself, once it has failed.
     pub(super) fn report(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<String> {
         output(&mut self.board_test("report", scene, scalar, board))
     }
@@ -214,7 +214,7 @@ fn folder(scene: &SceneFile, scalar: &str, client: &str) -> PathBuf {
     folder.join(format!("{}-{scalar}", scene.name)).join(client)
 }
 
-/// What a command prints; its failure, with what it said, is an error.
+/// Returns what a command prints; its failure, with what it said, is an error.
 fn output(command: &mut Command) -> Result<String> {
     let child = command
         .stdin(Stdio::null())

@@ -13,7 +13,7 @@ use trirrr_scene::Scene;
 /// The scene of the images that fail.
 const SCENE: &str = "engraving";
 
-/// What an image can be made to do, and what the board has to say of it.
+/// Failures that an image can be made to cause, and what the board has to say of each.
 const FAILURES: [(&str, &[&str]); 4] = [
     (
         "panic",
@@ -41,7 +41,8 @@ const FAILURES: [(&str, &[&str]); 4] = [
     ("overrun", &["start: it was switched on", "fault: a tick"]),
 ];
 
-/// What the check of the code has to say of the images whose failure it can see, or it would see none.
+/// Failures that the check of the code can see, each with the message it must give of the image.
+/// Without these messages, the check would see none.
 const REFUSED: [(&str, &str); 2] = [
     ("panic", "a handler may panic: SysTick > "),
     ("stack-overflow", "recursion: "),

@@ -20,8 +20,8 @@ use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::Scene;
 use trirrr_service::Contact;
 
-/// What no tick may exceed on the board in f32, instructions: service and drives, from when it was
-/// due until its outputs stood.
+/// Most instructions that a tick may take on the board in f32, for service and drives. The count
+/// runs from when the tick was due until its outputs stood.
 const TICK_CEILING: f64 = 1500.0;
 
 /// The scene whose jobs are played over a bad line, and left in the middle: 1000 ticks per second,
@@ -32,7 +32,7 @@ const LINE_SCENE: &str = "engraving";
 pub(crate) struct Arguments {
     /// Scenes, by name or file; all that are for a board without
     scenes: Vec<String>,
-    /// What to do; repeat for more
+    /// Part to run; repeat for more
     #[arg(long, value_enum, default_values_t = [Part::Jobs])]
     part: Vec<Part>,
     /// Number type of the images [default: the scene's, f32 for f64; in `jobs` of all scenes fixed
@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-/// What is done with an emulated board.
+/// Part of the emulation: one kind of run on an emulated board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// Play each scene's job with every client, compare every sample with the host's
@@ -270,7 +270,7 @@ fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
     Ok(())
 }
 
-/// How deep the stack gets at most by the code of an image that has `used` so much of it.
+/// Returns the most bytes of stack that the image's code can take. Fails if a run has `used` more.
 fn stack_bound(image: &Path, used: u32) -> Result<u32> {
     let most = callgraph::check(image)?.most;
     ensure!(

@@ -1,4 +1,4 @@
-//! What the `count` image prints, as instruction counts.
+//! Instruction counts that the `count` image prints.
 
 use anyhow::{Context, Result, bail, ensure};
 

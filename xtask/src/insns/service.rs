@@ -7,7 +7,7 @@ use crate::qemu;
 use crate::repository::SceneFile;
 use anyhow::{Context, Result, bail, ensure};
 
-/// What no tick of the service may exceed on m4f in f32, with a sample in each tick.
+/// Instructions that no tick of the service may exceed on m4f in f32, with a sample in each tick.
 pub(super) const CEILING: f64 = 1500.0;
 
 /// Instructions of the service's ticks, by what they do.

@@ -42,14 +42,14 @@ impl<N, W: SetDutyCycle, D: OutputPin> BldcMotor<N, W, D> {
     }
 }
 
-/// Three motors and their enable line.
+/// Three motors `M`, each a [`BldcMotor`], and their enable line.
 #[derive(Debug)]
-pub struct Bldcs<N, W, D, E> {
-    motors: [BldcMotor<N, W, D>; 3],
+pub struct Bldcs<M, E> {
+    motors: [M; 3],
     enable: Enable<E>,
 }
 
-impl<N, W, D, E> Bldcs<N, W, D, E>
+impl<N, W, D, E> Bldcs<BldcMotor<N, W, D>, E>
 where
     N: Countable,
     W: SetDutyCycle,

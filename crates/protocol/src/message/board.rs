@@ -1,21 +1,21 @@
-//! What a board tells of itself: its timer, its clock, and why it started.
+//! Self-description of a board: its timer, its clock, and the reason of its start.
 
 use super::report::NAME_CAPACITY;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// What carries the service.
+/// The hardware that carries the service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Board {
     /// Counts per second of the timer that ticks are timed with.
     pub timer_hz: u32,
-    /// What its clock comes from.
+    /// Source of its clock.
     pub clock: Clock,
-    /// Why it started last.
+    /// Reason of its last start.
     pub start: Start,
 }
 
-/// Where a board's clock comes from: how true its rate of ticks is.
+/// Source of a board's clock. The source tells how true the rate of ticks is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Clock {
     /// No board: the clock of a host.
@@ -30,7 +30,7 @@ pub enum Clock {
     Emulated,
 }
 
-/// Why a board started.
+/// Reason of a board's start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Start {
     /// It was switched on.
@@ -57,7 +57,7 @@ pub enum Start {
 pub struct Registers {
     /// The instruction; 0 where the stack was lost.
     pub pc: u32,
-    /// Where its function was called from; 0 where the stack was lost.
+    /// Address that its function was called from; 0 where the stack was lost.
     pub lr: u32,
     /// The stack pointer.
     pub sp: u32,
@@ -68,7 +68,7 @@ pub struct Registers {
 }
 
 impl Start {
-    /// Whether it started because it had failed.
+    /// Returns true if the board started because it had failed.
     pub fn is_failure(&self) -> bool {
         !matches!(self, Self::Power | Self::Reset)
     }

@@ -1,4 +1,4 @@
-//! What a host asks for.
+//! Commands that a host sends to a machine.
 
 use super::Transmit;
 use super::scene::{Section, SectionName};
@@ -23,11 +23,11 @@ pub struct Request<N: Number, S = Section> {
     ///
     /// [`Identity`]: super::Identity
     pub sequence: u32,
-    /// What to do.
+    /// Command that the machine is to execute.
     pub command: Command<N, S>,
 }
 
-/// What to do.
+/// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
     serialize = "N: Transmit, S: Serialize",
@@ -66,7 +66,7 @@ pub enum Command<N: Number, S = Section> {
     Home,
 }
 
-/// What a host believes that it talks to.
+/// Protocol, layout and scene that a host expects of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Hello {
     /// [`PROTOCOL`](super::PROTOCOL).
@@ -84,9 +84,9 @@ pub struct Hello {
 pub struct Move<N: Number> {
     /// Counts the moves one by one, modulo 2^32; [`Status`](super::Status) says which is expected.
     pub number: u32,
-    /// Where it starts: where the last one ends, or where the machine stands, in the bits.
+    /// Start pose: bit for bit the end of the last move, or the pose where the machine stands.
     pub from: Pose<N>,
-    /// Where it ends.
+    /// End pose of the move.
     pub to: Pose<N>,
     /// (vx, vy, alphadot) at its start: that at the end of the last one, in the bits.
     pub start_velocity: [N; 3],
@@ -127,17 +127,17 @@ impl<N: Number> Move<N> {
         }
     }
 
-    /// Whether both ends are at rest.
+    /// Returns true if the move is at rest at both ends.
     pub fn is_rest_to_rest(&self) -> bool {
         self.starts_at_rest() && self.ends_at_rest()
     }
 
-    /// Whether it starts at rest.
+    /// Returns true if the move starts at rest.
     pub fn starts_at_rest(&self) -> bool {
         self.start_velocity == [N::ZERO; 3]
     }
 
-    /// Whether it ends at rest.
+    /// Returns true if the move ends at rest.
     pub fn ends_at_rest(&self) -> bool {
         self.end_velocity == [N::ZERO; 3]
     }

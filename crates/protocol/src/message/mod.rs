@@ -1,4 +1,4 @@
-//! What a host and a machine say to each other: commands one way; replies, events and telemetry the
+//! Messages between a host and a machine. Commands go one way; replies, events and telemetry go the
 //! other.
 //!
 //! # Numbers and units

@@ -10,7 +10,7 @@ use serde::de::{DeserializeOwned, Deserializer, SeqAccess, Visitor};
 use serde::ser::{SerializeTuple, Serializer};
 use serde::{Deserialize, Serialize};
 
-/// What a part of the scene in a request is read as.
+/// Type as which a part of the scene in a request is read.
 pub trait Replacement: DeserializeOwned + Schema {
     /// The part; none where it was not read.
     fn section(&self) -> Option<&Section>;

@@ -1,4 +1,4 @@
-//! Why a command was not executed.
+//! Reason for which a command was not executed.
 
 use super::Transmit;
 use super::state::State;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use trirrr_core::machine::Quantity;
 use trirrr_core::number::Number;
 
-/// Why a command was not executed. A refused command changes nothing.
+/// Reason for which a command was not executed. A refused command changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -71,9 +71,9 @@ pub enum Refusal<N: Number> {
     NoSuchLeg,
     /// The scene's part cannot be built.
     Parameter {
-        /// What is wrong,
+        /// Quantity that is wrong,
         quantity: Quantity,
-        /// and of which leg.
+        /// and the leg that it belongs to.
         leg: Option<u8>,
     },
     /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a

@@ -1,4 +1,4 @@
-//! What a machine says.
+//! Messages that a machine sends.
 
 use super::Transmit;
 use super::board::Board;
@@ -77,7 +77,7 @@ pub enum Reply<N: Number, S = Section> {
     Status(Status<N>),
 }
 
-/// What a machine is.
+/// Identity of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Identity {
     /// [`PROTOCOL`](super::PROTOCOL).
@@ -104,20 +104,20 @@ pub struct Identity {
     pub queue: u8,
     /// Sequence number of the next request.
     pub next_sequence: u32,
-    /// What carries it.
+    /// Board that carries the machine.
     pub board: Board,
 }
 
-/// Where everything stands.
+/// Status of the machine and its job.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Status<N: Number> {
     /// Ticks since the machine was switched on, modulo 2^32.
     pub tick: u32,
-    /// What it is doing,
+    /// State of the machine.
     pub state: State,
-    /// and what keeps it from normal speed.
+    /// Cause that keeps the machine from normal speed, if any.
     pub acting: Acting,
     /// The latched fault.
     pub fault: Option<Fault<N>>,
@@ -132,8 +132,8 @@ pub struct Status<N: Number> {
     pub room: u8,
     /// The last move that was not admitted, until the next one is offered.
     pub refused: Option<Verdict<N>>,
-    /// Where the next move has to start: the end of the last one offered, or where the machine
-    /// stands.
+    /// Setpoint where the next move has to start. It is the end of the last move offered, or the
+    /// setpoint where the machine stands.
     pub end: Option<Setpoint<N>>,
     /// Telemetry samples that were dropped because nobody fetched them, modulo 2^32.
     pub lost: u32,
@@ -149,7 +149,7 @@ pub struct Status<N: Number> {
 pub struct Verdict<N: Number> {
     /// The move's number.
     pub number: u32,
-    /// What it would break; none where it is admitted.
+    /// Violation that the move would cause; none where the move is admitted.
     pub violation: Option<Violation<N>>,
 }
 
@@ -163,11 +163,11 @@ pub enum Event<N: Number> {
     Verdict(Verdict<N>),
     /// The state, or what acts, changed.
     State {
-        /// What the machine is doing,
+        /// State of the machine.
         state: State,
-        /// what keeps it from normal speed,
+        /// Cause that keeps the machine from normal speed, if any.
         acting: Acting,
-        /// and the number of the first move that is not over.
+        /// Number of the first move that is not over.
         done: u32,
     },
     /// A fault was latched.
@@ -181,9 +181,9 @@ pub enum Event<N: Number> {
 pub struct Telemetry<N: Number> {
     /// Ticks since the machine was switched on, modulo 2^32.
     pub tick: u32,
-    /// What the machine is doing,
+    /// State of the machine.
     pub state: State,
-    /// and what keeps it from normal speed.
+    /// Cause that keeps the machine from normal speed, if any.
     pub acting: Acting,
     /// Number of the move under way, or of the last one.
     pub number: u32,
@@ -203,8 +203,8 @@ pub struct Telemetry<N: Number> {
     pub torques: [N; 3],
     /// Power of the tool, 0 to 1.
     pub tool: N,
-    /// How long the tick before took, from when it was due until its outputs stood, in counts of
-    /// the board's timer.
+    /// Duration of the tick before, in counts of the board's timer. It runs from when that tick was
+    /// due until its outputs stood.
     pub duration: u32,
     /// Samples dropped so far because nobody fetched them, modulo 2^32.
     pub lost: u32,

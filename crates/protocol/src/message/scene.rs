@@ -22,7 +22,7 @@ pub enum SectionName {
 pub enum Section {
     /// A leg.
     Leg {
-        /// Which, from 0.
+        /// Number of the leg, from 0.
         index: u8,
         /// The leg.
         leg: Leg,
@@ -64,7 +64,7 @@ pub struct Leg {
     pub joint_radius_m: f64,
     /// Its direction in the platform's frame, rad.
     pub joint_angle_rad: f64,
-    /// Whether the elbow lies to the left of A -> C.
+    /// True if the elbow lies to the left of A -> C.
     pub elbow_positive: bool,
     /// Mass of the proximal link (kg), distance of its centre of mass from A (m), its moment of
     /// inertia about that (kg m^2).

@@ -1,11 +1,11 @@
-//! What the machine is doing.
+//! State of the machine.
 
 use super::violation::Bounded;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// What the machine is doing. The four states that the tool knows are idle, running, holding and
-/// fault: it is on in running only, [`State::is_running`]; the other states lie between.
+/// State of the machine. The tool knows four states: idle, running, holding and fault.
+/// The tool is on in running only, [`State::is_running`]. The other states lie between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum State {
     /// Stands, nothing under way.
@@ -30,7 +30,7 @@ pub enum State {
     Homing,
 }
 
-/// What keeps the machine from normal speed.
+/// Cause that keeps the machine from normal speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Acting {
     /// Nothing.
@@ -43,19 +43,19 @@ pub enum Acting {
     Stop,
     /// The host has been silent for too long.
     Silence,
-    /// What is queued ends moving: it waits for more.
+    /// The queue ends while the machine moves: the machine waits for more.
     QueueDry,
     /// A limit of the scene: the one that the fault names.
     Limit(Bounded),
 }
 
 impl State {
-    /// Whether the job is played, at whatever speed: the only states in which the tool may be on.
+    /// Returns true if the machine plays the job, at any speed: only then may the tool be on.
     pub fn is_running(self) -> bool {
         matches!(self, Self::Running | Self::Slowing)
     }
 
-    /// Whether the machine stands still and stays so until it is told otherwise.
+    /// Returns true if the machine stands still and stays so until it is told otherwise.
     pub fn is_at_rest(self) -> bool {
         matches!(
             self,

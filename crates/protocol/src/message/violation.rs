@@ -1,4 +1,4 @@
-//! What went beyond what, and where.
+//! Violations of bounds and faults: the quantity, its bound, and the place.
 
 use super::Transmit;
 use postcard_schema::Schema;
@@ -32,7 +32,7 @@ pub enum Bounded {
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Violation<N: Number> {
-    /// What went beyond its bound.
+    /// Quantity that went beyond its bound.
     pub what: Bounded,
     /// The leg or motor, from 0, where it belongs to one.
     pub index: Option<u8>,
@@ -42,7 +42,7 @@ pub struct Violation<N: Number> {
     pub value: N,
     /// The bound.
     pub limit: N,
-    /// Whether it takes a hold, a stop or a resume there: at normal speed the bound is kept.
+    /// True if only a hold, a stop or a resume there breaks the bound. Normal speed keeps it.
     pub ramp: bool,
     /// The shortest duration in ticks that would pass, where the move is merely too fast.
     pub shortest: Option<u32>,
@@ -53,7 +53,7 @@ pub struct Violation<N: Number> {
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Fault<N: Number> {
-    /// What happened.
+    /// Code of what happened.
     pub code: FaultCode,
     /// The leg or motor, from 0, where it belongs to one.
     pub index: Option<u8>,
@@ -65,7 +65,7 @@ pub struct Fault<N: Number> {
     pub tick: u32,
 }
 
-/// What a fault is about.
+/// Subject of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum FaultCode {
     /// The tick's result was beyond a limit; it was not given out.
@@ -96,7 +96,7 @@ pub enum FaultCode {
     HomingClosedAtStart,
 }
 
-/// What a drive does not do.
+/// Reason why a drive does not do what it was told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum DriveFault {
     /// More microsteps in a tick than the stepper's driver takes; the value is in parts of the most

@@ -46,7 +46,7 @@ impl<const N: usize> Decoder<N> {
         }
     }
 
-    /// What came so far.
+    /// Returns the counts of the frames that came so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
@@ -144,7 +144,7 @@ fn message<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
     }
 }
 
-/// What is left of a message as it is read.
+/// Bytes that are left of a message as it is read.
 struct Bytes<'de>(&'de [u8]);
 
 impl<'de> Flavor<'de> for Bytes<'de> {

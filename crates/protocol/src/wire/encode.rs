@@ -9,7 +9,7 @@ use serde::Serialize;
 /// The buffer does not hold the frame, or the message has no length that is known beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BufferTooSmall {
-    /// What the buffer holds, bytes.
+    /// Capacity of the buffer, bytes.
     pub bytes: usize,
 }
 

@@ -1,8 +1,8 @@
-//! What can be wrong with a frame, and how often it was.
+//! Errors of a frame, and counters of how often each occurred.
 
 use core::fmt;
 
-/// Why what stood between two zeros is not a message.
+/// Reason that the bytes between two zeros are not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FrameError {
     /// Nothing: two zeros in a row.
@@ -51,7 +51,7 @@ impl fmt::Display for FrameError {
 
 impl core::error::Error for FrameError {}
 
-/// What a decoder has seen. Every counter stops at its largest value.
+/// Counts of the frames that a decoder has seen. Every counter stops at its largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Frames that were messages.
@@ -67,7 +67,7 @@ impl Counters {
         errors: [0; FrameError::ALL.len()],
     };
 
-    /// How often `error` was met.
+    /// Returns how often the decoder met `error`.
     pub fn of(&self, error: FrameError) -> u32 {
         self.errors[error as usize]
     }

@@ -1,4 +1,4 @@
-//! Which column of the table holds what.
+//! Columns of the table, by what they hold.
 
 use csv::ByteRecord;
 
@@ -20,7 +20,7 @@ pub(super) struct LegColumns {
     pub(super) elbow: Column,
 }
 
-/// Where the setpoint comes from.
+/// Columns that the setpoint comes from.
 #[derive(Clone, Debug)]
 pub(super) enum Motion {
     /// x, y, alpha, vx, vy, valpha, acx, acy, acalpha.

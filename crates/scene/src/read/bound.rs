@@ -1,4 +1,4 @@
-//! What a number in a scene may be.
+//! Bounds of the numbers in a scene.
 
 /// The values a number may take. Every number must be finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// Why `value` is refused, if it is.
+    /// Returns the reason that the bound refuses `value`, if it does.
     pub(super) fn objection(self, value: f64) -> Option<String> {
         if !value.is_finite() {
             return Some("must be a finite number".into());

@@ -63,7 +63,7 @@ impl<'t> Document<'t> {
         });
     }
 
-    /// Whether nothing was found wrong so far.
+    /// Returns true if nothing was found wrong so far.
     pub fn is_clean(&self) -> bool {
         self.problems.borrow().is_empty()
     }

@@ -89,7 +89,7 @@ impl<'d, 't> Section<'d, 't> {
         self.lenient.set(true);
     }
 
-    /// Whether `key` is there.
+    /// Returns `true` if `key` is there.
     pub fn has(&self, key: &'d str) -> bool {
         self.value(key).is_some()
     }

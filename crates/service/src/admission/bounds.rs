@@ -1,5 +1,5 @@
-//! What the motors do over an interval of a move, at normal speed and while a hold, a stop or a
-//! resume scales the speed along the path.
+//! Bounds of what the motors do over an interval of a move. They hold at normal speed and while a
+//! hold, a stop or a resume scales the speed along the path.
 //!
 //! With u the speed along the path in parts of normal speed and u' its rate of change, the
 //! setpoint has velocity q' u and acceleration q'' u^2 + q' u'. So at a point of the path
@@ -55,9 +55,9 @@ impl<N: Enclose> MotorBounds<N> {
         torque: None,
     };
 
-    /// Whether motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1:
-    /// what it breaks otherwise. A larger `speed` never breaks less: the speeds and ramps of a
-    /// slower move are among those of a faster one. `S` says whether there are torques to look at.
+    /// Checks that motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1.
+    /// The error is the broken limit. A larger `speed` never breaks less: the speeds and ramps of a
+    /// slower move are among those of a faster one. `M` says whether there are torques to look at.
     pub(super) fn check<M: Model<N: Enclose>>(
         &self,
         index: usize,

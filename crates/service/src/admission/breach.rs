@@ -1,4 +1,4 @@
-//! What a move breaks.
+//! Limits that a move breaks.
 
 use crate::admission::Enclose;
 use trirrr_core::number::{Arithmetic, Number};
@@ -14,7 +14,7 @@ pub(super) struct Breach<N> {
     /// The bound that was found: never on the good side of the limit.
     pub(super) value: N,
     pub(super) limit: N,
-    /// Whether only a change of the speed along the path leads there.
+    /// True if only a change of the speed along the path leads to the breach.
     pub(super) ramp: bool,
 }
 
@@ -40,7 +40,7 @@ impl<N: Number> Breach<N> {
         }
     }
 
-    /// Whether a slower move might not break it.
+    /// Returns whether a slower move might keep the limit.
     pub(super) fn is_of_speed(&self) -> bool {
         match self.what {
             Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power => true,
@@ -65,7 +65,7 @@ impl<N: Number> Breach<N> {
     }
 }
 
-/// What makes `offered` no move at all.
+/// Returns the breach that makes `offered` no move at all, if there is one.
 pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
     let breach = |index, value, limit| Breach {
         what: Bounded::Range,

@@ -56,7 +56,7 @@ pub struct Admission<M: Model<N: Enclose>> {
     work: Work<M::N>,
 }
 
-/// What is under way.
+/// Work that is under way.
 #[derive(Clone, Copy, Debug)]
 enum Work<N: Enclose> {
     /// Nothing.
@@ -76,7 +76,7 @@ enum Work<N: Enclose> {
     Judged(Verdict<N>),
 }
 
-/// How far the judgement of a move is.
+/// State of the judgement of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict<N: Enclose> {
     /// No move was offered.
@@ -89,7 +89,7 @@ pub enum Verdict<N: Enclose> {
     Refused(Violation<N>),
 }
 
-/// What the path of a move depends on, besides its duration.
+/// Data that, besides its duration, determine the path of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ends<N: Enclose> {
     from: Pose<N>,
@@ -206,7 +206,7 @@ impl<M: Model<N: Enclose>> Admission<M> {
         self.verdict()
     }
 
-    /// How far the judgement is, without any work.
+    /// Returns the state of the judgement, without any work on it.
     pub fn verdict(&self) -> Verdict<M::N> {
         match &self.work {
             Work::None => Verdict::Nothing,

@@ -25,13 +25,13 @@ pub struct Path<M: Model<N: Enclose>> {
     pub tick: Tick<M::Over<TaylorModel<M::N>>>,
     /// The distances, likewise.
     pub distances: Distances<TaylorModel<M::N>>,
-    /// What is compared with.
+    /// Limits that the admission compares with.
     pub limits: Limits<Float<M::N>>,
     /// Seconds, or the machine's unit of time, per tick.
     pub period: Float<M::N>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
     pub ramp: TaylorModel<M::N>,
-    /// Whether the motors may have to hold something at rest: gravity or a wrench.
+    /// True if the motors may have to hold something at rest: gravity or a wrench.
     pub loaded: bool,
 }
 
@@ -65,7 +65,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         })
     }
 
-    /// Whether every limit is kept for certain during the interval `s`: what is broken otherwise.
+    /// Checks that every limit is kept for certain during the interval `s`. The error is the broken limit.
     pub(super) fn check(
         &self,
         segment: &Segment<TaylorModel<N>>,
@@ -79,8 +79,8 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         Ok(())
     }
 
-    /// What the `motors` do while the fraction `s` of `segment` has passed, if the interval is within
-    /// reach and away from singularities for certain.
+    /// Measures what the `motors` do over the interval `s` of fractions of `segment`.
+    /// It fails unless the interval is within reach and away from singularities for certain.
     #[inline(never)]
     pub(super) fn measure(
         &self,
@@ -131,7 +131,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         Ok(())
     }
 
-    /// Whether the singularities are as far as the limits ask.
+    /// Checks that the singularities are as far as the limits ask.
     #[inline(never)]
     fn keeps_distance(
         &self,
@@ -222,7 +222,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         self.tick.torques(legs, setpoint, rotation)
     }
 
-    /// What is broken where the pipeline ends without a value.
+    /// Returns the limit that is broken where the pipeline ends without a value.
     fn breach(
         &self,
         status: Status,

@@ -19,8 +19,8 @@ const FINEST: u32 = 20;
 /// bounds tell, all along, would otherwise take 2^16 of them.
 const MOST: u32 = 4096;
 
-/// Where a check has come to. Intervals are [k, k + 1] / 2^level of the move, taken in the order of
-/// time: the next is as long as its place among the dyadic ones allows, and is halved as needed.
+/// Place that a check has reached. Intervals are [k, k + 1] / 2^level of the move, in the order of
+/// time. The next is as long as its place among the dyadic ones allows, and is halved as needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scan {
     coarsest: u32,
@@ -29,7 +29,7 @@ pub(super) struct Scan {
     measured: u32,
 }
 
-/// How a check goes.
+/// Progress or outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scanned<N> {
     /// Not at its end.

@@ -49,11 +49,11 @@ struct Trial {
     tried: u32,
     /// From the one tried to the next.
     step: u32,
-    /// How many have failed without any that passed.
+    /// Number of those that have failed without any that passed.
     upwards: u32,
 }
 
-/// How a search goes.
+/// Progress of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
     NotYet,

@@ -185,14 +185,14 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     }
 }
 
-/// What a recovery to a pose without a motion is refused with.
+/// Returns the refusal of a recovery to a pose without a motion.
 fn no_motion<N: Number>(status: Status) -> Refusal<N> {
     let (code, leg) = FaultCode::of(status);
     let what = code.bounded().unwrap_or(Bounded::Range);
     ends_at(what, leg, N::ZERO, N::ZERO)
 }
 
-/// What a recovery breaks at its end.
+/// Returns the refusal of a recovery that breaks a limit at its end.
 fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> Refusal<N> {
     Refusal::Recovery(Violation {
         what,
@@ -205,7 +205,7 @@ fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> R
     })
 }
 
-/// What joint rates or accelerations break; `ramp`: those of a stop are in them.
+/// Returns the refusal for joint rates or accelerations; `ramp`: those of a stop are in them.
 fn too_fast<N: Number>(broken: LimitBreach<N>, ramp: bool) -> Refusal<N> {
     let what = match broken.code {
         FaultCode::Limit(what) => what,

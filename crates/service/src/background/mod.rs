@@ -49,9 +49,9 @@ pub struct Background<'q, S: Scene> {
     last: Option<Last<S::N>>,
     next_sequence: u32,
 
-    /// What the host is reported, kept as it is sent. The state is the tick's, as far as known, with what
-    /// the orders that it has not taken yet will make of it; the tick's counters and the room are
-    /// those of the last time that somebody asked.
+    /// Status for the host, kept as it is sent. The state is the tick's, as far as known.
+    /// It includes what the orders that the tick has not taken yet will make of it.
+    /// The tick's counters and the room are those of the last time that somebody asked.
     status: Status<S::N>,
     /// The last state event.
     reported: (State, Acting, u32),
@@ -70,9 +70,9 @@ pub struct Background<'q, S: Scene> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Last<N: Number> {
     sequence: u32,
-    /// What tells it from another with its number.
+    /// Checksum that tells it from another with its number.
     checksum: u32,
-    /// Why it was not executed, if it was not.
+    /// Reason why it was not executed, if it was not.
     refusal: Option<Refusal<N>>,
 }
 
@@ -90,7 +90,7 @@ fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3]) -> Setpoint<N> {
     }
 }
 
-/// What the background needs of a [`Setup`].
+/// Parts of a [`Setup`] that the background needs.
 pub(super) struct Stand<N: Number> {
     pub(super) geometry: Geometry<N>,
     pub(super) limits: Limits<N>,
@@ -178,7 +178,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
         self.check_step()
     }
 
-    /// What is to be sent next: events, then telemetry.
+    /// Returns the message to send next: events, then telemetry.
     pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
         self.drain_reports();
         if let Some(event) = self.events.1.receive() {
@@ -208,7 +208,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
         self.samples.receive()
     }
 
-    /// Where everything stands.
+    /// Returns the current status.
     pub fn status(&mut self) -> Status<N> {
         self.drain_reports();
         self.status.tick = self.shared.tick.load(Ordering::Relaxed);

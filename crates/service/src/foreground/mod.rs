@@ -50,7 +50,7 @@ pub struct Foreground<'q, S: Scene> {
     pace: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
     held: bool,
-    /// Where the platform was commanded last.
+    /// Pose to which the platform was commanded last.
     pub(super) pose: Pose<S::N>,
     output: Output<S::N>,
 
@@ -70,7 +70,7 @@ pub struct Foreground<'q, S: Scene> {
     duration: u32,
 }
 
-/// What is under way: the head of a queue, where it stays until it is over.
+/// Path under way: the head of a queue. It stays there until it is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Path {
     None,
@@ -84,11 +84,11 @@ enum Path {
     JointsEnded,
 }
 
-/// What a tick asks of the machine.
+/// Target that a tick sets for the machine.
 enum Target<N: Number> {
     Setpoint(Setpoint<N>),
     Joints(JointSetpoint<N>),
-    /// Where it is.
+    /// The place where the machine is.
     Still,
 }
 
@@ -227,12 +227,12 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         &self.output
     }
 
-    /// What the last tick gave out.
+    /// Returns the output of the last tick.
     pub fn output(&self) -> &Output<N> {
         &self.output
     }
 
-    /// What the machine is doing.
+    /// Returns the state of the machine.
     pub fn state(&self) -> State {
         self.state
     }
@@ -274,9 +274,9 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         self.raise(FaultCode::Overrun, None, value, N::ONE);
     }
 
-    /// What this tick has added to the commanded angles of the motors without moving them, where
-    /// homing has found a motor's reference: a drive that counts steps adds it to the angle that it
-    /// counts from.
+    /// Returns the angles that this tick has added to the motors' commanded angles without moving the
+    /// motors. A tick does so where homing has found a motor's reference. A drive that counts steps
+    /// adds the shift to the angle that it counts from.
     #[inline]
     pub fn shift(&self) -> Option<[N::Angle; 3]> {
         self.homing.shift()

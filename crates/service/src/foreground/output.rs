@@ -1,4 +1,4 @@
-//! What goes out: motion, tool, or nothing at all.
+//! Output of a tick: motion, tool, or nothing at all.
 
 use super::super::guard::LimitBreach;
 use super::super::handoff::QueuedMove;
@@ -11,14 +11,14 @@ use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::{Acting, Fault, State};
 
-/// What the motors and the tool have to do until the next tick.
+/// Commands to the motors and the tool until the next tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output<N: Number> {
     /// The motors. In fault and cleared they stand where they were commanded last.
     pub motors: [Motor<N>; 3],
     /// Power of the tool, 0 to 1 of what it can give.
     pub tool: N,
-    /// Whether the drives are on. They are off while a fault is latched.
+    /// True if the drives are on. They are off while a fault is latched.
     pub enabled: bool,
 }
 

@@ -64,7 +64,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// What was at its end a tick ago is over, unless more was queued in time.
+    /// Ends the path that was at its end a tick ago, unless more was queued in time.
     #[inline]
     fn finish_path(&mut self) {
         match self.path {
@@ -102,7 +102,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// How far this tick goes: towards normal speed where the state and what is queued allow, else
+    /// Chooses how far this tick goes: towards normal speed where the state and the queue allow, else
     /// towards rest.
     #[inline]
     fn step_length(&mut self) -> Step {
@@ -140,7 +140,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         (!ahead.ends_at_rest).then(|| left.saturating_sub(self.place.tick))
     }
 
-    /// Whether the path could still come to rest on what is admitted.
+    /// Returns `true` if the path could still come to rest on what is admitted.
     #[inline]
     fn reaches(&self, stride: Step) -> bool {
         let part = self.place.part;
@@ -148,8 +148,8 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             .is_none_or(|left| self.pace.can_stop(stride, left, part))
     }
 
-    /// Whether there is enough to leave a hold for: room for a ramp down from normal speed, or all
-    /// that the queue can hold.
+    /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from normal
+    /// speed, or all that the queue can hold.
     fn has_enough(&self) -> bool {
         let part = self.place.part;
         self.moves.is_full()
@@ -220,7 +220,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// What this place on the path asks of the machine, at the speed after `stride`.
+    /// Returns what this place on the path asks of the machine, at the speed after `stride`.
     #[inline]
     fn target(&self, stride: Step) -> Target<N> {
         let place = self.place;

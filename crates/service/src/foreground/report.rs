@@ -1,4 +1,4 @@
-//! What the tick says of itself.
+//! Reports and samples that the tick sends of itself.
 
 use super::super::handoff::{Report, count};
 use super::super::scene::Scene;

@@ -8,17 +8,17 @@ use trirrr_core::setpoint::Pose;
 /// and write them as constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingCoefficients<N: Number> {
-    /// What the motors meet.
+    /// Kind of contact that the motors meet.
     pub contact: Contact,
     /// An input has to be the same for so many ticks.
     pub debounce_ticks: u16,
     /// Length of a tick.
     pub period: N::Factor,
-    /// How long the parts take.
+    /// Durations of the parts.
     pub times: HomingTimes,
     /// The motors.
     pub axes: [HomingAxis<N>; 3],
-    /// Where it leads to.
+    /// Pose that homing leads to.
     pub start: Pose<N>,
 }
 
@@ -35,7 +35,7 @@ pub struct HomingAxis<N: Number> {
     pub back: N,
     /// and from wherever a search may have ended to there.
     pub leave: N,
-    /// How far it may search, positive.
+    /// Greatest travel of the search, positive.
     pub travel: N,
     /// Rate of the search, towards the reference,
     pub search: N,

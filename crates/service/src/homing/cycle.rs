@@ -25,17 +25,17 @@ pub struct Cycle<'a, N: Number> {
     shift: Option<[N::Angle; 3]>,
 }
 
-/// What is known of one motor.
+/// Knowledge of one motor so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<N: Number> {
     input: Input,
-    /// Where it was when its input last began to change.
+    /// Angle of the motor when its input last began to change.
     changed_at: N::Angle,
-    /// Where it was when its input closed; none while it is on its way.
+    /// Angle of the motor when its input closed; none while it is on its way.
     found: Option<N::Angle>,
 }
 
-/// What the motors of a stage do.
+/// Action of the motors of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase<N: Number> {
     /// Nothing is under way.
@@ -57,7 +57,7 @@ enum Approach {
     Latch,
 }
 
-/// What the motors stand after.
+/// Movement after which the motors stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum After {
     /// Nothing yet.
@@ -182,7 +182,7 @@ impl<'a, N: Number> Cycle<'a, N> {
         self.enter(Phase::Running(approach));
     }
 
-    /// What the motors do after they have stood long enough for their inputs to be true.
+    /// Starts the next phase once the motors have stood long enough for their inputs to be true.
     fn go_on(&mut self, after: After, motors: &[Motor<N>; 3]) -> Progress<N> {
         let (axes, stage) = (&self.coefficients.axes, self.stage);
         let feels = self.coefficients.contact != Contact::Unfelt;
@@ -256,10 +256,10 @@ impl<'a, N: Number> Cycle<'a, N> {
         Progress::Moving(standing(&motors))
     }
 
-    /// Which motors are there. Where that is their reference, their angles become what it is.
+    /// Finds the motors that are there. With `references`, it sets their angles from the reference.
     ///
     /// # Errors
-    /// A motor that should be there, and how far it may go.
+    /// Returns a motor that should be there, and how far it may go.
     fn look(
         &mut self,
         approach: Approach,

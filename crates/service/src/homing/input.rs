@@ -25,7 +25,7 @@ impl Input {
         first
     }
 
-    /// Whether it is closed, bounces taken out.
+    /// Returns true if the input is closed, bounces taken out.
     pub(super) fn is_closed(self) -> bool {
         self.closed
     }

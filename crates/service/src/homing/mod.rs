@@ -30,12 +30,12 @@ use trirrr_core::setpoint::{JointSetpoint, Pose};
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::FaultCode;
 
-/// How a machine finds out where its motors are, tick by tick.
+/// Search of a machine for the angles of its motors, tick by tick.
 pub trait Homing<N: Number>: Send {
-    /// What the tick is reported of switches and drives.
+    /// Reports of switches and drives to the tick.
     type Inputs: Copy + Default;
 
-    /// Whether the machine has to be homed at all.
+    /// Returns true if the machine has to be homed at all.
     fn is_needed(&self) -> bool;
 
     /// Takes the inputs of this tick, which belong to where `motors` were commanded in the last.
@@ -50,18 +50,18 @@ pub trait Homing<N: Number>: Send {
     /// Gives up at once.
     fn abandon(&mut self);
 
-    /// Whether motors are being looked for, or are on their way to rest after that was given up.
+    /// Returns true while homing looks for motors, or brings them to rest after it was given up.
     fn is_under_way(&self) -> bool;
 
     /// One tick further from `motors`.
     fn advance(&mut self, motors: &[Motor<N>; 3]) -> Progress<N>;
 
-    /// What was added to the commanded angles in the last tick without a motion, where a motor
-    /// found its reference.
+    /// Returns what the last tick added to the commanded angles without a motion.
+    /// It adds something where a motor found its reference.
     fn shift(&self) -> Option<[N::Angle; 3]>;
 }
 
-/// What a tick of homing comes to.
+/// Result of a tick of homing.
 pub enum Progress<N: Number> {
     /// The motors move, or wait.
     Moving(JointSetpoint<N>),
@@ -71,22 +71,22 @@ pub enum Progress<N: Number> {
     Stopped,
     /// It has failed, and is to be abandoned.
     Failed {
-        /// Why,
+        /// Reason of the failure.
         code: FaultCode,
-        /// and at which motor, from 0.
+        /// Motor at which it failed, from 0.
         motor: u8,
-        /// What it was allowed to move by, rad.
+        /// Angle that the motor was allowed to move by, rad.
         limit: N,
     },
 }
 
-/// What the background has to know of homing.
+/// Parts of homing that the background has to know.
 pub struct Plan<N: Number> {
-    /// Where the motors stand when it is done.
+    /// Angles at which the motors stand when homing is done.
     pub from: [N::Angle; 3],
-    /// Where it leads to,
+    /// Pose that the way from there leads to.
     pub to: Pose<N>,
-    /// in this many ticks from there.
+    /// Number of ticks of that way.
     pub ticks: u32,
     /// The greatest rate of each motor,
     pub rates: [N; 3],

@@ -1,9 +1,9 @@
-//! What a scene says of homing.
+//! Parameters of homing that a scene gives.
 
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{shorter_way, wrapped};
 
-/// What a motor meets at its reference.
+/// Kind of reference that a motor meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {
     /// A switch, which it may run over.
@@ -19,7 +19,7 @@ pub enum Contact {
 pub struct HomingMotor {
     /// Joint angle at which the switch closes or the stop lies.
     pub angle_rad: f64,
-    /// Whether it turns counter-clockwise towards it.
+    /// True if the motor turns counter-clockwise towards its reference.
     pub positive: bool,
     /// Rate of the search, positive.
     pub search_rate_rad_s: f64,
@@ -27,9 +27,9 @@ pub struct HomingMotor {
     pub latch_rate_rad_s: f64,
     /// Acceleration of either, positive.
     pub acceleration_rad_s2: f64,
-    /// How far it moves back from the reference, positive.
+    /// Angle by which the motor moves back from the reference, positive.
     pub back_off_rad: f64,
-    /// How far it may search, positive.
+    /// Largest angle that the motor may search over, positive.
     pub travel_max_rad: f64,
     /// Stages follow one another from 0 to 2; motors of the same one move together.
     pub stage: u8,
@@ -38,19 +38,19 @@ pub struct HomingMotor {
 /// Homing of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingParameters {
-    /// What the motors meet.
+    /// Kind of reference that the motors meet.
     pub contact: Contact,
     /// The motors.
     pub motors: [HomingMotor; 3],
     /// An input has to be the same for so many ticks; positive.
     pub debounce_ticks: u16,
-    /// Where it leads to: x, y in the machine's unit of length, alpha in rad.
+    /// Pose that homing leads to: x, y in the machine's unit of length, alpha in rad.
     pub start: [f64; 3],
-    /// How long the parts take.
+    /// Durations of the parts of homing.
     pub times: HomingTimes,
 }
 
-/// How long the parts of homing take, ticks.
+/// Durations of the parts of homing, ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HomingTimes {
     /// The search at most, and the whole of a run against a stop that nobody feels.
@@ -123,7 +123,8 @@ fn ticks(time: f64) -> u32 {
 }
 
 impl HomingMotor {
-    /// How far it may come beyond its reference in a search, rad: debounced, then its ramp to rest.
+    /// Computes how far the motor may come beyond its reference in a search, rad.
+    /// The switch is debounced, then the motor ramps to rest.
     pub fn overrun_rad(&self, contact: Contact, debounce_ticks: u16, period: f64) -> f64 {
         let (rate, wait) = (self.search_rate_rad_s, f64::from(debounce_ticks) + 1.0);
         match contact {
@@ -134,7 +135,7 @@ impl HomingMotor {
         }
     }
 
-    /// Where it stands when it is homed, rad.
+    /// Computes the angle at which the motor stands when it is homed, rad.
     pub fn park_rad(&self) -> f64 {
         let back = match self.positive {
             true => -self.back_off_rad,

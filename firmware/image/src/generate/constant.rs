@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-/// Where the types of a scene's constants are found.
+/// Imports of the types of a scene's constants.
 const NAMES: &str = "\
 use nalgebra::Vector2;
 use trirrr_service::admission::{Path, TaylorModel};

@@ -11,13 +11,13 @@ const FILE: &str = include_str!("../../../../tests/reference/extreme.csv");
 
 /// A machine at an instant.
 pub(crate) struct Case {
-    /// What is extreme about it: cases of one group stand in one row of the summary.
+    /// Group of the case, by what is extreme: cases of one group stand in one row of the summary.
     pub(crate) group: &'static str,
     /// Its own name.
     pub(crate) name: String,
     /// The machine.
     pub(crate) parameters: Parameters,
-    /// Where it is.
+    /// State of the machine, or its place on a move.
     pub(crate) motion: Motion,
 }
 
@@ -29,7 +29,7 @@ pub(crate) enum Motion {
     Move {
         /// The scene.
         scene: Box<Scene>,
-        /// Which tick.
+        /// Number of the tick.
         tick: u32,
     },
 }

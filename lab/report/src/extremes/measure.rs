@@ -14,7 +14,7 @@ use trirrr_truth::results::{angle_error, names, uncertainties};
 use trirrr_truth::rounding::Rounding;
 use trirrr_truth::scalar::{difference, scaled, sum, turned};
 
-/// What becomes of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Outcome {
     /// There are results.
@@ -22,15 +22,15 @@ pub(crate) enum Outcome {
         /// Worst error of the motors' twelve results over u cond: over what a rounding of every
         /// input does, to first order.
         forward: f64,
-        /// Which result that is.
+        /// Name of the result with the worst error.
         worst: String,
-        /// How far the loops are from closing with the computed angles of both links, in units in
-        /// the last place of the machine's size.
+        /// Largest gap of the loops with the computed angles of both links, in units in the last
+        /// place of the machine's size.
         closure: f64,
     },
     /// The type has results where there are none: rounding brought the pose into reach.
     BeyondReach,
-    /// Why there are none.
+    /// Reason why there are no results.
     Status(String),
 }
 
@@ -126,7 +126,7 @@ fn exact_inputs(case: &Case) -> Inputs<DoubleDouble> {
     }
 }
 
-/// Whether every leg reaches, in 31 digits.
+/// Returns `true` if every leg reaches, computed in 31 digits.
 fn is_in_reach(inputs: &Inputs<DoubleDouble>) -> bool {
     inputs.legs.iter().all(|leg| {
         let c = turned([leg.h, DoubleDouble::new(0.0)], inputs.angle + leg.lambda);
@@ -138,9 +138,9 @@ fn is_in_reach(inputs: &Inputs<DoubleDouble>) -> bool {
     })
 }
 
-/// What the rounding of the inputs does to every result: of the state's, or of the ends of the
-/// move. What these are rounded by goes into the displacement, from there into velocity and
-/// acceleration.
+/// Returns what the rounding of the inputs does to every result. It rounds the state's inputs, or
+/// the ends of the move. The rounding of the ends goes into the displacement. From there it goes into
+/// velocity and acceleration.
 fn explained(case: &Case, rounding: &Rounding) -> Vec<f64> {
     match &case.motion {
         Motion::State(state) => uncertainties(&case.parameters, state, |input| {

@@ -49,7 +49,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     page.csv("extremes.csv", &every_case(&cases, &columns))
 }
 
-/// What stands in one cell of the summary: counts, and the worst of each measure.
+/// Contents of one cell of the summary: counts, and the worst of each measure.
 #[derive(Default)]
 struct Cell {
     ok: usize,
@@ -166,7 +166,7 @@ fn every_case(cases: &[Case], columns: &[Column]) -> Table {
 mod tests {
     use super::*;
 
-    /// What is asserted of one number type, over all cases.
+    /// Values that the test asserts of one number type, over all cases.
     struct Expected {
         scalar: &'static str,
         forward: std::ops::Range<f64>,

@@ -1,4 +1,4 @@
-//! How far the results of a number type are from the exact ones.
+//! Distance of the results of a number type from the exact ones.
 
 use super::tool::miss;
 use crate::error::ReportError;
@@ -8,7 +8,7 @@ use trirrr_scene::Scene;
 use trirrr_scene::pipeline;
 use trirrr_truth::results::angle_error;
 
-/// What a tick computes, stage after stage.
+/// Stage of a tick's computation, in the order of the stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     Position,

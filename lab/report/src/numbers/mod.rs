@@ -20,7 +20,7 @@ use trirrr_scene::Scene;
 /// The scenes whose ticks are counted and timed: massless links, and links with masses.
 const TIMED: [&str; 2] = ["thesis", "thesis-links"];
 
-/// What was found of one number type.
+/// Findings about one number type.
 struct Measured {
     scalar: NumberType,
     /// Scene by scene.

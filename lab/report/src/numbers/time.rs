@@ -10,7 +10,7 @@ use trirrr_scene::pipeline;
 
 /// Samples, of which the fastest counts: other load on the machine disturbs it least.
 const SAMPLES: usize = 20;
-/// How long a sample takes at least.
+/// Least duration of a sample.
 const SAMPLE: Duration = Duration::from_millis(10);
 
 /// Nanoseconds per tick over the job of `scene`, in the fastest sample.

@@ -1,4 +1,4 @@
-//! What an error of the motor angles means at the tool: forward kinematics of the angles that a
+//! Effect of an error of the motor angles at the tool: forward kinematics of the angles that a
 //! number type computed, in 31 digits.
 
 use trirrr_truth::double_double::DoubleDouble;
@@ -8,8 +8,8 @@ use trirrr_truth::scalar::{cross, difference, dot, scaled, solve, sum, turned};
 /// Newton steps after which there is no pose near. From an angle error of 0.1 rad six suffice.
 const STEPS: usize = 30;
 
-/// How far the platform stands from the pose of `inputs` when its motors stand at `angles`: m and
-/// rad. None if the angles belong to no pose near.
+/// Computes how far the platform stands from the pose of `inputs`, m and rad, when its motors stand
+/// at `angles`. None if the angles belong to no pose near.
 pub(crate) fn miss(inputs: &Inputs<DoubleDouble>, angles: [f64; 3]) -> Option<[f64; 2]> {
     let number = DoubleDouble::new;
     let elbows: [_; 3] = std::array::from_fn(|leg| {

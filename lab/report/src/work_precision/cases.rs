@@ -11,7 +11,7 @@ const REFERENCE: &str = include_str!("../../../../scenes/plant-reference.toml");
 pub struct Case {
     /// Its name in tables and file names.
     pub name: &'static str,
-    /// What it is, in a few words.
+    /// Description of the case, in a few words.
     pub what: &'static str,
     /// Parts of the scene file that are replaced.
     changes: &'static [(&'static str, &'static str)],

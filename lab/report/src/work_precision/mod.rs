@@ -54,7 +54,7 @@ struct Tried {
     trials: Vec<(f64, Trial, f64)>,
 }
 
-/// What was found of a case.
+/// Findings about a case.
 struct Found {
     case: &'static Case,
     /// The truth and its own error; or why the case is refused.
@@ -258,7 +258,7 @@ fn records(found: &[Found]) -> Table {
     table
 }
 
-/// How each case ends.
+/// Builds the table of how each case ends.
 fn outcomes(found: &[Found]) -> Table {
     let mut table = Table::new(&["case", "what", "ends", "truth known to"]);
     for Found { case, truth, .. } in found {
@@ -274,7 +274,7 @@ fn outcomes(found: &[Found]) -> Table {
     table
 }
 
-/// Which methods are stable, at what step, at what cost.
+/// Builds the table of which methods are stable, at what step, at what cost.
 fn methods(found: &[Found]) -> Table {
     let mut table = Table::new(&[
         "case",

@@ -18,9 +18,9 @@ pub(super) const FOLLOWED: f64 = 1e-4;
 pub struct Trial {
     /// Time and pose (x and y in m, alpha in rad), up to the end.
     pub poses: Vec<(f64, [f64; 3])>,
-    /// How it ended, where not at its end.
+    /// Reason why it ended, where not at its end.
     pub ended: Option<String>,
-    /// What was said against the method before it began.
+    /// Warnings about the method from before it began.
     pub warnings: Vec<String>,
     /// Derivatives evaluated, those of Jacobians among them.
     pub cost: u64,

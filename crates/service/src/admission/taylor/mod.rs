@@ -48,7 +48,7 @@ impl<N: Enclose> TaylorModel<N> {
         Self::near(value.bound())
     }
 
-    /// What the number type makes of `value`, the same at all times.
+    /// Returns what the number type makes of `value`, the same at all times.
     pub(super) fn near(value: Float<N>) -> Self {
         Self {
             error: N::conversion(value.abs()),
@@ -147,8 +147,8 @@ impl<N: Enclose> TaylorModel<N> {
     }
 }
 
-/// How often an operation rounds what its size bounds: for the model's constant and linear parts, and
-/// for the tick's own result, which the model has to hold too.
+/// Number of times that an operation rounds what its size bounds. It counts the model's constant and
+/// linear parts, and the tick's own result, which the model has to hold too.
 #[derive(Clone, Copy)]
 enum Roundoffs {
     /// A sum: each part once, the tick's once.

@@ -20,7 +20,10 @@ use trirrr_drives::{Active, Enable, Failure};
 const PWM_HZ: u32 = 20_000;
 
 /// Drives, as the tick sees them.
-pub(crate) struct Drives(Bldcs<Scalar, ErasedChannel<TIM3>, OutputC, Pin<'B', 12, Out>>);
+pub(crate) struct Drives(Bldcs<Motor, Pin<'B', 12, Out>>);
+
+/// Motor on a channel of TIM3, its direction on port C.
+type Motor = BldcMotor<Scalar, ErasedChannel<TIM3>, OutputC>;
 
 impl Outputs for Drives {
     #[inline(always)]

@@ -11,7 +11,7 @@ use trirrr_image::{Checksum, Segment, segments};
 use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD, Scalar};
 use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set, solve};
 
-/// What [`solve`] leaves.
+/// Result that [`solve`] leaves.
 type Links = Result<[Vector2<Scalar>; 2], OutOfReach>;
 
 /// Stands in for [`evaluate`]: what a call and the counter's own reading cost.
