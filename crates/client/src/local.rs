@@ -5,15 +5,15 @@ use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Model, ModelVisitor};
-use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_core::tick::{Motion, Motor};
+use trirrr_core::setpoint::Pose;
+use trirrr_core::tick::Motor;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
-use trirrr_service::ServiceNumber;
 use trirrr_service::{
-    Adjustable, Channels, Homing, HomingCoefficients, Service, ServiceError, Settings, WithHoming,
+    Adjustable, Channels, Homing, HomingCoefficients, Played, Service, ServiceError, ServiceNumber,
+    Settings, WithHoming,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -35,7 +35,7 @@ pub trait LocalService<N: ServiceNumber> {
     fn motors(&self) -> &[Motor<N>; 3];
 
     /// Returns setpoint and motion of the last tick, if the platform had a setpoint.
-    fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)>;
+    fn motion(&self) -> Option<&Played<N>>;
 
     /// Returns the angles that the last tick added to the commanded ones without a motion, rad.
     fn shift(&self) -> Option<[N::Angle; 3]>;
@@ -176,7 +176,7 @@ where
         &self.output().motors
     }
 
-    fn motion(&self) -> Option<&(Setpoint<N>, Motion<N>)> {
+    fn motion(&self) -> Option<&Played<N>> {
         Service::motion(self)
     }
 

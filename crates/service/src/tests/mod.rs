@@ -69,16 +69,7 @@ pub(super) fn pose<N: Enclose>(x: f64, y: f64, alpha: f64) -> Pose<N> {
 }
 
 pub(super) fn rest<N: Enclose>(number: u32, from: Pose<N>, to: Pose<N>, ticks: u32) -> Move<N> {
-    Move {
-        number,
-        from,
-        to,
-        start_velocity: [N::ZERO; 3],
-        end_velocity: [N::ZERO; 3],
-        ticks,
-        tool_power: N::ZERO,
-        tool_speed: N::ZERO,
-    }
+    Move::rest_to_rest(number, from, to, ticks)
 }
 
 pub(super) fn settings<N: Enclose>() -> Settings<N> {
