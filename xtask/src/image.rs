@@ -146,7 +146,10 @@ fn build_together(
         let built = target_directory().join(image.target).join(PROFILE);
         let built = built.join(image.binary);
         let copy = directory.join(name);
-        fs::copy(&built, &copy).with_context(|| built.display().to_string())?;
+        // A board may be booting from an earlier copy: the new one takes its place in one step.
+        let new = copy.with_extension("new");
+        fs::copy(&built, &new).with_context(|| built.display().to_string())?;
+        fs::rename(&new, &copy).with_context(|| copy.display().to_string())?;
         kept.push(copy);
     }
     Ok(kept)

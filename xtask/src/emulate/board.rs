@@ -30,8 +30,8 @@ const BOOT: Duration = Duration::from_secs(20);
 /// Word with which the start of the program (cortex-m-rt) paints the stack.
 const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
 
-/// Held from the choice of ports until the emulator listens there.
-static BOOTING: Mutex<()> = Mutex::new(());
+/// Held from the choice of ports until the emulator listens there. Counts the boards.
+static BOOTING: Mutex<u32> = Mutex::new(0);
 
 /// A board that runs; it ends with this value.
 pub(super) struct Board {
@@ -73,7 +73,8 @@ impl Board {
 
     fn boot_with(image: &Path, arguments: &[&str]) -> Result<Self> {
         // One board boots at a time: a port that is free again must not go to another one.
-        let _booting = BOOTING.lock().expect("no boot panics");
+        let mut boots = BOOTING.lock().expect("no boot panics");
+        *boots += 1;
         // Both at once, or they might be the same.
         let (line, orders) = (
             TcpListener::bind("127.0.0.1:0")?,
@@ -82,8 +83,9 @@ impl Board {
         let port = line.local_addr()?.port();
         let monitor = orders.local_addr()?.port();
         drop((line, orders));
+        // Numbered: boards with the same image run at once, each with files of its own.
         let name = image.file_name().context("an image has a name")?;
-        let log = folder()?.join(name).with_extension("log");
+        let log = folder()?.join(name).with_extension(format!("{boots}.log"));
         let child = Command::new("qemu-system-arm")
             .args(["-M", "netduinoplus2", "-nographic", "-monitor"])
             .arg(format!("tcp:127.0.0.1:{monitor},server=on,wait=off"))
