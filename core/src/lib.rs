@@ -108,6 +108,7 @@ pub mod number;
 pub mod reaction;
 pub mod setpoint;
 pub mod singularity;
+pub mod source;
 pub mod status;
 pub mod tick;
 pub mod torque;

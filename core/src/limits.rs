@@ -3,6 +3,8 @@
 
 use crate::machine::{BuildError, Quantity};
 use crate::number::Number;
+use crate::source::ToSource;
+use crate::to_source;
 
 /// Limits as a scene gives them. `None`: no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +24,15 @@ pub struct LimitParameters {
     /// |det A| over the greatest value it can have.
     pub parallel_distance_min: f64,
 }
+
+to_source!(pub [] LimitParameters [] in trirrr_core::limits {
+    rate_rad_s,
+    acceleration_rad_s2,
+    torque_nm,
+    power_w,
+    serial_distance_min,
+    parallel_distance_min,
+});
 
 impl LimitParameters {
     /// A joint rate is inversely proportional to this distance.
@@ -59,6 +70,15 @@ pub struct Limits<N> {
     /// Least distance of the machine from its parallel singularity.
     pub parallel_distance: N,
 }
+
+to_source!(pub [N: ToSource] Limits [N] in trirrr_core::limits {
+    rate,
+    acceleration,
+    torque,
+    power,
+    serial_distance,
+    parallel_distance,
+});
 
 impl<N: Number> Limits<N> {
     /// Checks `parameters` and builds the limits.

@@ -12,15 +12,21 @@
 use crate::inverse::{LegPosition, Position};
 use crate::machine::Parameters;
 use crate::number::{Number, cross};
+use crate::to_source;
 
 /// Coefficients of the distances, apart from the tick's because a tick needs no distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances<N: Number> {
     /// 1 / (l1 l2) of each leg.
-    pub serial: [N::Factor; 3],
+    serial: [N::Factor; 3],
     /// 1 / (l2_1 l2_2 l2_3 s).
-    pub parallel: N::Factor,
+    parallel: N::Factor,
 }
+
+to_source!([N: Number] Distances [N] in trirrr_core::singularity {
+    serial: [N::Factor; 3],
+    parallel: N::Factor,
+});
 
 impl<N: Number> Distances<N> {
     /// Builds the coefficients from checked parameters.

@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::status::Status;
+use crate::to_source;
 use crate::torque::balance::Forces;
 use crate::torque::links::LegLoad;
 
@@ -16,10 +17,12 @@ use crate::torque::links::LegLoad;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick<M: Model> {
     /// Base joints and dyads of the legs.
-    pub geometry: Geometry<M::N>,
+    geometry: Geometry<M::N>,
     /// Dynamics, if the scene has any.
-    pub model: M,
+    model: M,
 }
+
+to_source!([M: Model] Tick [M] in trirrr_core::tick { geometry: Geometry<M::N>, model: M });
 
 /// Motion and torque that one motor has to give.
 #[derive(Clone, Copy, Debug, PartialEq)]

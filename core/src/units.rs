@@ -7,6 +7,7 @@
 use crate::limits::LimitParameters;
 use crate::machine::{LegParameters, LinkParameters, Parameters, PlatformParameters};
 use crate::setpoint::{Pose, Setpoint};
+use crate::to_source;
 use nalgebra::Vector3;
 
 /// Base units, as exponents of two of the metre, the second and the kilogram. Angles are turns or
@@ -20,6 +21,8 @@ pub struct Units {
     /// Of kg.
     pub mass: i32,
 }
+
+to_source!(pub [] Units [] in trirrr_core::units { length, time, mass });
 
 impl Units {
     /// Metre, second, kilogram.

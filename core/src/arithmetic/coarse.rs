@@ -12,6 +12,7 @@
 //! standard library is linked, `f32` has methods of the same names, and those win.
 
 use super::{Arithmetic, RoundsEachStep};
+use crate::to_source;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use micromath::F32;
 use postcard_schema::Schema;
@@ -21,6 +22,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, Schema)]
 #[repr(transparent)]
 pub struct Coarse(pub f32);
+
+to_source!(pub Coarse in trirrr_core::number; 0);
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $operator:tt, $assign_trait:ident, $assign:ident) => {

@@ -23,6 +23,7 @@ pub use fixed::Fixed;
 pub use vector::{cross, dot, perpendicular, sum_cross, sum_dot};
 pub use wide::{RoundsEachStep, WideArithmetic};
 
+use crate::source::ToSource;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -44,6 +45,7 @@ pub trait Arithmetic:
     + AddAssign
     + SubAssign
     + MulAssign
+    + ToSource
 {
     /// An angle. It is not wrapped into one turn; floats hold radians.
     type Angle: Copy
@@ -54,7 +56,8 @@ pub trait Arithmetic:
         + 'static
         + Add<Output = Self::Angle>
         + Sub<Output = Self::Angle>
-        + Neg<Output = Self::Angle>;
+        + Neg<Output = Self::Angle>
+        + ToSource;
 
     /// `true` where results of values that are not [finite](Self::is_finite) are not finite either,
     /// as with the infinities of floats. Otherwise the stages ask [`in_range`](Self::in_range).

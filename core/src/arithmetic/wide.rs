@@ -4,6 +4,7 @@
 //! products in 64 bits and rounds once.
 
 use super::Arithmetic;
+use crate::source::ToSource;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -19,7 +20,8 @@ pub trait WideArithmetic: Arithmetic {
         + 'static
         + Add<Output = Self::Sum>
         + Sub<Output = Self::Sum>
-        + Neg<Output = Self::Sum>;
+        + Neg<Output = Self::Sum>
+        + ToSource;
 
     /// A multiplier of any size: a reciprocal, a rate of ticks. For floats the float itself; fixed
     /// point holds a significand and an exponent.
@@ -30,14 +32,15 @@ pub trait WideArithmetic: Arithmetic {
         + Sync
         + 'static
         + Mul<Output = Self::Factor>
-        + Neg<Output = Self::Factor>;
+        + Neg<Output = Self::Factor>
+        + ToSource;
 
     /// A positive count of ticks, prepared so that a [fraction](Self::fraction) of it costs no wide
     /// division.
     type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
 
     /// The known length of a vector, prepared for [`direction`](Self::direction).
-    type Length: Copy + Debug + PartialEq + Send + Sync + 'static;
+    type Length: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static;
 
     /// Prepares the count that fractions are taken of.
     fn count(ticks: u32) -> Self::Count;

@@ -14,6 +14,7 @@
 //! digit.
 
 use crate::arithmetic::{RoundsEachStep, WideArithmetic, dot};
+use crate::to_source;
 use nalgebra::Vector2;
 
 /// The part of the dyad that depends on the number type: a division and a root for floats,
@@ -54,14 +55,21 @@ pub trait DyadKernel: WideArithmetic {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle<N: WideArithmetic> {
     /// (l1 + l2)^2
-    pub stretched_sq: N::Sum,
+    pub(super) stretched_sq: N::Sum,
     /// (l1 - l2)^2
-    pub folded_sq: N::Sum,
+    pub(super) folded_sq: N::Sum,
     /// l1^2 - l2^2
-    pub difference_of_squares: N::Sum,
+    pub(super) difference_of_squares: N::Sum,
     /// sigma
-    pub branch: N,
+    pub(super) branch: N,
 }
+
+to_source!([N: WideArithmetic] Triangle [N] in trirrr_core::dyad {
+    stretched_sq: N::Sum,
+    folded_sq: N::Sum,
+    difference_of_squares: N::Sum,
+    branch: N,
+});
 
 /// Configuration of a dyad: its inner joint, and the quantities that the later stages reuse.
 #[derive(Clone, Copy, Debug, PartialEq)]

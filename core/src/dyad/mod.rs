@@ -20,22 +20,31 @@ mod kernel;
 pub use kernel::{DyadKernel, DyadPosition, OutOfReach, Triangle};
 
 use crate::arithmetic::{WideArithmetic, sum_dot};
+use crate::to_source;
 use nalgebra::Vector2;
 
 /// Coefficients of an RRR dyad, built from its two lengths and its branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rrr<N: WideArithmetic> {
     /// A, B and C.
-    pub triangle: Triangle<N>,
+    triangle: Triangle<N>,
     /// l1^2 + l2^2
-    pub sum_of_squares: N,
+    sum_of_squares: N,
     /// l1
-    pub l1: N::Length,
+    l1: N::Length,
     /// l1^2
-    pub l1_sq: N,
+    l1_sq: N,
     /// l2^2
-    pub l2_sq: N,
+    l2_sq: N,
 }
+
+to_source!([N: WideArithmetic] Rrr [N] in trirrr_core::dyad {
+    triangle: Triangle<N>,
+    sum_of_squares: N,
+    l1: N::Length,
+    l1_sq: N,
+    l2_sq: N,
+});
 
 /// Angular velocities of the two links, positive counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Description of a machine, as a scene or a batch row gives it.
 
 use crate::number::Arithmetic;
+use crate::to_source;
 use nalgebra::Vector2;
 
 /// Sign of an elbow. The three of a machine are its *working mode* (eight of them).
@@ -14,6 +15,8 @@ pub enum Elbow {
     /// sigma = -1: the elbow lies to the right of A -> C.
     Negative,
 }
+
+to_source!(pub Elbow in trirrr_core::machine: Positive, Negative);
 
 impl Elbow {
     /// sigma as a number, +1 or -1.
@@ -35,6 +38,8 @@ pub struct LinkParameters {
     /// Moment of inertia about the centre of mass, kg m^2, not negative.
     pub inertia_kgm2: f64,
 }
+
+to_source!(pub [] LinkParameters [] in trirrr_core::machine { mass_kg, com_m, inertia_kgm2 });
 
 impl LinkParameters {
     /// A uniform rod: centre of mass in the middle, I = m l^2 / 12.
@@ -75,6 +80,18 @@ pub struct LegParameters {
     pub rotor_inertia_kgm2: f64,
 }
 
+to_source!(pub [] LegParameters [] in trirrr_core::machine {
+    base_m,
+    proximal_m,
+    distal_m,
+    joint_radius_m,
+    joint_angle_rad,
+    elbow,
+    proximal,
+    distal,
+    rotor_inertia_kgm2,
+});
+
 /// The platform (end-effector with its payload).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlatformParameters {
@@ -85,6 +102,8 @@ pub struct PlatformParameters {
     /// Centre of mass relative to the reference point D, in the platform's frame, m.
     pub com_m: Vector2<f64>,
 }
+
+to_source!(pub [] PlatformParameters [] in trirrr_core::machine { mass_kg, inertia_kgm2, com_m });
 
 /// A whole machine with its loads, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +119,14 @@ pub struct Parameters {
     /// External moment on the platform, N m, counter-clockwise positive.
     pub wrench_torque_nm: f64,
 }
+
+to_source!(pub [] Parameters [] in trirrr_core::machine {
+    legs,
+    platform,
+    gravity_m_s2,
+    wrench_force_n,
+    wrench_torque_nm,
+});
 
 impl Parameters {
     /// Returns `true` if no link has mass or inertia.

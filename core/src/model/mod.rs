@@ -18,15 +18,17 @@ use crate::machine::Parameters;
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::singularity;
+use crate::source::ToSource;
 use crate::status::Status;
+use crate::to_source;
 use crate::torque::balance::{Balance, Forces};
 use crate::torque::links::{LegLoad, Links, Massless};
 use crate::torque::payload::{Centred, Payload};
-use core::fmt::{self, Debug};
+use core::fmt::Debug;
 use core::marker::PhantomData;
 
 /// Number type and dynamics of a machine, with the coefficients of the dynamics.
-pub trait Model: Copy + Debug + PartialEq + Send + Sync + 'static {
+pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// Number type of the whole pipeline.
     type N: Number;
 
@@ -67,19 +69,12 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + 'static {
 ///
 /// Every force and torque is zero. The torque that a pose near a parallel singularity would take
 /// does not matter to such a machine. The admission still keeps the distance from the singularity.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Kinematic<N>(PhantomData<N>);
-
-impl<N> Debug for Kinematic<N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Kinematic::NEW")
-    }
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kinematic<N> {
+    number: PhantomData<N>,
 }
 
-impl<N: Number> Kinematic<N> {
-    /// The model. It has no coefficients.
-    pub const NEW: Self = Self(PhantomData);
-}
+to_source!([N: Number] Kinematic [N] in trirrr_core::model { number: PhantomData<N> });
 
 impl<N: Number> Model for Kinematic<N> {
     type N = N;
@@ -89,7 +84,7 @@ impl<N: Number> Model for Kinematic<N> {
     const TORQUES: bool = false;
 
     fn build(_: &Parameters) -> Self {
-        Self::NEW
+        Self::from_coefficients(PhantomData)
     }
 
     #[inline(always)]
@@ -119,12 +114,18 @@ impl<N: Number> Model for Kinematic<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamic<N: Number, P = Centred<N>, L = Massless> {
     /// Solver for the forces of the legs.
-    pub balance: Balance<N>,
+    balance: Balance<N>,
     /// Platform and external loads.
-    pub payload: P,
+    payload: P,
     /// Masses of the legs.
-    pub links: L,
+    links: L,
 }
+
+to_source!([N: Number, P: Payload<N>, L: Links<N>] Dynamic [N, P, L] in trirrr_core::model {
+    balance: Balance<N>,
+    payload: P,
+    links: L,
+});
 
 impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     type N = N;

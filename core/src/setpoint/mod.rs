@@ -17,6 +17,7 @@ pub use rest_to_rest::RestToRest;
 pub use segment::Segment;
 
 use crate::number::Number;
+use crate::to_source;
 use nalgebra::{Vector2, Vector3};
 
 /// Position of the platform's reference point D and orientation of the platform.
@@ -27,6 +28,8 @@ pub struct Pose<N: Number> {
     /// alpha, counter-clockwise from the fixed x axis, not wrapped.
     pub angle: N::Angle,
 }
+
+to_source!(pub [N: Number] Pose [N] in trirrr_core::setpoint { position, angle });
 
 /// Pose, velocity and acceleration at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,16 +6,22 @@ use crate::inverse::LegMotion;
 use crate::machine::Parameters;
 use crate::number::{Number, cross, dot, perpendicular, sum_cross, sum_dot};
 use crate::status::Status;
+use crate::to_source;
 use nalgebra::Vector2;
 
 /// Coefficients of the balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance<N: Number> {
     /// 1 / l2^2 of leg 1.
-    pub inverse_l2_sq: N::Factor,
+    inverse_l2_sq: N::Factor,
     /// Below this size det A is rounding noise.
-    pub least_det_a: N,
+    least_det_a: N,
 }
+
+to_source!([N: Number] Balance [N] in trirrr_core::torque::balance {
+    inverse_l2_sq: N::Factor,
+    least_det_a: N,
+});
 
 /// The solution of the balance.
 #[derive(Clone, Copy, Debug, PartialEq)]

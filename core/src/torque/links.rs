@@ -6,6 +6,8 @@ use crate::inverse::LegMotion;
 use crate::machine::{LegParameters, Parameters};
 use crate::model::LinksKind;
 use crate::number::{Number, dot, perpendicular};
+use crate::source::ToSource;
+use crate::to_source;
 use core::fmt::Debug;
 use nalgebra::Vector2;
 
@@ -36,7 +38,7 @@ impl<N: Number> LegLoad<N> {
 }
 
 /// A kind of links.
-pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
+pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Links<M>;
 
@@ -54,6 +56,8 @@ pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Massless;
 
+to_source!(pub [] Massless [] in trirrr_core::torque::links {});
+
 impl<N: Number> Links<N> for Massless {
     type Over<M: Number> = Self;
     const KIND: LinksKind = LinksKind::Massless;
@@ -70,24 +74,29 @@ impl<N: Number> Links<N> for Massless {
 
 /// Links without mass, motors with rotor inertia: N^2 Jr at the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rotors<N>(pub [N; 3]);
+pub struct Rotors<N> {
+    /// N^2 Jr of each leg.
+    inertia: [N; 3],
+}
+
+to_source!([N: Number] Rotors [N] in trirrr_core::torque::links { inertia: [N; 3] });
 
 impl<N: Number> Links<N> for Rotors<N> {
     type Over<M: Number> = Rotors<M>;
     const KIND: LinksKind = LinksKind::Rotors;
 
     fn build(parameters: &Parameters) -> Self {
-        Self(
-            parameters
+        Self {
+            inertia: parameters
                 .legs
                 .map(|leg| N::from_f64(leg.rotor_inertia_kgm2)),
-        )
+        }
     }
 
     #[inline(always)]
     fn load(&self, leg: usize, _: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
         LegLoad {
-            at_motor: Some(self.0[leg] * motion.accelerations.proximal),
+            at_motor: Some(self.inertia[leg] * motion.accelerations.proximal),
             distal_over_l2_sq: None,
         }
     }
@@ -98,25 +107,38 @@ impl<N: Number> Links<N> for Rotors<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Massive<N, G> {
     /// The links of each leg.
-    pub legs: [MassiveLeg<N>; 3],
+    legs: [MassiveLeg<N>; 3],
     /// Gravity in the plane, if there is any.
-    pub gravity: G,
+    gravity: G,
 }
+
+to_source!([N: Number, G: Gravity<N>] Massive [N, G] in trirrr_core::torque::links {
+    legs: [MassiveLeg<N>; 3],
+    gravity: G,
+});
 
 /// The links of one leg, with centres of mass at c1, c2 from the inner joints and central inertias I1, I2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassiveLeg<N> {
     /// m1 c1^2 + I1 + m2 l1^2 + N^2 Jr
-    pub proximal_inertia: N,
+    proximal_inertia: N,
     /// m1 c1 / l1 + m2
-    pub proximal_weight: N,
+    proximal_weight: N,
     /// m2 c2 / l2
-    pub coupling: N,
+    coupling: N,
     /// (m2 c2^2 + I2) / l2^2
-    pub distal_inertia: N,
+    distal_inertia: N,
     /// m2 c2 / l2^3
-    pub distal_coupling: N,
+    distal_coupling: N,
 }
+
+to_source!([N: Number] MassiveLeg [N] in trirrr_core::torque::links {
+    proximal_inertia: N,
+    proximal_weight: N,
+    coupling: N,
+    distal_inertia: N,
+    distal_coupling: N,
+});
 
 impl<N: Number> MassiveLeg<N> {
     /// Builds the coefficients from checked parameters.
@@ -196,7 +218,7 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
 }
 
 /// Gravity as the links feel it. Chosen by type.
-pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
+pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Gravity<M>;
 
@@ -214,6 +236,8 @@ pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Horizontal;
 
+to_source!(pub [] Horizontal [] in trirrr_core::torque::links {});
+
 impl<N: Number> Gravity<N> for Horizontal {
     type Over<M: Number> = Self;
     const MASSIVE: LinksKind = LinksKind::MassiveHorizontal;
@@ -230,18 +254,32 @@ impl<N: Number> Gravity<N> for Horizontal {
 
 /// Gravity has a component in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InPlane<N>(pub Vector2<N>);
+pub struct InPlane<N> {
+    /// g.
+    gravity: Vector2<N>,
+}
+
+to_source!([N: Number] InPlane [N] in trirrr_core::torque::links { gravity: Vector2<N> });
+
+impl<N: Number> InPlane<N> {
+    /// Takes the vector g.
+    pub fn new(gravity: Vector2<N>) -> Self {
+        Self { gravity }
+    }
+}
 
 impl<N: Number> Gravity<N> for InPlane<N> {
     type Over<M: Number> = InPlane<M>;
     const MASSIVE: LinksKind = LinksKind::MassiveInPlane;
 
     fn build(gravity_m_s2: Vector2<f64>) -> Self {
-        Self(gravity_m_s2.map(N::from_f64))
+        Self {
+            gravity: gravity_m_s2.map(N::from_f64),
+        }
     }
 
     #[inline(always)]
     fn across(&self, r: Vector2<N>) -> Option<N> {
-        Some(dot(self.0, perpendicular(r)))
+        Some(dot(self.gravity, perpendicular(r)))
     }
 }

@@ -6,11 +6,13 @@ use crate::machine::Parameters;
 use crate::model::PayloadKind;
 use crate::number::{Number, cross, perpendicular};
 use crate::setpoint::Setpoint;
+use crate::source::ToSource;
+use crate::to_source;
 use core::fmt::Debug;
 use nalgebra::Vector2;
 
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
-pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
+pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// The same kind in another number type.
     type Over<M: Number>: Payload<M>;
 
@@ -28,14 +30,21 @@ pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Centred<N: Number> {
     /// Mass.
-    pub mass: N::Factor,
+    mass: N::Factor,
     /// Moment of inertia about the centre of mass.
-    pub inertia: N::Factor,
+    inertia: N::Factor,
     /// -m g - W: what is constant in F.
-    pub static_force: Vector2<N>,
+    static_force: Vector2<N>,
     /// -Walpha: what is constant in M.
-    pub static_moment: N,
+    static_moment: N,
 }
+
+to_source!([N: Number] Centred [N] in trirrr_core::torque::payload {
+    mass: N::Factor,
+    inertia: N::Factor,
+    static_force: Vector2<N>,
+    static_moment: N,
+});
 
 impl<N: Number> Payload<N> for Centred<N> {
     type Over<M: Number> = Centred<M>;
@@ -69,18 +78,27 @@ impl<N: Number> Payload<N> for Centred<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset<N: Number> {
     /// Mass.
-    pub mass: N::Factor,
+    mass: N::Factor,
     /// Moment of inertia about the centre of mass.
-    pub inertia: N::Factor,
+    inertia: N::Factor,
     /// s in the platform's frame.
-    pub com: Vector2<N>,
+    com: Vector2<N>,
     /// g.
-    pub gravity: Vector2<N>,
+    gravity: Vector2<N>,
     /// W.
-    pub wrench_force: Vector2<N>,
+    wrench_force: Vector2<N>,
     /// Walpha.
-    pub wrench_moment: N,
+    wrench_moment: N,
 }
+
+to_source!([N: Number] Offset [N] in trirrr_core::torque::payload {
+    mass: N::Factor,
+    inertia: N::Factor,
+    com: Vector2<N>,
+    gravity: Vector2<N>,
+    wrench_force: Vector2<N>,
+    wrench_moment: N,
+});
 
 impl<N: Number> Payload<N> for Offset<N> {
     type Over<M: Number> = Offset<M>;

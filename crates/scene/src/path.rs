@@ -8,7 +8,7 @@ use crate::read::Document;
 use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
 use trirrr_core::limits::{self, LimitParameters};
-use trirrr_core::machine::{BuildError, Geometry, Leg, Parameters};
+use trirrr_core::machine::{BuildError, Geometry, Parameters};
 use trirrr_core::model::Dynamic;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
@@ -215,7 +215,8 @@ impl Workspace<'_> {
     /// Describes which leg is out of reach, and by how much.
     fn unreachable(&self, leg: usize, pose: &Pose<f64>) -> String {
         let parameters = &self.parameters.legs[leg];
-        let Leg { base, joint, .. } = self.geometry.legs[leg];
+        let geometry = &self.geometry.legs()[leg];
+        let (base, joint) = (geometry.base(), geometry.joint());
         let (sin, cos) = f64::sin_cos(pose.angle);
         let c = Vector2::new(joint.x * cos - joint.y * sin, joint.x * sin + joint.y * cos);
         let span = pose.position - base + c;

@@ -149,7 +149,7 @@ impl<N: Number, M: Model<N = N>> Pipeline<N> for Machine<M> {
                 power: powers[i].to_f64() * units.power_w(),
                 cross: links.r1_cross_r2.to_f64() * (length * length),
                 serial: serial[i].to_f64(),
-                base: pair(self.tick.geometry().legs[i].base, length),
+                base: pair(self.tick.geometry().legs()[i].base(), length),
                 r1: pair(links.r1, length),
                 r2: pair(links.r2, length),
             }

@@ -7,20 +7,28 @@ use trirrr_core::machine::{BuildError, Parameters, Quantity};
 use trirrr_core::model::Model;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
+use trirrr_core::to_source;
 
 /// The coefficients of all that a service computes, in its number type: plain numbers, so that
 /// whoever builds an image can build them too and write them as constants.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients<M: Model<N: Enclose>> {
     /// Of the tick.
-    pub tick: Tick<M>,
+    pub(crate) tick: Tick<M>,
     /// Limits that the results of the tick must keep.
-    pub limits: Limits<M::N>,
+    pub(crate) limits: Limits<M::N>,
     /// Of the distances to the singularities.
-    pub distances: Distances<M::N>,
+    pub(crate) distances: Distances<M::N>,
     /// Of the admission.
-    pub path: Path<M>,
+    pub(crate) path: Path<M>,
 }
+
+to_source!([M: Model<N: Enclose>] Coefficients [M] in trirrr_service {
+    tick: Tick<M>,
+    limits: Limits<M::N>,
+    distances: Distances<M::N>,
+    path: Path<M>,
+});
 
 impl<M: Model<N: Enclose>> Coefficients<M> {
     /// Checks the machine and its limits, in its own units, and builds the coefficients.

@@ -1,6 +1,7 @@
 //! Settings that a service takes when it is built.
 
 use trirrr_core::number::Number;
+use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
     Board, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit,
@@ -42,6 +43,16 @@ pub struct SceneIdentity {
     /// one unit of mass in kg.
     pub mass_kg: f64,
 }
+
+to_source!(pub [] SceneIdentity [] in trirrr_service {
+    schema,
+    key,
+    name,
+    tick_rate_hz,
+    length_m,
+    time_s,
+    mass_kg,
+});
 
 /// `name` as an identity has it: cut where it is longer, zeros behind it.
 pub const fn name(name: &str) -> [u8; NAME_CAPACITY] {

@@ -1,7 +1,6 @@
 //! Simulated homing switches, for emulators and for images that count instructions.
 
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::shorter_way;
 use trirrr_core::tick::Motor;
 use trirrr_service::HomingCoefficients;
 
@@ -32,16 +31,10 @@ impl<'a, N: Number> RuledSwitches<'a, N> {
     // A function of its own: its symbol shows an image that must not hold it.
     #[inline(never)]
     pub fn closed(&self, motors: &[Motor<N>; 3]) -> [bool; 3] {
-        let mut closed = [false; 3];
-        let axes = self.homing.axes.iter().zip(&self.offsets);
-        for ((closed, motor), (axis, offset)) in closed.iter_mut().zip(motors).zip(axes) {
-            let beyond = shorter_way::<N>(motor.angle + *offset - axis.contact);
-            *closed = match axis.search > N::ZERO {
-                true => beyond >= N::ZERO,
-                false => beyond <= N::ZERO,
-            };
-        }
-        closed
+        [0, 1, 2].map(|i| {
+            let angle = motors[i].angle + self.offsets[i];
+            self.homing.is_at_reference(i, angle)
+        })
     }
 
     /// Follows a new zero of the joint angles: all are greater `by` so much, without a motion.

@@ -2,6 +2,7 @@
 
 use super::product::{normalised, rounded, signed};
 use super::reciprocal::reciprocal;
+use crate::to_source;
 use core::ops::{Mul, Neg};
 
 /// `significand` 2^-30 2^(28 - `shift`), the significand of a size in [2^30, 2^31), or zero. Rounded
@@ -9,10 +10,12 @@ use core::ops::{Mul, Neg};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Factor {
     /// 0, or in size from 2^30 up to and without 2^31.
-    pub significand: i32,
+    pub(crate) significand: i32,
     /// Right shift of a sum in 2^-58 before it is multiplied.
-    pub shift: i32,
+    pub(crate) shift: i32,
 }
+
+to_source!([] Factor [] in trirrr_core::number::fixed { significand: i32, shift: i32 });
 
 impl Factor {
     /// Shifted so far that whatever it is multiplied with is gone, and does not saturate before.

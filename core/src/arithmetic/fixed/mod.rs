@@ -46,6 +46,7 @@ pub use factor::Factor;
 pub use turns::Turns;
 
 use super::{Arithmetic, WideArithmetic};
+use crate::to_source;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use postcard_schema::Schema;
 use product::{normalised, saturated, signed};
@@ -67,12 +68,16 @@ pub struct Sum(pub i64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Length {
     /// The length.
-    pub value: Fixed,
+    value: Fixed,
     /// Left shift that takes the length into (2^29, 2^30].
-    pub shift: u32,
+    shift: u32,
     /// 2^60 over that.
-    pub inverse: i32,
+    inverse: i32,
 }
+
+to_source!([] Length [] in trirrr_core::number::fixed { value: Fixed, shift: u32, inverse: i32 });
+to_source!(pub Fixed in trirrr_core::number; 0);
+to_source!(pub Sum in trirrr_core::number::fixed; 0);
 
 /// Bits behind the point.
 pub(crate) const FRACTION: u32 = 29;

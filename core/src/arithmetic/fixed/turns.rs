@@ -1,5 +1,6 @@
 //! Angles as turns.
 
+use crate::to_source;
 use core::ops::{Add, Neg, Sub};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,8 @@ use serde::{Deserialize, Serialize};
 )]
 #[repr(transparent)]
 pub struct Turns(pub i64);
+
+to_source!(pub Turns in trirrr_core::number::fixed; 0);
 
 impl Turns {
     /// The angle nearest to `radians`; 0 for a value that is not a number.

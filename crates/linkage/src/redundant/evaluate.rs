@@ -111,7 +111,9 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         let moved = self.each(|index, leg| {
             let (motion, a) = leg.motion(index, setpoint, &rotation, &sliders[index])?;
             let gravity = self.gravity - a;
-            let load = leg.inertia.load(&leg.leg.dyad, &motion, &InPlane(gravity));
+            let load = leg
+                .inertia
+                .load(leg.leg.dyad(), &motion, &InPlane::new(gravity));
             Ok((motion, load, gravity))
         })?;
         let legs = moved.each_ref().map(|moved| moved.0);
@@ -144,7 +146,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         let motors = core::array::from_fn(|index| Motor {
             angle: self.legs[index]
                 .leg
-                .dyad
+                .dyad()
                 .proximal_angle(&position[index].links),
             rate: legs[index].rates.proximal,
             acceleration: legs[index].accelerations.proximal,

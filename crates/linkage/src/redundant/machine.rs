@@ -55,10 +55,7 @@ impl<N: Number> RedundantLeg<N> {
 
     /// Returns the leg with its base joint at the slider position `slider`.
     pub(super) fn placed(&self, slider: N) -> Leg<N> {
-        Leg {
-            base: self.leg.base + self.slid(|| slider),
-            ..self.leg
-        }
+        self.leg.at(self.leg.base() + self.slid(|| slider))
     }
 }
 
@@ -70,10 +67,11 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
     pub fn build(parameters: &RedundantParameters<LEGS>) -> Result<Self, BuildError> {
         const { assert!(LEGS >= 3, "three legs hold a platform") };
         parameters.check::<N>()?;
-        let first = Geometry::build(&parameters.three([0, 1, 2]))?.legs[0];
+        let first = Geometry::build(&parameters.three([0, 1, 2]))?.legs()[0];
         let leg = |index: usize| {
             let given = &parameters.legs[index];
-            let leg = Geometry::build(&parameters.three([index; 3])).map_or(first, |it| it.legs[0]);
+            let leg =
+                Geometry::build(&parameters.three([index; 3])).map_or(first, |it| it.legs()[0]);
             RedundantLeg {
                 leg,
                 inertia: MassiveLeg::build(given),

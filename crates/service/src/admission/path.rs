@@ -15,6 +15,7 @@ use trirrr_core::setpoint::{Segment, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
+use trirrr_core::to_source;
 use trirrr_protocol::message::Bounded;
 
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
@@ -22,18 +23,27 @@ use trirrr_protocol::message::Bounded;
 #[derive(Clone, Copy, Debug)]
 pub struct Path<M: Model<N: Enclose>> {
     /// The tick, on Taylor models.
-    pub tick: Tick<M::Over<TaylorModel<M::N>>>,
+    pub(crate) tick: Tick<M::Over<TaylorModel<M::N>>>,
     /// The distances, likewise.
-    pub distances: Distances<TaylorModel<M::N>>,
+    pub(crate) distances: Distances<TaylorModel<M::N>>,
     /// Limits that the admission compares with.
-    pub limits: Limits<Float<M::N>>,
+    pub(crate) limits: Limits<Float<M::N>>,
     /// Seconds, or the machine's unit of time, per tick.
-    pub period: Float<M::N>,
+    pub(crate) period: Float<M::N>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
-    pub ramp: TaylorModel<M::N>,
+    pub(crate) ramp: TaylorModel<M::N>,
     /// True if the motors may have to hold something at rest: gravity or a wrench.
-    pub loaded: bool,
+    pub(crate) loaded: bool,
 }
+
+to_source!([M: Model<N: Enclose>] Path [M] in trirrr_service::admission {
+    tick: Tick<M::Over<TaylorModel<M::N>>>,
+    distances: Distances<TaylorModel<M::N>>,
+    limits: Limits<Float<M::N>>,
+    period: Float<M::N>,
+    ramp: TaylorModel<M::N>,
+    loaded: bool,
+});
 
 impl<N: Enclose, M: Model<N = N>> Path<M> {
     /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
@@ -124,7 +134,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         rotation: &Rotation<TaylorModel<N>>,
         motions: &mut [LegMotion<TaylorModel<N>>; 3],
     ) -> Result<(), Status> {
-        let legs = &self.tick.geometry().legs;
+        let legs = &self.tick.geometry().legs();
         for (index, (leg, motion)) in legs.iter().zip(motions).enumerate() {
             solve(index, leg, setpoint, rotation, motion)?;
         }
@@ -231,11 +241,11 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     ) -> Breach<Float<N>> {
         match status {
             Status::Unreachable { leg } | Status::SerialSingular { leg } => {
-                let dyad = &self.tick.geometry().legs[leg];
-                let c = rotation.apply(dyad.joint);
-                let d = (setpoint.pose.position - dyad.base) + c;
+                let geometry = &self.tick.geometry().legs()[leg];
+                let c = rotation.apply(geometry.joint());
+                let d = (setpoint.pose.position - geometry.base()) + c;
                 let squared = dot(d, d);
-                let (shortest, longest) = dyad.dyad.reach();
+                let (shortest, longest) = geometry.dyad().reach();
                 let (shortest, longest) = (shortest.constant, longest.constant);
                 // The span that is on the wrong side, or may be, of the nearer of the two bounds.
                 let far = squared.constant + squared.radius();

@@ -2,50 +2,73 @@
 
 use super::parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::Pose;
+use trirrr_core::setpoint::{Pose, shorter_way};
+use trirrr_core::to_source;
 
 /// The coefficients of homing: plain numbers, so that whoever builds an image can build them too
 /// and write them as constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingCoefficients<N: Number> {
     /// Kind of contact that the motors meet.
-    pub contact: Contact,
+    pub(crate) contact: Contact,
     /// An input has to be the same for so many ticks.
-    pub debounce_ticks: u16,
+    pub(crate) debounce_ticks: u16,
     /// Length of a tick.
-    pub period: N::Factor,
+    pub(crate) period: N::Factor,
     /// Durations of the parts.
-    pub times: HomingTimes,
+    pub(crate) times: HomingTimes,
     /// The motors.
-    pub axes: [HomingAxis<N>; 3],
+    pub(crate) axes: [HomingAxis<N>; 3],
     /// Pose that homing leads to.
-    pub start: Pose<N>,
+    pub(crate) start: Pose<N>,
 }
+
+to_source!([N: Number] HomingCoefficients [N] in trirrr_service {
+    contact: Contact,
+    debounce_ticks: u16,
+    period: N::Factor,
+    times: HomingTimes,
+    axes: [HomingAxis<N>; 3],
+    start: Pose<N>,
+});
 
 /// Homing of one motor; signs are those of the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingAxis<N: Number> {
     /// When its turn is.
-    pub stage: u8,
+    pub(crate) stage: u8,
     /// The reference,
-    pub contact: N::Angle,
+    pub(crate) contact: N::Angle,
     /// and where it stands when it is homed.
-    pub park: N::Angle,
+    pub(crate) park: N::Angle,
     /// From the reference to there,
-    pub back: N,
+    pub(crate) back: N,
     /// and from wherever a search may have ended to there.
-    pub leave: N,
+    pub(crate) leave: N,
     /// Greatest travel of the search, positive.
-    pub travel: N,
+    pub(crate) travel: N,
     /// Rate of the search, towards the reference,
-    pub search: N,
+    pub(crate) search: N,
     /// and of the second approach.
-    pub latch: N,
+    pub(crate) latch: N,
     /// Acceleration, positive,
-    pub acceleration: N,
+    pub(crate) acceleration: N,
     /// and the change of the rate in a tick.
-    pub slope: N,
+    pub(crate) slope: N,
 }
+
+to_source!([N: Number] HomingAxis [N] in trirrr_service {
+    stage: u8,
+    contact: N::Angle,
+    park: N::Angle,
+    back: N,
+    leave: N,
+    travel: N,
+    search: N,
+    latch: N,
+    acceleration: N,
+    slope: N,
+});
 
 impl<N: Number> HomingCoefficients<N> {
     /// Builds the coefficients for ticks of `period`, in the unit of time that the rates are in.
@@ -61,6 +84,19 @@ impl<N: Number> HomingCoefficients<N> {
                 .each_ref()
                 .map(|motor| HomingAxis::build(motor, parameters, period)),
             start: Pose::from_f64(x, y, alpha),
+        }
+    }
+}
+
+impl<N: Number> HomingCoefficients<N> {
+    /// Returns true if motor `motor`, 0 to 2, at `angle` has reached its reference, or has run over it
+    /// in the direction of the search.
+    pub fn is_at_reference(&self, motor: usize, angle: N::Angle) -> bool {
+        let axis = &self.axes[motor];
+        let beyond = shorter_way::<N>(angle - axis.contact);
+        match axis.search > N::ZERO {
+            true => beyond >= N::ZERO,
+            false => beyond <= N::ZERO,
         }
     }
 }

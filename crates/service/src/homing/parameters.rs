@@ -2,6 +2,7 @@
 
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{shorter_way, wrapped};
+use trirrr_core::to_source;
 
 /// Kind of reference that a motor meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,8 @@ pub enum Contact {
     /// A hard stop, and nobody says anything: after the largest travel it is there.
     Unfelt,
 }
+
+to_source!(pub Contact in trirrr_service: Switch, Stall, Unfelt);
 
 /// Homing of one motor. Angles in rad, rates and accelerations in the machine's unit of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +65,8 @@ pub struct HomingTimes {
     /// The way to the start pose.
     pub to_start: u32,
 }
+
+to_source!(pub [] HomingTimes [] in trirrr_service { search, latch, back_off, to_start });
 
 impl HomingTimes {
     /// The times for these motors in ticks of `period`, in the unit of time that their rates are

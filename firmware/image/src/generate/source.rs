@@ -1,9 +1,9 @@
 //! The text that an image includes.
 
-use super::constant::{constant, names};
+use super::constant::constant;
 use super::kinds::Machine;
 use super::{COARSE, FIXED};
-use crate::Move;
+use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
 use trirrr_core::number::{Coarse, Fixed};
@@ -13,7 +13,7 @@ use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{RangeError, Scene, units_of_scene};
 use trirrr_service::HomingCoefficients;
-use trirrr_service::ServiceNumber;
+use trirrr_service::{ServiceNumber, Settings};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -36,16 +36,15 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let job = scene.job.in_units(&units);
     let period = units.time(scene.period_s());
     let machine = Machine {
-        kind: scene.model(),
         parameters,
         limits,
         ramp_ticks: scene.ramp_ticks(),
         period,
     };
+    let source = scene.model().visit::<N, _>(machine)?;
     let mut file = File(String::new());
-    file.line(&names());
     file.line(&format!("pub type Scalar = {scalar};"));
-    file.line(&format!("pub type Model = {};", machine.model(scalar)));
+    file.line(&format!("pub type Model = {};", source.model));
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -55,7 +54,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let start = Pose::<N>::from_f64(start.position.x, start.position.y, start.angle);
     let start = (constant(&start), "trirrr_core::setpoint::Pose<Scalar>");
     file.constant("START", start.1, start.0);
-    let settings = constant(&trirrr_scene::settings::<N>(scene, &units));
+    let settings = settings(&trirrr_scene::settings::<N>(scene, &units));
     let service = "trirrr_service";
     file.constant(
         "SETTINGS",
@@ -63,7 +62,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         settings,
     );
     let coefficients = format!("{service}::Coefficients<Model>");
-    file.global("COEFFICIENTS", &coefficients, machine.coefficients::<N>()?);
+    file.global("COEFFICIENTS", &coefficients, source.coefficients);
     let (parameters_type, limits_type) = (
         "trirrr_core::machine::Parameters",
         "trirrr_core::limits::LimitParameters",
@@ -87,8 +86,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     file.constant("LIMITS", limits_type, constant(limits));
     let mut moves = String::from("[\n");
     for each in &job.moves {
-        // `Debug` of an enum with named fields of numbers and arrays is its source.
-        writeln!(moves, "    trirrr_image::Move::{:?},", as_constant(each))?;
+        writeln!(moves, "    {},", move_source(each))?;
     }
     moves.push(']');
     let moves_type = format!("[trirrr_image::Move; {}]", job.moves.len());
@@ -153,19 +151,38 @@ impl File {
     }
 }
 
-fn as_constant(each: &trirrr_scene::Move) -> Move {
-    let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
+fn move_source(each: &trirrr_scene::Move) -> String {
+    let pose = |pose: &Pose<f64>| constant(&[pose.position.x, pose.position.y, pose.angle]);
+    let velocity = |velocity: Vector3<f64>| constant(&<[f64; 3]>::from(velocity));
     let (from, to, ticks) = (pose(&each.from), pose(&each.to), each.duration_ticks);
+    let kind = "trirrr_image::Move";
     if each.is_rest_to_rest() {
-        return Move::RestToRest { from, to, ticks };
+        return format!("{kind}::RestToRest {{ from: {from}, to: {to}, ticks: {ticks} }}");
     }
-    Move::Hermite {
-        from,
-        from_velocity: each.start_velocity.into(),
-        to,
-        to_velocity: each.end_velocity.into(),
-        ticks,
-    }
+    let (start, end) = (velocity(each.start_velocity), velocity(each.end_velocity));
+    format!(
+        "{kind}::Hermite {{ from: {from}, from_velocity: {start}, to: {to}, to_velocity: {end}, \
+         ticks: {ticks} }}"
+    )
+}
+
+/// The settings, for the board of a host: the firmware puts its own board in.
+fn settings<N: ServiceNumber>(settings: &Settings<N>) -> String {
+    let Settings {
+        period,
+        ramp_ticks,
+        host_timeout_ticks,
+        telemetry_every,
+        scene,
+        board: _,
+    } = settings;
+    format!(
+        "trirrr_service::Settings {{ period: {}, ramp_ticks: {ramp_ticks}, \
+         host_timeout_ticks: {host_timeout_ticks}, telemetry_every: {telemetry_every}, \
+         scene: {}, board: trirrr_protocol::message::Board::HOST }}",
+        constant(period),
+        constant(scene),
+    )
 }
 
 #[cfg(test)]

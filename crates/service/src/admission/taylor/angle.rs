@@ -4,6 +4,7 @@ use super::{Float, Roundoffs};
 use crate::admission::Enclose;
 use core::ops::{Add, Neg, Sub};
 use trirrr_core::number::Arithmetic;
+use trirrr_core::to_source;
 
 /// An angle over an interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +15,12 @@ pub struct AngleModel<N: Enclose> {
     /// In radians.
     pub(super) error: Float<N>,
 }
+
+to_source!([N: Enclose] AngleModel [N] in trirrr_service::admission {
+    constant: <Float<N> as Arithmetic>::Angle,
+    linear: Float<N>,
+    error: Float<N>,
+});
 
 impl<N: Enclose> AngleModel<N> {
     /// An angle of the tick, the same at all times.

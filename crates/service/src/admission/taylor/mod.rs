@@ -27,6 +27,7 @@ use crate::admission::Enclose;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use trirrr_core::number::Arithmetic;
+use trirrr_core::to_source;
 
 /// The float that the numbers of a model of `N` are.
 pub(super) type Float<N> = <N as Enclose>::Bound;
@@ -35,12 +36,18 @@ pub(super) type Float<N> = <N as Enclose>::Bound;
 #[derive(Clone, Copy, Debug)]
 pub struct TaylorModel<N: Enclose> {
     /// Value in the middle of the interval, without the error.
-    pub constant: Float<N>,
+    pub(crate) constant: Float<N>,
     /// Change from the middle of the interval to its end, as far as it is linear.
-    pub linear: Float<N>,
+    pub(crate) linear: Float<N>,
     /// Bound of everything else; not negative.
-    pub error: Float<N>,
+    pub(crate) error: Float<N>,
 }
+
+to_source!([N: Enclose] TaylorModel [N] in trirrr_service::admission {
+    constant: Float<N>,
+    linear: Float<N>,
+    error: Float<N>,
+});
 
 impl<N: Enclose> TaylorModel<N> {
     /// A value of the tick, the same at all times.

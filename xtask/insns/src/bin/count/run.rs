@@ -80,7 +80,7 @@ pub(crate) fn run() -> ! {
     let mut checksum = Checksum::default();
     let mut first = true;
     // The dyad of the first leg, between the ends it has at each tick.
-    let dyad = tick.geometry().legs[0].dyad;
+    let dyad = tick.geometry().legs()[0].dyad();
     let mut end = Vector2::new(0.0, 0.0).map(Scalar::from_f64);
     let mut links: Links = Err(OutOfReach::Unreachable);
     for segment in segments::<Scalar>(&MOVES, PERIOD) {
