@@ -81,7 +81,7 @@ impl<N: Enclose> TaylorModel<N> {
         }
     }
 
-    /// Largest deviation from [`TaylorModel::constant`].
+    /// Largest deviation from the value in the middle of the interval.
     #[inline(always)]
     pub fn radius(self) -> Float<N> {
         self.linear.abs() + self.error

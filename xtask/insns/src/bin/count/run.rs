@@ -91,7 +91,7 @@ pub(crate) fn run() -> ! {
                 let evaluate =
                     count_evaluate(black_box(empty_evaluate), &tick, &setpoint, &mut outcome);
                 let set = count_set(black_box(empty_set), &segment, index, &mut setpoint);
-                let solve = count_solve(black_box(empty_solve), &dyad, &end, &mut links);
+                let solve = count_solve(black_box(empty_solve), dyad, &end, &mut links);
                 println!("empty {evaluate} {set} {solve}");
             }
             let set = count_set(black_box(set), &segment, index, &mut setpoint);
@@ -103,7 +103,7 @@ pub(crate) fn run() -> ! {
             if let Ok(position) = tick.geometry().position(&setpoint.pose) {
                 end = position.legs[0].links.r1 + position.legs[0].links.r2;
             }
-            let solve = count_solve(black_box(solve), &dyad, &end, &mut links);
+            let solve = count_solve(black_box(solve), dyad, &end, &mut links);
             println!("tick {evaluate} {set} {solve}");
         }
     }
