@@ -40,6 +40,8 @@ pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;
 pub use settings::settings;
+#[doc(hidden)]
+pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
 
 #[cfg(doctest)]

@@ -77,6 +77,33 @@ pub enum NumberType {
     Micromath,
 }
 
+/// Runs an expression with the Rust type that a [`NumberType`] names.
+///
+/// ```
+/// use trirrr_core::number::Arithmetic;
+/// use trirrr_scene::{NumberType, in_number_type};
+///
+/// let third = in_number_type!(NumberType::F32, N => N::from_f64(1.0 / 3.0).to_f64());
+/// assert_eq!(third, f64::from(1.0f32 / 3.0));
+/// ```
+#[macro_export]
+macro_rules! in_number_type {
+    ($number:expr, $type:ident => $expression:expr) => {{
+        macro_rules! of {
+            ($rust:ty) => {{
+                type $type = $rust;
+                $expression
+            }};
+        }
+        match $number {
+            $crate::NumberType::F64 => of!(f64),
+            $crate::NumberType::F32 => of!(f32),
+            $crate::NumberType::Fixed => of!($crate::trirrr_core::number::Fixed),
+            $crate::NumberType::Micromath => of!($crate::trirrr_core::number::Coarse),
+        }
+    }};
+}
+
 impl NumberType {
     /// All number types.
     pub const ALL: [Self; 4] = [Self::F64, Self::F32, Self::Fixed, Self::Micromath];

@@ -20,9 +20,8 @@ use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::transport::Listener;
-use trirrr_core::number::{Coarse, Fixed};
-use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::in_number_type;
 use trirrr_service::ServiceNumber;
 
 /// Time from one look at the link to the next, while no tick is due.
@@ -53,12 +52,7 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
             _ => None,
         },
     };
-    match scalar {
-        NumberType::F64 => device.play::<f64>(),
-        NumberType::F32 => device.play::<f32>(),
-        NumberType::Fixed => device.play::<Fixed>(),
-        NumberType::Micromath => device.play::<Coarse>(),
-    }
+    in_number_type!(scalar, N => device.play::<N>())
 }
 
 /// A device before its number type is chosen.

@@ -10,11 +10,12 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 use trirrr_core::machine::Parameters;
-use trirrr_core::number::{Coarse, Fixed, Number};
+use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_scene::NumberType;
 use trirrr_scene::cases::{self, Columns};
+use trirrr_scene::in_number_type;
 use trirrr_scene::pipeline;
 use trirrr_scene::record::{RESULT_COLUMNS, Record, number};
 
@@ -81,12 +82,7 @@ pub fn evaluate(
     input: impl Read,
     output: &mut dyn Write,
 ) -> Result<Count, Failure> {
-    match scalar {
-        NumberType::F64 => evaluate_in::<f64>(name, input, output),
-        NumberType::F32 => evaluate_in::<f32>(name, input, output),
-        NumberType::Fixed => evaluate_in::<Fixed>(name, input, output),
-        NumberType::Micromath => evaluate_in::<Coarse>(name, input, output),
-    }
+    in_number_type!(scalar, N => evaluate_in::<N>(name, input, output))
 }
 
 fn evaluate_in<N: Number>(

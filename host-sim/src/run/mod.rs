@@ -27,11 +27,11 @@ use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::runner::{JobRunner, PlayedTick};
-use trirrr_core::number::{Coarse, Fixed};
 use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::in_number_type;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
@@ -131,12 +131,7 @@ pub fn simulate(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Report, Failure> {
-    match scalar {
-        NumberType::F64 => simulate_in::<f64>(scene, scalar, paced, folder, stop),
-        NumberType::F32 => simulate_in::<f32>(scene, scalar, paced, folder, stop),
-        NumberType::Fixed => simulate_in::<Fixed>(scene, scalar, paced, folder, stop),
-        NumberType::Micromath => simulate_in::<Coarse>(scene, scalar, paced, folder, stop),
-    }
+    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, folder, stop))
 }
 
 fn simulate_in<N: ServiceNumber + Countable>(

@@ -24,12 +24,12 @@ use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
 use trirrr_client::{JobClient, Patience};
-use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::Telemetry;
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::in_number_type;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
@@ -47,12 +47,7 @@ const BITS_PER_BYTE: f64 = 10.0;
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
     let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
     let scalar = args.scalar.unwrap_or(scene.number);
-    match scalar {
-        NumberType::F64 => stream::<f64>(args, &scene, scalar, stop),
-        NumberType::F32 => stream::<f32>(args, &scene, scalar, stop),
-        NumberType::Fixed => stream::<Fixed>(args, &scene, scalar, stop),
-        NumberType::Micromath => stream::<Coarse>(args, &scene, scalar, stop),
-    }
+    in_number_type!(scalar, N => stream::<N>(args, &scene, scalar, stop))
 }
 
 fn stream<N: ServiceNumber>(

@@ -21,9 +21,7 @@ use expected::{Expected, Inputs};
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::transport::Address;
-use trirrr_core::number::{Coarse, Fixed};
-use trirrr_scene::NumberType;
-use trirrr_scene::Scene;
+use trirrr_scene::{NumberType, Scene, in_number_type};
 use trirrr_service::ServiceNumber;
 
 #[derive(Parser)]
@@ -99,12 +97,8 @@ fn main() -> Result<()> {
         Test::Log { elf, log } => return log::print(elf, log),
     };
     let scene = Scene::read(&board.scene).context("the scene")?;
-    match board.scalar.unwrap_or(scene.number) {
-        NumberType::F64 => run::<f64>(&test, board, &scene),
-        NumberType::F32 => run::<f32>(&test, board, &scene),
-        NumberType::Fixed => run::<Fixed>(&test, board, &scene),
-        NumberType::Micromath => run::<Coarse>(&test, board, &scene),
-    }
+    let number = board.scalar.unwrap_or(scene.number);
+    in_number_type!(number, N => run::<N>(&test, board, &scene))
 }
 
 fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
