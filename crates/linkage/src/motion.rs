@@ -1,4 +1,4 @@
-//! Motions: of a point, of a link, of a slider along its guide.
+//! Motions: of a point, of a link, of a slider along its guide, of a dyad; drives and cranks.
 //!
 //! Points of one link are tied by Rivals' theorem. With r the vector from A to B, both fixed in a
 //! link of angular velocity w and angular acceleration e, and E the turn by +90 degrees:
@@ -8,8 +8,9 @@
 //! a_B = a_A + e E r - w^2 r
 //! ```
 
+use crate::status::LinkageStatus;
 use nalgebra::Vector2;
-use trirrr_core::number::{Number, perpendicular};
+use trirrr_core::number::{Arithmetic, Number, perpendicular};
 
 /// Motion of a point in the fixed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,20 @@ pub struct SlideMotion<N> {
     pub acceleration: N,
 }
 
+/// Motion of a dyad: of its two links, of its slides, and its distance from the singularity. Every
+/// value that a dyad's `solve` returns is finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DyadMotion<N, const SLIDES: usize> {
+    /// The link at the first end.
+    pub first: LinkMotion<N>,
+    /// The link at the second end.
+    pub second: LinkMotion<N>,
+    /// The slides, from the first end to the second.
+    pub slides: [SlideMotion<N>; SLIDES],
+    /// Scale-free distance from the singularity, 0 to 1.
+    pub singularity_distance: N,
+}
+
 /// A driven angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<N: Number> {
@@ -58,6 +73,21 @@ pub struct Drive<N: Number> {
     pub rate: N,
     /// rad/s^2.
     pub acceleration: N,
+}
+
+/// A driven link about a fixed centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crank<N> {
+    /// Its fixed joint.
+    pub centre: Vector2<N>,
+    /// From the centre to the tip, m.
+    pub length: N,
+}
+
+/// The unit vector at `angle`, rad.
+pub(super) fn unit(angle: f64) -> Vector2<f64> {
+    let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
+    Vector2::new(cos, sin)
 }
 
 /// a - b, component by component.
@@ -149,6 +179,12 @@ impl<N: Number> LinkMotion<N> {
             .carried(self.vector(local), self.rate, self.acceleration)
     }
 
+    /// The frame fixed in the same link, or in one that turns alike, at another `origin`.
+    #[inline]
+    pub fn with_origin(&self, origin: PointMotion<N>) -> Self {
+        Self { origin, ..*self }
+    }
+
     /// A vector given in the link's frame, in the fixed frame.
     #[inline]
     pub fn vector(&self, local: Vector2<N>) -> Vector2<N> {
@@ -198,9 +234,51 @@ impl<N: Number> LinkMotion<N> {
 }
 
 impl<N: Number> SlideMotion<N> {
+    /// Two slides from their lengths, rates and accelerations.
+    pub(super) fn pair(lengths: [N; 2], rates: [N; 2], accelerations: [N; 2]) -> [Self; 2] {
+        [0, 1].map(|i| Self {
+            length: lengths[i],
+            rate: rates[i],
+            acceleration: accelerations[i],
+        })
+    }
+
     /// True when every component is finite.
     pub fn is_finite(&self) -> bool {
         self.length.is_finite() && self.rate.is_finite() && self.acceleration.is_finite()
+    }
+}
+
+impl<N: Number, const SLIDES: usize> DyadMotion<N, SLIDES> {
+    /// Refuses a motion that is not finite.
+    pub(super) fn finite(self) -> Result<Self, LinkageStatus> {
+        let finite = self.first.is_finite()
+            && self.second.is_finite()
+            && self.slides.iter().all(SlideMotion::is_finite)
+            && self.singularity_distance.is_finite();
+        finite.then_some(self).ok_or(LinkageStatus::OutOfRange)
+    }
+}
+
+impl<N: Number> Crank<N> {
+    /// The crank of `length` about `centre`.
+    pub fn new(centre: Vector2<f64>, length: f64) -> Self {
+        Self {
+            centre: centre.map(N::from_f64),
+            length: N::from_f64(length),
+        }
+    }
+
+    /// The crank as `drive` turns it; origin at the centre, x axis towards the tip.
+    #[inline]
+    pub fn at(&self, drive: &Drive<N>) -> LinkMotion<N> {
+        drive.link(PointMotion::fixed(self.centre))
+    }
+
+    /// The tip of the crank that moves as `link`.
+    #[inline]
+    pub fn tip(&self, link: &LinkMotion<N>) -> PointMotion<N> {
+        link.point(Vector2::new(self.length, N::ZERO))
     }
 }
 
@@ -219,8 +297,26 @@ impl<N: Number> Drive<N> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A point near (`x`, 0.3 - `x`) that accelerates.
+    pub(crate) fn moving(x: f64) -> PointMotion<f64> {
+        PointMotion {
+            position: Vector2::new(x, 0.3 - x),
+            velocity: Vector2::new(0.5, -x),
+            acceleration: Vector2::new(x, 2.0),
+        }
+    }
+
+    /// Asserts that two points move alike, to `rounding` in position, ten times as much in
+    /// velocity and a hundred times in acceleration.
+    pub(crate) fn assert_alike(a: &PointMotion<f64>, b: &PointMotion<f64>, rounding: f64) {
+        let off = a.relative_to(b);
+        assert!(off.position.abs().max() < rounding, "{off:?}");
+        assert!(off.velocity.abs().max() < 10.0 * rounding, "{off:?}");
+        assert!(off.acceleration.abs().max() < 100.0 * rounding, "{off:?}");
+    }
 
     /// A link about the origin with its x axis along (0.6, 0.8), at 2 rad/s and 3 rad/s^2.
     fn link() -> LinkMotion<f64> {

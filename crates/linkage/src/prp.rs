@@ -25,10 +25,10 @@
 
 use super::LinkageStatus;
 use super::motion::{
-    GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration,
+    DyadMotion, GuideMotion, SlideMotion, difference, relative_acceleration, unit,
 };
 use nalgebra::Vector2;
-use trirrr_core::number::{Arithmetic, Number, cross, dot, perpendicular};
+use trirrr_core::number::{Number, cross, dot, perpendicular};
 
 /// Coefficients of a PRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +39,9 @@ pub struct Prp<N> {
     second: Vector2<N>,
 }
 
-/// A dyad's configuration.
+/// Configuration of a PRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N> {
+pub struct PrpPosition<N> {
     /// z1 and z4: from A and from B along their guides to the sliders' reference points.
     pub lengths: [N; 2],
     /// A -> C and B -> C.
@@ -56,33 +56,7 @@ pub struct Position<N> {
     inverse: N,
 }
 
-/// Motion of the links for a motion of the guides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<N> {
-    /// C.
-    pub joint: PointMotion<N>,
-    /// The slider on the first guide; origin at C, x axis along the guide, with which it turns.
-    pub first: LinkMotion<N>,
-    /// The slider on the second guide, likewise.
-    pub second: LinkMotion<N>,
-    /// z1.
-    pub first_slide: SlideMotion<N>,
-    /// z4.
-    pub second_slide: SlideMotion<N>,
-    /// Distance from the singularity, 0 to 1.
-    pub singularity_distance: N,
-}
-
-/// Angular velocity and acceleration of a guide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn<N> {
-    /// rad/s.
-    pub rate: N,
-    /// rad/s^2.
-    pub acceleration: N,
-}
-
-impl<N: Number> Position<N> {
+impl<N: Number> PrpPosition<N> {
     /// The parts of `v` = first u1 - second u4.
     #[inline(always)]
     fn resolve(&self, v: Vector2<N>) -> [N; 2] {
@@ -95,12 +69,8 @@ impl<N: Number> Position<N> {
 impl<N: Number> Prp<N> {
     /// The dyad with arms `z2` and `z3` at the angles `gamma` and `beta` (rad).
     pub fn new(z2: f64, gamma: f64, z3: f64, beta: f64) -> Self {
-        let (sin_gamma, cos_gamma) = <f64 as Arithmetic>::sin_cos(gamma);
-        let (sin_beta, cos_beta) = <f64 as Arithmetic>::sin_cos(beta);
-        Self::from_offsets(
-            Vector2::new(-(z2 * cos_gamma), -(z2 * sin_gamma)),
-            Vector2::new(-(z3 * cos_beta), z3 * sin_beta),
-        )
+        let (first, second) = (unit(gamma) * z2, unit(beta) * z3);
+        Self::from_offsets(-first, Vector2::new(-second.x, second.y))
     }
 
     /// The dyad whose joint C lies at `first` from the first slider's reference point, along and
@@ -119,7 +89,7 @@ impl<N: Number> Prp<N> {
         &self,
         d: Vector2<N>,
         directions: [Vector2<N>; 2],
-    ) -> Result<Position<N>, LinkageStatus> {
+    ) -> Result<PrpPosition<N>, LinkageStatus> {
         let [u1, u4] = directions;
         let determinant = cross(u1, u4);
         if !(determinant.abs() > N::ZERO) {
@@ -137,7 +107,7 @@ impl<N: Number> Prp<N> {
         let second = ((cross(d, u1) + o1) - o4 * cosine).div(determinant);
         let first = dot(d, u1) + N::ab_minus_cd(second, cosine, o4, determinant);
         let along = [first, second];
-        Ok(Position {
+        Ok(PrpPosition {
             lengths: [along[0] - self.first.x, along[1] - self.second.x],
             joint: [u1 * along[0] + across[0], u4 * along[1] + across[1]],
             directions,
@@ -147,94 +117,55 @@ impl<N: Number> Prp<N> {
         })
     }
 
-    /// Rates of z1 and z4 for `v`, the velocity of B relative to A, and the guides' turning.
-    #[inline]
-    pub fn rates(&self, at: &Position<N>, v: Vector2<N>, turns: &[Turn<N>; 2]) -> [N; 2] {
-        let carried = |i: usize| perpendicular(at.joint[i]) * turns[i].rate;
-        at.resolve(v + difference(carried(1), carried(0)))
-    }
-
-    /// Accelerations of z1 and z4 for `a`, the acceleration of B relative to A.
-    #[inline]
-    pub fn accelerations(
-        &self,
-        at: &Position<N>,
-        rates: &[N; 2],
-        a: Vector2<N>,
-        turns: &[Turn<N>; 2],
-    ) -> [N; 2] {
-        let carried = |i: usize| {
-            let coriolis = turns[i].rate * (rates[i] + rates[i]);
-            relative_acceleration(at.joint[i], turns[i].rate, turns[i].acceleration)
-                + perpendicular(at.directions[i]) * coriolis
-        };
-        at.resolve(a + difference(carried(1), carried(0)))
-    }
-
     /// abs(u1 x u4): 0 where the guides are parallel, 1 where they are at right angles.
     #[inline]
-    pub fn singularity_distance(&self, at: &Position<N>) -> N {
+    pub fn singularity_distance(&self, at: &PrpPosition<N>) -> N {
         at.determinant.abs()
     }
 
-    /// All of it for the motions of the two guides.
+    /// Solves position, velocity and acceleration for the motions of the two guides.
+    ///
+    /// The links are the two sliders, each with its origin at C and its x axis along its guide, with
+    /// which it turns. The slides are z1 and z4.
     ///
     /// # Errors
-    /// [`LinkageStatus`]; what is returned is finite.
+    /// [`LinkageStatus`].
     pub fn solve(
         &self,
         first: &GuideMotion<N>,
         second: &GuideMotion<N>,
-    ) -> Result<Motion<N>, LinkageStatus> {
+    ) -> Result<DyadMotion<N, 2>, LinkageStatus> {
         let d = second.origin.relative_to(&first.origin);
-        let turn = |guide: &GuideMotion<N>| Turn {
-            rate: guide.rate,
-            acceleration: guide.acceleration,
-        };
-        let turns = [turn(first), turn(second)];
-        let at = self.position(d.position, [first.direction, second.direction])?;
-        let rates = self.rates(&at, d.velocity, &turns);
-        let acc = self.accelerations(&at, &rates, d.acceleration, &turns);
-        let slide = |i: usize| SlideMotion {
-            length: at.lengths[i],
-            rate: rates[i],
-            acceleration: acc[i],
-        };
-        let from_reference = LinkMotion {
-            origin: first.point(Vector2::new(self.first.x, N::ZERO)),
-            ..*first
-        };
-        let joint = from_reference.sliding(&slide(0), self.first.y);
-        let on = |guide: &GuideMotion<N>| LinkMotion {
-            origin: joint,
-            ..*guide
-        };
-        let motion = Motion {
-            joint,
-            first: on(first),
-            second: on(second),
-            first_slide: slide(0),
-            second_slide: slide(1),
+        let guides = [first, second];
+        let at = self.position(d.position, guides.map(|guide| guide.direction))?;
+        let [carried1, carried4] = [0, 1].map(|i| perpendicular(at.joint[i]) * guides[i].rate);
+        let rates = at.resolve(d.velocity + difference(carried4, carried1));
+        let [carried1, carried4] = [0, 1].map(|i| {
+            let coriolis = guides[i].rate * (rates[i] + rates[i]);
+            relative_acceleration(at.joint[i], guides[i].rate, guides[i].acceleration)
+                + perpendicular(at.directions[i]) * coriolis
+        });
+        let accelerations = at.resolve(d.acceleration + difference(carried4, carried1));
+        let slides = SlideMotion::pair(at.lengths, rates, accelerations);
+        let from_reference = first.with_origin(first.point(Vector2::new(self.first.x, N::ZERO)));
+        let joint = from_reference.sliding(&slides[0], self.first.y);
+        DyadMotion {
+            first: first.with_origin(joint),
+            second: second.with_origin(joint),
+            slides,
             singularity_distance: self.singularity_distance(&at),
-        };
-        let finite = motion.first.is_finite()
-            && motion.second.is_finite()
-            && motion.first_slide.is_finite()
-            && motion.second_slide.is_finite()
-            && motion.singularity_distance.is_finite();
-        finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+        }
+        .finite()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::tests::{assert_alike, moving};
+    use crate::{LinkMotion, PointMotion};
     use core::f64::consts::PI;
-
-    fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
-        Vector2::new(cos, sin)
-    }
+    use trirrr_core::number::Arithmetic;
 
     fn guide(origin: PointMotion<f64>, angle: f64, rate: f64) -> GuideMotion<f64> {
         LinkMotion {
@@ -256,10 +187,10 @@ mod tests {
             .solve(&guide(a, phi1, 0.0), &guide(b, phi4, 0.0))
             .unwrap();
         let (phi2, phi3) = (phi1 - PI + gamma, phi4 + PI - beta);
-        let left = a.position + unit(phi1) * at.first_slide.length + unit(phi2) * z2;
-        let right = b.position + unit(phi4) * at.second_slide.length + unit(phi3) * z3;
+        let left = a.position + unit(phi1) * at.slides[0].length + unit(phi2) * z2;
+        let right = b.position + unit(phi4) * at.slides[1].length + unit(phi3) * z3;
         assert!((left - right).abs().max() < 4e-16, "{left:?} {right:?}");
-        assert!((left - at.joint.position).abs().max() < 4e-16);
+        assert!((left - at.first.origin.position).abs().max() < 4e-16);
         let sine = <f64 as Arithmetic>::sin_cos(phi4 - phi1).0;
         assert!((at.singularity_distance - sine).abs() < 2e-16);
     }
@@ -268,21 +199,13 @@ mod tests {
     fn moves_alike_seen_from_either_guide() {
         let offset = Vector2::new(-0.1, 0.25);
         let dyad = Prp::<f64>::from_offsets(Vector2::new(0.05, 0.2), offset);
-        let moving = |x: f64| PointMotion {
-            position: Vector2::new(x, 0.3 - x),
-            velocity: Vector2::new(0.5, -x),
-            acceleration: Vector2::new(x, 2.0),
-        };
         let (first, second) = (guide(moving(0.2), 0.3, 1.5), guide(moving(1.0), 1.9, -0.8));
         let at = dyad.solve(&first, &second).unwrap();
         let slide = SlideMotion {
-            length: at.second_slide.length + offset.x,
-            ..at.second_slide
+            length: at.slides[1].length + offset.x,
+            ..at.slides[1]
         };
-        let joint = second.sliding(&slide, offset.y);
-        assert!((joint.position - at.joint.position).abs().max() < 1e-15);
-        assert!((joint.velocity - at.joint.velocity).abs().max() < 1e-14);
-        assert!((joint.acceleration - at.joint.acceleration).abs().max() < 1e-13);
+        assert_alike(&second.sliding(&slide, offset.y), &at.first.origin, 1e-15);
     }
 
     #[test]

@@ -31,9 +31,9 @@
 //! abs(s) / abs(d), 1 throughout for a dyad with o = 0 (singular only where A and B coincide).
 
 use super::LinkageStatus;
-use super::motion::{LinkMotion, PointMotion, SlideMotion, turned};
+use super::motion::{DyadMotion, LinkMotion, PointMotion, SlideMotion, turned, unit};
 use nalgebra::Vector2;
-use trirrr_core::number::{Arithmetic, Number, cross, dot};
+use trirrr_core::number::{Number, cross, dot};
 
 /// Coefficients of an RPR dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,9 +48,9 @@ pub struct Rpr<N> {
     branch: N,
 }
 
-/// A dyad's configuration.
+/// Configuration of an RPR dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N> {
+pub struct RprPosition<N> {
     /// u: direction of the guide, a unit vector.
     pub direction: Vector2<N>,
     /// z2: from the end of B's arm to the end of A's arm along the guide.
@@ -63,48 +63,12 @@ pub struct Position<N> {
     inverse: N,
 }
 
-/// Rates of the angle and of the slide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates<N> {
-    /// Angular velocity of both links, positive counter-clockwise.
-    pub turn: N,
-    /// Rate of z2.
-    pub slide: N,
-}
-
-/// Accelerations of the angle and of the slide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accelerations<N> {
-    /// Angular acceleration of both links, positive counter-clockwise.
-    pub turn: N,
-    /// Second derivative of z2.
-    pub slide: N,
-}
-
-/// Motion of the links for a motion of the ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<N> {
-    /// The link about A; its frame has its origin at A and its x axis along the guide.
-    pub first: LinkMotion<N>,
-    /// The link about B; origin at B, x axis along the guide.
-    pub second: LinkMotion<N>,
-    /// z2.
-    pub slide: SlideMotion<N>,
-    /// Distance from the singularity, 0 to 1.
-    pub singularity_distance: N,
-}
-
 impl<N: Number> Rpr<N> {
     /// The dyad with arms `z1` at A and `z3` at B, the angles `beta` and `alpha` (rad) between the
     /// arms and the guide, and the sign of s as `branch`.
     pub fn new(z1: f64, beta: f64, z3: f64, alpha: f64, branch: f64) -> Self {
-        let (sin_beta, cos_beta) = <f64 as Arithmetic>::sin_cos(beta);
-        let (sin_alpha, cos_alpha) = <f64 as Arithmetic>::sin_cos(alpha);
-        Self::from_offsets(
-            z1 * cos_beta + z3 * cos_alpha,
-            z1 * sin_beta - z3 * sin_alpha,
-            branch,
-        )
+        let (first, second) = (unit(beta) * z1, unit(alpha) * z3);
+        Self::from_offsets(first.x + second.x, first.y - second.y, branch)
     }
 
     /// The dyad whose z2 is shorter by `along` than the way from B to A along the guide, and in
@@ -120,7 +84,7 @@ impl<N: Number> Rpr<N> {
 
     /// The configuration for `d`, the vector B -> A.
     #[inline]
-    pub fn position(&self, d: Vector2<N>) -> Result<Position<N>, LinkageStatus> {
+    pub fn position(&self, d: Vector2<N>) -> Result<RprPosition<N>, LinkageStatus> {
         let distance_sq = dot(d, d);
         let s_sq = distance_sq - self.across_sq;
         if !(s_sq > N::ZERO) {
@@ -133,7 +97,7 @@ impl<N: Number> Rpr<N> {
         let s = self.branch * s_sq.sqrt();
         let inverse_sq = N::ONE.div(distance_sq);
         let toward = Vector2::new(s * inverse_sq, -(self.across * inverse_sq));
-        Ok(Position {
+        Ok(RprPosition {
             direction: turned(d, toward),
             length: s - self.along,
             along: s,
@@ -142,93 +106,59 @@ impl<N: Number> Rpr<N> {
         })
     }
 
-    /// Rates for `v`, the velocity of A relative to B.
-    #[inline]
-    pub fn rates(&self, at: &Position<N>, v: Vector2<N>) -> Rates<N> {
-        let turn = cross(at.direction, v) * at.inverse;
-        Rates {
-            turn,
-            slide: dot(at.direction, v) + turn * self.across,
-        }
-    }
-
-    /// Accelerations for `a`, the acceleration of A relative to B.
-    #[inline]
-    pub fn accelerations(
-        &self,
-        at: &Position<N>,
-        rates: &Rates<N>,
-        a: Vector2<N>,
-    ) -> Accelerations<N> {
-        let square = rates.turn * rates.turn;
-        let coriolis = N::ab_minus_cd(square, self.across, rates.slide + rates.slide, rates.turn);
-        let turn = (cross(at.direction, a) + coriolis) * at.inverse;
-        Accelerations {
-            turn,
-            slide: dot(at.direction, a) + N::ab_plus_cd(turn, self.across, square, at.along),
-        }
-    }
-
     /// abs(s) / abs(d): 0 where the dyad is singular, 1 where the guide points from joint to joint.
     #[inline]
-    pub fn singularity_distance(&self, at: &Position<N>) -> N {
+    pub fn singularity_distance(&self, at: &RprPosition<N>) -> N {
         at.along.abs().div(at.distance)
     }
 
-    /// All of it for the motions of A and B.
+    /// Solves position, velocity and acceleration for the motions of A and B.
+    ///
+    /// The first link has its origin at A, the second at B; the x axes of both lie along the guide.
+    /// The slide is z2.
     ///
     /// # Errors
-    /// [`LinkageStatus`]; what is returned is finite.
+    /// [`LinkageStatus`].
     pub fn solve(
         &self,
         a: &PointMotion<N>,
         b: &PointMotion<N>,
-    ) -> Result<Motion<N>, LinkageStatus> {
+    ) -> Result<DyadMotion<N, 1>, LinkageStatus> {
         let d = a.relative_to(b);
         let at = self.position(d.position)?;
-        let rates = self.rates(&at, d.velocity);
-        let acc = self.accelerations(&at, &rates, d.acceleration);
-        let link = |origin: &PointMotion<N>| LinkMotion {
-            origin: *origin,
-            direction: at.direction,
-            rate: rates.turn,
-            acceleration: acc.turn,
+        let u = at.direction;
+        let rate = cross(u, d.velocity) * at.inverse;
+        let slide_rate = dot(u, d.velocity) + rate * self.across;
+        let square = rate * rate;
+        let coriolis = N::ab_minus_cd(square, self.across, slide_rate + slide_rate, rate);
+        let acceleration = (cross(u, d.acceleration) + coriolis) * at.inverse;
+        let carried = N::ab_plus_cd(acceleration, self.across, square, at.along);
+        let first = LinkMotion {
+            origin: *a,
+            direction: u,
+            rate,
+            acceleration,
         };
-        let motion = Motion {
-            first: link(a),
-            second: link(b),
-            slide: SlideMotion {
+        DyadMotion {
+            first,
+            second: first.with_origin(*b),
+            slides: [SlideMotion {
                 length: at.length,
-                rate: rates.slide,
-                acceleration: acc.slide,
-            },
+                rate: slide_rate,
+                acceleration: dot(u, d.acceleration) + carried,
+            }],
             singularity_distance: self.singularity_distance(&at),
-        };
-        let finite = motion.first.is_finite()
-            && motion.second.is_finite()
-            && motion.slide.is_finite()
-            && motion.singularity_distance.is_finite();
-        finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+        }
+        .finite()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::tests::{assert_alike, moving};
     use core::f64::consts::PI;
-
-    fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
-        Vector2::new(cos, sin)
-    }
-
-    fn moving(position: Vector2<f64>, velocity: Vector2<f64>) -> PointMotion<f64> {
-        PointMotion {
-            position,
-            velocity,
-            acceleration: Vector2::new(velocity.y - 1.0, 2.0 * velocity.x),
-        }
-    }
+    use trirrr_core::number::Arithmetic;
 
     #[test]
     fn closes_as_its_definition_says_on_both_branches() {
@@ -257,11 +187,11 @@ mod tests {
         let phi2 = <f64 as Arithmetic>::atan2(-at.first.direction.y, -at.first.direction.x);
         for (found, true_value) in [
             (phi2, 0.245_494_981_327_606_6),
-            (at.slide.length, 0.300_688_584_228_405_1),
+            (at.slides[0].length, 0.300_688_584_228_405_1),
             (at.first.rate, -0.436_781_884_911_654_4),
-            (at.slide.rate, 0.217_554_403_659_960_26),
+            (at.slides[0].rate, 0.217_554_403_659_960_26),
             (at.first.acceleration, 2.053_187_283_912_183),
-            (at.slide.acceleration, -0.223_743_389_602_775_4),
+            (at.slides[0].acceleration, -0.223_743_389_602_775_4),
         ] {
             assert!(
                 (found - true_value).abs() < 1e-15,
@@ -273,18 +203,14 @@ mod tests {
     #[test]
     fn both_links_meet_in_the_slide() {
         let dyad = Rpr::<f64>::from_offsets(0.1, -0.25, -1.0);
-        let a = moving(Vector2::new(0.7, 0.2), Vector2::new(0.3, -1.1));
-        let b = moving(Vector2::new(-0.4, 0.5), Vector2::new(-0.6, 0.8));
+        let (a, b) = (moving(0.7), moving(-0.4));
         let at = dyad.solve(&a, &b).unwrap();
         // A slides along the guide of B's link.
         let slide = SlideMotion {
-            length: at.slide.length + 0.1,
-            ..at.slide
+            length: at.slides[0].length + 0.1,
+            ..at.slides[0]
         };
-        let end = at.second.sliding(&slide, -0.25);
-        assert!((end.position - a.position).abs().max() < 4e-16);
-        assert!((end.velocity - a.velocity).abs().max() < 1e-15);
-        assert!((end.acceleration - a.acceleration).abs().max() < 1e-14);
+        assert_alike(&at.second.sliding(&slide, -0.25), &a, 4e-16);
     }
 
     #[test]

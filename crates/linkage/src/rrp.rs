@@ -31,10 +31,11 @@
 
 use super::LinkageStatus;
 use super::motion::{
-    GuideMotion, LinkMotion, PointMotion, SlideMotion, difference, relative_acceleration, turned,
+    DyadMotion, GuideMotion, LinkMotion, PointMotion, SlideMotion, difference,
+    relative_acceleration, turned, unit,
 };
 use nalgebra::Vector2;
-use trirrr_core::number::{Arithmetic, Number, cross, dot, perpendicular};
+use trirrr_core::number::{Number, cross, dot, perpendicular};
 
 /// Coefficients of an RRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,9 +52,9 @@ pub struct Rrp<N> {
     branch: N,
 }
 
-/// A dyad's configuration.
+/// Configuration of an RRP dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position<N> {
+pub struct RrpPosition<N> {
     /// u: the guide's direction as it was given.
     pub direction: Vector2<N>,
     /// z2: from B along the guide to the foot of the offset.
@@ -68,45 +69,12 @@ pub struct Position<N> {
     inverse: N,
 }
 
-/// Rates of the link and of the slide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates<N> {
-    /// Angular velocity of the link D -> A, positive counter-clockwise.
-    pub link: N,
-    /// Rate of z2.
-    pub slide: N,
-}
-
-/// Accelerations of the link and of the slide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accelerations<N> {
-    /// Angular acceleration of the link D -> A, positive counter-clockwise.
-    pub link: N,
-    /// Second derivative of z2.
-    pub slide: N,
-}
-
-/// Motion of the links for a motion of A and of the guide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<N> {
-    /// The joint D between slider and link.
-    pub joint: PointMotion<N>,
-    /// The link; origin at D, x axis towards A.
-    pub link: LinkMotion<N>,
-    /// The slider; origin at D, x axis along the guide. It turns with the guide.
-    pub slider: LinkMotion<N>,
-    /// z2.
-    pub slide: SlideMotion<N>,
-    /// Distance from the singularity, 0 to 1.
-    pub singularity_distance: N,
-}
-
 impl<N: Number> Rrp<N> {
     /// The dyad with the link `z4`, positive, the offset `z3` at the angle `gamma` (rad) to the
     /// guide, and the sign `branch`.
     pub fn new(z4: f64, z3: f64, gamma: f64, branch: f64) -> Self {
-        let (sin, cos) = <f64 as Arithmetic>::sin_cos(gamma);
-        Self::from_offsets(z4, z3 * cos, z3 * sin, branch)
+        let offset = unit(gamma) * z3;
+        Self::from_offsets(z4, offset.x, offset.y, branch)
     }
 
     /// The dyad whose joint D lies by `along` ahead of the slider's reference point and by
@@ -127,7 +95,7 @@ impl<N: Number> Rrp<N> {
         &self,
         p: Vector2<N>,
         direction: Vector2<N>,
-    ) -> Result<Position<N>, LinkageStatus> {
+    ) -> Result<RrpPosition<N>, LinkageStatus> {
         let height = cross(direction, p) - self.across;
         let q_sq = (self.length - height) * (self.length + height);
         if !(q_sq > N::ZERO) {
@@ -139,7 +107,7 @@ impl<N: Number> Rrp<N> {
         }
         let ahead = self.branch * q_sq.sqrt();
         let r = turned(Vector2::new(-ahead, height), direction);
-        Ok(Position {
+        Ok(RrpPosition {
             direction,
             length: (dot(direction, p) - self.along) + ahead,
             slider: difference(p, r),
@@ -149,35 +117,9 @@ impl<N: Number> Rrp<N> {
         })
     }
 
-    /// Rates for `v`, the velocity of A relative to B, and the guide's angular velocity.
-    #[inline]
-    pub fn rates(&self, at: &Position<N>, v: Vector2<N>, guide_rate: N) -> Rates<N> {
-        let carried = perpendicular(at.slider) * guide_rate;
-        let (slide, link) = self.resolve(at, difference(v, carried));
-        Rates { link, slide }
-    }
-
-    /// Accelerations for `a`, the acceleration of A relative to B, and the guide's angular
-    /// velocity and acceleration.
-    #[inline]
-    pub fn accelerations(
-        &self,
-        at: &Position<N>,
-        rates: &Rates<N>,
-        a: Vector2<N>,
-        guide_rate: N,
-        guide_acceleration: N,
-    ) -> Accelerations<N> {
-        let carried = relative_acceleration(at.slider, guide_rate, guide_acceleration)
-            + perpendicular(at.direction) * (guide_rate * (rates.slide + rates.slide));
-        let toward = at.r * (rates.link * rates.link);
-        let (slide, link) = self.resolve(at, difference(a, carried) + toward);
-        Accelerations { link, slide }
-    }
-
     /// The sliding and the turning part of `v` = slide u + turn E r.
     #[inline(always)]
-    fn resolve(&self, at: &Position<N>, v: Vector2<N>) -> (N, N) {
+    fn resolve(&self, at: &RrpPosition<N>, v: Vector2<N>) -> (N, N) {
         (
             dot(v, at.r) * at.inverse,
             cross(at.direction, v) * at.inverse,
@@ -186,62 +128,57 @@ impl<N: Number> Rrp<N> {
 
     /// q / z4: 0 where the link stands across the guide, 1 where it lies along it.
     #[inline]
-    pub fn singularity_distance(&self, at: &Position<N>) -> N {
+    pub fn singularity_distance(&self, at: &RrpPosition<N>) -> N {
         at.along_guide.abs() * self.inverse_length
     }
 
-    /// All of it for the motions of A and of the guide.
+    /// Solves position, velocity and acceleration for the motions of A and of the guide.
+    ///
+    /// Both links have their origin at D. The x axis of the first points towards A, that of the
+    /// second, the slider, along the guide, with which the slider turns. The slide is z2.
     ///
     /// # Errors
-    /// [`LinkageStatus`]; what is returned is finite.
+    /// [`LinkageStatus`].
     pub fn solve(
         &self,
         a: &PointMotion<N>,
         guide: &GuideMotion<N>,
-    ) -> Result<Motion<N>, LinkageStatus> {
+    ) -> Result<DyadMotion<N, 1>, LinkageStatus> {
         let p = a.relative_to(&guide.origin);
         let at = self.position(p.position, guide.direction)?;
-        let rates = self.rates(&at, p.velocity, guide.rate);
-        let acc = self.accelerations(&at, &rates, p.acceleration, guide.rate, guide.acceleration);
-        let slide = SlideMotion {
-            length: at.length,
-            rate: rates.slide,
-            acceleration: acc.slide,
-        };
+        let carried = perpendicular(at.slider) * guide.rate;
+        let (slide_rate, rate) = self.resolve(&at, difference(p.velocity, carried));
+        let carried = relative_acceleration(at.slider, guide.rate, guide.acceleration)
+            + perpendicular(at.direction) * (guide.rate * (slide_rate + slide_rate));
+        let toward = at.r * (rate * rate);
+        let (slide_acceleration, acceleration) =
+            self.resolve(&at, difference(p.acceleration, carried) + toward);
         // D from A, as the link carries it: both ways give the same motion, this one without the
         // guide's distance from A.
-        let joint = a.carried(-at.r, rates.link, acc.link);
-        let motion = Motion {
-            joint,
-            link: LinkMotion {
+        let joint = a.carried(-at.r, rate, acceleration);
+        DyadMotion {
+            first: LinkMotion {
                 origin: joint,
                 direction: at.r * self.inverse_length,
-                rate: rates.link,
-                acceleration: acc.link,
+                rate,
+                acceleration,
             },
-            slider: LinkMotion {
-                origin: joint,
-                ..*guide
-            },
-            slide,
+            second: guide.with_origin(joint),
+            slides: [SlideMotion {
+                length: at.length,
+                rate: slide_rate,
+                acceleration: slide_acceleration,
+            }],
             singularity_distance: self.singularity_distance(&at),
-        };
-        let finite = motion.link.is_finite()
-            && motion.slider.is_finite()
-            && motion.slide.is_finite()
-            && motion.singularity_distance.is_finite();
-        finite.then_some(motion).ok_or(LinkageStatus::OutOfRange)
+        }
+        .finite()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn unit(angle: f64) -> Vector2<f64> {
-        let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
-        Vector2::new(cos, sin)
-    }
+    use crate::motion::tests::{assert_alike, moving};
 
     #[test]
     fn closes_as_its_definition_says_on_both_branches() {
@@ -264,11 +201,6 @@ mod tests {
     fn slider_and_link_meet_in_the_joint() {
         let (along, across) = (0.05, -0.1);
         let dyad = Rrp::<f64>::from_offsets(0.8, along, across, -1.0);
-        let moving = |x: f64| PointMotion {
-            position: Vector2::new(x, 0.3 - x),
-            velocity: Vector2::new(0.5, -x),
-            acceleration: Vector2::new(x, 2.0),
-        };
         let guide = LinkMotion {
             origin: moving(-0.1),
             direction: unit(0.8),
@@ -277,16 +209,12 @@ mod tests {
         };
         let at = dyad.solve(&moving(0.4), &guide).unwrap();
         let slide = SlideMotion {
-            length: at.slide.length + along,
-            ..at.slide
+            length: at.slides[0].length + along,
+            ..at.slides[0]
         };
-        let joint = guide.sliding(&slide, across);
-        assert!((joint.position - at.joint.position).abs().max() < 4e-16);
-        assert!((joint.velocity - at.joint.velocity).abs().max() < 4e-15);
-        assert!((joint.acceleration - at.joint.acceleration).abs().max() < 4e-14);
-        let a = at.link.point(Vector2::new(0.8, 0.0));
-        assert!((a.position - moving(0.4).position).abs().max() < 4e-16);
-        assert!((a.acceleration - moving(0.4).acceleration).abs().max() < 4e-14);
+        assert_alike(&guide.sliding(&slide, across), &at.first.origin, 4e-16);
+        let a = at.first.point(Vector2::new(0.8, 0.0));
+        assert_alike(&a, &moving(0.4), 4e-16);
     }
 
     /// Without offset: a link of 5, its joint 3 above the guide.

@@ -1,4 +1,5 @@
-//! A mechanism solved twice: by its dyads in any number type, and by its loops in f64.
+//! A mechanism solved twice: by its dyads (`compositions.rs`) in any number type, and by its loops in
+//! f64.
 //!
 //! The condition of a result y of the data d (dimensions, inputs, their rates and accelerations)
 //! is cond = |y| + sum |dy/dd d|: how far y moves when every datum moves by one part, in the worst
@@ -9,7 +10,7 @@
 use core::f64::consts::{PI, TAU};
 use core::ops::RangeInclusive;
 use trirrr_core::number::{Arithmetic, Number};
-use trirrr_linkage::closure::{Closed, Closure, Input, Length, Reference, Term};
+use trirrr_linkage::closure::{Closure, ClosureInput, ClosurePosition, Length, Reference, Term};
 use trirrr_linkage::{Drive, LinkMotion, SlideMotion};
 use trirrr_tests::bound::Worst;
 
@@ -34,7 +35,7 @@ pub(crate) struct Loops<'a, const U: usize, const D: usize> {
     /// Which unknowns are angles.
     pub(crate) angles: [bool; U],
     /// The inputs when the crank stands at an angle.
-    pub(crate) inputs: &'a dyn Fn(f64) -> [Input<f64>; D],
+    pub(crate) inputs: &'a dyn Fn(f64) -> [ClosureInput<f64>; D],
     /// Which inputs are angles.
     pub(crate) driven_angles: [bool; D],
 }
@@ -50,7 +51,7 @@ pub(crate) fn slide<N: Number>(slide: &SlideMotion<N>) -> Jet<N> {
 }
 
 /// An input that is an angle.
-pub(crate) fn drive<N: Number>(input: &Input<N>) -> Drive<N> {
+pub(crate) fn drive<N: Number>(input: &ClosureInput<N>) -> Drive<N> {
     Drive {
         angle: N::angle(input.value),
         rate: input.rate,
@@ -59,8 +60,8 @@ pub(crate) fn drive<N: Number>(input: &Input<N>) -> Drive<N> {
 }
 
 /// A crank at `angle`, turning unsteadily.
-pub(crate) fn crank(angle: f64) -> [Input<f64>; 1] {
-    [Input {
+pub(crate) fn crank(angle: f64) -> [ClosureInput<f64>; 1] {
+    [ClosureInput {
         value: angle,
         rate: 1.3,
         acceleration: -0.7,
@@ -75,9 +76,9 @@ impl<const U: usize, const D: usize> Loops<'_, U, D> {
     fn solve(
         &self,
         constants: &[f64],
-        inputs: &[Input<f64>; D],
+        inputs: &[ClosureInput<f64>; D],
         guess: [f64; U],
-    ) -> ([Jet<f64>; U], Closed<f64, U>) {
+    ) -> ([Jet<f64>; U], ClosurePosition<f64, U>) {
         let terms = (self.terms)(constants);
         let closure = Closure::<f64, U, D>::new(&terms).expect("loops");
         let at = closure.position(inputs, guess);
@@ -90,7 +91,7 @@ impl<const U: usize, const D: usize> Loops<'_, U, D> {
     }
 
     /// The condition of every result.
-    fn condition(&self, inputs: &[Input<f64>; D], at: &[Jet<f64>; U]) -> [Jet<f64>; U] {
+    fn condition(&self, inputs: &[ClosureInput<f64>; D], at: &[Jet<f64>; U]) -> [Jet<f64>; U] {
         let step = 1e-5;
         let constants = self.constants();
         let guess = at.map(|jet| jet[0]);
@@ -136,18 +137,18 @@ impl<const U: usize, const D: usize> Loops<'_, U, D> {
     /// Compares over a turn: error / (4 u cond).
     pub(crate) fn compare<N: Number>(
         &self,
-        closed: impl Fn(&[Input<N>; D]) -> [Jet<N>; U],
+        closed: impl Fn(&[ClosureInput<N>; D]) -> [Jet<N>; U],
     ) -> Worst {
         let mut worst = Worst::default();
         let mut guess = None;
         for step in 0..STEPS {
             let angle = f64::from(step) * (TAU / f64::from(STEPS));
-            let narrow = (self.inputs)(angle).map(|input| Input {
+            let narrow = (self.inputs)(angle).map(|input| ClosureInput {
                 value: N::from_f64(input.value),
                 rate: N::from_f64(input.rate),
                 acceleration: N::from_f64(input.acceleration),
             });
-            let inputs = narrow.map(|input| Input {
+            let inputs = narrow.map(|input| ClosureInput {
                 value: input.value.to_f64(),
                 rate: input.rate.to_f64(),
                 acceleration: input.acceleration.to_f64(),
@@ -178,8 +179,8 @@ impl<const U: usize, const D: usize> Loops<'_, U, D> {
 /// Compares in both number types.
 pub(crate) fn compare_both<const U: usize, const D: usize>(
     loops: &Loops<U, D>,
-    wide: impl Fn(&[Input<f64>; D]) -> [Jet<f64>; U],
-    narrow: impl Fn(&[Input<f32>; D]) -> [Jet<f32>; U],
+    wide: impl Fn(&[ClosureInput<f64>; D]) -> [Jet<f64>; U],
+    narrow: impl Fn(&[ClosureInput<f32>; D]) -> [Jet<f32>; U],
 ) {
     let worst = loops.compare(wide);
     worst.assert_within(&format!("{}, f64", loops.name), BRACKET);

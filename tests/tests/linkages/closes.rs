@@ -162,9 +162,9 @@ fn ppr<N: Number>(name: &str) {
         let at = dyad.position(p, u).ok()?;
         // B, in the frame of the guide: z1 + offset - z4 (the second guide's direction).
         let (w, k) = (exact(second), exact(offset));
-        let (z1, z4) = (number(at.first), number(at.second));
+        let (z1, z4) = (number(at[0]), number(at[1]));
         let there = in_frame(exact(u), z1 + k[0] - z4 * w[0], k[1] - z4 * w[1]);
-        let slides = [at.first.to_f64(), at.second.to_f64()];
+        let slides = at.map(N::to_f64);
         let lengths = vec![slides[0], slides[1], offset.x, offset.y, size(exact(p))];
         Some(vec![(size(difference(there, exact(p))), lengths)])
     });

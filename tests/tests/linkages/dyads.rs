@@ -1,7 +1,7 @@
 //! Dyads of random dimensions between random motions: the branch is the one that was asked
 //! for, and differences confirm rates and accelerations.
 
-use super::ends::{CASES, Results, Vector, branch, check, end, moves, offset, unit, vector};
+use super::ends::{CASES, branch, check, end, moves, offset, unit, vector};
 use core::f64::consts::PI;
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -29,17 +29,13 @@ fn rrr() {
         let d = c.point.position - a.point.position;
         let at = dyad.position(d).unwrap();
         assert!(cross(d, at.r1) * branch > 0.0, "{case:?}");
-        let solve = |t| {
-            let at = dyad.solve(&a.point(t), &c.point(t))?;
-            Ok(Results {
-                links: vec![at.first, at.second],
-                slides: vec![],
-                points: vec![at.joint],
-                // Ends that nearly coincide turn the dyad as a whole.
-                distance: at.singularity_distance.min(d.x.hypot(d.y)),
-            })
-        };
-        moves(&motion, solve, &case);
+        // Ends that nearly coincide turn the dyad as a whole.
+        moves(
+            &motion,
+            |t| dyad.solve(&a.point(t), &c.point(t)),
+            d.x.hypot(d.y),
+            &case,
+        );
     });
     check("RRR", motion);
 }
@@ -61,16 +57,13 @@ fn rpr() {
         let at = dyad.position(d).unwrap();
         let u = at.direction;
         assert!(dot(u, d) * branch > 0.0 || dyad.singularity_distance(&at) < 1e-7);
-        let solve = |t| {
-            let at = dyad.solve(&a.point(t), &b.point(t))?;
-            Ok(Results {
-                links: vec![at.first, at.second],
-                slides: vec![at.slide],
-                points: vec![at.second.point(Vector::new(0.3, -0.2))],
-                distance: at.singularity_distance.min(d.x.hypot(d.y)),
-            })
-        };
-        moves(&motion, solve, &case);
+        // Ends that nearly coincide turn the dyad as a whole.
+        moves(
+            &motion,
+            |t| dyad.solve(&a.point(t), &b.point(t)),
+            d.x.hypot(d.y),
+            &case,
+        );
     });
     check("RPR", motion);
 }
@@ -91,16 +84,7 @@ fn rrp() {
         let (p, u) = (a.point.position - b.point.position, unit(b.angle));
         let at = dyad.position(p, u).unwrap();
         assert!(dot(u, at.r) * branch < 0.0, "{case:?}");
-        let solve = |t| {
-            let at = dyad.solve(&a.point(t), &b.guide(t))?;
-            Ok(Results {
-                links: vec![at.link, at.slider],
-                slides: vec![at.slide],
-                points: vec![at.joint],
-                distance: at.singularity_distance.min(z4),
-            })
-        };
-        moves(&motion, solve, &case);
+        moves(&motion, |t| dyad.solve(&a.point(t), &b.guide(t)), z4, &case);
     });
     check("RRP", motion);
 }
@@ -112,16 +96,12 @@ fn prp() {
     for_all(CASES, strategy, |case| {
         let (first, second, a, b) = case;
         let dyad = Prp::<f64>::from_offsets(first, second);
-        let solve = |t| {
-            let at = dyad.solve(&a.guide(t), &b.guide(t))?;
-            Ok(Results {
-                links: vec![at.first, at.second],
-                slides: vec![at.first_slide, at.second_slide],
-                points: vec![at.joint],
-                distance: at.singularity_distance,
-            })
-        };
-        moves(&motion, solve, &case);
+        moves(
+            &motion,
+            |t| dyad.solve(&a.guide(t), &b.guide(t)),
+            1.0,
+            &case,
+        );
     });
     check("PRP", motion);
 }
@@ -133,16 +113,12 @@ fn ppr() {
     for_all(CASES, strategy, |case| {
         let (second, offset, a, b) = case;
         let dyad = Ppr::<f64>::from_offsets(unit(second), offset);
-        let solve = |t| {
-            let at = dyad.solve(&a.guide(t), &b.point(t))?;
-            Ok(Results {
-                links: vec![at.slider, at.link],
-                slides: vec![at.first_slide, at.second_slide],
-                points: vec![at.slider.origin],
-                distance: at.singularity_distance,
-            })
-        };
-        moves(&motion, solve, &case);
+        moves(
+            &motion,
+            |t| dyad.solve(&a.guide(t), &b.point(t)),
+            1.0,
+            &case,
+        );
     });
     check("PPR", motion);
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::cell::RefCell;
 use trirrr_core::number::cross;
-use trirrr_linkage::{GuideMotion, LinkMotion, LinkageStatus, PointMotion, SlideMotion};
+use trirrr_linkage::{DyadMotion, GuideMotion, LinkMotion, LinkageStatus, PointMotion};
 use trirrr_tests::bound::Worst;
 
 /// Dyads of each kind.
@@ -78,65 +78,61 @@ impl End {
     }
 }
 
-/// A dyad's results that are angles, as directions, and that are lengths.
-pub(crate) struct Results {
-    pub(crate) links: Vec<LinkMotion<f64>>,
-    pub(crate) slides: Vec<SlideMotion<f64>>,
-    pub(crate) points: Vec<PointMotion<f64>>,
-    pub(crate) distance: f64,
-}
-
-impl Results {
-    /// The fastest of all rates, with the roots of the accelerations, which have their unit.
-    fn speed(&self) -> f64 {
-        let of_links = self.links.iter().map(|it| [it.rate, it.acceleration]);
-        let of_slides = self.slides.iter().map(|it| [it.rate, it.acceleration]);
-        let of_points = self
-            .points
-            .iter()
-            .map(|it| [it.velocity.abs().max(), it.acceleration.abs().max()]);
-        let speeds = of_links.chain(of_slides).chain(of_points);
-        speeds
-            .map(|[rate, acceleration]| rate.abs().max(acceleration.abs().sqrt()))
-            .fold(0.0, f64::max)
-    }
+/// The fastest of all rates of a dyad, with the roots of the accelerations, which have their unit.
+fn speed<const S: usize>(at: &DyadMotion<f64, S>) -> f64 {
+    let links = [at.first, at.second];
+    let of_links = links.iter().flat_map(|link| {
+        let (v, a) = (link.origin.velocity, link.origin.acceleration);
+        [
+            [link.rate, link.acceleration],
+            [v.abs().max(), a.abs().max()],
+        ]
+    });
+    let of_slides = at.slides.iter().map(|it| [it.rate, it.acceleration]);
+    of_links
+        .chain(of_slides)
+        .map(|[rate, acceleration]| rate.abs().max(acceleration.abs().sqrt()))
+        .fold(0.0, f64::max)
 }
 
 /// Compares rates and accelerations with central differences. Their truncation is STEP^2 / 6 of
 /// the third derivative in time, of the order of the fourth power of the speed.
-pub(crate) fn moves(
+///
+/// `near` is a further limit of the distance from the singularity, 1 where there is none.
+pub(crate) fn moves<const S: usize>(
     worst: &RefCell<Worst>,
-    solve: impl Fn(f64) -> Result<Results, LinkageStatus>,
+    solve: impl Fn(f64) -> Result<DyadMotion<f64, S>, LinkageStatus>,
+    near: f64,
     case: &impl core::fmt::Debug,
 ) {
     let now = solve(0.0).unwrap();
-    if now.distance < LEAST_DISTANCE {
+    if now.singularity_distance.min(near) < LEAST_DISTANCE {
         return;
     }
     let (before, after) = (solve(-STEP).unwrap(), solve(STEP).unwrap());
     let compare = |what: &str, error: f64| {
         let place = || format!("{what} of {case:?}");
-        let bound = 1e-8 * (1.0 + now.speed().powi(4));
+        let bound = 1e-8 * (1.0 + speed(&now).powi(4));
         worst.borrow_mut().compare(place, error, bound);
     };
-    for ((before, now), after) in before.links.iter().zip(&now.links).zip(&after.links) {
+    for link in 0..2 {
+        let [before, now, after] = [&before, &now, &after].map(|at| [at.first, at.second][link]);
         let turned = (after.direction - before.direction) / (2.0 * STEP);
         let acceleration = (after.rate - before.rate) / (2.0 * STEP);
         compare("rate", cross(now.direction, turned) - now.rate);
         compare("acceleration", acceleration - now.acceleration);
+        let (before, now, after) = (before.origin, now.origin, after.origin);
+        let velocity = (after.position - before.position) / (2.0 * STEP);
+        let acceleration = (after.velocity - before.velocity) / (2.0 * STEP);
+        compare("velocity", (velocity - now.velocity).abs().max());
+        let error = (acceleration - now.acceleration).abs().max();
+        compare("point's acceleration", error);
     }
     for ((before, now), after) in before.slides.iter().zip(&now.slides).zip(&after.slides) {
         let rate = (after.length - before.length) / (2.0 * STEP);
         let acceleration = (after.rate - before.rate) / (2.0 * STEP);
         compare("sliding", rate - now.rate);
         compare("sliding faster", acceleration - now.acceleration);
-    }
-    for ((before, now), after) in before.points.iter().zip(&now.points).zip(&after.points) {
-        let velocity = (after.position - before.position) / (2.0 * STEP);
-        let acceleration = (after.velocity - before.velocity) / (2.0 * STEP);
-        compare("velocity", (velocity - now.velocity).abs().max());
-        let error = (acceleration - now.acceleration).abs().max();
-        compare("point's acceleration", error);
     }
 }
 

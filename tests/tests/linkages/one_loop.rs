@@ -1,25 +1,23 @@
 //! Every shipped mechanism of one loop over a turn, in f64 and in f32.
 
 use super::agreement::{BRACKET, Jet, Loops, compare_both, crank, drive, slide, turn, v};
+use super::compositions;
 use core::f64::consts::FRAC_PI_2;
 use trirrr_core::number::Number;
-use trirrr_linkage::closure::Input;
+use trirrr_linkage::PointMotion;
+use trirrr_linkage::closure::ClosureInput;
 use trirrr_linkage::closure::Length::{Constant, Driven as DrivenLength, Unknown as UnknownLength};
 use trirrr_linkage::closure::Reference::{Driven, Fixed, Unknown};
-use trirrr_linkage::mechanism::{five_bar, four_bar, scotch_yoke, serial_arm, slider_crank};
-use trirrr_linkage::{LinkMotion, PointMotion};
 
 #[test]
 fn four_bar_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 2] {
-        let linkage = four_bar::FourBar::new(&four_bar::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [turn(&at.coupler), turn(&at.rocker)]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 2] {
+        let ([_, coupler, rocker], []) = compositions::four_bar(&drive(&inputs[0])).unwrap();
+        [turn(&coupler), turn(&rocker)]
     }
-    let z = four_bar::SHIPPED;
     let loops = Loops {
         name: "four-bar",
-        lengths: &[z.crank, z.coupler, z.rocker, z.ground],
+        lengths: &[0.1, 0.35, 0.25, 0.4],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -36,13 +34,23 @@ fn four_bar_linkage() {
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
-fn slider_crank_loops(z: slider_crank::Dimensions, name: &'static str) {
-    let linkage = slider_crank::SliderCrank::<f64>::new(&z).unwrap();
-    let narrow = slider_crank::SliderCrank::<f32>::new(&z).unwrap();
+fn slider_crank_loops(name: &'static str, lengths: [f64; 3], guide_angle: f64, branch: f64) {
+    fn closed<N: Number>(
+        lengths: [f64; 3],
+        guide_angle: f64,
+        branch: f64,
+    ) -> impl Fn(&[ClosureInput<N>; 1]) -> [Jet<N>; 2] {
+        move |inputs| {
+            let drive = drive(&inputs[0]);
+            let at = compositions::slider_crank(lengths, guide_angle, branch, &drive);
+            let ([_, rod, _], [stroke]) = at.unwrap();
+            [turn(&rod), slide(&stroke)]
+        }
+    }
     let loops = Loops {
         name,
-        lengths: &[z.crank, z.rod, z.offset],
-        fixed_angles: &[z.guide_angle],
+        lengths: &lengths,
+        fixed_angles: &[guide_angle],
         terms: &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
@@ -57,47 +65,29 @@ fn slider_crank_loops(z: slider_crank::Dimensions, name: &'static str) {
     };
     compare_both(
         &loops,
-        |inputs| {
-            let at = linkage.at(&drive(&inputs[0])).unwrap();
-            [turn(&at.rod), slide(&at.slide)]
-        },
-        |inputs| {
-            let at = narrow.at(&drive(&inputs[0])).unwrap();
-            [turn(&at.rod), slide(&at.slide)]
-        },
+        closed::<f64>(lengths, guide_angle, branch),
+        closed::<f32>(lengths, guide_angle, branch),
     );
 }
 
 #[test]
 fn slider_crank_linkage() {
-    slider_crank_loops(slider_crank::SHIPPED, "slider-crank");
-    let inclined = slider_crank::Dimensions {
-        guide_angle: -0.6,
-        branch: -1.0,
-        ..slider_crank::SHIPPED
-    };
-    slider_crank_loops(inclined, "inclined slider-crank");
-    let disc = slider_crank::SHIPPED_DISC.dimensions().unwrap();
-    slider_crank_loops(disc, "eccentric disc");
+    slider_crank_loops("slider-crank", [0.1, 0.35, 0.05], 0.0, 1.0);
+    slider_crank_loops("inclined slider-crank", [0.1, 0.35, 0.05], -0.6, -1.0);
+    // A disc of 60 mm radius, 25 mm off centre, and 140 mm from its rim to the pin.
+    slider_crank_loops("eccentric disc", [0.025, 0.06 + 0.14, 0.0], 0.0, 1.0);
 }
 
 #[test]
 fn five_bar_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 2]) -> [Jet<N>; 2] {
-        let linkage = five_bar::FiveBar::new(&five_bar::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0]), &drive(&inputs[1])).unwrap();
-        [turn(&at.left_link), turn(&at.right_link)]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 2]) -> [Jet<N>; 2] {
+        let drives = [drive(&inputs[0]), drive(&inputs[1])];
+        let ([_, left, right, _], []) = compositions::five_bar(&drives).unwrap();
+        [turn(&left), turn(&right)]
     }
-    let z = five_bar::SHIPPED;
     let loops = Loops {
         name: "five-bar",
-        lengths: &[
-            z.left_crank,
-            z.left_link,
-            z.right_link,
-            z.right_crank,
-            z.ground,
-        ],
+        lengths: &[0.05, 0.2, 0.22, 0.04, 0.15],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -112,7 +102,7 @@ fn five_bar_linkage() {
         // The second crank turns twice, backwards, while the first turns once.
         inputs: &|angle| {
             let [first] = crank(angle);
-            let second = Input {
+            let second = ClosureInput {
                 value: 0.4 - 2.0 * angle,
                 rate: -2.6,
                 acceleration: 0.9,
@@ -126,16 +116,14 @@ fn five_bar_linkage() {
 
 #[test]
 fn scotch_yoke_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 2] {
-        let linkage = scotch_yoke::ScotchYoke::new(&scotch_yoke::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [slide(&at.slide), slide(&at.pin)]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 2] {
+        let (_, [yoke, pin]) = compositions::scotch_yoke(&drive(&inputs[0])).unwrap();
+        [slide(&yoke), slide(&pin)]
     }
-    let z = scotch_yoke::SHIPPED;
     let loops = Loops {
         name: "Scotch yoke",
-        lengths: &[z.crank],
-        fixed_angles: &[z.slot_angle],
+        lengths: &[0.1],
+        fixed_angles: &[80f64.to_radians()],
         terms: &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
@@ -153,24 +141,22 @@ fn scotch_yoke_linkage() {
 /// The inverse of the arm while its tool's point runs along a line and the tool turns.
 #[test]
 fn serial_arm_both_branches() {
-    fn closed<N: Number, const BRANCH: usize>(inputs: &[Input<N>; 3]) -> [Jet<N>; 2] {
-        use trirrr_linkage::mechanism::serial_arm::SerialArm;
-        let arm = SerialArm::<N>::new(&serial_arm::SHIPPED).unwrap();
+    fn closed<N: Number, const LEFT: bool>(inputs: &[ClosureInput<N>; 3]) -> [Jet<N>; 2] {
         let [tool, x, y] = inputs;
-        let both = |of: fn(&Input<N>) -> N| nalgebra::Vector2::new(of(x), of(y));
+        let both = |of: fn(&ClosureInput<N>) -> N| nalgebra::Vector2::new(of(x), of(y));
         let tip = PointMotion {
             position: both(|input| input.value),
             velocity: both(|input| input.rate),
             acceleration: both(|input| input.acceleration),
         };
-        let at = arm.inverse(&tip, &drive(tool)).unwrap()[BRANCH];
-        let links: [LinkMotion<N>; 2] = [at.upper, at.fore];
-        [turn(&links[0]), turn(&links[1])]
+        let branch = if LEFT { 1.0 } else { -1.0 };
+        let arm = compositions::serial_arm_inverse(tip, &drive(tool), branch);
+        let ([upper, fore], []) = arm.unwrap();
+        [turn(&upper), turn(&fore)]
     }
-    let z = serial_arm::SHIPPED;
     let loops = Loops {
         name: "serial arm",
-        lengths: &[z.upper, z.fore, z.tool],
+        lengths: &[0.4, 0.3, 0.1],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -183,7 +169,7 @@ fn serial_arm_both_branches() {
         },
         angles: [true, true],
         inputs: &|angle| {
-            let along = |start: f64, rate: f64| Input {
+            let along = |start: f64, rate: f64| ClosureInput {
                 value: start + rate * (angle / 6.0),
                 rate,
                 acceleration: 0.3 * rate,
@@ -194,8 +180,8 @@ fn serial_arm_both_branches() {
         driven_angles: [true, false, false],
     };
     let both = |worst: trirrr_tests::bound::Worst| worst.assert_within("serial arm", BRACKET);
-    both(loops.compare(closed::<f64, 0>));
-    both(loops.compare(closed::<f64, 1>));
-    both(loops.compare(closed::<f32, 0>));
-    both(loops.compare(closed::<f32, 1>));
+    both(loops.compare(closed::<f64, true>));
+    both(loops.compare(closed::<f64, false>));
+    both(loops.compare(closed::<f32, true>));
+    both(loops.compare(closed::<f32, false>));
 }

@@ -1,31 +1,23 @@
 //! Every shipped mechanism of two loops over a turn, in f64 and in f32.
 
 use super::agreement::{Jet, Loops, compare_both, crank, drive, slide, turn, v};
+use super::compositions;
 use core::f64::consts::{FRAC_PI_2, PI};
 use trirrr_core::number::Number;
-use trirrr_linkage::closure::Input;
+use trirrr_linkage::closure::ClosureInput;
 use trirrr_linkage::closure::Length::{Constant, Unknown as UnknownLength};
 use trirrr_linkage::closure::Reference::{Driven, Fixed, Unknown};
-use trirrr_linkage::mechanism::{
-    fairbairn, inserter, quick_return, slotted_quick_return, two_loop,
-};
 
 #[test]
 fn quick_return_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 4] {
-        let linkage = quick_return::QuickReturn::new(&quick_return::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [
-            turn(&at.lever),
-            slide(&at.pin),
-            turn(&at.rod),
-            slide(&at.stroke),
-        ]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 4] {
+        let ([_, lever, rod, _], [pin, stroke]) =
+            compositions::quick_return(&drive(&inputs[0])).unwrap();
+        [turn(&lever), slide(&pin), turn(&rod), slide(&stroke)]
     }
-    let z = quick_return::SHIPPED;
     let loops = Loops {
         name: "quick return",
-        lengths: &[z.crank, z.pivot_depth, z.lever, z.rod, z.guide_height],
+        lengths: &[0.1, 0.25, 0.5, 0.3, 0.23],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -48,21 +40,14 @@ fn quick_return_linkage() {
 
 #[test]
 fn slotted_quick_return_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 4] {
-        let dimensions = slotted_quick_return::SHIPPED;
-        let linkage = slotted_quick_return::SlottedQuickReturn::new(&dimensions).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [
-            turn(&at.lever),
-            slide(&at.pin),
-            slide(&at.block),
-            slide(&at.stroke),
-        ]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 4] {
+        let ([_, lever, _], [pin, block, stroke]) =
+            compositions::slotted_quick_return(&drive(&inputs[0])).unwrap();
+        [turn(&lever), slide(&pin), slide(&block), slide(&stroke)]
     }
-    let z = slotted_quick_return::SHIPPED;
     let loops = Loops {
         name: "slotted quick return",
-        lengths: &[z.crank, z.pivot_depth, z.guide_height, z.joint_height],
+        lengths: &[0.1, 0.25, 0.2, 0.03],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -85,22 +70,13 @@ fn slotted_quick_return_linkage() {
 
 #[test]
 fn fairbairn_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 4] {
-        let linkage = fairbairn::Fairbairn::new(&fairbairn::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [
-            turn(&at.rod),
-            turn(&at.bridle),
-            turn(&at.tracing),
-            turn(&at.rocker),
-        ]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 4] {
+        let ([_, links @ ..], []) = compositions::fairbairn(&drive(&inputs[0])).unwrap();
+        links.map(|link| turn(&link))
     }
-    let z = fairbairn::SHIPPED;
     let loops = Loops {
         name: "modified Fairbairn guide",
-        lengths: &[
-            z.crank, z.rod, z.bridle, z.rocker, z.centre.x, z.centre.y, z.pivot.x, z.pivot.y,
-        ],
+        lengths: &[0.05, 0.3, 0.2, 0.8, 0.33, -0.13, 0.32, -0.8],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -125,29 +101,14 @@ fn fairbairn_linkage() {
 
 #[test]
 fn inserter_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 4] {
-        let linkage = inserter::Inserter::new(&inserter::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
-        [
-            turn(&at.coupler),
-            turn(&at.rocker),
-            turn(&at.rod),
-            slide(&at.stroke),
-        ]
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 4] {
+        let ([_, coupler, rocker, rod, _], [stroke]) =
+            compositions::inserter(&drive(&inputs[0])).unwrap();
+        [turn(&coupler), turn(&rocker), turn(&rod), slide(&stroke)]
     }
-    let z = inserter::SHIPPED;
     let loops = Loops {
         name: "inserter",
-        lengths: &[
-            z.crank,
-            z.coupler,
-            z.rocker,
-            z.pivot.x,
-            z.coupler_point.x,
-            z.coupler_point.y,
-            z.rod,
-            z.guide_height,
-        ],
+        lengths: &[0.06, 0.2, 0.14, 0.22, 0.15, 0.12, 0.3, 0.2],
         fixed_angles: &[],
         terms: &|c| {
             vec![
@@ -172,21 +133,20 @@ fn inserter_linkage() {
 
 #[test]
 fn two_loop_linkage() {
-    fn closed<N: Number>(inputs: &[Input<N>; 1]) -> [Jet<N>; 4] {
-        let linkage = two_loop::TwoLoop::new(&two_loop::SHIPPED).unwrap();
-        let at = linkage.at(&drive(&inputs[0])).unwrap();
+    fn closed<N: Number>(inputs: &[ClosureInput<N>; 1]) -> [Jet<N>; 4] {
+        let ([_, coupler, rocker, upper, _], [telescope]) =
+            compositions::two_loop(&drive(&inputs[0])).unwrap();
         [
-            turn(&at.coupler),
-            turn(&at.rocker),
-            turn(&at.upper),
-            slide(&at.slide),
+            turn(&coupler),
+            turn(&rocker),
+            turn(&upper),
+            slide(&telescope),
         ]
     }
-    let z = two_loop::SHIPPED;
     let loops = Loops {
         name: "two-loop linkage",
-        lengths: &[z.z1, z.z2, z.z3, z.z4, z.z5, z.z6, z.z8, z.z9],
-        fixed_angles: &[z.chi, z.beta],
+        lengths: &[0.1, 0.2, 0.15, 0.3, 0.4, 0.05, 0.08, 0.25],
+        fixed_angles: &[80f64.to_radians(), 100f64.to_radians()],
         // The rocker's angle is counted from D, against z4; unknown 2 is phi6 + chi.
         terms: &|c| {
             vec![

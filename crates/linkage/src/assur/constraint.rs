@@ -132,7 +132,7 @@ impl Frame<'_> {
     fn geometry(&self, slide: &Prismatic) -> Guide {
         let guide = &self.states[slide.guide.link].motion;
         let slider = &self.states[slide.slider.link].motion;
-        let u = guide.vector(super::state::unit(slide.direction));
+        let u = guide.vector(crate::motion::unit(slide.direction));
         let (to_guide, to_slider) = (self.arm(slide.guide), self.arm(slide.slider));
         let speed = |motion: &super::state::Motion, arm| {
             motion.origin.velocity + perpendicular(arm) * motion.rate

@@ -189,7 +189,7 @@ impl Built {
             }
             Solver::Rrp(dyad) => {
                 let m = dyad.solve(&pin(from), &line(to))?;
-                (m.link, m.slider, m.singularity_distance)
+                (m.first, m.second, m.singularity_distance)
             }
             Solver::Prp(dyad) => {
                 let m = dyad.solve(&line(from), &line(to))?;
@@ -197,7 +197,7 @@ impl Built {
             }
             Solver::Ppr(dyad) => {
                 let m = dyad.solve(&line(from), &pin(to))?;
-                (m.slider, m.link, m.singularity_distance)
+                (m.first, m.second, m.singularity_distance)
             }
         };
         for (member, motion) in self.members.iter().zip([one, two]) {

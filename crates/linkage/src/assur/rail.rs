@@ -1,8 +1,8 @@
 //! A prismatic joint seen from one of its two links, whichever of them is the guide.
 
 use super::description::{JointKind, Linkage, Prismatic};
-use super::state::unit;
 use crate::motion::LinkMotion;
+use crate::motion::unit;
 use nalgebra::Vector2;
 use trirrr_core::number::{Arithmetic, dot, perpendicular};
 

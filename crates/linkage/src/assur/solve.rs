@@ -6,8 +6,9 @@ use super::dyad::Built;
 use super::groups::{Group, GroupKind};
 use super::newton;
 use super::rail::{Rail, reframed, turned_back};
-use super::state::{State, unit};
+use super::state::State;
 use crate::LinkageStatus;
+use crate::motion::unit;
 use crate::motion::{LinkMotion, SlideMotion};
 use nalgebra::Vector2;
 

@@ -1,8 +1,7 @@
 //! State of a link: place and motion.
 
-use crate::motion::LinkMotion;
+use crate::motion::{LinkMotion, unit};
 use nalgebra::Vector2;
-use trirrr_core::number::Arithmetic;
 
 /// Motion of a link in binary64.
 pub(super) type Motion = LinkMotion<f64>;
@@ -16,12 +15,6 @@ pub struct State {
     pub angle: f64,
     /// `true` once the link is solved for the current position.
     pub(super) known: bool,
-}
-
-/// The unit vector at `angle`.
-pub(super) fn unit(angle: f64) -> Vector2<f64> {
-    let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
-    Vector2::new(cos, sin)
 }
 
 impl State {

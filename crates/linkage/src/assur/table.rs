@@ -2,9 +2,9 @@
 
 use super::description::{JointKind, Linkage};
 use super::solve::Position;
-use super::state::unit;
 use super::track::Track;
 use crate::motion::PointMotion;
+use crate::motion::unit;
 use nalgebra::Vector2;
 use trirrr_core::number::{dot, perpendicular};
 

@@ -1,6 +1,6 @@
 //! The directions of all vectors of a system of loops at one place.
 
-use super::{Input, Reference, Term};
+use super::{ClosureInput, Reference, Term};
 use crate::motion::turned;
 use nalgebra::Vector2;
 use trirrr_core::number::Number;
@@ -12,7 +12,7 @@ pub(super) struct Directions<N, const UNKNOWNS: usize, const INPUTS: usize> {
 }
 
 impl<N: Number, const UNKNOWNS: usize, const INPUTS: usize> Directions<N, UNKNOWNS, INPUTS> {
-    pub(super) fn new(inputs: &[Input<N>; INPUTS], unknowns: &[N; UNKNOWNS]) -> Self {
+    pub(super) fn new(inputs: &[ClosureInput<N>; INPUTS], unknowns: &[N; UNKNOWNS]) -> Self {
         let unit = |radians: N| {
             let (sin, cos) = N::sin_cos(N::angle(radians));
             Vector2::new(cos, sin)

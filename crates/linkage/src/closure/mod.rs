@@ -22,7 +22,7 @@
 //! column of the Jacobian, and with it the condition number, is free of units.
 //!
 //! ```
-//! use trirrr_linkage::closure::{Closure, Input, Length, Reference, Term};
+//! use trirrr_linkage::closure::{Closure, ClosureInput, Length, Reference, Term};
 //!
 //! // Crank 0.1 m at 60 degrees, ground 0.4 m; a block on the second link, 0.17 m off at 84 degrees.
 //! let terms = [
@@ -32,7 +32,7 @@
 //!     Term::new(0, Length::Constant(0.4), Reference::Fixed, 0.0).reversed(),
 //! ];
 //! let closure = Closure::<f64, 2, 1>::new(&terms)?;
-//! let crank = Input { value: 60f64.to_radians(), rate: 1.0, acceleration: 0.0 };
+//! let crank = ClosureInput { value: 60f64.to_radians(), rate: 1.0, acceleration: 0.0 };
 //! let at = closure.position(&[crank], [0.2, 0.3])?;
 //! let rates = closure.rates(&[crank], &at)?;
 //! assert!(at.iterations < 8 && at.condition < 10.0);
@@ -46,7 +46,7 @@ mod status;
 mod term;
 
 pub use status::{ClosureError, ClosureStatus};
-pub use term::{Input, Length, Reference, Term};
+pub use term::{ClosureInput, Length, Reference, Term};
 
 use directions::Directions;
 use lu::{Lu, Matrix};
@@ -68,7 +68,7 @@ pub struct Closure<'a, N, const UNKNOWNS: usize, const INPUTS: usize> {
 
 /// A position that closes the loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closed<N, const UNKNOWNS: usize> {
+pub struct ClosurePosition<N, const UNKNOWNS: usize> {
     /// The unknowns; angles are the guess's plus the steps, so they are not wrapped.
     pub unknowns: [N; UNKNOWNS],
     /// Newton steps taken.
@@ -81,7 +81,7 @@ pub struct Closed<N, const UNKNOWNS: usize> {
 }
 
 /// The loops at one place.
-struct State<N, const UNKNOWNS: usize> {
+struct Linearisation<N, const UNKNOWNS: usize> {
     gaps: [N; UNKNOWNS],
     jacobian: Matrix<N, UNKNOWNS>,
     residual: N,
@@ -134,14 +134,14 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
     /// [`ClosureStatus`]; what is returned is finite.
     pub fn position(
         &self,
-        inputs: &[Input<N>; INPUTS],
+        inputs: &[ClosureInput<N>; INPUTS],
         guess: [N; UNKNOWNS],
-    ) -> Result<Closed<N, UNKNOWNS>, ClosureStatus<N>> {
+    ) -> Result<ClosurePosition<N, UNKNOWNS>, ClosureStatus<N>> {
         let mut unknowns = guess;
         let mut iterations = 0;
         let mut last = false;
         loop {
-            let state = self.state(inputs, &unknowns);
+            let state = self.linearise(inputs, &unknowns);
             if !all_finite(&unknowns) || !state.finite {
                 return Err(ClosureStatus::OutOfRange { iterations });
             }
@@ -152,7 +152,7 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
                 if !(condition * N::UNIT_ROUNDOFF < N::ONE) {
                     return Err(ClosureStatus::SingularJacobian { iterations });
                 }
-                return Ok(Closed {
+                return Ok(ClosurePosition {
                     unknowns,
                     iterations,
                     residual: state.residual,
@@ -183,8 +183,8 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
     /// [`ClosureStatus::OutOfRange`].
     pub fn rates(
         &self,
-        inputs: &[Input<N>; INPUTS],
-        at: &Closed<N, UNKNOWNS>,
+        inputs: &[ClosureInput<N>; INPUTS],
+        at: &ClosurePosition<N, UNKNOWNS>,
     ) -> Result<[N; UNKNOWNS], ClosureStatus<N>> {
         let directions = Directions::new(inputs, &at.unknowns);
         let mut driven = [N::ZERO; UNKNOWNS];
@@ -205,8 +205,8 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
     /// [`ClosureStatus::OutOfRange`].
     pub fn accelerations(
         &self,
-        inputs: &[Input<N>; INPUTS],
-        at: &Closed<N, UNKNOWNS>,
+        inputs: &[ClosureInput<N>; INPUTS],
+        at: &ClosurePosition<N, UNKNOWNS>,
         rates: &[N; UNKNOWNS],
     ) -> Result<[N; UNKNOWNS], ClosureStatus<N>> {
         let directions = Directions::new(inputs, &at.unknowns);
@@ -247,7 +247,11 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
     }
 
     /// The gaps of all loops and their derivatives.
-    fn state(&self, inputs: &[Input<N>; INPUTS], unknowns: &[N; UNKNOWNS]) -> State<N, UNKNOWNS> {
+    fn linearise(
+        &self,
+        inputs: &[ClosureInput<N>; INPUTS],
+        unknowns: &[N; UNKNOWNS],
+    ) -> Linearisation<N, UNKNOWNS> {
         let directions = Directions::new(inputs, unknowns);
         let mut gaps = [N::ZERO; UNKNOWNS];
         let mut jacobian = [[N::ZERO; UNKNOWNS]; UNKNOWNS];
@@ -271,7 +275,7 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
                 differentiate(unknown, perpendicular(along), z);
             }
         }
-        State {
+        Linearisation {
             residual: largest_relative_gap(&gaps, &sizes),
             finite: all_finite(&gaps) && all_finite(&sizes),
             gaps,

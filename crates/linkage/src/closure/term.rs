@@ -1,8 +1,9 @@
 //! The vectors that loops are made of.
 
 use super::ClosureError;
+use crate::motion::unit;
 use nalgebra::Vector2;
-use trirrr_core::number::{Arithmetic, Number};
+use trirrr_core::number::Number;
 
 /// The length of a vector; negative lengths point backwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +47,7 @@ impl<N: Number> Term<N> {
         let offset = if offset_rad == 0.0 {
             Vector2::new(N::ONE, N::ZERO)
         } else {
-            let (sin, cos) = <f64 as Arithmetic>::sin_cos(offset_rad);
-            Vector2::new(N::from_f64(cos), N::from_f64(sin))
+            unit(offset_rad).map(N::from_f64)
         };
         let factor = match length {
             Length::Constant(length) => N::from_f64(length),
@@ -109,7 +109,7 @@ impl<N: Number> Term<N> {
     }
 
     /// The length with its sign.
-    pub(super) fn signed_length(&self, inputs: &[Input<N>], unknowns: &[N]) -> N {
+    pub(super) fn signed_length(&self, inputs: &[ClosureInput<N>], unknowns: &[N]) -> N {
         match self.length {
             Length::Constant(_) => self.factor,
             Length::Driven(input) => inputs[input].value * self.factor,
@@ -136,7 +136,7 @@ impl<N: Number> Term<N> {
 
 /// An input: a driven angle (rad) or length (m) with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Input<N> {
+pub struct ClosureInput<N> {
     /// Its value.
     pub value: N,
     /// Its rate.
@@ -145,7 +145,7 @@ pub struct Input<N> {
     pub acceleration: N,
 }
 
-impl<N: Number> Input<N> {
+impl<N: Number> ClosureInput<N> {
     /// An input that stands still.
     pub fn fixed(value: N) -> Self {
         Self {

@@ -19,8 +19,8 @@ fn worked_example<N: Number>() -> [Term<N>; 4] {
     ]
 }
 
-fn crank<N: Number>(rate: f64, acceleration: f64) -> [Input<N>; 1] {
-    [Input {
+fn crank<N: Number>(rate: f64, acceleration: f64) -> [ClosureInput<N>; 1] {
+    [ClosureInput {
         value: N::from_f64(PI / 3.0),
         rate: N::from_f64(rate),
         acceleration: N::from_f64(acceleration),
@@ -127,7 +127,7 @@ fn drives_a_length() {
     ];
     let closure = Closure::<f64, 2, 1>::new(&terms).unwrap();
     let at_length = |value: f64| {
-        let inputs = [Input {
+        let inputs = [ClosureInput {
             value,
             rate: 0.5,
             acceleration: 0.25,

@@ -1,6 +1,7 @@
 //! Coefficients of a redundant machine, position of its joints, distances to singularities.
 
 use super::parameters::RedundantParameters;
+use crate::motion::unit;
 use nalgebra::Vector2;
 use trirrr_core::inverse::{LegPosition, Rotation};
 use trirrr_core::machine::{BuildError, Geometry, Leg};
@@ -77,8 +78,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
                 inertia: MassiveLeg::build(given),
                 masses: LegMasses::build(given),
                 slider: parameters.sliders[index].map(|slider| {
-                    let (sin, cos) = <f64 as Arithmetic>::sin_cos(slider.direction_rad);
-                    let direction = Vector2::new(N::from_f64(cos), N::from_f64(sin));
+                    let direction = unit(slider.direction_rad).map(N::from_f64);
                     (direction, N::from_f64(slider.mass_kg))
                 }),
                 serial: N::from_f64(1.0 / (given.proximal_m * given.distal_m)),
@@ -95,8 +95,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         }
         let joint = |index: usize| {
             let leg = &parameters.legs[index];
-            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
-            Vector2::new(cos, sin) * leg.joint_radius_m
+            unit(leg.joint_angle_rad) * leg.joint_radius_m
         };
         let arm = (1..LEGS).fold(0.0, |arm, leg| {
             let offset: Vector2<f64> = joint(leg) - joint(0);

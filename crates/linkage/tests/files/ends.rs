@@ -3,9 +3,8 @@
 
 use crate::{joint, link, parse, shipped_text};
 use std::f64::consts::PI;
-use trirrr_linkage::LinkageStatus;
 use trirrr_linkage::assur::{GroupKind, Linkage, Reason, Track, track};
-use trirrr_linkage::mechanism::four_bar;
+use trirrr_linkage::{FourBar, LinkageStatus};
 
 /// The shipped four-bar with other lengths.
 fn four_bar(ground: f64, crank: f64, coupler: f64, rocker: f64, start: f64) -> Linkage {
@@ -28,18 +27,13 @@ fn stop_angle(linkage: &Linkage, track: &Track) -> f64 {
 
 #[test]
 fn a_dead_point_is_found_where_the_core_computes_it() {
-    let dimensions = four_bar::Dimensions {
+    let lengths = FourBar {
         ground: 0.4,
         crank: 0.25,
         coupler: 0.35,
         rocker: 0.1,
-        branch: 1.0,
     };
-    let limits: Vec<f64> = dimensions
-        .singular_positions()
-        .into_iter()
-        .flatten()
-        .collect();
+    let limits: Vec<f64> = lengths.singular_positions().into_iter().flatten().collect();
     let (low, high) = (limits[0].min(limits[1]), limits[0].max(limits[1]));
     let linkage = four_bar(0.4, 0.25, 0.35, 0.1, 0.5 * (low + high));
     let track = track(&linkage);

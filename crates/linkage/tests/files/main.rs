@@ -1,7 +1,5 @@
-//! Linkage files: the shipped mechanisms, agreement with the mechanisms of this crate, refusals, ends
-//! of motion, and files with random edits.
+//! Linkage files: the shipped mechanisms, refusals, ends of motion, and files with random edits.
 
-mod agreement;
 mod ends;
 mod mutation;
 mod refusals;

@@ -2,9 +2,9 @@
 
 use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
 use super::super::solve::Position;
-use super::super::state::unit;
 use super::super::track::Track;
 use super::{GROUND, colour, inputs, joint_points};
+use crate::motion::unit;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{FRAME as GREY, INK, faded};

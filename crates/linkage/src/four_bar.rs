@@ -5,15 +5,13 @@
 //! where coupler and rocker lie in one line and the crank cannot go on. At a dead point crank and
 //! coupler lie in one line: the rocker turns back there, and could not drive the crank.
 
-use super::{Crank, DimensionError, branch, lengths};
-use crate::rrr::{self, Rrr, SolveRrr};
-use crate::{Drive, LinkMotion, LinkageStatus, PointMotion};
-use nalgebra::Vector2;
-use trirrr_core::number::{Arithmetic, Number};
+use trirrr_core::number::Arithmetic;
 
-/// Lengths in m and the branch.
+/// A four-bar linkage by its lengths, m, all positive.
+///
+/// A [`Crank`](crate::Crank) and an [`Rrr`](crate::rrr::Rrr) solve its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dimensions {
+pub struct FourBar {
     /// A-D.
     pub ground: f64,
     /// A-B.
@@ -22,18 +20,7 @@ pub struct Dimensions {
     pub coupler: f64,
     /// D-C.
     pub rocker: f64,
-    /// +1: C lies to the left of B -> D.
-    pub branch: f64,
 }
-
-/// A crank-rocker.
-pub const SHIPPED: Dimensions = Dimensions {
-    ground: 0.4,
-    crank: 0.1,
-    coupler: 0.35,
-    rocker: 0.25,
-    branch: 1.0,
-};
 
 /// Grashof's classes: which links can turn fully relative to the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,44 +39,7 @@ pub enum Grashof {
     TripleRocker,
 }
 
-/// Coefficients of a four-bar linkage.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FourBar<N: Number> {
-    crank: Crank<N>,
-    pivot: PointMotion<N>,
-    dyad: Rrr<N>,
-}
-
-/// Motion of the links.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<N> {
-    /// Origin at A, x axis towards B.
-    pub crank: LinkMotion<N>,
-    /// Origin at B, x axis towards C.
-    pub coupler: LinkMotion<N>,
-    /// Origin at D, x axis towards C.
-    pub rocker: LinkMotion<N>,
-    /// The joint C.
-    pub joint: PointMotion<N>,
-    /// Distance from the singularity, 0 to 1: the sine of the transmission angle.
-    pub singularity_distance: N,
-}
-
-impl Dimensions {
-    /// Checks them.
-    ///
-    /// # Errors
-    /// [`DimensionError`].
-    pub fn check(&self) -> Result<(), DimensionError> {
-        lengths([
-            ("ground", self.ground),
-            ("crank", self.crank),
-            ("coupler", self.coupler),
-            ("rocker", self.rocker),
-        ])?;
-        branch("branch", self.branch)
-    }
-
+impl FourBar {
     /// Grashof's class.
     pub fn grashof(&self) -> Grashof {
         let lengths = [self.ground, self.crank, self.coupler, self.rocker];
@@ -156,76 +106,44 @@ fn angle_between(a: f64, b: f64, c: f64) -> Option<f64> {
         .then(|| <f64 as Arithmetic>::atan2(<f64 as Arithmetic>::sqrt(four_areas_sq), two_dots))
 }
 
-impl<N: Number> FourBar<N> {
-    /// Builds the coefficients.
-    ///
-    /// # Errors
-    /// [`DimensionError`].
-    pub fn new(dimensions: &Dimensions) -> Result<Self, DimensionError> {
-        dimensions.check()?;
-        Ok(Self {
-            crank: Crank::new(Vector2::new(0.0, 0.0), dimensions.crank),
-            pivot: PointMotion::fixed(Vector2::new(N::from_f64(dimensions.ground), N::ZERO)),
-            dyad: Rrr::new(dimensions.coupler, dimensions.rocker, dimensions.branch),
-        })
-    }
-
-    /// The links for the crank driven by `drive`.
-    ///
-    /// # Errors
-    /// [`LinkageStatus`].
-    pub fn at(&self, drive: &Drive<N>) -> Result<Motion<N>, LinkageStatus> {
-        let crank = self.crank.at(drive);
-        let dyad = self.dyad.solve(&self.crank.tip(&crank), &self.pivot)?;
-        Ok(Motion {
-            crank,
-            coupler: dyad.first,
-            rocker: towards_joint(&dyad, &self.pivot),
-            joint: dyad.joint,
-            singularity_distance: dyad.singularity_distance,
-        })
-    }
-}
-
-/// The second link of `dyad` seen from its outer joint `end`, with its x axis towards the inner
-/// joint.
-pub(super) fn towards_joint<N: Number>(
-    dyad: &rrr::Motion<N>,
-    end: &PointMotion<N>,
-) -> LinkMotion<N> {
-    LinkMotion {
-        origin: *end,
-        direction: -dyad.second.direction,
-        ..dyad.second
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rrr::{Rrr, SolveRrr};
+    use crate::{Crank, Drive, DyadMotion, LinkageStatus, PointMotion};
     use core::f64::consts::PI;
+    use nalgebra::Vector2;
 
-    fn with(ground: f64, crank: f64, coupler: f64, rocker: f64) -> Dimensions {
-        Dimensions {
+    const CRANK_ROCKER: FourBar = with(0.4, 0.1, 0.35, 0.25);
+
+    const fn with(ground: f64, crank: f64, coupler: f64, rocker: f64) -> FourBar {
+        FourBar {
             ground,
             crank,
             coupler,
             rocker,
-            branch: 1.0,
         }
     }
 
-    fn turn(dimensions: &Dimensions, angle: f64) -> Result<Motion<f64>, LinkageStatus> {
-        FourBar::new(dimensions).unwrap().at(&Drive {
+    /// The dyad of coupler and rocker with the crank at `angle`, turning at 1 rad/s.
+    fn turn(
+        linkage: &FourBar,
+        branch: f64,
+        angle: f64,
+    ) -> Result<DyadMotion<f64, 0>, LinkageStatus> {
+        let crank = Crank::new(Vector2::new(0.0, 0.0), linkage.crank);
+        let link = crank.at(&Drive {
             angle,
             rate: 1.0,
             acceleration: 0.0,
-        })
+        });
+        let pivot = PointMotion::fixed(Vector2::new(linkage.ground, 0.0));
+        Rrr::new(linkage.coupler, linkage.rocker, branch).solve(&crank.tip(&link), &pivot)
     }
 
     #[test]
     fn grashof_classes() {
-        assert_eq!(SHIPPED.grashof(), Grashof::CrankRocker);
+        assert_eq!(CRANK_ROCKER.grashof(), Grashof::CrankRocker);
         assert_eq!(with(0.4, 0.25, 0.35, 0.1).grashof(), Grashof::RockerCrank);
         assert_eq!(with(0.1, 0.4, 0.35, 0.25).grashof(), Grashof::DoubleCrank);
         assert_eq!(with(0.4, 0.35, 0.1, 0.25).grashof(), Grashof::DoubleRocker);
@@ -235,27 +153,27 @@ mod tests {
 
     #[test]
     fn turns_fully_as_its_class_says() {
-        for dimensions in [
-            SHIPPED,
+        for linkage in [
+            CRANK_ROCKER,
             with(0.1, 0.4, 0.35, 0.25),
             with(0.4, 0.25, 0.35, 0.1),
             with(0.4, 0.35, 0.1, 0.25),
             with(0.4, 0.2, 0.25, 0.3),
         ] {
-            let all = (0..720).all(|k| turn(&dimensions, f64::from(k) * PI / 360.0).is_ok());
-            assert_eq!(all, dimensions.turns_fully(), "{dimensions:?}");
-            let free = dimensions.singular_positions() == [None, None];
-            assert_eq!(free, dimensions.turns_fully(), "{dimensions:?}");
+            let all = (0..720).all(|k| turn(&linkage, 1.0, f64::from(k) * PI / 360.0).is_ok());
+            assert_eq!(all, linkage.turns_fully(), "{linkage:?}");
+            let free = linkage.singular_positions() == [None, None];
+            assert_eq!(free, linkage.turns_fully(), "{linkage:?}");
         }
     }
 
     #[test]
     fn the_rocker_turns_back_at_dead_points() {
-        for point in SHIPPED.dead_points() {
+        for point in CRANK_ROCKER.dead_points() {
             let angle = point.unwrap();
             let rate = |branch: f64| {
-                let at = turn(&Dimensions { branch, ..SHIPPED }, angle).unwrap();
-                at.rocker.rate.abs()
+                let at = turn(&CRANK_ROCKER, branch, angle).unwrap();
+                at.second.rate.abs()
             };
             // On the branch with C above the ground, or else on the mirrored one.
             let least = rate(1.0).min(rate(-1.0));
@@ -265,9 +183,9 @@ mod tests {
 
     #[test]
     fn is_singular_where_it_says() {
-        let dimensions = with(0.4, 0.25, 0.35, 0.1);
-        for angle in dimensions.singular_positions().iter().flatten() {
-            let reached = |at: f64| turn(&dimensions, at).map(|at| at.singularity_distance);
+        let linkage = with(0.4, 0.25, 0.35, 0.1);
+        for angle in linkage.singular_positions().iter().flatten() {
+            let reached = |at: f64| turn(&linkage, 1.0, at).map(|at| at.singularity_distance);
             let inside = [reached(angle - 1e-6), reached(angle + 1e-6)];
             assert!(
                 inside.iter().filter(|distance| distance.is_err()).count() == 1,
@@ -276,13 +194,7 @@ mod tests {
             let distance = inside.iter().flatten().next().unwrap();
             assert!((1e-4..2e-2).contains(distance), "{distance} at {angle}");
         }
-        let count = dimensions.singular_positions().iter().flatten().count();
+        let count = linkage.singular_positions().iter().flatten().count();
         assert_eq!(count, 2);
-    }
-
-    #[test]
-    fn refuses_bad_dimensions() {
-        let error = FourBar::<f32>::new(&with(0.4, 0.0, 0.35, 0.25)).unwrap_err();
-        assert_eq!(error.name, "crank");
     }
 }
