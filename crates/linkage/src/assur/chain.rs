@@ -1,6 +1,6 @@
 //! Chains in which nothing can turn, which Gruebler's count does not show.
 
-use super::parts::{Drive, Joint, JointKind};
+use super::parts::{Joint, JointDrive, JointKind};
 
 /// Finds joints that close a chain in which nothing turns: prismatic ones, and revolute ones whose
 /// angle is driven. Around such a chain the angles are given once too often while a translation
@@ -8,7 +8,7 @@ use super::parts::{Drive, Joint, JointKind};
 pub(super) fn find_turnless_chain(
     links: usize,
     joints: &[Joint],
-    drives: &[Drive],
+    drives: &[JointDrive],
 ) -> Option<Vec<usize>> {
     let is_slide = |joint: &&Joint| matches!(joint.kind, JointKind::Prismatic(_));
     let sliding = joints
@@ -25,7 +25,7 @@ pub(super) fn find_turnless_chain(
         .map(|drive| (drive.joint, drive.base, drive.link));
     let mut ties: Vec<Vec<(usize, usize)>> = vec![Vec::new(); links];
     for (joint, a, b) in turning.chain(sliding) {
-        if let Some(mut chain) = path(&ties, a, b) {
+        if let Some(mut chain) = path(&ties, a, a, b) {
             chain.push(joint);
             return Some(chain);
         }
@@ -35,30 +35,18 @@ pub(super) fn find_turnless_chain(
     None
 }
 
-/// The joints on the way from `from` to `to`, where there is one.
-fn path(ties: &[Vec<(usize, usize)>], from: usize, to: usize) -> Option<Vec<usize>> {
-    let mut came_from: Vec<Option<(usize, usize)>> = vec![None; ties.len()];
-    let mut queue = vec![from];
-    let mut next = 0;
-    while next < queue.len() && came_from[to].is_none() {
-        let link = queue[next];
-        for &(other, joint) in &ties[link] {
-            if other != from && came_from[other].is_none() {
-                came_from[other] = Some((link, joint));
-                queue.push(other);
-            }
-        }
-        next += 1;
+/// The joints on the way from `from` to `to` in a forest of ties, but not back through the link
+/// `before`.
+fn path(ties: &[Vec<(usize, usize)>], before: usize, from: usize, to: usize) -> Option<Vec<usize>> {
+    if from == to {
+        return Some(Vec::new());
     }
-    let mut chain = Vec::new();
-    let mut link = to;
-    while link != from {
-        let (before, joint) = came_from[link]?;
-        chain.push(joint);
-        link = before;
-    }
-    chain.reverse();
-    Some(chain)
+    let onwards = ties[from].iter().filter(|(other, _)| *other != before);
+    onwards.into_iter().find_map(|&(other, joint)| {
+        let mut chain = path(ties, from, other, to)?;
+        chain.insert(0, joint);
+        Some(chain)
+    })
 }
 
 #[cfg(test)]

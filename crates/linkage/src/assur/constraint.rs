@@ -14,9 +14,10 @@
 //!
 //! All of them are linear in the rates, and in the accelerations up to a term of squares of rates.
 
-use super::description::{Drive, JointKind, Linkage, PointRef, Prismatic};
+use super::description::{JointKind, Linkage, PointRef, Prismatic};
 use super::groups::Group;
-use super::state::State;
+use super::state::LinkState;
+use crate::motion::LinkMotion;
 use nalgebra::Vector2;
 use trirrr_core::number::{dot, perpendicular};
 
@@ -40,17 +41,17 @@ pub(super) struct Equation {
 pub(super) fn equations(
     linkage: &Linkage,
     group: &Group,
-    states: &[State],
+    states: &[LinkState],
     t: f64,
 ) -> Vec<Equation> {
-    let at = Frame { linkage, states };
+    let at = Constraints { linkage, states };
     let mut equations = Vec::with_capacity(3 * group.links.len());
     for &joint in &group.joints {
         match &linkage.joints[joint].kind {
             JointKind::Revolute(pins) => {
                 // Everything is tied to one pin: of a link that is known, if there is any.
                 let own = |pin: &&PointRef| group.links.contains(&pin.link);
-                let known = |pin: &&PointRef| !own(pin) && at.is_known(pin.link);
+                let known = |pin: &&PointRef| !own(pin) && states[pin.link].known;
                 let tied_to = pins.iter().find(known).or(pins.iter().find(own));
                 for pin in pins.iter().filter(own) {
                     if let Some(&to) = tied_to.filter(|&to| to != pin) {
@@ -58,14 +59,19 @@ pub(super) fn equations(
                     }
                 }
             }
-            JointKind::Prismatic(slide) => equations.extend(at.guide(slide)),
+            JointKind::Prismatic(slide) => {
+                let (guide, slider) = (slide.guide.link, slide.slider.link);
+                let across = perpendicular(slide.along(states));
+                equations.push(at.angle(guide, slider, [slide.angle, 0.0, 0.0]));
+                equations.push(at.distance(slide, across, [slide.offset, 0.0, 0.0]));
+            }
         }
     }
     for &drive in &group.drives {
         let drive = &linkage.drives[drive];
         equations.push(match &linkage.joints[drive.joint].kind {
-            JointKind::Prismatic(slide) => at.slide(slide, drive, t),
-            JointKind::Revolute(_) => at.turn(drive, t),
+            JointKind::Prismatic(slide) => at.distance(slide, slide.along(states), drive.at(t)),
+            JointKind::Revolute(_) => at.angle(drive.base, drive.link, drive.at(t)),
         });
     }
     equations
@@ -77,35 +83,16 @@ pub(super) fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-struct Frame<'a> {
+struct Constraints<'a> {
     linkage: &'a Linkage,
-    states: &'a [State],
+    states: &'a [LinkState],
 }
 
-/// The geometry of a prismatic joint at one state.
-struct Guide {
-    u: Vector2<f64>,
-    n: Vector2<f64>,
-    /// From the link's origin to the guide's point, and to the slider's.
-    to_guide: Vector2<f64>,
-    to_slider: Vector2<f64>,
-    /// From the guide's point to the slider's: position, velocity, and of its acceleration what
-    /// is not by the links' accelerations.
-    between: Vector2<f64>,
-    velocity: Vector2<f64>,
-    squares: Vector2<f64>,
-}
-
-impl Frame<'_> {
-    /// Known links have a state from this round; the others' is from the last. Only for choosing
-    /// which pin of several is the reference.
-    fn is_known(&self, link: usize) -> bool {
-        self.states[link].known
-    }
-
+impl Constraints<'_> {
     fn arm(&self, point: PointRef) -> Vector2<f64> {
-        let [x, y] = self.linkage.local(point);
-        self.states[point.link].motion.vector(Vector2::new(x, y))
+        self.states[point.link]
+            .motion
+            .vector(self.linkage.local(point))
     }
 
     fn pin(&self, a: PointRef, b: PointRef) -> [Equation; 2] {
@@ -129,99 +116,53 @@ impl Frame<'_> {
         })
     }
 
-    fn geometry(&self, slide: &Prismatic) -> Guide {
-        let guide = &self.states[slide.guide.link].motion;
-        let slider = &self.states[slide.slider.link].motion;
-        let u = guide.vector(crate::motion::unit(slide.direction));
+    /// Distance of the slider's point from the guide's along `d`, a unit vector that is fixed in the
+    /// guide's link, as `[value, rate, acceleration]` ask.
+    fn distance(
+        &self,
+        slide: &Prismatic,
+        d: Vector2<f64>,
+        [value, rate, acceleration]: [f64; 3],
+    ) -> Equation {
+        let motion = |point: PointRef| &self.states[point.link].motion;
+        let (guide, slider) = (motion(slide.guide), motion(slide.slider));
         let (to_guide, to_slider) = (self.arm(slide.guide), self.arm(slide.slider));
-        let speed = |motion: &super::state::Motion, arm| {
+        let speed = |motion: &LinkMotion<f64>, arm| {
             motion.origin.velocity + perpendicular(arm) * motion.rate
         };
-        Guide {
-            u,
-            n: perpendicular(u),
-            to_guide,
-            to_slider,
-            between: slider.origin.position + to_slider - guide.origin.position - to_guide,
-            velocity: speed(slider, to_slider) - speed(guide, to_guide),
-            squares: to_guide * (guide.rate * guide.rate) - to_slider * (slider.rate * slider.rate),
-        }
-    }
-
-    fn guide(&self, slide: &Prismatic) -> [Equation; 2] {
-        let (link, other) = (slide.guide.link, slide.slider.link);
-        let at = self.geometry(slide);
-        let rate = self.states[link].motion.rate;
-        let across = dot(at.n, at.between);
-        [
-            self.angle(link, other, slide.angle, [0.0; 2]),
-            Equation {
-                residual: across - slide.offset,
-                angular: false,
-                by: [
-                    (
-                        other,
-                        [at.n.x, at.n.y, dot(at.n, perpendicular(at.to_slider))],
-                    ),
-                    (
-                        link,
-                        [
-                            -at.n.x,
-                            -at.n.y,
-                            -dot(at.n, perpendicular(at.to_guide)) - dot(at.u, at.between),
-                        ],
-                    ),
-                ],
-                squares: dot(at.n, at.squares)
-                    - 2.0 * rate * dot(at.u, at.velocity)
-                    - rate * rate * across,
-                drive: [0.0; 2],
-            },
-        ]
-    }
-
-    fn slide(&self, slide: &Prismatic, drive: &Drive, t: f64) -> Equation {
-        let (link, other) = (slide.guide.link, slide.slider.link);
-        let at = self.geometry(slide);
-        let rate = self.states[link].motion.rate;
-        let [length, speed, acceleration] = drive.at(t);
-        let along = dot(at.u, at.between);
+        // From the guide's point to the slider's: position, velocity, and of its acceleration what
+        // is not by the links' accelerations.
+        let between = slider.origin.position + to_slider - guide.origin.position - to_guide;
+        let velocity = speed(slider, to_slider) - speed(guide, to_guide);
+        let squares =
+            to_guide * (guide.rate * guide.rate) - to_slider * (slider.rate * slider.rate);
+        // The derivative of `d` by the guide's angle.
+        let e = perpendicular(d);
+        let (along, w) = (dot(d, between), guide.rate);
+        let by_guide = dot(e, between) - dot(d, perpendicular(to_guide));
         Equation {
-            residual: along - length,
+            residual: along - value,
             angular: false,
             by: [
                 (
-                    other,
-                    [at.u.x, at.u.y, dot(at.u, perpendicular(at.to_slider))],
+                    slide.slider.link,
+                    [d.x, d.y, dot(d, perpendicular(to_slider))],
                 ),
-                (
-                    link,
-                    [
-                        -at.u.x,
-                        -at.u.y,
-                        dot(at.n, at.between) - dot(at.u, perpendicular(at.to_guide)),
-                    ],
-                ),
+                (slide.guide.link, [-d.x, -d.y, by_guide]),
             ],
-            squares: dot(at.u, at.squares) + 2.0 * rate * dot(at.n, at.velocity)
-                - rate * rate * along,
-            drive: [speed, acceleration],
+            squares: dot(d, squares) + 2.0 * w * dot(e, velocity) - w * w * along,
+            drive: [rate, acceleration],
         }
     }
 
-    fn turn(&self, drive: &Drive, t: f64) -> Equation {
-        let [angle, rate, acceleration] = drive.at(t);
-        self.angle(drive.base, drive.link, angle, [rate, acceleration])
-    }
-
-    /// angle of `other` - angle of `base` = `angle`.
-    fn angle(&self, base: usize, other: usize, angle: f64, drive: [f64; 2]) -> Equation {
+    /// Angle of `other` less that of `base`.
+    fn angle(&self, base: usize, other: usize, [angle, rate, acceleration]: [f64; 3]) -> Equation {
         Equation {
             residual: wrapped(self.states[other].angle - self.states[base].angle - angle),
             angular: true,
             by: [(other, [0.0, 0.0, 1.0]), (base, [0.0, 0.0, -1.0])],
             squares: 0.0,
-            drive,
+            drive: [rate, acceleration],
         }
     }
 }

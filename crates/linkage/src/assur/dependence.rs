@@ -7,7 +7,7 @@
 //! waits for nothing but the link it is driven from). The partition does not depend on which
 //! assignment was found.
 
-use super::parts::{Drive, FRAME, Joint, JointKind};
+use super::parts::{FRAME, Joint, JointDrive, JointKind};
 
 /// For every link, in their order, a number that links share if they have to be solved together.
 ///
@@ -15,24 +15,24 @@ use super::parts::{Drive, FRAME, Joint, JointKind};
 pub(super) fn solved_together(
     links: usize,
     joints: &[Joint],
-    drives: &[Drive],
+    drives: &[JointDrive],
 ) -> Option<Vec<usize>> {
-    let system = System::new(links, joints, drives);
+    let system = EquationSystem::new(links, joints, drives);
     let mut numbers = components(&system.waits(&system.assign()?));
     numbers.truncate(links);
     Some(numbers)
 }
 
 /// The equations by the bodies in them. Bodies are the links, then one per pin.
-struct System {
+struct EquationSystem {
     /// Unknowns of each body; none for the frame.
     unknowns: Vec<usize>,
     /// The two bodies of each equation.
     equations: Vec<[usize; 2]>,
 }
 
-impl System {
-    fn new(links: usize, joints: &[Joint], drives: &[Drive]) -> Self {
+impl EquationSystem {
+    fn new(links: usize, joints: &[Joint], drives: &[JointDrive]) -> Self {
         let mut unknowns = vec![3; links];
         unknowns[FRAME] = 0;
         let mut equations = Vec::new();
@@ -101,39 +101,33 @@ impl System {
         false
     }
 
-    /// For each body the bodies that it waits for.
-    fn waits(&self, body_of: &[usize]) -> Vec<Vec<usize>> {
-        let mut waits = vec![Vec::new(); self.unknowns.len()];
+    /// For each body `true` at the bodies that it waits for.
+    fn waits(&self, body_of: &[usize]) -> Vec<Vec<bool>> {
+        let bodies = self.unknowns.len();
+        let mut waits = vec![vec![false; bodies]; bodies];
         for (&[a, b], &body) in self.equations.iter().zip(body_of) {
-            waits[body].push(if body == a { b } else { a });
+            waits[body][if body == a { b } else { a }] = true;
         }
         waits
     }
 }
 
-/// Strongly connected components: two bodies have the same number if each waits for the other.
-/// The number is the least body of the component.
-fn components(waits: &[Vec<usize>]) -> Vec<usize> {
-    let reach: Vec<Vec<bool>> = (0..waits.len())
-        .map(|body| {
-            let mut reached = vec![false; waits.len()];
-            let mut stack = vec![body];
-            reached[body] = true;
-            while let Some(body) = stack.pop() {
-                for &next in &waits[body] {
-                    if !std::mem::replace(&mut reached[next], true) {
-                        stack.push(next);
-                    }
-                }
+/// Strongly connected components: two bodies have the same number if each waits for the other,
+/// itself or through others. The number is the least body of the component.
+fn components(waits: &[Vec<bool>]) -> Vec<usize> {
+    let mut reach = waits.to_vec();
+    for middle in 0..reach.len() {
+        reach[middle][middle] = true;
+        // Warshall: every way through `middle`.
+        let onwards = reach[middle].clone();
+        for from in reach.iter_mut().filter(|from| from[middle]) {
+            for (to, &onwards) in from.iter_mut().zip(&onwards) {
+                *to |= onwards;
             }
-            reached
-        })
-        .collect();
-    (0..waits.len())
-        .map(|body| {
-            (0..waits.len())
-                .find(|&other| reach[body][other] && reach[other][body])
-                .unwrap_or(body)
-        })
+        }
+    }
+    let mutual = |body: usize| (0..=body).find(|&other| reach[body][other] && reach[other][body]);
+    (0..reach.len())
+        .map(|body| mutual(body).unwrap_or(body))
         .collect()
 }

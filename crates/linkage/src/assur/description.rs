@@ -2,7 +2,10 @@
 
 use super::groups::Group;
 pub(super) use super::parts::names;
-pub use super::parts::{Drive, FRAME, Joint, JointKind, Link, Motion, PointRef, Prismatic};
+pub use super::parts::{
+    FRAME, Joint, JointDrive, JointKind, LinkBody, MotionSpan, PointRef, Prismatic,
+};
+use nalgebra::Vector2;
 
 /// A planar linkage that can be solved: it has as many drives as degrees of freedom, and its links
 /// are ordered into groups.
@@ -13,22 +16,22 @@ pub struct Linkage {
     /// One line for the summary and the figures.
     pub description: String,
     /// The links; the first is the frame.
-    pub links: Vec<Link>,
+    pub links: Vec<LinkBody>,
     /// The joints, in the order of the file.
     pub joints: Vec<Joint>,
     /// Drives, as many as degrees of freedom.
-    pub drives: Vec<Drive>,
+    pub drives: Vec<JointDrive>,
     /// Points whose curves are wanted.
     pub traces: Vec<PointRef>,
     /// Duration and steps of the motion that is solved.
-    pub motion: Motion,
+    pub motion: MotionSpan,
     /// The groups in solving order; together they hold every link but the frame.
     pub groups: Vec<Group>,
 }
 
 impl Linkage {
     /// A point in the frame of its link, m.
-    pub fn local(&self, point: PointRef) -> [f64; 2] {
+    pub fn local(&self, point: PointRef) -> Vector2<f64> {
         self.links[point.link].points[point.point].1
     }
 
@@ -40,12 +43,12 @@ impl Linkage {
 
     /// The size that lengths are measured by, m: the greatest distance of two points of one link.
     pub fn size(&self) -> f64 {
-        let spread = |link: &Link| {
+        let spread = |link: &LinkBody| {
             let points = &link.points;
             let distances = points.iter().enumerate().flat_map(|(i, (_, a))| {
                 points[..i]
                     .iter()
-                    .map(|(_, b)| f64::hypot(a[0] - b[0], a[1] - b[1]))
+                    .map(|(_, b)| f64::hypot(a.x - b.x, a.y - b.y))
             });
             distances.fold(0.0, f64::max)
         };

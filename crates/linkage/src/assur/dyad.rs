@@ -1,12 +1,13 @@
 //! A dyad of the core with the constants that the file's links and joints give it.
 
-use super::description::{JointKind, Linkage};
+use super::description::Linkage;
 use super::groups::{Dyad, Group};
 use super::rail::{Rail, reframed, turned_back};
-use super::state::{Motion, State};
-use crate::motion::PointMotion;
+use super::state::LinkState;
+use crate::motion::{DyadMotion, LinkMotion};
 use crate::{LinkageStatus, ppr::Ppr, prp::Prp, rpr::Rpr, rrp::Rrp, rrr::Rrr, rrr::SolveRrr};
 use nalgebra::Vector2;
+use trirrr_core::number::{cross, perpendicular};
 
 /// One link of a dyad: its index, and in its frame the origin and the x axis of the frame that
 /// the core's solution is given in.
@@ -17,13 +18,13 @@ struct Member {
     axis: Vector2<f64>,
 }
 
-/// Holder of a dyad's outer joint: a point or line of a link that is solved before.
+/// Holder of a dyad's outer joint, a link that is solved before: a pin or the start of a guide in
+/// its frame, and the guide's direction.
 #[derive(Clone, Copy, Debug)]
-enum End {
-    /// A point in the link's frame.
-    Pin(usize, Vector2<f64>),
-    /// A line in the link's frame: point and direction.
-    Line(usize, Vector2<f64>, Vector2<f64>),
+struct OuterJoint {
+    link: usize,
+    at: Vector2<f64>,
+    axis: Vector2<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -38,23 +39,9 @@ enum Solver {
 /// A dyad ready to be solved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Built {
-    ends: [End; 2],
+    ends: [OuterJoint; 2],
     members: [Member; 2],
     solver: Solver,
-}
-
-/// Two points of a link in its frame, from the pins `from` and `to`.
-fn pins(linkage: &Linkage, link: usize, from: usize, to: usize) -> Option<[Vector2<f64>; 2]> {
-    let local = |joint: usize| {
-        let joint = &linkage.joints[joint];
-        let pin = match joint.kind {
-            JointKind::Revolute(_) => joint.point_on(link)?,
-            JointKind::Prismatic(_) => return None,
-        };
-        let [x, y] = linkage.local(pin);
-        Some(Vector2::new(x, y))
-    };
-    Some([local(from)?, local(to)?])
 }
 
 impl Built {
@@ -77,33 +64,31 @@ impl Built {
             group.links.iter().copied().find(|link| ends.contains(link))
         };
         let (one, two) = (at(first)?, at(last)?);
-        let end = |joint: usize, own: usize| -> Option<End> {
+        let pin = |joint: usize, link: usize| {
+            let point = linkage.joints[joint].point_on(link)?;
+            Some(linkage.local(point))
+        };
+        let end = |joint: usize, own: usize| -> Option<OuterJoint> {
             let ends = linkage.joints[joint].links();
-            let holder = ends.into_iter().find(|&link| solved(link))?;
-            match Rail::new(linkage, joint, own) {
-                Some(rail) => Some(End::Line(holder, rail.point, rail.direction)),
-                None => {
-                    let pin = linkage.joints[joint].point_on(holder)?;
-                    let [x, y] = linkage.local(pin);
-                    Some(End::Pin(holder, Vector2::new(x, y)))
-                }
-            }
+            let link = ends.into_iter().find(|&link| solved(link))?;
+            let (at, axis) = match Rail::new(linkage, joint, own) {
+                Some(rail) => (rail.point, rail.direction),
+                None => (pin(joint, link)?, Vector2::x()),
+            };
+            Some(OuterJoint { link, at, axis })
         };
         let ends = [end(first, one)?, end(last, two)?];
         let (members, solver) = match kind {
             Dyad::Rrr => {
-                let [a, b] = pins(linkage, one, first, inner)?;
-                let [b_too, c] = pins(linkage, two, inner, last)?;
-                let (m1, l1) = rod(one, a, b)?;
-                let (m2, l2) = rod(two, b_too, c)?;
+                let (m1, l1) = rod(one, pin(first, one)?, pin(inner, one)?)?;
+                let (m2, l2) = rod(two, pin(inner, two)?, pin(last, two)?)?;
                 ([m1, m2], Solver::Rrr(Rrr::new(l1, l2, branch)))
             }
             Dyad::Rpr => {
-                let [a, _] = pins(linkage, one, first, first)?;
-                let [b, _] = pins(linkage, two, last, last)?;
+                let (a, b) = (pin(first, one)?, pin(last, two)?);
                 // The line as the second link has it, and the first on it.
                 let rail = Rail::new(linkage, inner, one)?;
-                let across = rail.left(a) - left_of(&rail, b);
+                let across = rail.left(a) - cross(rail.direction, b - rail.point);
                 let members = [
                     member(one, a, rail.own_direction),
                     member(two, b, rail.direction),
@@ -111,41 +96,30 @@ impl Built {
                 (members, Solver::Rpr(Rpr::from_offsets(0.0, across, branch)))
             }
             Dyad::Rrp => {
-                let [a, d] = pins(linkage, one, first, inner)?;
-                let [_, d_too] = pins(linkage, two, inner, inner)?;
                 let rail = Rail::new(linkage, last, two)?;
-                let (link, length) = rod(one, d, a)?;
-                let slider = member(two, d_too, rail.own_direction);
-                let across = rail.left(d_too);
+                let (link, length) = rod(one, pin(inner, one)?, pin(first, one)?)?;
+                let slider = member(two, pin(inner, two)?, rail.own_direction);
+                let across = rail.left(slider.at);
                 let solver = Solver::Rrp(Rrp::from_offsets(length, 0.0, across, branch));
                 ([link, slider], solver)
             }
             Dyad::Prp => {
-                let [c, _] = pins(linkage, one, inner, inner)?;
-                let [c_too, _] = pins(linkage, two, inner, inner)?;
-                let (r1, r2) = (
-                    Rail::new(linkage, first, one)?,
-                    Rail::new(linkage, last, two)?,
-                );
-                let offsets = [
-                    Vector2::new(0.0, r1.left(c)),
-                    Vector2::new(0.0, r2.left(c_too)),
-                ];
-                let members = [
-                    member(one, c, r1.own_direction),
-                    member(two, c_too, r2.own_direction),
-                ];
-                let solver = Solver::Prp(Prp::from_offsets(offsets[0], offsets[1]));
-                (members, solver)
+                let on = |outer: usize, link: usize| {
+                    let rail = Rail::new(linkage, outer, link)?;
+                    let at = pin(inner, link)?;
+                    let offset = Vector2::new(0.0, rail.left(at));
+                    Some((member(link, at, rail.own_direction), offset))
+                };
+                let ((m1, first), (m2, second)) = (on(first, one)?, on(last, two)?);
+                ([m1, m2], Solver::Prp(Prp::from_offsets(first, second)))
             }
             Dyad::Ppr => {
-                let [b, _] = pins(linkage, two, last, last)?;
+                let b = pin(last, two)?;
                 let outer = Rail::new(linkage, first, one)?;
                 let between = Rail::new(linkage, inner, two)?;
                 // The slider's reference point lies on the first guide.
-                let normal = Vector2::new(-outer.own_direction.y, outer.own_direction.x);
-                let reference = outer.own_point - normal * outer.offset;
-                let left = Vector2::new(-between.direction.y, between.direction.x);
+                let reference = outer.own_point - perpendicular(outer.own_direction) * outer.offset;
+                let left = perpendicular(between.direction);
                 let at_zero = between.point + left * between.left(b) - reference;
                 let in_guide = |v| turned_back(v, outer.own_direction);
                 let solver = Ppr::from_offsets(in_guide(between.direction), in_guide(at_zero));
@@ -165,53 +139,26 @@ impl Built {
 
     /// Solves the dyad for the states of the links that hold it; returns its scale-free distance
     /// from the singularity.
-    pub(super) fn solve(&self, states: &mut [State]) -> Result<f64, LinkageStatus> {
-        let pin = |end: &End| -> PointMotion<f64> {
-            match *end {
-                End::Pin(link, at) | End::Line(link, at, _) => states[link].motion.point(at),
-            }
+    pub(super) fn solve(&self, states: &mut [LinkState]) -> Result<f64, LinkageStatus> {
+        fn parts<const S: usize>(m: DyadMotion<f64, S>) -> ([LinkMotion<f64>; 2], f64) {
+            ([m.first, m.second], m.singularity_distance)
+        }
+        let guides = self
+            .ends
+            .map(|end| states[end.link].motion.frame(end.at, end.axis));
+        let ([from, to], pins) = (&guides, guides.map(|guide| guide.origin));
+        let (links, distance) = match &self.solver {
+            Solver::Rrr(dyad) => parts(dyad.solve(&pins[0], &pins[1])?),
+            Solver::Rpr(dyad) => parts(dyad.solve(&pins[0], &pins[1])?),
+            Solver::Rrp(dyad) => parts(dyad.solve(&pins[0], to)?),
+            Solver::Prp(dyad) => parts(dyad.solve(from, to)?),
+            Solver::Ppr(dyad) => parts(dyad.solve(from, &pins[1])?),
         };
-        let line = |end: &End| -> Motion {
-            match *end {
-                End::Line(link, at, direction) => states[link].motion.frame(at, direction),
-                End::Pin(link, at) => states[link].motion.frame(at, Vector2::x()),
-            }
-        };
-        let [from, to] = &self.ends;
-        let (one, two, distance) = match &self.solver {
-            Solver::Rrr(dyad) => {
-                let m = dyad.solve(&pin(from), &pin(to))?;
-                (m.first, m.second, m.singularity_distance)
-            }
-            Solver::Rpr(dyad) => {
-                let m = dyad.solve(&pin(from), &pin(to))?;
-                (m.first, m.second, m.singularity_distance)
-            }
-            Solver::Rrp(dyad) => {
-                let m = dyad.solve(&pin(from), &line(to))?;
-                (m.first, m.second, m.singularity_distance)
-            }
-            Solver::Prp(dyad) => {
-                let m = dyad.solve(&line(from), &line(to))?;
-                (m.first, m.second, m.singularity_distance)
-            }
-            Solver::Ppr(dyad) => {
-                let m = dyad.solve(&line(from), &pin(to))?;
-                (m.first, m.second, m.singularity_distance)
-            }
-        };
-        for (member, motion) in self.members.iter().zip([one, two]) {
+        for (member, motion) in self.members.iter().zip(links) {
             states[member.link].take(reframed(&motion, member.axis, member.at));
         }
         Ok(distance)
     }
-}
-
-/// Returns the distance to the left of the rail's line of a point of the link that holds the line.
-fn left_of(rail: &Rail, point: Vector2<f64>) -> f64 {
-    let along = rail.direction;
-    let from = point - rail.point;
-    along.x * from.y - along.y * from.x
 }
 
 fn member(link: usize, at: Vector2<f64>, axis: Vector2<f64>) -> Member {

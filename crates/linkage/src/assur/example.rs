@@ -1,7 +1,7 @@
 //! Joints and drives for the tests of what counts and searches them: where points lie does not
 //! matter there.
 
-use super::parts::{Drive, Joint, JointKind, PointRef, Prismatic};
+use super::parts::{Joint, JointDrive, JointKind, PointRef, Prismatic};
 
 pub(super) fn pin(links: &[usize]) -> Joint {
     Joint {
@@ -31,8 +31,8 @@ pub(super) fn slide(guide: usize, slider: usize) -> Joint {
     }
 }
 
-pub(super) fn drive(joint: usize, base: usize, link: usize, slides: bool) -> Drive {
-    Drive {
+pub(super) fn drive(joint: usize, base: usize, link: usize, slides: bool) -> JointDrive {
+    JointDrive {
         joint,
         base,
         link,

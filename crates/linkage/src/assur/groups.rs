@@ -1,7 +1,7 @@
 //! Decomposition into Assur groups, in solving order.
 
 use super::dependence::solved_together;
-use super::parts::{Drive, FRAME, Joint};
+use super::parts::{FRAME, Joint, JointDrive};
 
 /// Links that are solved together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,7 +88,11 @@ impl Group {
 ///
 /// `None` if the equations do not determine the links; a linkage that passed the checks of
 /// mobility always has its groups.
-pub(super) fn decompose(links: usize, joints: &[Joint], drives: &[Drive]) -> Option<Vec<Group>> {
+pub(super) fn decompose(
+    links: usize,
+    joints: &[Joint],
+    drives: &[JointDrive],
+) -> Option<Vec<Group>> {
     let component = solved_together(links, joints, drives)?;
     let mut pending: Vec<Vec<usize>> = Vec::new();
     for first in 1..links {
@@ -124,7 +128,12 @@ pub(super) fn decompose(links: usize, joints: &[Joint], drives: &[Drive]) -> Opt
 
 /// The group of `members` with what ties them to each other and to what is solved, if that
 /// determines them.
-fn tied(members: &[usize], joints: &[Joint], drives: &[Drive], solved: &[bool]) -> Option<Group> {
+fn tied(
+    members: &[usize],
+    joints: &[Joint],
+    drives: &[JointDrive],
+    solved: &[bool],
+) -> Option<Group> {
     let own = |link: &usize| members.contains(link);
     let mut equations = 0;
     let mut tying = Vec::new();
@@ -208,14 +217,12 @@ fn classify(
 
 /// The dyad of three joints, outer, inner, outer, and whether its name reads them backwards.
 fn dyad(letters: [char; 3]) -> Option<(Dyad, bool)> {
-    Some(match letters {
-        ['R', 'R', 'R'] => (Dyad::Rrr, false),
-        ['R', 'P', 'R'] => (Dyad::Rpr, false),
-        ['R', 'R', 'P'] => (Dyad::Rrp, false),
-        ['P', 'R', 'R'] => (Dyad::Rrp, true),
-        ['P', 'R', 'P'] => (Dyad::Prp, false),
-        ['P', 'P', 'R'] => (Dyad::Ppr, false),
-        ['R', 'P', 'P'] => (Dyad::Ppr, true),
-        _ => return None,
-    })
+    let read = |letters: [char; 3]| {
+        let named = |dyad: &Dyad| dyad.name().chars().eq(letters);
+        let dyads = [Dyad::Rrr, Dyad::Rpr, Dyad::Rrp, Dyad::Prp, Dyad::Ppr];
+        dyads.into_iter().find(named)
+    };
+    let [first, inner, last] = letters;
+    let backwards = || Some((read([last, inner, first])?, true));
+    read(letters).map(|dyad| (dyad, false)).or_else(backwards)
 }

@@ -1,7 +1,7 @@
 //! Degrees of freedom: Gruebler's count for the whole, and a search for locked parts, which the
 //! count does not show where others are loose.
 
-use super::parts::{Drive, Joint};
+use super::parts::{Joint, JointDrive};
 use std::fmt;
 
 /// Gruebler's count F = 3 (m - 1) - 2 c.
@@ -35,24 +35,33 @@ impl fmt::Display for Mobility {
     }
 }
 
-/// Links that are rigid among themselves before `joint` ties them once more.
+/// A joint or a drive that is one too many, by its index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tie {
+    Joint(usize),
+    Drive(usize),
+}
+
+/// Links, in the order of the file, that are rigid among themselves before `tie` ties them once
+/// more.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Locked {
-    /// The first joint in the order of the file that is one too many; `None` if it is a drive.
-    pub(super) joint: Option<usize>,
-    /// The drive that is one too many.
-    pub(super) drive: Option<usize>,
-    /// The links, in the order of the file.
+    pub(super) tie: Tie,
     pub(super) links: Vec<usize>,
 }
 
-/// Finds the first joint or drive whose constraints are not independent of those before it, for
+/// Refuses the first joint or drive whose constraints are not independent of those before it, for
 /// links of general dimensions.
 ///
 /// The (3, 3) pebble game: every link starts with the three pebbles of its freedoms, a constraint
 /// between two links takes one, and it is independent exactly if four pebbles can be gathered on
 /// the two links before it does (three always stay: a rigid body moves as a whole).
-pub(super) fn find_locked(links: usize, joints: &[Joint], drives: &[Drive]) -> Option<Locked> {
+pub(super) fn check_ties(
+    links: usize,
+    joints: &[Joint],
+    drives: &[JointDrive],
+) -> Result<(), Locked> {
+    let locked = |tie: Tie| move |links| Locked { tie, links };
     for (index, joint) in joints.iter().enumerate() {
         let ends = joint.links();
         for other in joints[..index].iter().map(Joint::links) {
@@ -60,11 +69,7 @@ pub(super) fn find_locked(links: usize, joints: &[Joint], drives: &[Drive]) -> O
                 ends.iter().copied().filter(|l| other.contains(l)).collect();
             if shared.len() > 1 {
                 shared.sort_unstable();
-                return Some(Locked {
-                    joint: Some(index),
-                    drive: None,
-                    links: shared,
-                });
+                return Err(locked(Tie::Joint(index))(shared));
             }
         }
     }
@@ -73,27 +78,18 @@ pub(super) fn find_locked(links: usize, joints: &[Joint], drives: &[Drive]) -> O
         towards: vec![Vec::new(); links],
     };
     for (index, joint) in joints.iter().enumerate() {
-        let ends = joint.links();
-        for pair in ends.windows(2) {
+        for pair in joint.links().windows(2) {
             for _ in 0..2 {
-                if let Err(links) = game.tie(pair[0], pair[1]) {
-                    return Some(Locked {
-                        joint: Some(index),
-                        drive: None,
-                        links,
-                    });
-                }
+                game.tie(pair[0], pair[1])
+                    .map_err(locked(Tie::Joint(index)))?;
             }
         }
     }
-    drives.iter().enumerate().find_map(|(index, drive)| {
-        let links = game.tie(drive.base, drive.link).err()?;
-        Some(Locked {
-            joint: None,
-            drive: Some(index),
-            links,
-        })
-    })
+    for (index, drive) in drives.iter().enumerate() {
+        game.tie(drive.base, drive.link)
+            .map_err(locked(Tie::Drive(index)))?;
+    }
+    Ok(())
 }
 
 struct Pebbles {
@@ -191,10 +187,12 @@ mod tests {
     fn a_driven_four_bar_is_not_locked_and_a_second_drive_is_one_too_many() {
         let joints = [pin(&[0, 1]), pin(&[1, 2]), pin(&[2, 3]), pin(&[3, 0])];
         let crank = drive(0, 0, 1, false);
-        assert_eq!(find_locked(4, &joints, &[crank]), None);
-        let locked = find_locked(4, &joints, &[crank, drive(3, 0, 3, false)]).unwrap();
-        assert_eq!((locked.joint, locked.drive), (None, Some(1)));
-        assert_eq!(locked.links, [0, 1, 2, 3]);
+        assert_eq!(check_ties(4, &joints, &[crank]), Ok(()));
+        let locked = check_ties(4, &joints, &[crank, drive(3, 0, 3, false)]).unwrap_err();
+        assert_eq!(
+            (locked.tie, locked.links),
+            (Tie::Drive(1), vec![0, 1, 2, 3])
+        );
     }
 
     #[test]
@@ -208,7 +206,7 @@ mod tests {
             pin(&[3, 4]),
         ];
         assert_eq!(Mobility::count(5, &joints).freedoms(), 2);
-        let locked = find_locked(5, &joints, &[]).unwrap();
-        assert_eq!((locked.joint, locked.links), (Some(2), vec![1, 2]));
+        let locked = check_ties(5, &joints, &[]).unwrap_err();
+        assert_eq!((locked.tie, locked.links), (Tie::Joint(2), vec![1, 2]));
     }
 }

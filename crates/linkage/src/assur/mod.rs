@@ -78,11 +78,13 @@ mod table;
 mod track;
 mod write;
 
-pub use description::{Drive, FRAME, Joint, JointKind, Link, Linkage, Motion, PointRef, Prismatic};
+pub use description::{
+    FRAME, Joint, JointDrive, JointKind, LinkBody, Linkage, MotionSpan, PointRef, Prismatic,
+};
 pub use groups::{Dyad, Group, GroupKind};
 pub use mobility::Mobility;
 pub use report::{header, stopped, summary};
-pub use solve::{Position, Reason, Solved, Unsolved};
-pub use state::State;
+pub use solve::{Position, Unsolved};
+pub use state::{LinkState, Reason, Solved};
 pub use track::{Stop, Track, track};
 pub use write::{WriteError, write};

@@ -1,15 +1,17 @@
 //! Parts of a linkage: links, joints, drives, with names resolved to indices.
 
+use nalgebra::Vector2;
+
 /// The index of the frame, the link that stands still.
 pub const FRAME: usize = 0;
 
 /// A rigid body with a frame of its own.
 #[derive(Clone, Debug)]
-pub struct Link {
+pub struct LinkBody {
     /// Name in the file.
     pub name: String,
     /// Its points: name and position in the link's frame, m.
-    pub points: Vec<(String, [f64; 2])>,
+    pub points: Vec<(String, Vector2<f64>)>,
     /// Roughly where its frame is at the start: x, y (m), angle (rad).
     pub guess: Option<[f64; 3]>,
 }
@@ -61,7 +63,7 @@ pub struct Prismatic {
 
 /// A prescribed motion in a joint: start + rate t + acceleration t^2 / 2.
 #[derive(Clone, Copy, Debug)]
-pub struct Drive {
+pub struct JointDrive {
     /// Index of the joint.
     pub joint: usize,
     /// The link that the motion is measured from.
@@ -80,14 +82,14 @@ pub struct Drive {
 
 /// Duration and steps of the motion that is solved.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct MotionSpan {
     /// Seconds from the first position to the last.
     pub duration: f64,
     /// Steps from the first position to the last.
     pub steps: u32,
 }
 
-impl Drive {
+impl JointDrive {
     /// Value, rate and acceleration at the time `t`.
     pub fn at(&self, t: f64) -> [f64; 3] {
         [

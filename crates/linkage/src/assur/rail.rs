@@ -35,26 +35,22 @@ impl Rail {
             offset,
             angle,
         } = *slide;
-        let local = |point| {
-            let [x, y] = linkage.local(point);
-            Vector2::new(x, y)
-        };
         let (in_guide, in_slider) = (unit(direction), unit(direction - angle));
         if own == slider.link {
             Some(Self {
-                point: local(guide),
+                point: linkage.local(guide),
                 direction: in_guide,
                 own_direction: in_slider,
-                own_point: local(slider),
+                own_point: linkage.local(slider),
                 offset,
                 own_is_slider: true,
             })
         } else if own == guide.link {
             Some(Self {
-                point: local(slider),
+                point: linkage.local(slider),
                 direction: in_slider,
                 own_direction: in_guide,
-                own_point: local(guide),
+                own_point: linkage.local(guide),
                 offset: -offset,
                 own_is_slider: false,
             })

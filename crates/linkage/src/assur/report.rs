@@ -3,7 +3,7 @@
 use super::description::Linkage;
 use super::groups::{Group, GroupKind};
 use super::mobility::Mobility;
-use super::solve::Reason;
+use super::state::Reason;
 use super::track::{Stop, Track};
 use crate::LinkageStatus;
 use std::fmt::Write;

@@ -1,13 +1,12 @@
 //! A linkage at one time: its groups solved in order.
 
 use super::constraint::equations;
-use super::description::{Drive, FRAME, JointKind, Linkage};
+use super::description::{FRAME, JointDrive, JointKind, Linkage};
 use super::dyad::Built;
 use super::groups::{Group, GroupKind};
 use super::newton;
 use super::rail::{Rail, reframed, turned_back};
-use super::state::State;
-use crate::LinkageStatus;
+use super::state::{LinkState, Reason, Solved};
 use crate::motion::unit;
 use crate::motion::{LinkMotion, SlideMotion};
 use nalgebra::Vector2;
@@ -18,33 +17,9 @@ pub struct Position {
     /// s.
     pub t: f64,
     /// The states of the links, in their order.
-    pub states: Vec<State>,
+    pub states: Vec<LinkState>,
     /// Result of each group, in solving order.
     pub groups: Vec<Solved>,
-}
-
-/// Result of one group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solved {
-    /// Scale-free distance from a singular position: 0 there, at most 1.
-    pub distance: f64,
-    /// Newton-Raphson's iterations; 0 for a closed form.
-    pub iterations: u32,
-    /// Sign of the Jacobian where there is one.
-    pub(super) positive: bool,
-}
-
-/// Reason why a group has no position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// A dyad's answer.
-    Dyad(LinkageStatus),
-    /// Newton-Raphson did not converge from where it started.
-    Diverged,
-    /// The Jacobian of the group's equations has no inverse.
-    Singular,
-    /// The only position found is on the other side of a singular one.
-    Flipped,
 }
 
 /// A group that has no position.
@@ -75,10 +50,10 @@ impl<'a> Solver<'a> {
             .map(|link| link.guess.unwrap_or([0.0; 3]));
         let mut position = Position {
             t: 0.0,
-            states: guesses.map(State::at_rest).collect(),
+            states: guesses.map(LinkState::at_rest).collect(),
             groups: Vec::new(),
         };
-        position.states[FRAME] = State::at_rest([0.0; 3]);
+        position.states[FRAME] = LinkState::at_rest([0.0; 3]);
         position.states[FRAME].known = true;
         let mut solver = Self {
             linkage,
@@ -126,7 +101,11 @@ impl<'a> Solver<'a> {
     }
 
     /// The position at the time `t`, from predicted states.
-    pub(super) fn position(&self, mut states: Vec<State>, t: f64) -> Result<Position, Unsolved> {
+    pub(super) fn position(
+        &self,
+        mut states: Vec<LinkState>,
+        t: f64,
+    ) -> Result<Position, Unsolved> {
         for state in &mut states {
             state.known = false;
         }
@@ -141,7 +120,7 @@ impl<'a> Solver<'a> {
         Ok(Position { t, states, groups })
     }
 
-    fn group(&self, index: usize, states: &mut [State], t: f64) -> Result<Solved, Reason> {
+    fn group(&self, index: usize, states: &mut [LinkState], t: f64) -> Result<Solved, Reason> {
         let group = &self.linkage.groups[index];
         let closed = |distance| Solved {
             distance,
@@ -151,52 +130,35 @@ impl<'a> Solver<'a> {
         match (group.kind, &self.dyads[index]) {
             (GroupKind::Driven, _) => {
                 let motion = self.driven(group, states, t).ok_or(Reason::Singular)?;
-                let state = &mut states[group.links[0]];
-                state.take(motion);
+                states[group.links[0]].take(motion);
                 Ok(closed(1.0))
             }
             (GroupKind::Dyad(_), Some(dyad)) => {
                 dyad.solve(states).map(closed).map_err(Reason::Dyad)
             }
             _ => {
-                let converged = newton::solve(self.linkage, group, states, t).map_err(
-                    |failed| match failed {
-                        newton::Failed::Diverged => Reason::Diverged,
-                        newton::Failed::Singular => Reason::Singular,
-                    },
-                )?;
+                let solved = newton::solve(self.linkage, group, states, t)?;
                 for &link in &group.links {
                     states[link].known = true;
                 }
-                Ok(Solved {
-                    distance: converged.distance,
-                    iterations: converged.iterations,
-                    positive: converged.positive,
-                })
+                Ok(solved)
             }
         }
     }
 
     /// The motion of the one link of a driven group.
-    fn driven(&self, group: &Group, states: &[State], t: f64) -> Option<LinkMotion<f64>> {
+    fn driven(&self, group: &Group, states: &[LinkState], t: f64) -> Option<LinkMotion<f64>> {
         let (own, joint) = (group.links[0], group.joints[0]);
         let drive = &self.linkage.drives[*group.drives.first()?];
         let value = drive.at(t);
         match &self.linkage.joints[joint].kind {
             JointKind::Revolute(pins) => {
                 let held = pins.iter().find(|pin| states[pin.link].known)?;
-                let local = |point| {
-                    let [x, y] = self.linkage.local(point);
-                    Vector2::new(x, y)
-                };
-                let pin = states[held.link].motion.point(local(*held));
+                let pin = states[held.link].motion.point(self.linkage.local(*held));
                 let own_pin = pins.iter().find(|pin| pin.link == own)?;
-                let turned = turned_by(drive, value, own, states);
-                let motion = LinkMotion {
-                    origin: pin,
-                    ..turned
-                };
-                Some(reframed(&motion, Vector2::x(), local(*own_pin)))
+                let motion = turned_by(drive, value, own, states).with_origin(pin);
+                let own_pin = self.linkage.local(*own_pin);
+                Some(reframed(&motion, Vector2::x(), own_pin))
             }
             JointKind::Prismatic(_) => {
                 let holder = match drive.link == own {
@@ -212,10 +174,7 @@ impl<'a> Solver<'a> {
                     rate,
                     acceleration,
                 };
-                let motion = LinkMotion {
-                    origin: guide.sliding(&slide, rail.offset),
-                    ..guide
-                };
+                let motion = guide.with_origin(guide.sliding(&slide, rail.offset));
                 Some(reframed(&motion, rail.own_direction, rail.own_point))
             }
         }
@@ -237,10 +196,10 @@ impl<'a> Solver<'a> {
 
 /// Direction and turning of the driven link `own`, from the other link of its drive.
 fn turned_by(
-    drive: &Drive,
+    drive: &JointDrive,
     [angle, rate, acceleration]: [f64; 3],
     own: usize,
-    states: &[State],
+    states: &[LinkState],
 ) -> LinkMotion<f64> {
     let forwards = drive.link == own;
     let other = states[if forwards { drive.base } else { drive.link }].motion;
@@ -255,7 +214,7 @@ fn turned_by(
 }
 
 /// Returns the squared distance of the group's links from their guesses, in sizes and rad.
-fn guess_miss(linkage: &Linkage, group: &Group, states: &[State]) -> f64 {
+fn guess_miss(linkage: &Linkage, group: &Group, states: &[LinkState]) -> f64 {
     let size = linkage.size();
     let misses = group.links.iter().filter_map(|&link| {
         let [x, y, angle] = linkage.links[link].guess?;

@@ -1,14 +1,13 @@
-//! State of a link: place and motion.
+//! LinkState of a link: place and motion.
 
+use super::parts::Prismatic;
+use crate::LinkageStatus;
 use crate::motion::{LinkMotion, unit};
 use nalgebra::Vector2;
 
-/// Motion of a link in binary64.
-pub(super) type Motion = LinkMotion<f64>;
-
 /// A link at one position of the linkage.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct LinkState {
     /// Its frame's motion.
     pub motion: LinkMotion<f64>,
     /// The angle of its frame, rad: not wrapped, so that it follows whole turns.
@@ -17,7 +16,41 @@ pub struct State {
     pub(super) known: bool,
 }
 
-impl State {
+/// Result of one group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solved {
+    /// Scale-free distance from a singular position, 0 there, at most 1: of a dyad its own, of what
+    /// is solved by Newton-Raphson the reciprocal condition of the Jacobian, with lengths measured
+    /// in the linkage's size.
+    pub distance: f64,
+    /// Newton-Raphson's iterations; 0 for a closed form.
+    pub iterations: u32,
+    /// Sign of the Jacobian's determinant where there is one: it changes only through a singular
+    /// position.
+    pub(super) positive: bool,
+}
+
+/// Reason why a group has no position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// A dyad's answer.
+    Dyad(LinkageStatus),
+    /// Newton-Raphson did not converge from where it started.
+    Diverged,
+    /// The Jacobian of the group's equations has no inverse.
+    Singular,
+    /// The only position found is on the other side of a singular one.
+    Flipped,
+}
+
+impl Prismatic {
+    /// The direction of the guide's line, a unit vector in the fixed frame.
+    pub(super) fn along(&self, states: &[LinkState]) -> Vector2<f64> {
+        states[self.guide.link].motion.vector(unit(self.direction))
+    }
+}
+
+impl LinkState {
     /// At rest at x, y and an angle.
     pub(super) fn at_rest([x, y, angle]: [f64; 3]) -> Self {
         Self {

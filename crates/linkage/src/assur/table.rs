@@ -4,8 +4,6 @@ use super::description::{JointKind, Linkage};
 use super::solve::Position;
 use super::track::Track;
 use crate::motion::PointMotion;
-use crate::motion::unit;
-use nalgebra::Vector2;
 use trirrr_core::number::{dot, perpendicular};
 
 /// The table with its header.
@@ -69,8 +67,7 @@ fn row(linkage: &Linkage, position: &Position) -> Vec<f64> {
 impl Position {
     /// Returns the motion of a point.
     pub fn point(&self, linkage: &Linkage, point: super::PointRef) -> PointMotion<f64> {
-        let [x, y] = linkage.local(point);
-        self.states[point.link].motion.point(Vector2::new(x, y))
+        self.states[point.link].motion.point(linkage.local(point))
     }
 
     /// Returns distance, rate and acceleration along the guide of a prismatic joint, from the
@@ -80,7 +77,7 @@ impl Position {
             return None;
         };
         let guide = &self.states[slide.guide.link].motion;
-        let u = guide.vector(unit(slide.direction));
+        let u = slide.along(&self.states);
         let n = perpendicular(u);
         let d = self
             .point(linkage, slide.slider)

@@ -2,7 +2,8 @@
 
 use super::constraint::wrapped;
 use super::description::Linkage;
-use super::solve::{Position, Reason, Solver, Unsolved};
+use super::solve::{Position, Solver, Unsolved};
+use super::state::{LinkState, Reason};
 
 /// Halvings of a step before a jump counts as one.
 const HALVINGS: u32 = 12;
@@ -120,7 +121,7 @@ impl Solver<'_> {
     fn jumped(
         &self,
         last: &Position,
-        predicted: &[super::state::State],
+        predicted: &[LinkState],
         position: &Position,
     ) -> Option<usize> {
         let size = self.linkage.size();

@@ -3,19 +3,21 @@
 use super::super::description::{FRAME, JointKind, Linkage};
 use super::super::solve::Position;
 use super::super::track::Track;
+use crate::motion::{LinkMotion, PointMotion};
+use nalgebra::Vector2;
 use trirrr_figures::canvas::Drawn;
 use trirrr_figures::panel::{Curve, Panel, draw_over};
 use trirrr_figures::scale::{Axis, Margin};
 use trirrr_figures::style::CURVES;
 
 /// The axis below: the first drive where it runs evenly, otherwise time.
-struct Input {
+struct InputAxis {
     title: String,
     axis: Axis,
     of: Box<dyn Fn(&Position) -> f64>,
 }
 
-impl Input {
+impl InputAxis {
     fn new(linkage: &Linkage, track: &Track) -> Self {
         let end = track.positions.last().map_or(0.0, |position| position.t);
         let even = linkage
@@ -85,29 +87,27 @@ fn degrees(low: f64, high: f64) -> Axis {
     }
 }
 
-/// Value that a curve shows.
-type Value = Box<dyn Fn(&Position) -> f64>;
+/// Name and value of each curve.
+type Curves<'a> = Vec<(String, Box<dyn Fn(&Position) -> f64 + 'a>)>;
 
-/// One quantity of several things, in as many panels as the colours allow.
-struct Family {
-    quantity: &'static str,
-    unit: &'static str,
-    curves: Vec<(String, Value)>,
-}
-
-fn draw(linkage: &Linkage, track: &Track, what: &str, families: Vec<Family>) -> Drawn {
-    let input = Input::new(linkage, track);
+/// Draws each quantity with its unit in as many panels as the colours allow.
+fn draw(
+    linkage: &Linkage,
+    track: &Track,
+    what: &str,
+    quantities: Vec<(&'static str, &'static str, Curves)>,
+) -> Drawn {
+    let input = InputAxis::new(linkage, track);
     let mut panels = Vec::new();
-    for family in families {
-        let mut curves = family
-            .curves
+    for (quantity, unit, curves) in quantities {
+        let mut curves = curves
             .into_iter()
             .map(|(label, value)| input.curve(track, label, value))
             .peekable();
         while curves.peek().is_some() {
             panels.push(Panel {
-                quantity: family.quantity,
-                unit: family.unit,
+                quantity,
+                unit,
                 from_zero: false,
                 curves: curves.by_ref().take(CURVES.len()).collect(),
             });
@@ -156,90 +156,63 @@ pub(super) fn links(linkage: &Linkage, track: &Track) -> Drawn {
     let sliding: Vec<usize> = (0..linkage.joints.len())
         .filter(|&joint| matches!(linkage.joints[joint].kind, JointKind::Prismatic(_)))
         .collect();
-    let of_links = |value: fn(&Position, usize) -> f64| -> Vec<(String, Value)> {
+    let of_links = |value: fn(&LinkMotion<f64>) -> f64| -> Curves {
         let curve = |links: &Vec<usize>| {
             let first = links[0];
-            let value: Value = Box::new(move |position| value(position, first));
-            (linkage.link_names(links), value)
+            let value = move |position: &Position| value(&position.states[first].motion);
+            (linkage.link_names(links), Box::new(value) as _)
         };
         turning.iter().map(curve).collect()
     };
-    let of_slides = |index: usize| -> Vec<(String, Value)> {
+    let of_slides = |index: usize| -> Curves {
         let curve = |&joint: &usize| {
-            let linkage_of = linkage.clone();
-            let value: Value = Box::new(move |position| {
-                position
-                    .slide(&linkage_of, joint)
-                    .map_or(0.0, |slide| slide[index])
-            });
-            (linkage.joints[joint].name.clone(), value)
+            let value = move |position: &Position| {
+                let slide = position.slide(linkage, joint);
+                slide.map_or(0.0, |slide| slide[index])
+            };
+            (linkage.joints[joint].name.clone(), Box::new(value) as _)
         };
         sliding.iter().map(curve).collect()
     };
-    let families = vec![
-        Family {
-            quantity: "angular velocity",
-            unit: "rad/s",
-            curves: of_links(|position, link| position.states[link].motion.rate),
-        },
-        Family {
-            quantity: "angular acceleration",
-            unit: "rad/s\u{b2}",
-            curves: of_links(|position, link| position.states[link].motion.acceleration),
-        },
-        Family {
-            quantity: "sliding velocity",
-            unit: "m/s",
-            curves: of_slides(1),
-        },
-        Family {
-            quantity: "sliding acceleration",
-            unit: "m/s\u{b2}",
-            curves: of_slides(2),
-        },
+    let quantities = vec![
+        ("angular velocity", "rad/s", of_links(|link| link.rate)),
+        (
+            "angular acceleration",
+            "rad/s\u{b2}",
+            of_links(|link| link.acceleration),
+        ),
+        ("sliding velocity", "m/s", of_slides(1)),
+        ("sliding acceleration", "m/s\u{b2}", of_slides(2)),
     ];
-    draw(linkage, track, "rates of links and sliders", families)
+    draw(linkage, track, "rates of links and sliders", quantities)
 }
 
 /// Velocity and acceleration of the traced points.
 pub(super) fn points(linkage: &Linkage, track: &Track) -> Drawn {
-    let of_points = |acceleration: bool| -> Vec<(String, Value)> {
-        let axes = ["x", "y"].into_iter().enumerate();
+    let of_points = |vector: fn(&PointMotion<f64>) -> Vector2<f64>| -> Curves {
         let each = linkage.traces.iter().flat_map(|&point| {
             let name = linkage.point_name(point);
-            let linkage_of = linkage.clone();
-            axes.clone().map(move |(axis, letter)| {
-                let linkage_of = linkage_of.clone();
-                let value: Value = Box::new(move |position| {
-                    let motion = position.point(&linkage_of, point);
-                    match acceleration {
-                        true => motion.acceleration[axis],
-                        false => motion.velocity[axis],
-                    }
-                });
-                (format!("{name} {letter}"), value)
-            })
+            ["x", "y"]
+                .into_iter()
+                .enumerate()
+                .map(move |(axis, letter)| {
+                    let value =
+                        move |position: &Position| vector(&position.point(linkage, point))[axis];
+                    (format!("{name} {letter}"), Box::new(value) as _)
+                })
         });
         each.collect()
     };
-    let families = vec![
-        Family {
-            quantity: "velocity",
-            unit: "m/s",
-            curves: of_points(false),
-        },
-        Family {
-            quantity: "acceleration",
-            unit: "m/s\u{b2}",
-            curves: of_points(true),
-        },
+    let quantities = vec![
+        ("velocity", "m/s", of_points(|point| point.velocity)),
+        (
+            "acceleration",
+            "m/s\u{b2}",
+            of_points(|point| point.acceleration),
+        ),
     ];
-    draw(
-        linkage,
-        track,
-        "velocity and acceleration of points",
-        families,
-    )
+    let what = "velocity and acceleration of points";
+    draw(linkage, track, what, quantities)
 }
 
 #[cfg(test)]

@@ -3,12 +3,10 @@
 use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{GROUND, colour, inputs, joint_points};
-use crate::motion::unit;
+use super::{GROUND, Labels, colour, inputs, joint_points};
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{FRAME as GREY, INK, faded};
-use trirrr_figures::style::{RGBColor, WHITE};
+use trirrr_figures::style::{FRAME as GREY, INK, RGBColor, WHITE, faded};
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;
@@ -130,11 +128,8 @@ impl Pen<'_, '_> {
             let shade = faded(colour(link), strength);
             let width = if strength < 1.0 { 2.4 } else { 4.2 };
             if corners.len() > 2 {
-                self.canvas
-                    .polygon(&corners, faded(colour(link), 0.3 * strength))?;
-                let mut closed = corners.clone();
-                closed.push(corners[0]);
-                self.canvas.line(&closed, shade, 0.7 * width)?;
+                let inside = faded(colour(link), 0.3 * strength);
+                self.outlined(corners, inside, shade, 0.7 * width)?;
             } else if corners.len() == 2 {
                 self.canvas.line(&corners, shade, width)?;
             }
@@ -164,7 +159,7 @@ impl Pen<'_, '_> {
     /// The slider at its point, along the guide.
     fn block(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
         let (x, y) = self.pixel(position, slide.slider);
-        let u = self.guide_direction(position, slide);
+        let u = slide.along(&position.states);
         let (half_length, half_width) = if strength < 1.0 {
             (9.0, 5.5)
         } else {
@@ -185,22 +180,27 @@ impl Pen<'_, '_> {
             corner(-1.0, 1.0),
         ];
         let own = colour(slide.slider.link);
-        self.canvas.polygon(&corners, faded(own, 0.45 * strength))?;
-        let mut closed = corners.to_vec();
-        closed.push(corners[0]);
-        self.canvas.line(&closed, faded(own, strength), 1.6)
+        let shades = [0.45 * strength, strength].map(|strength| faded(own, strength));
+        self.outlined(corners.to_vec(), shades[0], shades[1], 1.6)
     }
 
-    fn guide_direction(&self, position: &Position, slide: &Prismatic) -> [f64; 2] {
-        let guide = &position.states[slide.guide.link].motion;
-        guide.vector(unit(slide.direction)).into()
+    fn outlined(
+        &self,
+        mut corners: Vec<(f64, f64)>,
+        inside: RGBColor,
+        line: RGBColor,
+        width: f64,
+    ) -> Draw {
+        self.canvas.polygon(&corners, inside)?;
+        corners.push(corners[0]);
+        self.canvas.line(&corners, line, width)
     }
 
     /// The line that each slider's point runs along: dashed where it stands still, otherwise from
     /// the guide's point to the slider's.
     fn guide(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
         let [x, y] = at(self.linkage, position, slide.slider);
-        let u = self.guide_direction(position, slide);
+        let u = slide.along(&position.states);
         if slide.guide.link == FRAME {
             let reach = 0.25 * self.linkage.size();
             let end = |sign: f64| {
@@ -218,21 +218,12 @@ impl Pen<'_, '_> {
 
     /// The joints' names beside them, and those of the traced points.
     fn names(&self, position: &Position) -> Draw {
-        let mut taken: Vec<(f64, f64)> = Vec::new();
-        let mut name = |text: &str, (x, y): (f64, f64)| -> Draw {
-            // Several names at one place are written under each other.
-            let near =
-                |other: &&(f64, f64)| (other.0 - x).abs() < 20.0 && (other.1 - y).abs() < 20.0;
-            let row = taken.iter().filter(near).count() as f64;
-            taken.push((x, y));
-            let at = (x + 10.0, y - 12.0 - 15.0 * row);
-            for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
-                let around = (at.0 + dx, at.1 + dy);
-                self.canvas
-                    .text(text, around, Size::Label, RIGHT_OF, WHITE)?;
-            }
-            self.canvas.text(text, at, Size::Label, RIGHT_OF, INK)
+        let mut labels = Labels {
+            near: (20.0, 20.0),
+            offset: (10.0, 12.0),
+            taken: Vec::new(),
         };
+        let mut name = |text: &str, at: (f64, f64)| labels.write(self.canvas, text, at);
         for joint in &self.linkage.joints {
             let point = match &joint.kind {
                 JointKind::Revolute(pins) => pins[0],

@@ -7,9 +7,8 @@ mod polygon;
 
 use super::description::{FRAME, Linkage, PointRef};
 use super::track::Track;
-use trirrr_figures::canvas::Drawn;
-use trirrr_figures::style::CURVES;
-use trirrr_figures::style::RGBColor;
+use trirrr_figures::canvas::{Canvas, Draw, Drawn, RIGHT_OF, Size};
+use trirrr_figures::style::{CURVES, INK, RGBColor, WHITE};
 
 /// The frame and what is fixed to it.
 const GROUND: RGBColor = RGBColor(80, 80, 80);
@@ -63,4 +62,29 @@ fn inputs(linkage: &Linkage, t: f64) -> String {
         format!("{name} = {rounded} {unit}")
     });
     values.collect::<Vec<_>>().join(", ")
+}
+
+/// Names beside points; of several at one place, each is written under the one before.
+struct Labels {
+    /// Names nearer to each other than this are at one place.
+    near: (f64, f64),
+    /// From the point to the name.
+    offset: (f64, f64),
+    taken: Vec<(f64, f64)>,
+}
+
+impl Labels {
+    fn write(&mut self, canvas: &Canvas<'_>, text: &str, (x, y): (f64, f64)) -> Draw {
+        let near = |other: &&(f64, f64)| {
+            (other.0 - x).abs() < self.near.0 && (other.1 - y).abs() < self.near.1
+        };
+        let row = self.taken.iter().filter(near).count() as f64;
+        self.taken.push((x, y));
+        let at = (x + self.offset.0, y - self.offset.1 - 15.0 * row);
+        for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
+            let around = (at.0 + dx, at.1 + dy);
+            canvas.text(text, around, Size::Label, RIGHT_OF, WHITE)?;
+        }
+        canvas.text(text, at, Size::Label, RIGHT_OF, INK)
+    }
 }

@@ -8,12 +8,11 @@
 use super::super::description::{FRAME, Joint, Linkage, PointRef};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{colour, inputs, joint_points};
+use super::{Labels, colour, inputs, joint_points};
 use nalgebra::Vector2;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{INK, faded};
-use trirrr_figures::style::{RGBColor, WHITE};
+use trirrr_figures::style::{INK, RGBColor, faded};
 
 const LEFT: f64 = 88.0;
 const TOP: f64 = 84.0;
@@ -181,19 +180,14 @@ fn draw_polygon(canvas: &Canvas<'_>, polygon: &Polygon, view: &View) -> Draw {
         }
     }
     canvas.joint(pole, 5.0, INK)?;
-    let mut taken: Vec<(f64, f64)> = Vec::new();
-    let pole_name = [("pole".to_owned(), [0.0; 2])];
-    for (name, end) in pole_name.iter().chain(&polygon.ends) {
-        let (x, y) = view.at(*end);
-        let close = |other: &&(f64, f64)| (other.0 - x).abs() < 22.0 && (other.1 - y).abs() < 18.0;
-        let row = taken.iter().filter(close).count() as f64;
-        taken.push((x, y));
-        let at = (x + 9.0, y - 11.0 - 15.0 * row);
-        for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
-            let around = (at.0 + dx, at.1 + dy);
-            canvas.text(name, around, Size::Label, RIGHT_OF, WHITE)?;
-        }
-        canvas.text(name, at, Size::Label, RIGHT_OF, INK)?;
+    let mut labels = Labels {
+        near: (22.0, 18.0),
+        offset: (9.0, 11.0),
+        taken: Vec::new(),
+    };
+    labels.write(canvas, "pole", pole)?;
+    for (name, end) in &polygon.ends {
+        labels.write(canvas, name, view.at(*end))?;
     }
     Ok(())
 }

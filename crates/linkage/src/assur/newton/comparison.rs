@@ -6,15 +6,15 @@ use crate::assur::track;
 use std::path::Path;
 
 /// Poses, rates and accelerations of the group's links, lengths in sizes of the linkage.
-fn values(group: &Group, states: &[State], size: f64) -> [Vec<f64>; 3] {
-    let of = |value: fn(&State) -> [f64; 3]| -> Vec<f64> {
+fn values(group: &Group, states: &[LinkState], size: f64) -> [Vec<f64>; 3] {
+    let of = |value: fn(&LinkState) -> [f64; 3]| -> Vec<f64> {
         let each = group.links.iter().flat_map(|&link| {
             let [x, y, angle] = value(&states[link]);
             [x / size, y / size, angle]
         });
         each.collect()
     };
-    [of(State::pose), of(velocity), of(acceleration)]
+    [of(LinkState::pose), of(velocity), of(acceleration)]
 }
 
 /// Every dyad, at every position, is also solved by Newton-Raphson from poses a little off:

@@ -8,28 +8,8 @@ use super::constraint::{Equation, equations};
 use super::description::Linkage;
 use super::factors::Factors;
 use super::groups::Group;
-use super::state::State;
+use super::state::{LinkState, Reason, Solved};
 use nalgebra::{DMatrix, Vector2};
-
-/// Result of a group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Converged {
-    /// Iterations taken.
-    pub(super) iterations: u32,
-    /// Reciprocal condition of the Jacobian, lengths measured in the linkage's size.
-    pub(super) distance: f64,
-    /// Sign of the Jacobian's determinant: it changes only through a singular position.
-    pub(super) positive: bool,
-}
-
-/// Reason of a failure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Failed {
-    /// No convergence within the iterations allowed.
-    Diverged,
-    /// The Jacobian has no inverse.
-    Singular,
-}
 
 const ITERATIONS: u32 = 60;
 /// Longest step of one iteration, in rad and in sizes of the linkage: farther the linear
@@ -42,22 +22,22 @@ const ROUNDING: f64 = 1e-9;
 pub(super) fn solve(
     linkage: &Linkage,
     group: &Group,
-    states: &mut [State],
+    states: &mut [LinkState],
     t: f64,
-) -> Result<Converged, Failed> {
+) -> Result<Solved, Reason> {
     let size = linkage.size();
     let scaled = Scaled { group, size };
     let mut last_step = f64::INFINITY;
     for iterations in 1..=ITERATIONS {
         let at = equations(linkage, group, states, t);
-        let factors = scaled.factor(&at).ok_or(Failed::Singular)?;
+        let factors = scaled.factor(&at).ok_or(Reason::Singular)?;
         let residuals: Vec<f64> = at.iter().map(|e| scaled.row(e) * -e.residual).collect();
         let mut step = factors.solve(residuals);
         let length = step
             .iter()
             .fold(0.0, |longest, s| f64::max(longest, s.abs()));
         if !length.is_finite() {
-            return Err(Failed::Diverged);
+            return Err(Reason::Diverged);
         }
         if length > LONGEST_STEP {
             step.iter_mut().for_each(|s| *s *= LONGEST_STEP / length);
@@ -76,7 +56,7 @@ pub(super) fn solve(
         }
         last_step = length;
     }
-    Err(Failed::Diverged)
+    Err(Reason::Diverged)
 }
 
 /// The group's equations with lengths in units of `size`: without dimension, like the angles.
@@ -117,10 +97,10 @@ impl Scaled<'_> {
     fn motions(
         &self,
         linkage: &Linkage,
-        states: &mut [State],
+        states: &mut [LinkState],
         t: f64,
         iterations: u32,
-    ) -> Result<Converged, Failed> {
+    ) -> Result<Solved, Reason> {
         for &link in &self.group.links {
             let motion = &mut states[link].motion;
             (motion.rate, motion.acceleration) = (0.0, 0.0);
@@ -128,7 +108,7 @@ impl Scaled<'_> {
             motion.origin.acceleration = Vector2::zeros();
         }
         let at = equations(linkage, self.group, states, t);
-        let factors = self.factor(&at).ok_or(Failed::Singular)?;
+        let factors = self.factor(&at).ok_or(Reason::Singular)?;
         let rates: Vec<f64> = at
             .iter()
             .map(|e| self.row(e) * (e.drive[0] - known(e, states, velocity)))
@@ -153,10 +133,10 @@ impl Scaled<'_> {
                 Vector2::new(accelerations[3 * index], accelerations[3 * index + 1]) * self.size;
             motion.acceleration = accelerations[3 * index + 2];
             if !motion.is_finite() {
-                return Err(Failed::Singular);
+                return Err(Reason::Singular);
             }
         }
-        Ok(Converged {
+        Ok(Solved {
             iterations,
             distance: factors.reciprocal_condition(),
             positive: factors.is_positive(),
@@ -166,7 +146,7 @@ impl Scaled<'_> {
 
 /// Returns the part of the solved links in an equation's derivative. The links of the group have
 /// no motion yet.
-fn known(equation: &Equation, states: &[State], of: fn(&State) -> [f64; 3]) -> f64 {
+fn known(equation: &Equation, states: &[LinkState], of: fn(&LinkState) -> [f64; 3]) -> f64 {
     let parts = equation.by.iter().map(|(link, by)| {
         let moved = of(&states[*link]);
         by.iter()
@@ -177,13 +157,13 @@ fn known(equation: &Equation, states: &[State], of: fn(&State) -> [f64; 3]) -> f
     parts.sum()
 }
 
-fn velocity(state: &State) -> [f64; 3] {
+fn velocity(state: &LinkState) -> [f64; 3] {
     let motion = &state.motion;
     let v = motion.origin.velocity;
     [v.x, v.y, motion.rate]
 }
 
-fn acceleration(state: &State) -> [f64; 3] {
+fn acceleration(state: &LinkState) -> [f64; 3] {
     let motion = &state.motion;
     let a = motion.origin.acceleration;
     [a.x, a.y, motion.acceleration]

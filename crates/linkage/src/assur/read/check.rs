@@ -3,7 +3,7 @@
 use crate::assur::chain::find_turnless_chain;
 use crate::assur::description::{JointKind, Linkage};
 use crate::assur::groups::{Group, GroupKind, decompose};
-use crate::assur::mobility::{Locked, Mobility, find_locked};
+use crate::assur::mobility::{Locked, Mobility, Tie, check_ties};
 use trirrr_scene::read::{Document, Place};
 
 /// Places of the parts in the file.
@@ -21,7 +21,7 @@ pub(super) fn check(document: &Document, linkage: &mut Linkage, places: &Places)
         ..place.clone()
     };
     let links = linkage.links.len();
-    let locked = find_locked(links, &linkage.joints, &linkage.drives);
+    let locked = check_ties(links, &linkage.joints, &linkage.drives).err();
     let mobility = Mobility::count(links, &linkage.joints);
     let (freedoms, drives) = (mobility.freedoms(), linkage.drives.len() as i64);
     if freedoms != drives {
@@ -34,9 +34,9 @@ pub(super) fn check(document: &Document, linkage: &mut Linkage, places: &Places)
         return document.refuse(&whole(&places.drives), reason);
     }
     if let Some(locked) = locked {
-        let place = match locked.joint {
-            Some(joint) => &places.joint[joint],
-            None => &places.drives,
+        let place = match locked.tie {
+            Tie::Joint(joint) => &places.joint[joint],
+            Tie::Drive(_) => &places.drives,
         };
         let reason = format!(
             "over-constrained in one part and under-constrained in another, although degrees of \
@@ -75,13 +75,12 @@ pub(super) fn check(document: &Document, linkage: &mut Linkage, places: &Places)
 }
 
 fn describe_locked(linkage: &Linkage, locked: &Locked) -> String {
-    let tie = match (locked.joint, locked.drive) {
-        (Some(joint), _) => format!("joint {}", linkage.joints[joint].name),
-        (None, Some(drive)) => {
+    let tie = match locked.tie {
+        Tie::Joint(joint) => format!("joint {}", linkage.joints[joint].name),
+        Tie::Drive(drive) => {
             let joint = linkage.drives[drive].joint;
             format!("the drive in joint {}", linkage.joints[joint].name)
         }
-        (None, None) => "a joint".into(),
     };
     format!(
         "{tie} ties links that the joints and drives before it leave no freedom for it: {}",

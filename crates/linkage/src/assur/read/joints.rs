@@ -1,52 +1,30 @@
 //! Joints.
 
 use super::links::find_point;
-use super::{FARTHEST, NAME_DEMAND, Placed, is_name};
-use crate::assur::description::{Joint, JointKind, Link, PointRef, Prismatic};
+use super::{FARTHEST, Placed, read_each, read_name};
+use crate::assur::description::{Joint, JointKind, LinkBody, PointRef, Prismatic};
 use trirrr_scene::read::{Bound, Section};
 
-#[derive(Clone, Copy)]
-enum Kind {
-    Revolute,
-    Prismatic,
-}
-
-/// The joints; `None` if any is refused. Without links (`resolve` false) nothing is looked up.
+/// The joints; `None` if any is refused. Without links nothing is looked up.
 pub(super) fn read(
     root: &Section,
-    links: &[Placed<Link>],
-    resolve: bool,
+    links: Option<&[Placed<LinkBody>]>,
 ) -> Option<Vec<Placed<Joint>>> {
     let sections = root.sections("joint")?;
     if sections.is_empty() {
         root.refuse_list("joint", "missing, expected tables [[joint]]");
         return None;
     }
-    let mut joints: Vec<Placed<Joint>> = Vec::with_capacity(sections.len());
-    let mut good = true;
-    for section in &sections {
-        match read_joint(section, links, resolve) {
-            Some(joint) if joints.iter().any(|(_, other)| other.name == joint.name) => {
-                section.refuse("name", "there is another joint of this name");
-                good = false;
-            }
-            Some(joint) => joints.push((section.place(), joint)),
-            None => good = false,
-        }
-    }
-    good.then_some(joints)
+    let read = |_, section: &Section| read_joint(section, links);
+    let same = |a: &Joint, b: &Joint| a.name == b.name;
+    let reason = "there is another joint of this name";
+    read_each(&sections, read, same, ["name", reason])
 }
 
-fn read_joint(section: &Section, links: &[Placed<Link>], resolve: bool) -> Option<Joint> {
-    let name = section.text("name").and_then(|name| {
-        let good = is_name(&name);
-        if !good {
-            section.refuse("name", NAME_DEMAND);
-        }
-        good.then(|| name.into_owned())
-    });
-    const KINDS: [(&str, Kind); 2] = [("revolute", Kind::Revolute), ("prismatic", Kind::Prismatic)];
-    let Some(kind) = section.choice("kind", &KINDS) else {
+fn read_joint(section: &Section, links: Option<&[Placed<LinkBody>]>) -> Option<Joint> {
+    let name = read_name(section);
+    const KINDS: [(&str, bool); 2] = [("revolute", false), ("prismatic", true)];
+    let Some(slides) = section.choice("kind", &KINDS) else {
         section.ignore_rest();
         return None;
     };
@@ -61,9 +39,9 @@ fn read_joint(section: &Section, links: &[Placed<Link>], resolve: bool) -> Optio
         },
         false => Some(None),
     };
-    let kind = match kind {
-        Kind::Revolute => read_pins(section, links, resolve),
-        Kind::Prismatic => read_slide(section, links, resolve),
+    let kind = match slides {
+        false => read_pins(section, links),
+        true => read_slide(section, links),
     };
     Some(Joint {
         name: name?,
@@ -72,7 +50,7 @@ fn read_joint(section: &Section, links: &[Placed<Link>], resolve: bool) -> Optio
     })
 }
 
-fn read_pins(section: &Section, links: &[Placed<Link>], resolve: bool) -> Option<JointKind> {
+fn read_pins(section: &Section, links: Option<&[Placed<LinkBody>]>) -> Option<JointKind> {
     let texts = section.texts("at")?;
     if texts.len() < 2 {
         section.refuse(
@@ -81,9 +59,7 @@ fn read_pins(section: &Section, links: &[Placed<Link>], resolve: bool) -> Option
         );
         return None;
     }
-    if !resolve {
-        return None;
-    }
+    let links = links?;
     let mut pins: Vec<PointRef> = Vec::with_capacity(texts.len());
     for (place, text) in &texts {
         match find_point(links, text) {
@@ -97,13 +73,10 @@ fn read_pins(section: &Section, links: &[Placed<Link>], resolve: bool) -> Option
     (pins.len() == texts.len()).then_some(JointKind::Revolute(pins))
 }
 
-fn read_slide(section: &Section, links: &[Placed<Link>], resolve: bool) -> Option<JointKind> {
+fn read_slide(section: &Section, links: Option<&[Placed<LinkBody>]>) -> Option<JointKind> {
     let point = |key: &'static str| {
         let text = section.text(key)?;
-        if !resolve {
-            return None;
-        }
-        find_point(links, &text)
+        find_point(links?, &text)
             .map_err(|reason| section.refuse(key, reason))
             .ok()
     };

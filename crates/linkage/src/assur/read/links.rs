@@ -1,14 +1,15 @@
 //! Links, their points, and references to them.
 
-use super::{FARTHEST, NAME_DEMAND, Placed, is_name};
-use crate::assur::description::{Link, PointRef, names};
+use super::{FARTHEST, NAME_DEMAND, Placed, Points, is_name, read_each, read_name};
+use crate::assur::description::{LinkBody, PointRef, names};
+use nalgebra::Vector2;
 use trirrr_scene::read::{Bound, Section};
 
 /// More links than this are refused: what the search for groups takes grows with their cube.
 const MOST_LINKS: usize = 100;
 
 /// The links; `None` if any is refused.
-pub(super) fn read(root: &Section) -> Option<Vec<Placed<Link>>> {
+pub(super) fn read(root: &Section) -> Option<Vec<Placed<LinkBody>>> {
     let sections = root.sections("link")?;
     if !(2..=MOST_LINKS).contains(&sections.len()) {
         let reason = format!(
@@ -18,29 +19,14 @@ pub(super) fn read(root: &Section) -> Option<Vec<Placed<Link>>> {
         root.refuse_list("link", reason);
         return None;
     }
-    let mut links: Vec<Placed<Link>> = Vec::with_capacity(sections.len());
-    let mut good = true;
-    for (index, section) in sections.iter().enumerate() {
-        match read_link(section, index == 0) {
-            Some(link) if links.iter().any(|(_, other)| other.name == link.name) => {
-                section.refuse("name", "there is another link of this name");
-                good = false;
-            }
-            Some(link) => links.push((section.place(), link)),
-            None => good = false,
-        }
-    }
-    good.then_some(links)
+    let read = |index: usize, section: &Section| read_link(section, index == 0);
+    let same = |a: &LinkBody, b: &LinkBody| a.name == b.name;
+    let reason = "there is another link of this name";
+    read_each(&sections, read, same, ["name", reason])
 }
 
-fn read_link(section: &Section, is_frame: bool) -> Option<Link> {
-    let name = section.text("name").and_then(|name| {
-        let good = is_name(&name);
-        if !good {
-            section.refuse("name", NAME_DEMAND);
-        }
-        good.then(|| name.into_owned())
-    });
+fn read_link(section: &Section, is_frame: bool) -> Option<LinkBody> {
+    let name = read_name(section);
     let points = match section.has("length_m") {
         true => read_rod(section),
         false => read_points(section),
@@ -57,7 +43,7 @@ fn read_link(section: &Section, is_frame: bool) -> Option<Link> {
         None if section.has("guess") => None,
         None => Some(None),
     };
-    Some(Link {
+    Some(LinkBody {
         name: name?,
         points: points?,
         guess: guess?,
@@ -80,7 +66,7 @@ fn too_far() -> String {
 }
 
 /// `length_m` and the names of the two `ends`.
-fn read_rod(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
+fn read_rod(section: &Section) -> Option<Points> {
     let length = section
         .optional_number("length_m", Bound::Positive)
         .filter(|length| {
@@ -112,12 +98,12 @@ fn read_rod(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
             return None;
         }
     }
-    let mut points = vec![(from, [0.0; 2]), (to, [length, 0.0])];
+    let mut points = vec![(from, Vector2::zeros()), (to, Vector2::new(length, 0.0))];
     points.extend(more);
     Some(points)
 }
 
-fn read_points(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
+fn read_points(section: &Section) -> Option<Points> {
     let table = section.section("points_m")?;
     let mut points = Vec::new();
     let mut good = true;
@@ -133,7 +119,7 @@ fn read_points(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
             table.refuse(name, format!("the name {NAME_DEMAND}"));
             good = false;
         }
-        points.push((name.to_owned(), at));
+        points.push((name.to_owned(), at.into()));
     }
     if points.is_empty() && good {
         section.refuse("points_m", "a link needs a point to be joined at");
@@ -143,7 +129,7 @@ fn read_points(section: &Section) -> Option<Vec<(String, [f64; 2])>> {
 }
 
 /// The link of a name, or why there is none.
-pub(super) fn find_link(links: &[Placed<Link>], name: &str) -> Result<usize, String> {
+pub(super) fn find_link(links: &[Placed<LinkBody>], name: &str) -> Result<usize, String> {
     links
         .iter()
         .position(|(_, link)| link.name == name)
@@ -154,7 +140,7 @@ pub(super) fn find_link(links: &[Placed<Link>], name: &str) -> Result<usize, Str
 }
 
 /// The point that `link.point` names, or why there is none.
-pub(super) fn find_point(links: &[Placed<Link>], text: &str) -> Result<PointRef, String> {
+pub(super) fn find_point(links: &[Placed<LinkBody>], text: &str) -> Result<PointRef, String> {
     let (link, point) = text.split_once('.').ok_or("expected \"link.point\"")?;
     let link = find_link(links, link)?;
     let points = &links[link].1.points;
@@ -166,21 +152,18 @@ pub(super) fn find_point(links: &[Placed<Link>], text: &str) -> Result<PointRef,
     Ok(PointRef { link, point })
 }
 
-/// The points whose curves are wanted. Without links (`resolve` false) nothing is looked up.
+/// The points whose curves are wanted. Without links nothing is looked up.
 pub(super) fn read_traces(
     root: &Section,
-    links: &[Placed<Link>],
-    resolve: bool,
+    links: Option<&[Placed<LinkBody>]>,
 ) -> Option<Vec<PointRef>> {
     if !root.has("trace") {
         return Some(Vec::new());
     }
     let texts = root.texts("trace")?;
+    let links = links?;
     let mut traces = Vec::with_capacity(texts.len());
     for (place, text) in &texts {
-        if !resolve {
-            continue;
-        }
         match find_point(links, text) {
             Ok(point) if traces.contains(&point) => {
                 root.refuse_at(place, "the point is listed twice");

@@ -6,9 +6,10 @@ mod links;
 mod motion;
 
 use super::description::Linkage;
+use nalgebra::Vector2;
 use std::path::Path;
 use trirrr_scene::SceneError;
-use trirrr_scene::read::{Document, Place, text_of, with_root};
+use trirrr_scene::read::{Document, Place, Section, text_of, with_root};
 
 const TOP_KEYS: &[&str] = &["name", "description", "trace"];
 
@@ -16,8 +17,10 @@ const TOP_KEYS: &[&str] = &["name", "description", "trace"];
 /// before anything of use is described.
 const FARTHEST: f64 = 1e6;
 
-/// A name with the place where it is given.
+/// A value with the place where it is given.
 type Placed<T> = (Place, T);
+/// The points of a link, by name.
+type Points = Vec<(String, Vector2<f64>)>;
 
 impl Linkage {
     /// Reads and checks the linkage in `file`.
@@ -40,25 +43,24 @@ impl Linkage {
             let name = root.folder_name("name");
             let description = root.optional_text("description").unwrap_or_default();
             let links = links::read(root);
-            let links_read = links.as_deref().unwrap_or_default();
-            let joints = joints::read(root, links_read, links.is_some());
-            let joints_read = joints.as_deref().unwrap_or_default();
-            let drives = motion::read_drives(root, links_read, joints_read, joints.is_some());
-            let traces = links::read_traces(root, links_read, links.is_some());
+            let joints = joints::read(root, links.as_deref());
+            let drives = motion::read_drives(root, links.as_deref(), joints.as_deref());
+            let traces = links::read_traces(root, links.as_deref());
             let motion = motion::read(root, drives.as_deref());
+            let (link, links) = links?.into_iter().unzip();
+            let (joint, joints) = joints?.into_iter().unzip();
             let places = check::Places {
                 links: root.place_of("link"),
                 drives: root.place_of("drive"),
-                joint: joints_read.iter().map(|(place, _)| place.clone()).collect(),
-                link: links_read.iter().map(|(place, _)| place.clone()).collect(),
+                joint,
+                link,
             };
-            let second = |(_, value)| value;
             let linkage = Linkage {
                 name: name?,
                 description: description.into_owned(),
-                links: links?.into_iter().map(second).collect(),
-                joints: joints?.into_iter().map(|(_, joint)| joint).collect(),
-                drives: drives?,
+                links,
+                joints,
+                drives: drives?.into_iter().map(|(_, drive)| drive).collect(),
                 traces: traces?,
                 motion: motion?,
                 groups: Vec::new(),
@@ -74,6 +76,38 @@ impl Linkage {
             false => Err(document.into_error(file)),
         }
     }
+}
+
+/// The values of `sections`, each read with its index; `None` if any is refused. Of two that are the
+/// `same`, the second is refused at `key` for `reason`.
+fn read_each<T>(
+    sections: &[Section],
+    read: impl Fn(usize, &Section) -> Option<T>,
+    same: impl Fn(&T, &T) -> bool,
+    [key, reason]: [&str; 2],
+) -> Option<Vec<Placed<T>>> {
+    let mut all: Vec<Placed<T>> = Vec::with_capacity(sections.len());
+    for (index, section) in sections.iter().enumerate() {
+        let Some(value) = read(index, section) else {
+            continue;
+        };
+        if all.iter().any(|(_, other)| same(other, &value)) {
+            section.refuse(key, reason);
+        } else {
+            all.push((section.place(), value));
+        }
+    }
+    (all.len() == sections.len()).then_some(all)
+}
+
+/// The `name` of a link or of a joint.
+fn read_name(section: &Section) -> Option<String> {
+    let name = section.text("name")?;
+    if !is_name(&name) {
+        section.refuse("name", NAME_DEMAND);
+        return None;
+    }
+    Some(name.into_owned())
 }
 
 /// Returns `true` for a name that can be a part of `link.point` and of a column of the table.

@@ -1,8 +1,8 @@
 //! Drives and what they are followed over.
 
-use super::Placed;
 use super::links::find_link;
-use crate::assur::description::{Drive, Joint, JointKind, Link, Motion, names};
+use super::{Placed, read_each};
+use crate::assur::description::{Joint, JointDrive, JointKind, LinkBody, MotionSpan, names};
 use std::f64::consts::TAU;
 use trirrr_scene::read::{Bound, Section};
 
@@ -14,13 +14,12 @@ const LARGEST: f64 = 1e6;
 const LONGEST: f64 = 1e6;
 const DEFAULT_STEPS: u32 = 360;
 
-/// The drives; `None` if any is refused. Without joints (`resolve` false) nothing is looked up.
+/// The drives; `None` if any is refused. Without links and joints nothing is looked up.
 pub(super) fn read_drives(
     root: &Section,
-    links: &[Placed<Link>],
-    joints: &[Placed<Joint>],
-    resolve: bool,
-) -> Option<Vec<Drive>> {
+    links: Option<&[Placed<LinkBody>]>,
+    joints: Option<&[Placed<Joint>]>,
+) -> Option<Vec<Placed<JointDrive>>> {
     let sections = root.sections("drive")?;
     if sections.is_empty() {
         root.refuse_list(
@@ -29,35 +28,28 @@ pub(super) fn read_drives(
         );
         return None;
     }
-    let mut drives: Vec<Drive> = Vec::with_capacity(sections.len());
-    let mut good = true;
-    for section in &sections {
-        if !resolve {
+    let read = |_, section: &Section| match (links, joints) {
+        (Some(links), Some(joints)) => read_drive(section, links, joints),
+        _ => {
             section.ignore_rest();
-            good = false;
-            continue;
+            None
         }
-        match read_drive(section, links, joints) {
-            Some(drive)
-                if drives.iter().any(|d| {
-                    (d.joint, d.base, d.link) == (drive.joint, drive.base, drive.link)
-                }) =>
-            {
-                section.refuse("joint", "this joint is driven already");
-                good = false;
-            }
-            Some(drive) => drives.push(drive),
-            None => good = false,
-        }
-    }
-    good.then_some(drives)
+    };
+    let same =
+        |a: &JointDrive, b: &JointDrive| (a.joint, a.base, a.link) == (b.joint, b.base, b.link);
+    read_each(
+        &sections,
+        read,
+        same,
+        ["joint", "this joint is driven already"],
+    )
 }
 
 fn read_drive(
     section: &Section,
-    links: &[Placed<Link>],
+    links: &[Placed<LinkBody>],
     joints: &[Placed<Joint>],
-) -> Option<Drive> {
+) -> Option<JointDrive> {
     let name = section.text("joint");
     let found = name.and_then(|name| {
         let found = joints.iter().position(|(_, joint)| joint.name == name);
@@ -103,7 +95,7 @@ fn read_drive(
     let start = section.number_or(keys[0], bound, 0.0);
     let rate = section.number(keys[1], bound);
     let acceleration = section.number_or(keys[2], bound, 0.0);
-    Some(Drive {
+    Some(JointDrive {
         joint,
         base,
         link: link?,
@@ -115,7 +107,7 @@ fn read_drive(
 }
 
 /// `[motion]`; without it one turn of the first drive.
-pub(super) fn read(root: &Section, drives: Option<&[Drive]>) -> Option<Motion> {
+pub(super) fn read(root: &Section, drives: Option<&[Placed<JointDrive>]>) -> Option<MotionSpan> {
     let section = root.optional_section("motion");
     if section.is_none() && root.has("motion") {
         return None;
@@ -135,7 +127,7 @@ pub(super) fn read(root: &Section, drives: Option<&[Drive]>) -> Option<Motion> {
             );
             return None;
         }
-        return Some(Motion {
+        return Some(MotionSpan {
             duration: section.optional_number("duration_s", positive)?,
             steps: steps?,
         });
@@ -144,7 +136,7 @@ pub(super) fn read(root: &Section, drives: Option<&[Drive]>) -> Option<Motion> {
         Some(section) => section.number_or("turns", Bound::Within(1e-6, 1000.0), 1.0),
         None => Some(1.0),
     };
-    let first = drives?.first()?;
+    let (_, first) = drives?.first()?;
     let refuse = |reason: &str| match &section {
         Some(section) => section.refuse("duration_s", reason),
         None => root.refuse("motion", reason),
@@ -162,7 +154,7 @@ pub(super) fn read(root: &Section, drives: Option<&[Drive]>) -> Option<Motion> {
         refuse("missing: at this rate the turns take too long");
         return None;
     }
-    Some(Motion {
+    Some(MotionSpan {
         duration,
         steps: steps?,
     })
