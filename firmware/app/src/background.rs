@@ -4,7 +4,7 @@ use crate::heartbeat::Monitor;
 use crate::line::{Line, Received};
 use crate::log;
 use crate::scene::Scalar;
-use crate::service::{self, MessageRef};
+use crate::service::{MessageRef, SceneBackground};
 use embedded_hal_nb::serial::Write;
 use trirrr_protocol::message::Event;
 
@@ -12,7 +12,7 @@ use trirrr_protocol::message::Event;
 ///
 /// `W` is the line's transmitter, `L` that of the log.
 pub struct Background<W, L> {
-    service: service::Background,
+    service: SceneBackground,
     line: Line,
     transmitter: W,
     log: L,
@@ -21,7 +21,7 @@ pub struct Background<W, L> {
 
 impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
     /// Joins the service's half with the queue of received bytes and both transmitters.
-    pub fn new(service: service::Background, received: Received, transmitter: W, log: L) -> Self {
+    pub fn new(service: SceneBackground, received: Received, transmitter: W, log: L) -> Self {
         Self {
             service,
             line: Line::new(received),
@@ -49,7 +49,7 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
 /// One slice: puts the next message on the line, checks a part of a move.
 // A call: inlined, the board's crate would compile the whole background for speed.
 #[inline(never)]
-fn step(service: &mut service::Background, line: &mut Line) {
+fn step(service: &mut SceneBackground, line: &mut Line) {
     if line.is_free() {
         put_next(service, line);
     }
@@ -57,7 +57,7 @@ fn step(service: &mut service::Background, line: &mut Line) {
 }
 
 /// Replies first, then events, then telemetry.
-fn put_next(service: &mut service::Background, line: &mut Line) {
+fn put_next(service: &mut SceneBackground, line: &mut Line) {
     if let Some((request, checksum)) = line.request() {
         line.put(&MessageRef::Reply {
             sequence: request.sequence,

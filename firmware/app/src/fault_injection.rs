@@ -27,14 +27,13 @@ pub(crate) struct FaultInjection<I> {
     period: u32,
 }
 
-impl<I> FaultInjection<I> {
-    pub(crate) fn new(inputs: I, board: &Board) -> Self {
-        Self {
-            inputs,
-            ticks: 0,
-            is_armed: board.start == Start::Power,
-            period: (f64::from(board.timer_hz) / TICK_RATE_HZ) as u32,
-        }
+/// Wraps the inputs of a board.
+pub(crate) fn wire<I>(inputs: I, board: &Board) -> FaultInjection<I> {
+    FaultInjection {
+        inputs,
+        ticks: 0,
+        is_armed: board.start == Start::Power,
+        period: (f64::from(board.timer_hz) / TICK_RATE_HZ) as u32,
     }
 }
 

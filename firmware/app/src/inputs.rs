@@ -1,19 +1,16 @@
 //! From the machine to the tick: homing switches, or drives that report a stall.
 
 use crate::scene::Scalar;
+use crate::service::ImageScene;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
+use trirrr_service::{Homing, Scene};
 
 /// Joint angle in the scene's number type.
-pub(crate) type Angle = <Scalar as Arithmetic>::Angle;
+pub type Angle = <Scalar as Arithmetic>::Angle;
 
-/// One flag for each motor, set while the switch is closed or the drive stalls.
-#[cfg(homing)]
-pub type Closed = [bool; 3];
-
-/// Nothing: the scene has no homing.
-#[cfg(not(homing))]
-pub type Closed = ();
+/// One flag for each motor, set while the switch is closed or the drive stalls; `()` without homing.
+pub type Closed = <<ImageScene as Scene>::Homing as Homing<Scalar>>::Inputs;
 
 /// Source of a tick's inputs.
 pub trait Inputs {
@@ -39,9 +36,16 @@ impl Inputs for NoInputs {
     fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {}
 }
 
-/// Inputs of this image: those of the board, and around them the wrappers of a test image.
+// Inputs of this image: those of the board, and around them the wrapper of a test image.
+#[cfg(all(feature = "fault-injection", not(feature = "ruled-switches")))]
+pub(crate) use crate::fault_injection::{FaultInjection as Wired, wire};
+#[cfg(feature = "ruled-switches")]
+pub(crate) use crate::ruled_switches::{RuledInputs as Wired, wire};
 #[cfg(not(any(feature = "fault-injection", feature = "ruled-switches")))]
-mod image {
+pub(crate) use bare::{Wired, wire};
+
+#[cfg(not(any(feature = "fault-injection", feature = "ruled-switches")))]
+mod bare {
     use trirrr_protocol::message::Board;
 
     pub(crate) type Wired<I> = I;
@@ -51,29 +55,3 @@ mod image {
         inputs
     }
 }
-
-#[cfg(all(feature = "fault-injection", not(feature = "ruled-switches")))]
-mod image {
-    use crate::fault_injection::FaultInjection;
-    use trirrr_protocol::message::Board;
-
-    pub(crate) type Wired<I> = FaultInjection<I>;
-
-    pub(crate) fn wire<I>(inputs: I, board: &Board) -> Wired<I> {
-        FaultInjection::new(inputs, board)
-    }
-}
-
-#[cfg(feature = "ruled-switches")]
-mod image {
-    use crate::ruled_switches::RuledInputs;
-    use trirrr_protocol::message::Board;
-
-    pub(crate) type Wired<I> = RuledInputs<I>;
-
-    pub(crate) fn wire<I>(inputs: I, _: &Board) -> Wired<I> {
-        RuledInputs::new(inputs)
-    }
-}
-
-pub(crate) use image::{Wired, wire};

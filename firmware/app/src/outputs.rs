@@ -3,7 +3,12 @@
 use crate::inputs::Angle;
 use crate::scene::Scalar;
 use crate::service::Output;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::pwm::SetDutyCycle;
 use trirrr_drives::Failure;
+use trirrr_drives::bldc::{BldcMotor, Bldcs};
+use trirrr_drives::can::{Bus, CanDrives, Protocol};
+use trirrr_drives::stepper::Steppers;
 
 /// Sink of a tick's output: the drives of a board.
 pub trait Outputs {
@@ -31,5 +36,41 @@ pub struct NoOutputs;
 impl Outputs for NoOutputs {
     fn apply(&mut self, _: &Output) -> Result<(), Failure<Scalar>> {
         Ok(())
+    }
+}
+
+/// Work between two ticks of a scene without steppers: none.
+pub type NoStepTimer = ();
+
+// `inline`: compiled for speed in the board's crate.
+
+impl Outputs for Steppers<'_, Scalar> {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        Steppers::apply(self, output)
+    }
+
+    #[inline]
+    fn angles(&self) -> Option<[Angle; 3]> {
+        Some(Steppers::angles(self))
+    }
+
+    #[inline]
+    fn shift(&mut self, by: [Angle; 3]) {
+        Steppers::shift(self, by);
+    }
+}
+
+impl<W: SetDutyCycle, D: OutputPin, E: OutputPin> Outputs for Bldcs<BldcMotor<Scalar, W, D>, E> {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        Bldcs::apply(self, output)
+    }
+}
+
+impl<P: Protocol, B: Bus> Outputs for CanDrives<Scalar, P, B> {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        CanDrives::apply(self, output)
     }
 }

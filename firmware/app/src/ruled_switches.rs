@@ -6,6 +6,7 @@ use crate::scene::{HOMING, Scalar};
 use core::hint::black_box;
 use trirrr_core::tick::Motor;
 use trirrr_image::RuledSwitches;
+use trirrr_protocol::message::Board;
 
 /// Inputs `I` of a board, read and then replaced by the ruled switches of the scene.
 pub(crate) struct RuledInputs<I> {
@@ -13,12 +14,11 @@ pub(crate) struct RuledInputs<I> {
     switches: RuledSwitches<'static, Scalar>,
 }
 
-impl<I> RuledInputs<I> {
-    pub(crate) fn new(inputs: I) -> Self {
-        Self {
-            inputs,
-            switches: RuledSwitches::new(&HOMING),
-        }
+/// Wraps the inputs of a board.
+pub(crate) fn wire<I>(inputs: I, _: &Board) -> RuledInputs<I> {
+    RuledInputs {
+        inputs,
+        switches: RuledSwitches::new(&HOMING),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::scene::{COEFFICIENTS, Model, NAME, PARTS, SETTINGS, START, Scalar, TI
 use trirrr_protocol::message::{self, Board, Clock, Start};
 #[cfg(homing)]
 use trirrr_service::WithHoming;
-use trirrr_service::{Compiled, Settings};
+use trirrr_service::{Compiled, Scene, Settings};
 
 /// Places for moves; one stays empty.
 const MOVES: usize = 16;
@@ -14,37 +14,39 @@ const MOVES: usize = 16;
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type Known = Compiled<'static, Model>;
+type CompiledScene = Compiled<'static, Model>;
 
+/// Scene of this image, which no host can change.
 #[cfg(not(homing))]
-type Scene = Known;
+pub(crate) type ImageScene = CompiledScene;
 
+/// Scene of this image, which no host can change, with its homing.
 #[cfg(homing)]
-type Scene = WithHoming<'static, Known>;
+pub(crate) type ImageScene = WithHoming<'static, CompiledScene>;
 
 /// A part of the scene in a reply.
-type Part = <Scene as trirrr_service::Scene>::Part;
+type ScenePart = <ImageScene as Scene>::Part;
 
 /// A part of the scene in a request.
-type Replacement = <Scene as trirrr_service::Scene>::Replacement;
+type SceneReplacement = <ImageScene as Scene>::Replacement;
 
 /// Memory between both halves.
-pub type Channels = trirrr_service::Channels<Scene, MOVES, SAMPLES>;
+pub type Channels = trirrr_service::Channels<ImageScene, MOVES, SAMPLES>;
 
 /// Half that ticks.
-pub(crate) type Foreground = trirrr_service::Foreground<'static, Scene>;
+pub(crate) type SceneForeground = trirrr_service::Foreground<'static, ImageScene>;
 
 /// Half that talks.
-pub(crate) type Background = trirrr_service::Background<'static, Scene>;
+pub(crate) type SceneBackground = trirrr_service::Background<'static, ImageScene>;
 
 /// Message to the host.
-pub(crate) type Message = message::Message<Scalar, Part>;
+pub(crate) type Message = message::Message<Scalar, ScenePart>;
 
 /// Message to the host, its parts borrowed.
-pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, Part>;
+pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, ScenePart>;
 
 /// Request of the host.
-pub(crate) type Request = message::Request<Scalar, Replacement>;
+pub(crate) type Request = message::Request<Scalar, SceneReplacement>;
 
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;
@@ -53,7 +55,7 @@ pub type Output = trirrr_service::Output<Scalar>;
 /// coefficient is in the image.
 // A call: inlined, the board's crate would compile it for speed.
 #[inline(never)]
-pub fn build(channels: &'static mut Channels, board: Board) -> (Foreground, Background) {
+pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground, SceneBackground) {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,

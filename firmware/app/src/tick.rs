@@ -4,7 +4,7 @@ use crate::heartbeat;
 use crate::inputs::{Inputs, Wired, wire};
 use crate::outputs::Outputs;
 use crate::scene::Scalar;
-use crate::service::Foreground;
+use crate::service::SceneForeground;
 use crate::tick_clock::TickClock;
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
@@ -12,7 +12,7 @@ use trirrr_protocol::message::{Board, FaultCode};
 
 /// Half of the service that ticks, between the inputs `I` and the outputs `O` of a board.
 pub struct Tick<I, O> {
-    foreground: Foreground,
+    foreground: SceneForeground,
     inputs: Wired<I>,
     outputs: O,
     clock: TickClock,
@@ -22,7 +22,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     /// Joins the parts. A `board` that has started after a failure has the fault `Board` latched from here
     /// on, and its drives stay off until the host clears the fault.
     pub fn new(
-        mut foreground: Foreground,
+        mut foreground: SceneForeground,
         board: &Board,
         inputs: I,
         outputs: O,

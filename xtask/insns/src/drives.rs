@@ -6,8 +6,8 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 use embedded_hal::digital::OutputPin;
 use trirrr_core::number::Arithmetic;
-use trirrr_drives::Failure;
-use trirrr_service::Output;
+#[cfg(any(drive = "none", drive = "moteus"))]
+use {trirrr_drives::Failure, trirrr_service::Output};
 
 type Angle = <Scalar as Arithmetic>::Angle;
 
@@ -38,18 +38,18 @@ impl OutputPin for Pin {
 }
 
 #[cfg(any(drive = "none", drive = "moteus"))]
-mod kind {
+mod none {
     use super::{Angle, Failure, Output, Scalar};
 
     /// No drives.
-    pub struct Drives;
+    pub struct NoDrives;
 
-    impl Drives {
-        /// None.
-        pub fn new(_: [Angle; 3]) -> Self {
-            Self
-        }
+    /// None.
+    pub fn build(_: [Angle; 3]) -> NoDrives {
+        NoDrives
+    }
 
+    impl NoDrives {
         /// Nothing.
         #[inline(always)]
         pub fn apply(&mut self, _: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
@@ -64,8 +64,8 @@ mod kind {
 }
 
 #[cfg(drive = "stepper")]
-mod kind {
-    use super::{Angle, Failure, Output, Pin, Scalar};
+mod stepper {
+    use super::{Angle, Pin, Scalar};
     use crate::scene::drive::{MOST_PER_TICK, PER_TURN};
     use trirrr_drives::stepper::{Line, Slots, Steppers};
 
@@ -73,29 +73,14 @@ mod kind {
     static LINE: Line = Line::new();
 
     /// Steppers.
-    pub struct Drives(Steppers<'static, Scalar>);
+    pub type StepperDrives = Steppers<'static, Scalar>;
 
     /// Slots that are called between ticks.
     pub type SceneSlots = Slots<'static, Pin, Pin, Pin>;
 
-    impl Drives {
-        /// Motors that stand at `angles`.
-        pub fn new(angles: [Angle; 3]) -> Self {
-            Self(Steppers::new(PER_TURN, MOST_PER_TICK, angles, &LINE))
-        }
-
-        /// Shifts the angles by what homing has found out.
-        #[cfg(homing)]
-        #[inline(always)]
-        pub fn shift(&mut self, by: [Angle; 3]) {
-            self.0.shift(by);
-        }
-
-        /// Their part of a tick.
-        #[inline(always)]
-        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
-            self.0.apply(output)
-        }
+    /// Motors that stand at `angles`.
+    pub fn build(angles: [Angle; 3]) -> StepperDrives {
+        Steppers::new(PER_TURN, MOST_PER_TICK, angles, &LINE)
     }
 
     /// One slot.
@@ -106,12 +91,11 @@ mod kind {
 }
 
 #[cfg(drive = "bldc")]
-mod kind {
-    use super::{Angle, Failure, Infallible, Ordering, Output, Pin, REGISTER, Scalar};
+mod bldc {
+    use super::{Angle, Infallible, Ordering, Pin, REGISTER, Scalar};
     use crate::scene::drive::{MOTORS, REVERSED};
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-    use trirrr_drives::bldc::Bldc;
-    use trirrr_drives::bldc::{BldcMotor, Bldcs};
+    use trirrr_drives::bldc::{Bldc, BldcMotor, Bldcs};
     use trirrr_drives::{Active, Enable};
 
     /// A PWM output of 4,200 counts.
@@ -134,33 +118,25 @@ mod kind {
     }
 
     /// Brushless motors.
-    pub struct Drives(Bldcs<BldcMotor<Scalar, Pwm, Pin>, Pin>);
+    pub type BldcDrives = Bldcs<BldcMotor<Scalar, Pwm, Pin>, Pin>;
 
-    impl Drives {
-        /// Motors that are off.
-        pub fn new(_: [Angle; 3]) -> Self {
-            let [a, b, c] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
-            let [r1, r2, r3] = REVERSED;
-            let motors = [
-                BldcMotor::new(a, Pwm, Pin, r1),
-                BldcMotor::new(b, Pwm, Pin, r2),
-                BldcMotor::new(c, Pwm, Pin, r3),
-            ];
-            let Ok(enable) = Enable::new(Pin, Active::High);
-            Self(Bldcs::new(motors, enable))
-        }
-
-        /// Their part of a tick.
-        #[inline(always)]
-        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
-            self.0.apply(output)
-        }
+    /// Motors that are off.
+    pub fn build(_: [Angle; 3]) -> BldcDrives {
+        let [a, b, c] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
+        let [r1, r2, r3] = REVERSED;
+        let motors = [
+            BldcMotor::new(a, Pwm, Pin, r1),
+            BldcMotor::new(b, Pwm, Pin, r2),
+            BldcMotor::new(c, Pwm, Pin, r3),
+        ];
+        let Ok(enable) = Enable::new(Pin, Active::High);
+        Bldcs::new(motors, enable)
     }
 }
 
 #[cfg(drive = "odrive")]
-mod kind {
-    use super::{Angle, Failure, Infallible, Ordering, Output, REGISTER, Scalar};
+mod odrive {
+    use super::{Angle, Infallible, Ordering, REGISTER, Scalar};
     use crate::scene::drive::{NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
     use embedded_can::nb::Can;
     use embedded_can::{Frame, Id};
@@ -200,23 +176,22 @@ mod kind {
     }
 
     /// Drives on the bus.
-    pub struct Drives(CanDrives<Scalar, Odrive, Mailboxes>);
+    pub type OdriveDrives = CanDrives<Scalar, Odrive, Mailboxes>;
 
-    impl Drives {
-        /// Drives whose joints stand at `angles`.
-        pub fn new(angles: [Angle; 3]) -> Self {
-            let scales = ROTORS.map(|(gear, reversed, zero)| {
-                RotorScale::new(gear, reversed, zero, RATE_RAD_S, TORQUE_NM)
-            });
-            Self(CanDrives::new(Odrive, Mailboxes, NODES, scales, angles))
-        }
-
-        /// Their part of a tick.
-        #[inline(always)]
-        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
-            self.0.apply(output)
-        }
+    /// Drives whose joints stand at `angles`.
+    pub fn build(angles: [Angle; 3]) -> OdriveDrives {
+        let scales = ROTORS.map(|(gear, reversed, zero)| {
+            RotorScale::new(gear, reversed, zero, RATE_RAD_S, TORQUE_NM)
+        });
+        CanDrives::new(Odrive, Mailboxes, NODES, scales, angles)
     }
 }
 
-pub use kind::*;
+#[cfg(drive = "bldc")]
+pub use bldc::{BldcDrives as Drives, build};
+#[cfg(any(drive = "none", drive = "moteus"))]
+pub use none::{NoDrives as Drives, build};
+#[cfg(drive = "odrive")]
+pub use odrive::{OdriveDrives as Drives, build};
+#[cfg(drive = "stepper")]
+pub use stepper::{SceneSlots, StepperDrives as Drives, build, slot};

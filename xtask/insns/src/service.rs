@@ -1,6 +1,6 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
-use crate::drives::Drives;
+use crate::drives::{self, Drives};
 use crate::scene::{COEFFICIENTS, MOVES, Model, PARTS, SETTINGS, START, Scalar};
 use nalgebra::Vector3;
 use trirrr_core::number::Arithmetic;
@@ -9,33 +9,33 @@ use trirrr_protocol::message::Move;
 use trirrr_protocol::message::{Command, Reply};
 use trirrr_service::{Background, Channels, Compiled, Foreground, Settings};
 
-type Known = Compiled<'static, Model>;
+type CompiledScene = Compiled<'static, Model>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
-pub type Scene = Known;
+pub type CountedScene = CompiledScene;
 
 /// The same, of a machine that is homed.
 #[cfg(homing)]
-pub type Scene = trirrr_service::WithHoming<'static, Known>;
+pub type CountedScene = trirrr_service::WithHoming<'static, CompiledScene>;
 
 /// Sixteen moves and samples less one each.
-pub type SceneChannels = Channels<Scene, 16, 16>;
+pub type SceneChannels = Channels<CountedScene, 16, 16>;
 
 /// The half that ticks.
-pub type SceneForeground = Foreground<'static, Scene>;
+pub type SceneForeground = Foreground<'static, CountedScene>;
 
 /// The half that talks.
-pub type SceneBackground = Background<'static, Scene>;
+pub type SceneBackground = Background<'static, CountedScene>;
 
 /// Command that the service receives.
-pub type SceneCommand = Command<Scalar, <Scene as trirrr_service::Scene>::Replacement>;
+pub type SceneCommand = Command<Scalar, <CountedScene as trirrr_service::Scene>::Replacement>;
 
 /// Reply that the service gives.
-pub type SceneReply = Reply<Scalar, <Scene as trirrr_service::Scene>::Part>;
+pub type SceneReply = Reply<Scalar, <CountedScene as trirrr_service::Scene>::Part>;
 
 /// The scene.
-pub fn scene() -> Scene {
+pub fn scene() -> CountedScene {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
@@ -112,7 +112,7 @@ impl Ticking {
         let angles = foreground.output().motors.map(|motor| motor.angle);
         Self {
             foreground,
-            drives: Drives::new(angles),
+            drives: drives::build(angles),
             #[cfg(homing)]
             closed: [false; 3],
         }

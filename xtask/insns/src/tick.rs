@@ -16,14 +16,14 @@ use trirrr_image::Segment;
 pub type SceneTick = Tick<Model>;
 
 /// Result of one tick: angle, rate, acceleration and torque of each motor, or why there are none.
-pub struct Outcome {
+pub struct TickOutcome {
     /// The motors, as of the last tick that had a motion.
     pub motors: [Motor<Scalar>; 3],
     /// Status with which the tick ended.
     pub status: Result<(), Status>,
 }
 
-impl Default for Outcome {
+impl Default for TickOutcome {
     fn default() -> Self {
         let motor = Motor {
             angle: Scalar::angle_from_f64(0.0),
@@ -40,7 +40,7 @@ impl Default for Outcome {
 
 /// One tick proper: the twelve results of one setpoint.
 #[inline(never)]
-pub fn evaluate(tick: &SceneTick, setpoint: &Setpoint<Scalar>, outcome: &mut Outcome) {
+pub fn evaluate(tick: &SceneTick, setpoint: &Setpoint<Scalar>, outcome: &mut TickOutcome) {
     match tick.evaluate(setpoint) {
         Ok(motion) => {
             outcome.motors = motion.motors;

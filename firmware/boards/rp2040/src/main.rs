@@ -24,7 +24,7 @@ mod switches;
 #[rtic::app(device = rp2040_hal::pac, peripherals = true)]
 mod app {
     use super::clock::{self, CORE_HZ};
-    use super::drives::{self, Drives, Slot};
+    use super::drives::{self, Drives, StepTimer};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -58,7 +58,7 @@ mod app {
         receiver: Reader<UART0, LinePins>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Drives>,
-        slot: Slot,
+        slot: StepTimer,
         background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
         watchdog: Watchdog,
     }
@@ -112,7 +112,7 @@ mod app {
             start,
         };
         let (foreground, background) = trirrr_app::build(channels, board);
-        let parts = drives::Parts {
+        let parts = drives::DriveParts {
             step: (pins.gpio6, pins.gpio7, pins.gpio8),
             direction: (pins.gpio9, pins.gpio10, pins.gpio11),
             enable: pins.gpio12,

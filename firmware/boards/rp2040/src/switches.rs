@@ -39,16 +39,16 @@ mod pins {
     use trirrr_app::scene::{HOMING_ACTIVE_HIGH, Scalar};
     use trirrr_core::tick::Motor;
 
-    type Input<P> = Pin<P, FunctionSioInput, PullUp>;
+    type PulledUp<P> = Pin<P, FunctionSioInput, PullUp>;
 
     /// Switch or stall output of each motor.
-    pub(crate) struct Switches(Input<Gpio13>, Input<Gpio14>, Input<Gpio15>);
+    pub(crate) struct Switches(PulledUp<Gpio13>, PulledUp<Gpio14>, PulledUp<Gpio15>);
 
     impl Switches {
         pub(crate) fn new(
-            first: Input<Gpio13>,
-            second: Input<Gpio14>,
-            third: Input<Gpio15>,
+            first: PulledUp<Gpio13>,
+            second: PulledUp<Gpio14>,
+            third: PulledUp<Gpio15>,
         ) -> Self {
             Self(first, second, third)
         }

@@ -28,7 +28,7 @@ mod switches;
 mod app {
     use super::clock::{self, FAST, SLOW};
     use super::dividers::set_bauds;
-    use super::drives::{self, Drives, Slot};
+    use super::drives::{self, Drives, StepTimer};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -49,7 +49,7 @@ mod app {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Drives>,
-        slot: Slot,
+        slot: StepTimer,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
     }
@@ -88,7 +88,7 @@ mod app {
             start,
         };
         let (foreground, background) = trirrr_app::build(channels, board);
-        let parts = drives::Parts {
+        let parts = drives::DriveParts {
             pb8: b.pb8,
             pb9: b.pb9,
             pb12: b.pb12,

@@ -11,10 +11,12 @@ mod none;
 #[cfg(drive = "stepper")]
 mod stepper;
 
-#[cfg(drive = "none")]
-pub(super) use none::{Drives, Slot, build};
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{Drives, Slot, build};
+pub(super) use stepper::{StepTimer, StepperDrives as Drives, build};
+#[cfg(not(drive = "stepper"))]
+pub(super) use trirrr_app::outputs::NoStepTimer as StepTimer;
+#[cfg(drive = "none")]
+pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
 
 #[cfg(drive = "bldc")]
 compile_error!("drive.kind = \"bldc\": the firmware for the RP2040 drives steppers or nothing");
@@ -25,17 +27,14 @@ compile_error!("drive.kind = \"can\": the RP2040 has no CAN controller");
 use rp2040_hal::gpio::bank0::{Gpio6, Gpio7, Gpio8, Gpio9, Gpio10, Gpio11, Gpio12};
 use rp2040_hal::gpio::{FunctionNull, Pin, PullDown};
 use rp2040_hal::pwm::Slices;
-use trirrr_app::scene::Scalar;
-use trirrr_core::number::Arithmetic;
-
-pub(super) type Angle = <Scalar as Arithmetic>::Angle;
+use trirrr_app::inputs::Angle;
 
 type Unused<P> = Pin<P, FunctionNull, PullDown>;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
-pub(super) struct Parts {
+pub(super) struct DriveParts {
     pub(super) step: (Unused<Gpio6>, Unused<Gpio7>, Unused<Gpio8>),
     pub(super) direction: (Unused<Gpio9>, Unused<Gpio10>, Unused<Gpio11>),
     pub(super) enable: Unused<Gpio12>,

@@ -1,13 +1,9 @@
 //! No drive: nothing but telemetry leaves the board.
 
-use super::Parts;
-
-pub(crate) use trirrr_app::outputs::NoOutputs as Drives;
-
-/// No work between two ticks.
-pub(crate) type Slot = ();
+use super::DriveParts;
+use trirrr_app::outputs::NoOutputs;
 
 /// Takes no part.
-pub(crate) fn build(_: Parts) -> (Drives, Slot) {
-    (Drives, ())
+pub(crate) fn build(_: DriveParts) -> (NoOutputs, ()) {
+    (NoOutputs, ())
 }

@@ -1,16 +1,14 @@
 //! Steppers: PWM slice 7, without an output, calls the slots.
 
-use super::{Angle, Parts};
+use super::DriveParts;
 use crate::clock::CORE_HZ;
 use rp2040_hal::gpio::{DynPinId, FunctionSioOutput, Pin, PinState, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
-use trirrr_app::Output;
-use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
-use trirrr_drives::{Active, Enable, Failure};
+use trirrr_drives::{Active, Enable};
 
 /// Cycles of the core from one slot to the next.
 const CYCLES: u32 = CORE_HZ / SLOT_HZ;
@@ -36,32 +34,17 @@ const DIVIDER: u8 = {
 const TOP: u16 = (CYCLES / DIVIDER as u32 - 1) as u16;
 
 /// Drives, as the tick sees them.
-pub(crate) struct Drives(Steppers<'static, Scalar>);
-
-impl Outputs for Drives {
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        self.0.apply(output)
-    }
-
-    fn angles(&self) -> Option<[Angle; 3]> {
-        Some(self.0.angles())
-    }
-
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.0.shift(by);
-    }
-}
+pub(crate) type StepperDrives = Steppers<'static, Scalar>;
 
 type OutPin = Pin<DynPinId, FunctionSioOutput, PullDown>;
 
-/// Slots, as the timer sees them.
-pub(crate) struct Slot {
+/// Timer that calls the slots.
+pub(crate) struct StepTimer {
     slots: Slots<'static, OutPin, OutPin, OutPin>,
     timer: Slice<Pwm7, FreeRunning>,
 }
 
-impl Slot {
+impl StepTimer {
     /// Runs one slot.
     #[inline(always)]
     pub(crate) fn run(&mut self) {
@@ -73,7 +56,7 @@ impl Slot {
 /// Builds the drives, off, and starts the slots.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: Parts) -> (Drives, Slot) {
+pub(crate) fn build(parts: DriveParts) -> (StepperDrives, StepTimer) {
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
         false => (Active::Low, PinState::High),
@@ -114,5 +97,5 @@ pub(crate) fn build(parts: Parts) -> (Drives, Slot) {
     timer.enable_interrupt();
     timer.enable();
     let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
-    (Drives(steppers), Slot { slots, timer })
+    (steppers, StepTimer { slots, timer })
 }

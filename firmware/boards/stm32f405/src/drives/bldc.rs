@@ -1,6 +1,6 @@
 //! Brushless motors, with PWM from TIM3.
 
-use super::Parts;
+use super::DriveParts;
 use crate::dividers::set_pwm;
 use crate::pins::OutputC;
 use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
@@ -8,37 +8,22 @@ use stm32f4xx_hal::pac::TIM3;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::timer::ErasedChannel;
-use trirrr_app::Output;
-use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
-use trirrr_drives::bldc::Bldc;
-use trirrr_drives::bldc::{BldcMotor, Bldcs};
-use trirrr_drives::{Active, Enable, Failure};
+use trirrr_drives::bldc::{Bldc, BldcMotor, Bldcs};
+use trirrr_drives::{Active, Enable};
 
 /// PWM, Hz: above hearing, and 4,200 counts of duty at 168 MHz.
 const PWM_HZ: u32 = 20_000;
 
-/// Drives, as the tick sees them.
-pub(crate) struct Drives(Bldcs<Motor, Pin<'B', 12, Out>>);
-
-/// Motor on a channel of TIM3, its direction on port C.
-type Motor = BldcMotor<Scalar, ErasedChannel<TIM3>, OutputC>;
-
-impl Outputs for Drives {
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        self.0.apply(output)
-    }
-}
-
-/// No work between two ticks.
-pub(crate) type Slot = ();
+/// Drives, as the tick sees them: channels of TIM3, directions on port C.
+pub(crate) type BldcDrives =
+    Bldcs<BldcMotor<Scalar, ErasedChannel<TIM3>, OutputC>, Pin<'B', 12, Out>>;
 
 /// Builds the power stages, off.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, ()) {
     let c = parts.port_c.split(rcc);
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
@@ -69,5 +54,5 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
         BldcMotor::new(m2, pwm_2, direction_2, r2),
         BldcMotor::new(m3, pwm_3, direction_3, r3),
     ];
-    (Drives(Bldcs::new(motors, enable)), ())
+    (Bldcs::new(motors, enable), ())
 }

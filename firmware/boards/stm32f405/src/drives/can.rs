@@ -1,24 +1,14 @@
 //! Drives on the CAN bus: CAN1 carries a frame for each of them in a tick.
 
-use super::Parts;
+use super::DriveParts;
 use super::controller::Controller;
 use stm32f4xx_hal::rcc::Rcc;
-use trirrr_app::Output;
-use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
-use trirrr_drives::Failure;
 use trirrr_drives::can::{BitTiming, CanDrives, Odrive, RotorScale};
 
 /// Drives, as the tick sees them.
-pub(crate) struct Drives(CanDrives<Scalar, Odrive, Controller>);
-
-impl Outputs for Drives {
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        self.0.apply(output)
-    }
-}
+pub(crate) type OdriveDrives = CanDrives<Scalar, Odrive, Controller>;
 
 const fn scale((gear_ratio, reversed, zero_rad): (f64, bool, f64)) -> RotorScale {
     RotorScale::new(gear_ratio, reversed, zero_rad, RATE_RAD_S, TORQUE_NM)
@@ -26,13 +16,10 @@ const fn scale((gear_ratio, reversed, zero_rad): (f64, bool, f64)) -> RotorScale
 
 const SCALES: [RotorScale; 3] = [scale(ROTORS[0]), scale(ROTORS[1]), scale(ROTORS[2])];
 
-/// No work between two ticks.
-pub(crate) type Slot = ();
-
 /// Builds the drives on their bus. An emulated board has no bus.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (OdriveDrives, ()) {
     let _ = (
         parts.pb8.into_alternate::<9>().internal_pull_up(true),
         parts.pb9.into_alternate::<9>(),
@@ -46,5 +33,5 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
         ),
     };
     let drives = CanDrives::new(Odrive, controller, NODES, SCALES, parts.angles);
-    (Drives(drives), ())
+    (drives, ())
 }

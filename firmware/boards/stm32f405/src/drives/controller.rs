@@ -10,13 +10,13 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use trirrr_drives::can::{BitTiming, Bus, ClassicFrame};
 
 /// CAN1, with all three mailboxes.
-pub(super) struct Controller {
+pub(crate) struct Controller {
     can: CAN1,
-    state: State,
+    state: BusState,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum State {
+enum BusState {
     /// On the bus.
     Running,
     /// The start has failed.
@@ -27,7 +27,7 @@ enum State {
 
 /// The controller is off the bus, or did not start.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Off;
+pub(crate) struct Off;
 
 impl embedded_can::Error for Off {
     fn kind(&self) -> ErrorKind {
@@ -43,7 +43,7 @@ impl Controller {
     pub(super) fn absent(can: CAN1) -> Self {
         Self {
             can,
-            state: State::Absent,
+            state: BusState::Absent,
         }
     }
 
@@ -54,8 +54,8 @@ impl Controller {
         CAN1::reset(rcc);
         let started = configure(&can, timing);
         let state = match started {
-            true => State::Running,
-            false => State::Failed,
+            true => BusState::Running,
+            false => BusState::Failed,
         };
         if !started {
             defmt::error!("the CAN controller does not start");
@@ -103,9 +103,9 @@ impl embedded_can::nb::Can for Controller {
     #[inline]
     fn transmit(&mut self, frame: &ClassicFrame) -> nb::Result<Option<ClassicFrame>, Off> {
         match self.state {
-            State::Running => {}
-            State::Failed => return Err(nb::Error::Other(Off)),
-            State::Absent => return Ok(None),
+            BusState::Running => {}
+            BusState::Failed => return Err(nb::Error::Other(Off)),
+            BusState::Absent => return Ok(None),
         }
         if self.can.esr().read().boff().bit_is_set() {
             return Err(nb::Error::Other(Off));
@@ -141,7 +141,7 @@ impl embedded_can::nb::Can for Controller {
 
     #[inline]
     fn receive(&mut self) -> nb::Result<ClassicFrame, Off> {
-        if self.state != State::Running || self.can.rf0r().read().fmp().bits() == 0 {
+        if self.state != BusState::Running || self.can.rf0r().read().fmp().bits() == 0 {
             return Err(nb::Error::WouldBlock);
         }
         let place = self.can.rx(0);
@@ -163,7 +163,7 @@ impl embedded_can::nb::Can for Controller {
 
 impl Bus for Controller {
     fn abort(&mut self) {
-        if self.state == State::Running {
+        if self.state == BusState::Running {
             self.can
                 .tsr()
                 .write(|w| w.abrq0().set_bit().abrq1().set_bit().abrq2().set_bit());

@@ -21,13 +21,15 @@ mod none;
 mod stepper;
 
 #[cfg(drive = "bldc")]
-pub(super) use bldc::{Drives, Slot, build};
+pub(super) use bldc::{BldcDrives as Drives, build};
 #[cfg(drive = "odrive")]
-pub(super) use can::{Drives, Slot, build};
-#[cfg(drive = "none")]
-pub(super) use none::{Drives, Slot, build};
+pub(super) use can::{OdriveDrives as Drives, build};
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{Drives, Slot, build};
+pub(super) use stepper::{CheckedSteppers as Drives, StepTimer, build};
+#[cfg(not(drive = "stepper"))]
+pub(super) use trirrr_app::outputs::NoStepTimer as StepTimer;
+#[cfg(drive = "none")]
+pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
 
 #[cfg(drive = "moteus")]
 compile_error!(
@@ -38,15 +40,12 @@ compile_error!(
 use crate::clock::Clocks;
 use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
 use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
-use trirrr_app::scene::Scalar;
-use trirrr_core::number::Arithmetic;
-
-pub(super) type Angle = <Scalar as Arithmetic>::Angle;
+use trirrr_app::inputs::Angle;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
-pub(super) struct Parts {
+pub(super) struct DriveParts {
     pub(super) pb8: PB8,
     pub(super) pb9: PB9,
     pub(super) pb12: PB12,

@@ -1,6 +1,6 @@
 //! Steppers: TIM7 calls the slots.
 
-use super::{Angle, Parts};
+use super::DriveParts;
 use crate::dividers;
 use crate::pins::OutputC;
 use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
@@ -8,6 +8,7 @@ use stm32f4xx_hal::pac::TIM7;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
 use trirrr_app::Output;
+use trirrr_app::inputs::Angle;
 use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
@@ -21,13 +22,13 @@ use trirrr_protocol::message::DriveFault;
 const LEAST_CYCLES: u32 = 400;
 
 /// Drives, as the tick sees them.
-pub(crate) struct Drives {
+pub(crate) struct CheckedSteppers {
     steppers: Steppers<'static, Scalar>,
     /// The core is fast enough for the slots.
     runs: bool,
 }
 
-impl Outputs for Drives {
+impl Outputs for CheckedSteppers {
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
         if output.enabled && !self.runs {
@@ -56,13 +57,13 @@ fn too_slow() -> Failure<Scalar> {
     }
 }
 
-/// Slots, as the timer sees them.
-pub(crate) struct Slot {
+/// Timer that calls the slots.
+pub(crate) struct StepTimer {
     slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
     timer: TIM7,
 }
 
-impl Slot {
+impl StepTimer {
     /// Runs one slot.
     #[inline(always)]
     pub(crate) fn run(&mut self) {
@@ -75,7 +76,7 @@ impl Slot {
 /// Builds the drives, off, and starts the slots if the core is fast enough.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, StepTimer) {
     let c = parts.port_c.split(rcc);
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
@@ -117,5 +118,8 @@ pub(crate) fn build(parts: Parts, rcc: &mut Rcc) -> (Drives, Slot) {
         );
     }
     let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
-    (Drives { steppers, runs }, Slot { slots, timer })
+    (
+        CheckedSteppers { steppers, runs },
+        StepTimer { slots, timer },
+    )
 }

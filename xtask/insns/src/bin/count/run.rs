@@ -9,14 +9,14 @@ use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};
 use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD, Scalar};
-use trirrr_insns::tick::{Outcome, SceneTick, evaluate, set, solve};
+use trirrr_insns::tick::{SceneTick, TickOutcome, evaluate, set, solve};
 
 /// Result that [`solve`] leaves.
-type Links = Result<[Vector2<Scalar>; 2], OutOfReach>;
+type SolvedLinks = Result<[Vector2<Scalar>; 2], OutOfReach>;
 
 /// Stands in for [`evaluate`]: what a call and the counter's own reading cost.
 #[inline(never)]
-fn empty_evaluate(_: &SceneTick, _: &Setpoint<Scalar>, _: &mut Outcome) {}
+fn empty_evaluate(_: &SceneTick, _: &Setpoint<Scalar>, _: &mut TickOutcome) {}
 
 /// Stands in for [`set`].
 #[inline(never)]
@@ -24,16 +24,16 @@ fn empty_set(_: &Segment<Scalar>, _: u32, _: &mut Setpoint<Scalar>) {}
 
 /// Stands in for [`solve`].
 #[inline(never)]
-fn empty_solve(_: &Rrr<Scalar>, _: &Vector2<Scalar>, _: &mut Links) {}
+fn empty_solve(_: &Rrr<Scalar>, _: &Vector2<Scalar>, _: &mut SolvedLinks) {}
 
 /// Counts one call through a pointer that the compiler cannot see through, so that the empty call
 /// costs the same as the full one.
 #[inline(never)]
 fn count_evaluate(
-    function: fn(&SceneTick, &Setpoint<Scalar>, &mut Outcome),
+    function: fn(&SceneTick, &Setpoint<Scalar>, &mut TickOutcome),
     tick: &SceneTick,
     setpoint: &Setpoint<Scalar>,
-    outcome: &mut Outcome,
+    outcome: &mut TickOutcome,
 ) -> u32 {
     let before = counter::now();
     function(tick, setpoint, outcome);
@@ -56,10 +56,10 @@ fn count_set(
 /// As [`count_evaluate`], for the dyad.
 #[inline(never)]
 fn count_solve(
-    function: fn(&Rrr<Scalar>, &Vector2<Scalar>, &mut Links),
+    function: fn(&Rrr<Scalar>, &Vector2<Scalar>, &mut SolvedLinks),
     dyad: &Rrr<Scalar>,
     end: &Vector2<Scalar>,
-    links: &mut Links,
+    links: &mut SolvedLinks,
 ) -> u32 {
     let before = counter::now();
     function(dyad, end, links);
@@ -76,13 +76,13 @@ pub(crate) fn run() -> ! {
             process::exit(1)
         }
     };
-    let mut outcome = Outcome::default();
+    let mut outcome = TickOutcome::default();
     let mut checksum = Checksum::default();
     let mut first = true;
     // The dyad of the first leg, between the ends it has at each tick.
     let dyad = tick.geometry().legs()[0].dyad();
     let mut end = Vector2::new(0.0, 0.0).map(Scalar::from_f64);
-    let mut links: Links = Err(OutOfReach::Unreachable);
+    let mut links: SolvedLinks = Err(OutOfReach::Unreachable);
     for segment in segments::<Scalar>(&MOVES, PERIOD) {
         for index in 0..segment.ticks() {
             let mut setpoint = segment.at(index);
