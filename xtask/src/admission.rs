@@ -2,7 +2,7 @@
 //!
 //! It is counted as it is compiled in the firmware, for size.
 
-use crate::budget::{Measured, Options};
+use crate::budget::{BudgetRow, Options};
 use crate::cores::{self, Core};
 use crate::image::Image;
 use crate::repository::SceneFile;
@@ -21,7 +21,7 @@ const FOR_SIZE: &str = r#"profile.device.package.trirrr-insns.opt-level="z""#;
 
 /// Figures of one scene's moves, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Row {
+struct AdmissionRow {
     core: String,
     scalar: String,
     scene: String,
@@ -40,7 +40,7 @@ struct Row {
     intervals_max: u32,
 }
 
-impl Measured for Row {
+impl BudgetRow for AdmissionRow {
     fn key(&self) -> String {
         format!(
             "{} {} {} {}",
@@ -61,12 +61,12 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let core = cores::named(CORE).context("a core of the table")?;
     let scenes = options.scenes()?;
     let rows = parallel::map(parallel::workers(), &scenes, |file| measure(file, core))?;
-    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    let rows: Vec<AdmissionRow> = rows.into_iter().flatten().collect();
     options.print(&rows, text)?;
     options.settle("admission", rows, true)
 }
 
-fn measure(file: &SceneFile, core: &Core) -> Result<[Row; 2]> {
+fn measure(file: &SceneFile, core: &Core) -> Result<[AdmissionRow; 2]> {
     let image = Image {
         package: "trirrr-insns",
         binary: "admit",
@@ -93,7 +93,7 @@ fn measure(file: &SceneFile, core: &Core) -> Result<[Row; 2]> {
             (sum / moves.len() as f64 * 10.0).round() / 10.0
         };
         let most = |of: fn(&Judged) -> f64| moves.iter().map(of).fold(0.0, f64::max);
-        Row {
+        AdmissionRow {
             core: core.name.into(),
             scalar: SCALAR.into(),
             scene: file.name.clone(),
@@ -150,7 +150,7 @@ fn parse(printed: &str, units: f64) -> Result<Vec<Judged>> {
     printed.lines().map(line).collect()
 }
 
-fn text(rows: &[Row]) -> String {
+fn text(rows: &[AdmissionRow]) -> String {
     let cells = rows.iter().map(|row| {
         let mut cells = vec![
             row.core.clone(),

@@ -51,7 +51,7 @@ impl Options {
     /// `all_parts`: of each scene, everything was measured.
     pub(crate) fn settle<Row>(&self, name: &str, rows: Vec<Row>, all_parts: bool) -> Result<()>
     where
-        Row: Measured + Serialize + DeserializeOwned,
+        Row: BudgetRow + Serialize + DeserializeOwned,
     {
         if self.check {
             check(name, &rows)?;
@@ -64,7 +64,7 @@ impl Options {
 }
 
 /// A row of figures that can be told from other rows.
-pub(crate) trait Measured {
+pub(crate) trait BudgetRow {
     /// Names what was measured, such as `m4f f32 thesis`.
     fn key(&self) -> String;
     /// The figures by name.
@@ -88,7 +88,7 @@ fn file(name: &str) -> PathBuf {
 }
 
 /// Compares `measured` with what is checked in as `name`.
-fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
+fn check<Row: BudgetRow + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
     let file = file(name);
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
     let budget: Budget<Row> =
@@ -114,7 +114,7 @@ fn check<Row: Measured + DeserializeOwned>(name: &str, measured: &[Row]) -> Resu
 }
 
 /// Returns what is wrong with `row`, given the rows that are checked in.
-fn compare<Row: Measured>(budget: &[Row], row: &Row) -> Vec<String> {
+fn compare<Row: BudgetRow>(budget: &[Row], row: &Row) -> Vec<String> {
     let key = row.key();
     let Some(expected) = budget.iter().find(|other| other.key() == key) else {
         return vec![format!("{key}: no figures are checked in")];
@@ -149,7 +149,7 @@ pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> 
 /// Checks `measured` in as `name`. Rows of what was not measured stay, unless `everything` was.
 fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
 where
-    Row: Measured + Serialize + DeserializeOwned,
+    Row: BudgetRow + Serialize + DeserializeOwned,
 {
     let file = file(name);
     let mut rows = measured;
@@ -157,10 +157,10 @@ where
         let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
         let old: Budget<Row> =
             serde_json::from_str(&text).with_context(|| file.display().to_string())?;
-        let new: Vec<String> = rows.iter().map(Measured::key).collect();
+        let new: Vec<String> = rows.iter().map(BudgetRow::key).collect();
         rows.extend(old.rows.into_iter().filter(|row| !new.contains(&row.key())));
     }
-    rows.sort_by_key(Measured::key);
+    rows.sort_by_key(BudgetRow::key);
     let budget = Budget {
         rustc: compiler()?,
         rows,
@@ -191,7 +191,7 @@ mod tests {
     #[derive(Debug, Serialize, Deserialize)]
     struct Row(String, f64);
 
-    impl Measured for Row {
+    impl BudgetRow for Row {
         fn key(&self) -> String {
             self.0.clone()
         }

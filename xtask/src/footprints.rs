@@ -13,7 +13,7 @@ use trirrr_image::generate::{kind, of_scene};
 use trirrr_scene::Scene;
 
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct FootprintsArgs {
     /// Write the table into docs/footprints.md
     #[arg(long)]
     bless: bool,
@@ -26,7 +26,7 @@ fn file() -> PathBuf {
     root().join("docs/footprints.md")
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &FootprintsArgs) -> Result<()> {
     let table = table()?;
     print!("{table}");
     if arguments.bless {
@@ -45,8 +45,8 @@ fn around(text: &str) -> Option<(&str, &str)> {
 }
 
 fn table() -> Result<String> {
-    let sizes: Vec<size::Row> = checked_in("size")?;
-    let counts: Vec<insns::Row> = checked_in("insns")?;
+    let sizes: Vec<size::SizeRow> = checked_in("size")?;
+    let counts: Vec<insns::InsnsRow> = checked_in("insns")?;
     let mut table = String::from(
         "| scene | number | torques | drives | image: flash | RAM | stack | tick alone on m4f: flash | \
          on m0: flash | instructions per tick on m4f | on m0 |\n\

@@ -22,7 +22,7 @@ const COVERAGE: &str = "-Cpasses=sancov-module \
 const LONGEST: u32 = 512;
 
 #[derive(Args)]
-pub(crate) struct Arguments {
+pub(crate) struct FuzzArgs {
     /// Targets; all without
     targets: Vec<String>,
     /// Inputs to try for each target
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     keep: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &FuzzArgs) -> Result<()> {
     let fuzz = root().join("tests/fuzz");
     let known = targets()?;
     for target in &arguments.targets {

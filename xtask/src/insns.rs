@@ -6,7 +6,7 @@
 mod counts;
 mod service;
 
-use crate::budget::{Measured, Options};
+use crate::budget::{BudgetRow, Options};
 use crate::cores::{self, CORES, Core};
 use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
@@ -34,7 +34,7 @@ const SERVICE_CORE: &str = "m4f";
 const SERVICE_SCALAR: &str = "f32";
 
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct InsnsArgs {
     #[command(flatten)]
     options: Options,
     /// m4f, m3, m0 or rv32imc; repeat for more; without it, all of them
@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
 
 /// Figures of one core, number type and scene, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Row {
+pub(crate) struct InsnsRow {
     core: String,
     scalar: String,
     scene: String,
@@ -73,7 +73,7 @@ pub(crate) struct Row {
     bits: String,
 }
 
-impl Row {
+impl InsnsRow {
     /// Returns true if the row is that of this core, scene and number type.
     pub(crate) fn is(&self, core: &str, scene: &str, scalar: &str) -> bool {
         (
@@ -89,7 +89,7 @@ impl Row {
     }
 }
 
-impl Measured for Row {
+impl BudgetRow for InsnsRow {
     fn key(&self) -> String {
         format!("{} {} {}", self.core, self.scalar, self.scene)
     }
@@ -117,7 +117,7 @@ impl Measured for Row {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &InsnsArgs) -> Result<()> {
     let options = &arguments.options;
     let rows = measure(&options.scenes()?, &cores_named(&arguments.core)?)?;
     options.print(&rows, text)?;
@@ -145,7 +145,7 @@ fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
 }
 
 /// Every scene in its number types on `cores`. Emulators run while the next images are built.
-fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<Row>> {
+fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<InsnsRow>> {
     let mut jobs = Vec::new();
     for file in scenes {
         let scene = Scene::read(&file.path)?;
@@ -164,7 +164,7 @@ fn measure_on(
     file: &SceneFile,
     scene: &Scene,
     scalar: &'static str,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<InsnsRow>> {
     let expected = reference::checksum(scene, scalar)?;
     let targets: Vec<_> = cores.iter().map(|core| core.target).collect();
     let image = Image {
@@ -187,7 +187,7 @@ fn measure_one(
     core: &Core,
     expected: u64,
     image: &Path,
-) -> Result<Row> {
+) -> Result<InsnsRow> {
     let printed = qemu::run(core, image)?;
     let counts = parse(&printed, core.units_per_instruction)
         .with_context(|| format!("{} {scalar} {}", core.name, file.name))?;
@@ -215,7 +215,7 @@ fn measure_one(
     };
     let tick = Spread::of(&counts.ticks)?;
     let setpoint = Spread::of(&counts.setpoints)?;
-    Ok(Row {
+    Ok(InsnsRow {
         core: core.name.into(),
         scalar: scalar.into(),
         scene: file.name.clone(),
@@ -236,7 +236,7 @@ fn measure_one(
     })
 }
 
-fn text(rows: &[Row]) -> String {
+fn text(rows: &[InsnsRow]) -> String {
     let cells = rows.iter().map(|row| {
         let mut cells = vec![row.core.clone(), row.scalar.clone(), row.scene.clone()];
         let figures = [row.min, row.mean, row.max];
@@ -283,7 +283,7 @@ fn text(rows: &[Row]) -> String {
     table(&headings, &cells.collect::<Vec<_>>())
 }
 
-fn hold_ceilings(rows: &[Row]) -> Result<()> {
+fn hold_ceilings(rows: &[InsnsRow]) -> Result<()> {
     for (core, scalar, scene, ceiling) in CEILINGS {
         let mut of = rows
             .iter()
@@ -306,7 +306,7 @@ fn hold_ceilings(rows: &[Row]) -> Result<()> {
             row.dyad_max
         );
     }
-    let of_service = |row: &&Row| {
+    let of_service = |row: &&InsnsRow| {
         let longest = [
             row.service_max,
             row.service_held_max,
@@ -336,8 +336,8 @@ fn hold_ceilings(rows: &[Row]) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn row(max: f64) -> Row {
-        Row {
+    fn row(max: f64) -> InsnsRow {
+        InsnsRow {
             core: "m4f".into(),
             scalar: "f32".into(),
             scene: "thesis".into(),
@@ -359,12 +359,12 @@ mod tests {
     #[test]
     fn no_tick_of_the_service_in_f32_may_exceed_its_ceiling() {
         for (in_homing, allowed) in [(service::CEILING, true), (service::CEILING + 1.0, false)] {
-            let homed = Row {
+            let homed = InsnsRow {
                 service_homing_max: Some(in_homing),
                 ..row(500.0)
             };
             assert_eq!(hold_ceilings(std::slice::from_ref(&homed)).is_ok(), allowed);
-            let fixed = Row {
+            let fixed = InsnsRow {
                 scalar: "fixed".into(),
                 ..homed
             };
@@ -386,7 +386,7 @@ mod tests {
     /// out an uncounted one without a word.
     #[test]
     fn both_thesis_scenes_are_checked_in_for_every_core_and_number_type() {
-        let rows: Vec<Row> = crate::budget::checked_in("insns").expect("the file of figures");
+        let rows: Vec<InsnsRow> = crate::budget::checked_in("insns").expect("the file of figures");
         for scene in ["thesis", "thesis-links"] {
             for core in CORES {
                 for (scalar, _) in trirrr_image::generate::SCALARS {

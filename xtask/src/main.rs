@@ -39,7 +39,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     /// Count the instructions of every tick of a scene's job, under QEMU
-    Insns(insns::Arguments),
+    Insns(insns::InsnsArgs),
     /// Count the instructions of the admission of every move of a scene's job, under QEMU
     Admission(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
@@ -47,17 +47,17 @@ enum Chore {
     /// Build the firmware for the RP2040, check that it can boot, print its size
     Rp2040,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
-    Emulate(emulate::Arguments),
+    Emulate(emulate::EmulateArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
     /// Print the table of scenes against flash, RAM and instructions, from the figures checked in
-    Footprints(footprints::Arguments),
+    Footprints(footprints::FootprintsArgs),
     /// Fuzz the decoder and the service's commands
-    Fuzz(fuzz::Arguments),
+    Fuzz(fuzz::FuzzArgs),
     /// Print figures of the source's shape: type parameters, names, openings of docs, lines, examples
-    House(house::Arguments),
+    House(house::HouseArgs),
     /// Print how deep the stack of an image gets, and on which ways
-    Stack(callgraph::Arguments),
+    Stack(callgraph::StackArgs),
     /// Everything that CI checks
     Ci,
     /// Checks that take longer than CI may: dependencies, long fuzzing, many random moves

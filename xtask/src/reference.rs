@@ -20,12 +20,12 @@ pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
 }
 
 fn with_number<N: Number>(scene: &Scene) -> Result<u64> {
-    scene.model().visit::<N, _>(Sum(scene))
+    scene.model().visit::<N, _>(JobChecksum(scene))
 }
 
-struct Sum<'a>(&'a Scene);
+struct JobChecksum<'a>(&'a Scene);
 
-impl<N: Number> ModelVisitor<N> for Sum<'_> {
+impl<N: Number> ModelVisitor<N> for JobChecksum<'_> {
     type Output = Result<u64>;
 
     fn visit<M: Model<N = N>>(self) -> Result<u64> {

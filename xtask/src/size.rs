@@ -6,7 +6,7 @@
 //! stack gets and whether an interrupt may panic.
 
 use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_TARGET};
-use crate::budget::{Measured, Options};
+use crate::budget::{BudgetRow, Options};
 use crate::callgraph;
 use crate::cores::CORES;
 use crate::elf::{Footprint, check_boot, footprint};
@@ -23,7 +23,7 @@ use trirrr_scene::Scene;
 
 /// One image's footprint, bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Row {
+pub(crate) struct SizeRow {
     /// `core` or `firmware`.
     image: String,
     scene: String,
@@ -37,7 +37,7 @@ pub(crate) struct Row {
     stack: Option<u64>,
 }
 
-impl Row {
+impl SizeRow {
     /// Returns true if the row is that of this image.
     pub(crate) fn is(&self, image: &str, scene: &str, scalar: &str, target: &str) -> bool {
         (self.image.as_str(), self.scene.as_str()) == (image, scene)
@@ -57,7 +57,7 @@ impl Row {
     }
 }
 
-impl Measured for Row {
+impl BudgetRow for SizeRow {
     fn key(&self) -> String {
         format!(
             "{} {} {} {}",
@@ -85,16 +85,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let rows = parallel::map(parallel::workers(), &scenes, |(file, scene)| {
         measure(file, scene)
     })?;
-    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    let rows: Vec<SizeRow> = rows.into_iter().flatten().collect();
     options.print(&rows, text)?;
     hold_order(&rows)?;
     hold_ceilings(&rows)?;
     options.settle("size", rows, true)
 }
 
-fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
+fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<SizeRow>> {
     let mut rows = Vec::new();
-    let row = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| Row {
+    let row = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| SizeRow {
         image: image.into(),
         scene: scene.name.clone(),
         scalar: scalar.into(),
@@ -123,13 +123,13 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
     symbols::check_arithmetic(&file, true)?;
     let stack = callgraph::check(&file)?;
     let measured = footprint(&file)?;
-    rows.push(Row {
+    rows.push(SizeRow {
         stack: Some(stack.most.into()),
         ..row("firmware", firmware.scalar, FIRMWARE_TARGET, measured)
     });
     if rp2040::is_for(scene) {
         let (measured, stack) = rp2040::measure(scene)?;
-        rows.push(Row {
+        rows.push(SizeRow {
             stack: Some(stack.into()),
             ..row("firmware", firmware.scalar, RP2040_TARGET, measured)
         });
@@ -137,7 +137,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn text(rows: &[Row]) -> String {
+fn text(rows: &[SizeRow]) -> String {
     let cells = rows.iter().map(|row| {
         vec![
             row.image.clone(),
@@ -168,9 +168,9 @@ const CEILINGS: [(&str, &str, &str, &str, u64); 3] = [
     ("firmware", FIRMWARE_TARGET, "thesis", "ram", 8 * 1024),
 ];
 
-fn hold_ceilings(rows: &[Row]) -> Result<()> {
+fn hold_ceilings(rows: &[SizeRow]) -> Result<()> {
     for (image, target, scene, figure, ceiling) in CEILINGS {
-        let of = |row: &&Row| row.image == image && row.target == target && row.scene == scene;
+        let of = |row: &&SizeRow| row.image == image && row.target == target && row.scene == scene;
         for row in rows.iter().filter(of) {
             let mut figures = row.figures().into_iter();
             let (_, bytes) = figures
@@ -192,9 +192,9 @@ const WITH_LINKS: &str = "thesis-links";
 
 /// A scene pays only for what it uses: without link masses an image is smaller in both memories
 /// than with them.
-fn hold_order(rows: &[Row]) -> Result<()> {
+fn hold_order(rows: &[SizeRow]) -> Result<()> {
     for massless in rows.iter().filter(|row| row.scene == WITHOUT_LINKS) {
-        let same = |row: &&Row| {
+        let same = |row: &&SizeRow| {
             row.scene == WITH_LINKS
                 && (&row.image, &row.scalar, &row.target)
                     == (&massless.image, &massless.scalar, &massless.target)
@@ -220,8 +220,8 @@ fn hold_order(rows: &[Row]) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn row(scene: &str, flash: u64, ram: u64) -> Row {
-        Row {
+    fn row(scene: &str, flash: u64, ram: u64) -> SizeRow {
+        SizeRow {
             image: "core".into(),
             scene: scene.into(),
             scalar: "f32".into(),
@@ -232,8 +232,8 @@ mod tests {
         }
     }
 
-    fn firmware(scene: &str, flash: u64, ram: u64, stack: u64) -> Row {
-        Row {
+    fn firmware(scene: &str, flash: u64, ram: u64, stack: u64) -> SizeRow {
+        SizeRow {
             image: "firmware".into(),
             target: FIRMWARE_TARGET.into(),
             stack: Some(stack),

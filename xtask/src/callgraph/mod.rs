@@ -47,7 +47,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct StackArgs {
     /// An image, such as target/thumbv7em-none-eabihf/device/trirrr-firmware
     image: PathBuf,
 }
@@ -94,7 +94,7 @@ pub(crate) fn place(file: &Path) -> Result<Range<u32>> {
 }
 
 /// `cargo xtask stack`: the ways on which the stack gets deepest.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &StackArgs) -> Result<()> {
     let program = read(&arguments.image)?;
     let image = Image::new(&program)?;
     print!("{}", image.ways());

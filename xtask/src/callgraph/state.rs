@@ -30,13 +30,13 @@ impl Known {
 
 /// Knowledge before an instruction.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct State {
+pub(super) struct Facts {
     /// Bytes that the stack has grown by since the function's entry.
     pub(super) depth: i32,
     registers: [Known; 16],
 }
 
-impl State {
+impl Facts {
     /// At a function's entry.
     pub(super) fn entry() -> Self {
         Self {

@@ -4,7 +4,7 @@
 use super::condition::Condition;
 use super::instruction::{Flow, LR};
 use super::program::Program;
-use super::state::{Known, State};
+use super::state::{Facts, Known};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,7 +39,7 @@ type Node = (u32, Condition);
 /// An instruction, a jump, or what becomes of the stack, that is not understood; with its place.
 pub(super) fn walk(program: &Program, returning: &BTreeSet<u32>, entry: u32) -> Result<Body> {
     let mut walk = Walk::new(program, returning, entry);
-    walk.all(State::entry())?;
+    walk.all(Facts::entry())?;
     if let Some(exit) = walk.exit {
         ensure!(
             exit.depth == 0,
@@ -58,7 +58,7 @@ struct Walk<'a> {
     entry: u32,
     body: Body,
     /// State known where the function returns.
-    exit: Option<State>,
+    exit: Option<Facts>,
 }
 
 impl<'a> Walk<'a> {
@@ -74,7 +74,7 @@ impl<'a> Walk<'a> {
 
     /// Every way, until nothing new becomes known; then each instruction once more, for what it says of the
     /// function.
-    fn all(&mut self, state: State) -> Result<()> {
+    fn all(&mut self, state: Facts) -> Result<()> {
         let begin = (self.entry, Condition::NONE);
         let mut known = BTreeMap::from([(begin, state)]);
         let mut open = vec![begin];
@@ -99,12 +99,12 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the nodes behind an instruction in this function, with the state known at each.
-    fn step(&mut self, node: Node, state: &State) -> Result<Vec<(Node, State)>> {
+    fn step(&mut self, node: Node, state: &Facts) -> Result<Vec<(Node, Facts)>> {
         self.execute(node, state.clone())
             .with_context(|| self.program.place(node.0))
     }
 
-    fn execute(&mut self, node: Node, mut state: State) -> Result<Vec<(Node, State)>> {
+    fn execute(&mut self, node: Node, mut state: Facts) -> Result<Vec<(Node, Facts)>> {
         let (address, condition) = node;
         let instruction = self.program.instruction(address)?;
         let next = address + instruction.length;
@@ -183,7 +183,7 @@ impl<'a> Walk<'a> {
     }
 
     /// A call of `to`; what comes behind it, if it returns.
-    fn call(&mut self, to: u32, next: u32, state: State) -> Result<Vec<(Node, State)>> {
+    fn call(&mut self, to: u32, next: u32, state: Facts) -> Result<Vec<(Node, Facts)>> {
         let after = match self.is_outlined(to)? {
             true => self.piece(to, state)?,
             false => {
@@ -194,7 +194,7 @@ impl<'a> Walk<'a> {
                 self.returning
                     .contains(&to)
                     .then_some(state)
-                    .map(State::after_call)
+                    .map(Facts::after_call)
             }
         };
         // Nothing depends on a condition any more: a call is the last in its block.
@@ -202,7 +202,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Jumps to where `targets` says, in this function or to others, which then return for it.
-    fn jump(&mut self, targets: &[u32], state: &State) -> Result<Vec<(Node, State)>> {
+    fn jump(&mut self, targets: &[u32], state: &Facts) -> Result<Vec<(Node, Facts)>> {
         let mut inside = Vec::new();
         for to in targets {
             if self.is_inside(*to) {
@@ -225,7 +225,7 @@ impl<'a> Walk<'a> {
     }
 
     /// It returns from here.
-    fn leave(&mut self, state: State) -> Result<()> {
+    fn leave(&mut self, state: Facts) -> Result<()> {
         match &mut self.exit {
             Some(exit) => _ = exit.meet(&state)?,
             None => self.exit = Some(state),
@@ -246,7 +246,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Walks through such a piece; what is known where it returns, if it does.
-    fn piece(&mut self, entry: u32, state: State) -> Result<Option<State>> {
+    fn piece(&mut self, entry: u32, state: Facts) -> Result<Option<Facts>> {
         let mut piece = Self::new(self.program, self.returning, entry);
         piece.all(state)?;
         let Body {
@@ -265,7 +265,7 @@ impl<'a> Walk<'a> {
 }
 
 /// Behind an instruction, under each of these.
-fn behind(next: u32, conditions: &[Condition], state: &State) -> Vec<(Node, State)> {
+fn behind(next: u32, conditions: &[Condition], state: &Facts) -> Vec<(Node, Facts)> {
     conditions
         .iter()
         .map(|condition| ((next, *condition), state.clone()))

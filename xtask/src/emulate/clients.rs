@@ -28,7 +28,7 @@ pub(super) struct Played {
 
 /// Behaviour of the board's inputs of homing.
 #[derive(Clone, Copy)]
-pub(super) enum Inputs {
+pub(super) enum HomingInputs {
     /// They never close: in an emulator they are low, and a switch that is closed when low is in no
     /// scene that ships.
     Open,
@@ -36,7 +36,7 @@ pub(super) enum Inputs {
     Switches,
 }
 
-impl Inputs {
+impl HomingInputs {
     /// As `board-test` calls them.
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -69,7 +69,7 @@ impl Clients {
         scene: &SceneFile,
         scalar: &str,
         board: &Board,
-        inputs: Option<Inputs>,
+        inputs: Option<HomingInputs>,
     ) -> Result<Played> {
         let mut command = self.board_test("play", scene, scalar, board);
         if let Some(inputs) = inputs {

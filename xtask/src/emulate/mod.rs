@@ -13,7 +13,7 @@ use crate::table::table;
 use anyhow::{Context, Result, ensure};
 use board::Board;
 use clap::ValueEnum;
-use clients::{Clients, Inputs};
+use clients::{Clients, HomingInputs};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use trirrr_image::generate::{SCALARS, of_scene};
@@ -29,12 +29,12 @@ const TICK_CEILING: f64 = 1500.0;
 const LINE_SCENE: &str = "engraving";
 
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct EmulateArgs {
     /// Scenes, by name or file; all that are for a board without
     scenes: Vec<String>,
     /// Part to run; repeat for more
-    #[arg(long, value_enum, default_values_t = [Part::Jobs])]
-    part: Vec<Part>,
+    #[arg(long, value_enum, default_values_t = [EmulationPart::Jobs])]
+    part: Vec<EmulationPart>,
     /// Number type of the images [default: the scene's, f32 for f64; in `jobs` of all scenes fixed
     /// point, too]
     #[arg(long)]
@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
 
 /// Part of the emulation: one kind of run on an emulated board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Part {
+enum EmulationPart {
     /// Play each scene's job with every client, compare every sample with the host's
     Jobs,
     /// Random jobs over a line that damages every fifth frame; a client that goes
@@ -58,14 +58,14 @@ enum Part {
     Failures,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &EmulateArgs) -> Result<()> {
     let clients = Clients::build()?;
     // An emulator sleeps while its board waits for the next tick, so several boards run at once. Time on a
     // board passes with its instructions: no sample depends on how busy the host is.
     parallel::map(arguments.part.len(), &arguments.part, |part| match part {
-        Part::Jobs => jobs(arguments, &clients),
-        Part::Line => line(arguments, &clients),
-        Part::Failures => failures::run(&clients),
+        EmulationPart::Jobs => jobs(arguments, &clients),
+        EmulationPart::Line => line(arguments, &clients),
+        EmulationPart::Failures => failures::run(&clients),
     })?;
     Ok(())
 }
@@ -76,7 +76,7 @@ struct Built {
     scalar: &'static str,
     image: PathBuf,
     /// None where nobody asks for them.
-    inputs: Option<Inputs>,
+    inputs: Option<HomingInputs>,
 }
 
 impl Built {
@@ -100,7 +100,7 @@ impl Built {
             scene: scene.clone(),
             scalar,
             image,
-            inputs: Some(Inputs::Switches),
+            inputs: Some(HomingInputs::Switches),
         })
     }
 }
@@ -112,7 +112,7 @@ fn known_scalar(name: &str) -> Result<&'static str> {
         .with_context(|| format!("{name}: no number type of an image"))
 }
 
-fn jobs(arguments: &Arguments, clients: &Clients) -> Result<()> {
+fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
     let mut played = Vec::new();
     for scene in repository::scenes_named(&arguments.scenes)? {
         let read = Scene::read(&scene.path)?;
@@ -168,7 +168,7 @@ fn jobs_of(
         None | Some(Contact::Unfelt) => built,
         Some(Contact::Switch | Contact::Stall) => {
             // In an emulator its inputs stay low.
-            let inputs = Some(Inputs::Open);
+            let inputs = Some(HomingInputs::Open);
             let as_flashed = Built { inputs, ..built };
             rows.push(job(clients, &as_flashed, with_all_clients)?);
             Built::with_switches(scene, scalar)?
@@ -232,7 +232,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     Ok(vec![
         scene.name.clone(),
         (*scalar).into(),
-        inputs.map_or("-", Inputs::name).into(),
+        inputs.map_or("-", HomingInputs::name).into(),
         played.ticks.to_string(),
         played.samples.to_string(),
         played.lost.to_string(),
@@ -244,7 +244,7 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
     ])
 }
 
-fn line(arguments: &Arguments, clients: &Clients) -> Result<()> {
+fn line(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
     let names = match arguments.scenes.as_slice() {
         [] => vec![LINE_SCENE.to_owned()],
         some => some.to_vec(),

@@ -24,7 +24,7 @@ const REPEATED_NAMES: usize = 14;
 const EXAMPLES: usize = 8;
 
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub(crate) struct HouseArgs {
     /// Fail where a figure is beyond its threshold
     #[arg(long)]
     check: bool,
@@ -42,7 +42,7 @@ struct Figure {
     findings: Vec<String>,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &HouseArgs) -> Result<()> {
     let figures = figures(&Sources::read()?)?;
     let rows: Vec<Vec<String>> = figures
         .iter()

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail, ensure};
 pub(super) const CEILING: f64 = 1500.0;
 
 /// Instructions of the service's ticks, by what they do.
-pub(super) struct Service {
+pub(super) struct ServiceCounts {
     /// The job as it is.
     pub(super) job: Spread,
     /// The job with holds and resumes all along.
@@ -27,7 +27,7 @@ pub(super) fn measure(
     scalar: &'static str,
     core: &Core,
     bits: u64,
-) -> Result<Service> {
+) -> Result<ServiceCounts> {
     let image = Image {
         package: "trirrr-insns",
         binary: "serve",
@@ -44,7 +44,7 @@ pub(super) fn measure(
 }
 
 /// Reads `empty E`, then `homing T`, `tick T` and `held T` per tick, then `bits HEX`.
-fn parse(printed: &str, units: f64, bits: u64) -> Result<Service> {
+fn parse(printed: &str, units: f64, bits: u64) -> Result<ServiceCounts> {
     let mut empty = None;
     let (mut homing, mut job, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let mut found = None;
@@ -77,7 +77,7 @@ fn parse(printed: &str, units: f64, bits: u64) -> Result<Service> {
         "the results differ from the pipeline's own (checksum {found:016x}, without a service \
          {bits:016x})"
     );
-    Ok(Service {
+    Ok(ServiceCounts {
         job: Spread::of(&job)?,
         held: Spread::of(&held)?,
         homing: match homing.as_slice() {
