@@ -17,12 +17,12 @@ use clap::{Parser, Subcommand};
 Exit codes: 0 done; 1 failed, or the motion ended in a status; 2 refused: arguments, scene or \
 table; 130 ended by Ctrl-C.")]
 pub struct Cli {
-    /// What to do; without it, `run`.
+    /// Command to carry out; `run` by default
     #[command(subcommand)]
     pub command: Option<Command>,
 }
 
-/// What there is to do.
+/// Commands of the program.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a scene's job tick by tick at its rate, write a table and figures

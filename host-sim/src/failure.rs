@@ -4,7 +4,7 @@ use trirrr_client::local::Unbuildable;
 
 /// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
-pub enum Failure {
+pub enum CliError {
     /// The input is refused: a scene, a table, a number type.
     #[error("{0}")]
     Refused(String),
@@ -14,18 +14,18 @@ pub enum Failure {
     Failed(String),
 }
 
-impl From<Unbuildable> for Failure {
+impl From<Unbuildable> for CliError {
     fn from(error: Unbuildable) -> Self {
-        Failure::Refused(error.to_string())
+        CliError::Refused(error.to_string())
     }
 }
 
-impl Failure {
+impl CliError {
     /// Returns 2 for a refusal, as clap does for arguments, and 1 for a failure.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Failure::Refused(_) => 2,
-            Failure::Failed(_) => 1,
+            CliError::Refused(_) => 2,
+            CliError::Failed(_) => 1,
         }
     }
 }

@@ -41,7 +41,7 @@ impl Histogram {
         self.greatest = self.greatest.max(nanoseconds);
     }
 
-    /// How many were counted.
+    /// Number of durations counted.
     pub fn count(&self) -> u64 {
         self.total
     }

@@ -1,6 +1,6 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use clap::Args;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -34,9 +34,9 @@ pub struct LinkageArgs {
 /// # Errors
 /// Refused: the file. Failed: a file cannot be written, or the motion ends early; the positions
 /// until then are written.
-pub fn command(args: &LinkageArgs) -> Result<(), Failure> {
+pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     let mut linkage =
-        Linkage::read(&args.file).map_err(|error| Failure::Refused(error.to_string()))?;
+        Linkage::read(&args.file).map_err(|error| CliError::Refused(error.to_string()))?;
     if let Some(steps) = args.steps {
         linkage.motion.steps = steps;
     }
@@ -48,19 +48,19 @@ pub fn command(args: &LinkageArgs) -> Result<(), Failure> {
     let files = if track.positions.is_empty() {
         Vec::new()
     } else {
-        write(&linkage, &track, &folder).map_err(|error| Failure::Failed(error.to_string()))?
+        write(&linkage, &track, &folder).map_err(|error| CliError::Failed(error.to_string()))?
     };
     let mut text = header(&args.file.display().to_string(), &linkage);
     text.push_str(&summary(&linkage, &track, &files));
     match io::Write::write_all(&mut io::stdout().lock(), text.as_bytes()) {
         // A reader that closes standard output early does not want the summary.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Failure::Failed(format!("standard output: {error}")));
+            return Err(CliError::Failed(format!("standard output: {error}")));
         }
         _ => {}
     }
     match &track.stop {
-        Some(stop) => Err(Failure::Failed(stopped(&linkage, stop))),
+        Some(stop) => Err(CliError::Failed(stopped(&linkage, stop))),
         None => Ok(()),
     }
 }

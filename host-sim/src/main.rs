@@ -8,8 +8,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use trirrr_host_sim::cli::{Cli, Command};
-use trirrr_host_sim::failure::Failure;
-use trirrr_host_sim::run::{End, RunArgs};
+use trirrr_host_sim::failure::CliError;
+use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::{device, eval, linkage, report, run, stream};
 
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
 }
 
 /// Returns the flag that Ctrl-C raises.
-fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+fn on_interrupt() -> Result<Arc<AtomicBool>, CliError> {
     let stop = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -48,24 +48,26 @@ fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
             std::process::exit(i32::from(INTERRUPTED));
         }
     })
-    .map_err(|error| Failure::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
+    .map_err(|error| CliError::Failed(format!("Ctrl-C cannot be handled: {error}")))?;
     Ok(stop)
 }
 
-fn stream(args: &StreamArgs) -> Result<ExitCode, Failure> {
+fn stream(args: &StreamArgs) -> Result<ExitCode, CliError> {
     let stop = on_interrupt()?;
     match stream::command(args, &stop)? {
-        stream::End::Stopped if stop.load(Ordering::Relaxed) => Ok(ExitCode::from(INTERRUPTED)),
-        stream::End::Stopped | stream::End::Complete => Ok(ExitCode::SUCCESS),
+        stream::StreamEnd::Stopped if stop.load(Ordering::Relaxed) => {
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        stream::StreamEnd::Stopped | stream::StreamEnd::Complete => Ok(ExitCode::SUCCESS),
     }
 }
 
-fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let stop = on_interrupt()?;
     match run::command(args, &stop)? {
-        End::Complete => Ok(ExitCode::SUCCESS),
-        End::Stopped => Ok(ExitCode::from(INTERRUPTED)),
-        End::Refused(why) => Err(Failure::Refused(why)),
-        End::Fault(what) => Err(Failure::Failed(format!("fault: {what}"))),
+        JobEnd::Complete => Ok(ExitCode::SUCCESS),
+        JobEnd::Stopped => Ok(ExitCode::from(INTERRUPTED)),
+        JobEnd::Refused(why) => Err(CliError::Refused(why)),
+        JobEnd::Fault(what) => Err(CliError::Failed(format!("fault: {what}"))),
     }
 }

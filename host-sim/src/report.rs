@@ -1,10 +1,10 @@
 //! `trirrr report`: errors, run times and extremes, by the crate `trirrr-report`.
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
-use trirrr_report::{ReportError, Section, refresh, write};
+use trirrr_report::{ReportError, ReportSection, refresh, write};
 
 /// `trirrr report`.
 ///
@@ -17,16 +17,17 @@ pub struct ReportArgs {
     pub out: PathBuf,
     /// A part of the report; repeat for more [default: all of them]
     #[arg(long, value_parser = section())]
-    pub section: Vec<Section>,
+    pub section: Vec<ReportSection>,
     /// A Markdown file whose copies of the report's parts are replaced, and the figures in
     /// `images` beside it
     #[arg(long, value_name = "FILE.md")]
     pub docs: Option<PathBuf>,
 }
 
-fn section() -> impl TypedValueParser<Value = Section> {
-    let named = |section: Section| PossibleValue::new(section.name()).help(section.about());
-    PossibleValuesParser::new(Section::ALL.map(named)).try_map(|name| name.parse::<Section>())
+fn section() -> impl TypedValueParser<Value = ReportSection> {
+    let named = |section: ReportSection| PossibleValue::new(section.name()).help(section.about());
+    PossibleValuesParser::new(ReportSection::ALL.map(named))
+        .try_map(|name| name.parse::<ReportSection>())
 }
 
 /// Writes the report and, where asked to, refreshes the copies in a document.
@@ -34,9 +35,9 @@ fn section() -> impl TypedValueParser<Value = Section> {
 /// # Errors
 /// Refused: a document that cannot be read or whose markers do not match. Failed: something cannot
 /// be written.
-pub fn command(args: &ReportArgs) -> Result<(), Failure> {
+pub fn command(args: &ReportArgs) -> Result<(), CliError> {
     let sections = match args.section.as_slice() {
-        [] => &Section::ALL,
+        [] => &ReportSection::ALL,
         some => some,
     };
     let report = write(sections, &args.out)?;
@@ -49,11 +50,11 @@ pub fn command(args: &ReportArgs) -> Result<(), Failure> {
     }
 }
 
-impl From<ReportError> for Failure {
+impl From<ReportError> for CliError {
     fn from(error: ReportError) -> Self {
         match error {
-            ReportError::Refused(reason) => Failure::Refused(reason),
-            ReportError::Failed(reason) => Failure::Failed(reason),
+            ReportError::Refused(reason) => CliError::Refused(reason),
+            ReportError::Failed(reason) => CliError::Failed(reason),
         }
     }
 }

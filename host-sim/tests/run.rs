@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
-use trirrr_host_sim::run::{End, simulate};
+use trirrr_host_sim::run::{JobEnd, simulate};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
@@ -289,7 +289,7 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     for (scalar, paced) in [(NumberType::F64, false), (NumberType::F32, true)] {
         let never = AtomicBool::new(false);
         let report = simulate(&scene, scalar, paced, folder.path(), &never).unwrap();
-        let End::Refused(why) = report.end else {
+        let JobEnd::Refused(why) = report.end else {
             panic!("{:?}", report.end);
         };
         assert!(
@@ -323,7 +323,7 @@ fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
     let folder = TempDir::new().unwrap();
     let never = AtomicBool::new(false);
     let report = simulate(&scene, NumberType::F32, false, folder.path(), &never).unwrap();
-    let End::Refused(why) = report.end else {
+    let JobEnd::Refused(why) = report.end else {
         panic!("{:?}", report.end);
     };
     assert!(why.starts_with("move 22 is not admitted: "), "{why}");
@@ -338,7 +338,7 @@ fn a_stop_before_the_start_writes_a_table_without_rows() {
     let folder = TempDir::new().unwrap();
     let stopped = AtomicBool::new(true);
     let report = simulate(&scene, NumberType::F64, true, folder.path(), &stopped).unwrap();
-    assert_eq!(report.end, End::Stopped);
+    assert_eq!(report.end, JobEnd::Stopped);
     assert!(rows(folder.path()).is_empty());
 }
 

@@ -23,7 +23,7 @@ fn there_and_back() -> Scene {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
     let mut scene = Scene::read(file).unwrap();
     let last = *scene.job.moves.last().unwrap();
-    scene.job.moves.push(scene::Move {
+    scene.job.moves.push(scene::JobMove {
         from: last.to,
         to: scene.job.start,
         start_velocity: last.end_velocity,

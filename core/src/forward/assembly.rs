@@ -8,7 +8,7 @@ use super::isolate::{isolate, refine};
 use super::modes::{Assemblies, Assembly, AssemblyError, Completeness};
 use super::newton::Forward;
 use super::polynomial::Polynomial;
-use super::search::Search;
+use super::search::PoseSearch;
 use crate::number::Number;
 use crate::setpoint::Pose;
 
@@ -27,7 +27,7 @@ impl<N: Number> Forward<N> {
             return Err(AssemblyError::OutOfRange);
         }
         let isolated = isolate(&f);
-        let mut search = Search::new(self, elbows);
+        let mut search = PoseSearch::new(self, elbows);
         search.found.arcs = isolated.visited;
         // Simple roots first: a pose found on an undecided arc may be one of them.
         for arc in isolated.arcs().iter().filter(|arc| arc.simple_root) {

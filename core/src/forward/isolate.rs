@@ -78,7 +78,7 @@ impl<N: Number> Isolated<N> {
 /// An end of an arc and the sign of f there. It is computed once and holds for the arcs on both
 /// sides, so that a root at an end belongs to exactly one of them.
 #[derive(Clone, Copy)]
-struct End<N> {
+struct ArcEnd<N> {
     alpha: N,
     positive: bool,
 }
@@ -98,7 +98,7 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
         visited: 0,
     };
     let pi = N::from_f64(core::f64::consts::PI);
-    let end = |alpha: N| End {
+    let end = |alpha: N| ArcEnd {
         alpha,
         positive: f.is_positive(alpha),
     };
@@ -109,7 +109,7 @@ pub(super) fn isolate<N: Number>(f: &Polynomial<N>) -> Isolated<N> {
     let mut ends = [start; MOST_HALVINGS + 1];
     for index in 1..=FIRST_ARCS {
         let high = if index == FIRST_ARCS {
-            End { alpha: pi, ..start }
+            ArcEnd { alpha: pi, ..start }
         } else {
             let turns = N::ratio(index, FIRST_ARCS);
             end((turns + turns - N::ONE) * pi)

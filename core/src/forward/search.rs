@@ -20,7 +20,7 @@ struct Crossing<N> {
 }
 
 /// A search for the poses of the isolated roots.
-pub(super) struct Search<'a, N: Number> {
+pub(super) struct PoseSearch<'a, N: Number> {
     forward: &'a Forward<N>,
     elbows: [Vector2<N>; 3],
     /// Largest length error that rounding of the joints' places can cause.
@@ -30,7 +30,7 @@ pub(super) struct Search<'a, N: Number> {
     pub(super) found: Assemblies<N>,
 }
 
-impl<'a, N: Number> Search<'a, N> {
+impl<'a, N: Number> PoseSearch<'a, N> {
     pub(super) fn new(forward: &'a Forward<N>, elbows: [Vector2<N>; 3]) -> Self {
         let mut reach = N::ZERO;
         let mut shortest = forward.legs[0].l2;

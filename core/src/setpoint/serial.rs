@@ -45,8 +45,8 @@ where
     N::Angle: Deserialize<'de>,
 {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        type Parts<N> = (Pose<N>, [N; 3], [N; 3]);
-        let (pose, velocity, acceleration): Parts<N> = Deserialize::deserialize(deserializer)?;
+        let (pose, velocity, acceleration): (Pose<N>, [N; 3], [N; 3]) =
+            Deserialize::deserialize(deserializer)?;
         Ok(Self {
             pose,
             velocity: Vector3::from(velocity),

@@ -5,7 +5,7 @@ use trirrr_protocol::message::{Acting, Fault, Refusal, Start, State, Transmit, V
 
 /// Reason why a job was not played to its end. Moves are counted from 0 here and from 1 in texts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Failure<N: Transmit> {
+pub enum JobFailure<N: Transmit> {
     /// The machine was not idle and empty when the conversation began.
     Occupied(State),
     /// A command was refused.
@@ -40,7 +40,7 @@ pub enum Failure<N: Transmit> {
     Restarted(Start),
 }
 
-impl<N: Transmit> Failure<N> {
+impl<N: Transmit> JobFailure<N> {
     /// Describes the failure in words and SI units. `ticks` is the duration of the move that failed.
     pub(crate) fn describe(&self, ticks: u32, units: &Units) -> String {
         match self {

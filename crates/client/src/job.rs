@@ -17,7 +17,7 @@ pub fn pose<N: Transmit>(pose: &Pose<f64>) -> Pose<N> {
     Pose::from_f64(pose.position.x, pose.position.y, pose.angle)
 }
 
-fn offer<N: Transmit>(each: &scene::Move, number: u32) -> Move<N> {
+fn offer<N: Transmit>(each: &scene::JobMove, number: u32) -> Move<N> {
     let (power, speed) = match each.tool {
         Some(tool) => (tool.power, tool.speed_m_s),
         None => (0.0, 0.0),

@@ -11,7 +11,8 @@
 //! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it. [`job`]
 //! turns a scene's job into moves, [`records`] turns telemetry into records, and [`describe`] says
 //! in words and SI units what a machine reports.
-
+// The example of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
 pub mod describe;
@@ -22,14 +23,8 @@ mod job_client;
 pub mod local;
 pub mod records;
 pub mod runner;
-
 pub mod transport;
 
 pub use exchange::Patience;
-pub use failure::Failure;
+pub use failure::JobFailure;
 pub use job_client::{Action, JobClient, UserCommand};
-
-/// Example of the README, compiled as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -2,7 +2,7 @@
 
 use crate::job_client::{Action, JobClient};
 use crate::local::LocalService;
-use crate::{Failure, Patience};
+use crate::{JobFailure, Patience};
 use std::time::Duration;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{
@@ -21,7 +21,7 @@ pub struct PlayedTick<N: Transmit> {
 
 /// Part of a job that a runner is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum JobPart {
     /// The path has not begun.
     Before,
     /// The next tick is one of the path.
@@ -37,7 +37,7 @@ pub enum Part {
 pub struct JobRunner<'a, N: ServiceNumber> {
     service: &'a mut dyn LocalService<N>,
     client: JobClient<N>,
-    part: Part,
+    part: JobPart,
     period: Duration,
     now: Duration,
 }
@@ -58,25 +58,25 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         Self {
             service,
             client: client.with_status_every(period),
-            part: Part::Before,
+            part: JobPart::Before,
             period,
             now: Duration::ZERO,
         }
     }
 
     /// Returns the part of the job that the next tick belongs to.
-    pub fn part(&self) -> Part {
+    pub fn part(&self) -> JobPart {
         self.part
     }
 
     /// Describes `failure` in words and SI units.
-    pub fn describe(&self, failure: &Failure<N>) -> String {
+    pub fn describe(&self, failure: &JobFailure<N>) -> String {
         self.client.describe(failure)
     }
 
     /// Lets client and machine talk until they wait for a tick. Returns the end of the job once the
     /// client knows it.
-    pub fn talk(&mut self) -> Option<Result<(), Failure<N>>> {
+    pub fn talk(&mut self) -> Option<Result<(), JobFailure<N>>> {
         loop {
             match self.client.poll(self.now) {
                 Action::Send(request) => {
@@ -91,7 +91,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                         // The tick takes one order at a time: the one after a start is the first of
                         // the path.
                         if matches!(command, Command::Start) {
-                            self.part = Part::Path;
+                            self.part = JobPart::Path;
                         }
                         return None;
                     }
@@ -115,7 +115,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         let mut played = None;
         while let Some(message) = self.service.outgoing() {
             match message {
-                Message::Telemetry(sample) if self.part != Part::Before => {
+                Message::Telemetry(sample) if self.part != JobPart::Before => {
                     played = Some(PlayedTick {
                         sample,
                         motion: self.service.motion().map(|(_, motion)| *motion),
@@ -127,7 +127,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         if let Some(PlayedTick { sample, .. }) = &played
             && self.client.is_last(sample)
         {
-            self.part = Part::After;
+            self.part = JobPart::After;
         }
         played
     }

@@ -25,6 +25,8 @@
 //!
 //! Motors and drives are counted from 0. Angles, rates and torques are those of the joint, positive
 //! counter-clockwise. A `reversed` drive turns its joint clockwise when it turns forward.
+// The example of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 // Comparisons with not-a-number are false. Guards are written `!(x > limit)`, so that such a value is refused;
@@ -42,7 +44,3 @@ mod winding;
 
 pub use enable::{Active, Enable};
 pub use failure::Failure;
-
-#[doc = include_str!("../README.md")]
-#[cfg(doctest)]
-struct ReadmeExamples;

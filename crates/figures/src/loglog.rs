@@ -82,7 +82,7 @@ pub fn draw(figure: &LogLog<'_>) -> Drawn {
         .chain(figure.fronts.iter().map(|front| front.label.as_str()))
         .map(|label| Size::Label.width(label))
         .fold(0.0, f64::max);
-    let frame = Frame::around(figure, WIDTH - widest - 56.0);
+    let frame = DecadeFrame::around(figure, WIDTH - widest - 56.0);
     page(WIDTH, TOP + HEIGHT + BOTTOM, |canvas| {
         let middle = (WIDTH / 2.0, 26.0);
         canvas.text(figure.title, middle, Size::Title, CENTRED, INK)?;
@@ -110,14 +110,14 @@ pub fn draw(figure: &LogLog<'_>) -> Drawn {
 }
 
 /// The area of the axes, which run over whole decades.
-struct Frame {
+struct DecadeFrame {
     right: f64,
     /// Decimal exponents at the ends.
     x: (i32, i32),
     y: (i32, i32),
 }
 
-impl Frame {
+impl DecadeFrame {
     fn around(figure: &LogLog<'_>, right: f64) -> Self {
         let points = || {
             let of_series = figure.series.iter().flat_map(|series| &series.points);
@@ -297,7 +297,7 @@ mod tests {
                 points: vec![(30.0, 2e-7), (4000.0, 3e-16)],
             }],
         };
-        let frame = Frame::around(&figure, 700.0);
+        let frame = DecadeFrame::around(&figure, 700.0);
         assert_eq!((frame.x, frame.y), ((1, 4), (-16, -6)));
         assert_eq!(frame.at((10.0, 1e-16)), (LEFT, TOP + HEIGHT));
         assert_eq!(frame.at((1e4, 1e-6)), (700.0, TOP));

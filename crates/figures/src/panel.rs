@@ -64,7 +64,7 @@ pub fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> 
         canvas.text(title, (WIDTH / 2.0, 26.0), Size::Title, CENTRED, INK)?;
         for (row, (panel, axis)) in panels.iter().zip(&axes).enumerate() {
             let top = TOP + row as f64 * (height + GAP);
-            let frame = Frame {
+            let frame = PanelFrame {
                 left,
                 right: WIDTH - right,
                 top,
@@ -120,7 +120,7 @@ pub fn axis_title(quantity: &str, unit: &str) -> String {
     }
 }
 
-struct Frame<'a> {
+struct PanelFrame<'a> {
     left: f64,
     right: f64,
     top: f64,
@@ -130,7 +130,7 @@ struct Frame<'a> {
     axis: &'a Axis,
 }
 
-impl Frame<'_> {
+impl PanelFrame<'_> {
     fn x(&self, time: f64) -> f64 {
         self.left + self.over.fraction(time) * (self.right - self.left)
     }

@@ -68,7 +68,7 @@ impl Axis {
             let pad = (to - from) / 20.0;
             (from, to) = (from - pad, to + pad);
         }
-        let step = Step::for_span((to - from) / intervals);
+        let step = TickDistance::for_span((to - from) / intervals);
         let ticks = step
             .multiples(from, to)
             .map(|count| (step.value(count) * factor, step.label(count)))
@@ -92,12 +92,12 @@ impl Axis {
 
 /// A tick distance of 1, 2 or 5 times a power of ten, held in integers.
 #[derive(Clone, Copy)]
-struct Step {
+struct TickDistance {
     mantissa: i64,
     exponent: i32,
 }
 
-impl Step {
+impl TickDistance {
     /// The smallest step not below `span`.
     fn for_span(span: f64) -> Self {
         let exponent = span.log10().floor() as i32;

@@ -295,16 +295,16 @@ impl<const N: usize, S: System<N>> Probe<'_, N, S> {
             // Beyond zero, or not yet?
             if (next.value < 0.0) == (from.value < 0.0) && next.value != 0.0 {
                 (from, weight_from) = (next, next.value);
-                if stayed == Some(End::To) {
+                if stayed == Some(IntervalEnd::To) {
                     weight_to *= 0.5;
                 }
-                stayed = Some(End::To);
+                stayed = Some(IntervalEnd::To);
             } else {
                 (to, weight_to) = (next, next.value);
-                if stayed == Some(End::From) {
+                if stayed == Some(IntervalEnd::From) {
                     weight_from *= 0.5;
                 }
-                stayed = Some(End::From);
+                stayed = Some(IntervalEnd::From);
             }
         }
         Some(to.t)
@@ -313,7 +313,7 @@ impl<const N: usize, S: System<N>> Probe<'_, N, S> {
 
 /// An end of an interval.
 #[derive(Clone, Copy, PartialEq)]
-enum End {
+enum IntervalEnd {
     From,
     To,
 }

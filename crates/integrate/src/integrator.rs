@@ -10,7 +10,7 @@ use crate::semi_implicit_euler::SemiImplicitEuler;
 use crate::stepper::{Change, Stepper};
 use crate::system::{Action, System};
 use crate::tally::Tally;
-use crate::walk::Clock;
+use crate::walk::StepLoop;
 
 /// Steps allowed, accepted or not, where nothing else is chosen: a minute or so.
 const BUDGET: u64 = 50_000_000;
@@ -31,12 +31,12 @@ pub enum End {
 #[derive(Clone, Debug)]
 pub struct Integrator<const N: usize> {
     method: Method,
-    stepper: Kind<N>,
-    clock: Clock<N>,
+    stepper: AnyStepper<N>,
+    clock: StepLoop<N>,
 }
 
 #[derive(Clone, Debug)]
-enum Kind<const N: usize> {
+enum AnyStepper<const N: usize> {
     SemiImplicitEuler(SemiImplicitEuler),
     Rk4(Rk4),
     DormandPrince(DormandPrince<N>),
@@ -56,27 +56,27 @@ impl<const N: usize> Integrator<N> {
         }
         let (stepper, interpolant) = match method {
             Method::SemiImplicitEuler { step_s } => (
-                Kind::SemiImplicitEuler(SemiImplicitEuler::new(
+                AnyStepper::SemiImplicitEuler(SemiImplicitEuler::new(
                     step_s,
                     system.positions(),
                     method.name(),
                 )?),
                 SemiImplicitEuler::INTERPOLANT,
             ),
-            Method::Rk4 { step_s } => (Kind::Rk4(Rk4::new(step_s)), Rk4::INTERPOLANT),
+            Method::Rk4 { step_s } => (AnyStepper::Rk4(Rk4::new(step_s)), Rk4::INTERPOLANT),
             Method::DormandPrince { tolerance } => (
-                Kind::DormandPrince(DormandPrince::new(tolerance, scales)),
+                AnyStepper::DormandPrince(DormandPrince::new(tolerance, scales)),
                 DormandPrince::<N>::INTERPOLANT,
             ),
             Method::RadauIia { tolerance } => (
-                Kind::RadauIia(Box::new(RadauIia::new(tolerance, scales))),
+                AnyStepper::RadauIia(Box::new(RadauIia::new(tolerance, scales))),
                 RadauIia::<N>::INTERPOLANT,
             ),
         };
         Ok(Self {
             method,
             stepper,
-            clock: Clock::new(interpolant, system.events(), &scales, &method, BUDGET),
+            clock: StepLoop::new(interpolant, system.events(), &scales, &method, BUDGET),
         })
     }
 
@@ -109,10 +109,10 @@ impl<const N: usize> Integrator<N> {
     fn restart(&mut self, change: Change) {
         self.clock.restart();
         match &mut self.stepper {
-            Kind::SemiImplicitEuler(stepper) => Stepper::<N>::restart(stepper, change),
-            Kind::Rk4(stepper) => Stepper::<N>::restart(stepper, change),
-            Kind::DormandPrince(stepper) => stepper.restart(change),
-            Kind::RadauIia(stepper) => stepper.restart(change),
+            AnyStepper::SemiImplicitEuler(stepper) => Stepper::<N>::restart(stepper, change),
+            AnyStepper::Rk4(stepper) => Stepper::<N>::restart(stepper, change),
+            AnyStepper::DormandPrince(stepper) => stepper.restart(change),
+            AnyStepper::RadauIia(stepper) => stepper.restart(change),
         }
     }
 
@@ -137,14 +137,14 @@ impl<const N: usize> Integrator<N> {
         clock.begin(start, y);
         let method = &self.method;
         match &mut self.stepper {
-            Kind::SemiImplicitEuler(stepper) => {
+            AnyStepper::SemiImplicitEuler(stepper) => {
                 clock.walk(method, stepper, system, y, end, &mut observe)
             }
-            Kind::Rk4(stepper) => clock.walk(method, stepper, system, y, end, &mut observe),
-            Kind::DormandPrince(stepper) => {
+            AnyStepper::Rk4(stepper) => clock.walk(method, stepper, system, y, end, &mut observe),
+            AnyStepper::DormandPrince(stepper) => {
                 clock.walk(method, stepper, system, y, end, &mut observe)
             }
-            Kind::RadauIia(stepper) => {
+            AnyStepper::RadauIia(stepper) => {
                 clock.walk(method, stepper.as_mut(), system, y, end, &mut observe)
             }
         }

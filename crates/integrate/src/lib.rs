@@ -17,13 +17,9 @@
 //! [`Spectrum`] says from the eigenvalues of the linearisation how stiff a system is:
 //! [`stability::choose`] chooses a method by that, [`stability::warning`] says what speaks against
 //! one that somebody chose.
-
-#![forbid(unsafe_code)]
-
 // The example of the README is a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
+#![forbid(unsafe_code)]
 
 mod control;
 pub mod dense;

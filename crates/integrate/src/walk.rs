@@ -20,7 +20,7 @@ const CHATTER_WINDOW_S: f64 = 32e-9;
 
 /// State of the loop, common to all methods.
 #[derive(Clone, Debug)]
-pub(crate) struct Clock<const N: usize> {
+pub(crate) struct StepLoop<const N: usize> {
     dense: Dense<N>,
     watch: Watch,
     pub(crate) tally: Tally,
@@ -33,7 +33,7 @@ pub(crate) struct Clock<const N: usize> {
     chatter: (u32, f64, f64),
 }
 
-impl<const N: usize> Clock<N> {
+impl<const N: usize> StepLoop<N> {
     /// For a system with so many events, of these scales.
     pub(crate) fn new(
         interpolant: Interpolant,

@@ -1,7 +1,7 @@
 //! Time of a run: samples, rows and the end.
 
 /// Samples, rows and the end, in the order of time.
-pub(crate) struct Clock {
+pub(crate) struct RunClock {
     pub(crate) t: f64,
     /// The next sample and row.
     pub(crate) sample: u64,
@@ -11,7 +11,7 @@ pub(crate) struct Clock {
     pub(crate) end: f64,
 }
 
-impl Clock {
+impl RunClock {
     /// Instants closer than this are one.
     fn together(&self) -> f64 {
         1e-9 * self

@@ -1,7 +1,7 @@
 //! Commands of the motors: held from sample to sample, or by a controller that acts at every instant.
 
 use crate::mechanics::Mechanics;
-use crate::motor::{Motor, Winding, wrapped};
+use crate::motor::{MotorModel, Winding, wrapped};
 use crate::path::JobPath;
 use crate::refusal::Refusal;
 use trirrr_drives::bldc::DriveLimit;
@@ -146,12 +146,12 @@ impl Continuous {
     pub fn command(
         &self,
         index: usize,
-        motor: &Motor,
+        motor: &MotorModel,
         reference: &JointReference,
         measured: &Measured,
     ) -> f64 {
         let torque = self.torque(index, reference, measured);
-        let Motor::Bldc(winding) = motor else {
+        let MotorModel::Bldc(winding) = motor else {
             return torque;
         };
         let limited = &self.limited[index];

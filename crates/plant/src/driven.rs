@@ -1,13 +1,13 @@
 //! Drives on the ticks of a job.
 
-use crate::drives::Drives;
+use crate::drives::SimulatedDrives;
 use crate::refusal::Refusal;
 use trirrr_core::number::Number;
 use trirrr_service::Output;
 
 /// Drives, and the ticks that the service gave them.
 pub(crate) struct Driven<'l, N: Number> {
-    pub(crate) drives: Box<dyn Drives<N> + 'l>,
+    pub(crate) drives: Box<dyn SimulatedDrives<N> + 'l>,
     pub(crate) per_tick: u32,
     /// Ticks of the job.
     job: u32,
@@ -19,7 +19,7 @@ pub(crate) struct Driven<'l, N: Number> {
 
 impl<'l, N: Number> Driven<'l, N> {
     /// Joins `drives`, which take `per_tick` samples in a tick, to a job of `job` ticks.
-    pub(crate) fn new(drives: Box<dyn Drives<N> + 'l>, per_tick: u32, job: u32) -> Self {
+    pub(crate) fn new(drives: Box<dyn SimulatedDrives<N> + 'l>, per_tick: u32, job: u32) -> Self {
         Self {
             drives,
             per_tick,

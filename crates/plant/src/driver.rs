@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 /// Three drivers on one enable line.
 #[derive(Debug, Default)]
 pub(crate) struct Drivers {
-    axes: [Axis; 3],
+    axes: [StepInputs; 3],
     /// Level of the enable line.
     enable: AtomicBool,
     /// Level at which the drivers are on.
@@ -16,7 +16,7 @@ pub(crate) struct Drivers {
 }
 
 #[derive(Debug, Default)]
-struct Axis {
+struct StepInputs {
     step: AtomicBool,
     direction: AtomicBool,
     microsteps: AtomicI32,
@@ -24,7 +24,7 @@ struct Axis {
 
 /// Input of a driver.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Input {
+pub(crate) enum DriverInput {
     /// Step input of an axis, which acts at its rising edge.
     Step(usize),
     /// Direction input of an axis: high counts up.
@@ -37,7 +37,7 @@ pub(crate) enum Input {
 #[derive(Debug)]
 pub(crate) struct Pin {
     drivers: Arc<Drivers>,
-    input: Input,
+    input: DriverInput,
 }
 
 impl Drivers {
@@ -51,7 +51,7 @@ impl Drivers {
     }
 
     /// Pin wired to `input`.
-    pub(crate) fn pin(self: &Arc<Self>, input: Input) -> Pin {
+    pub(crate) fn pin(self: &Arc<Self>, input: DriverInput) -> Pin {
         Pin {
             drivers: Arc::clone(self),
             input,
@@ -60,15 +60,17 @@ impl Drivers {
 
     /// Microsteps that each axis has taken since the start, modulo 2^32.
     pub(crate) fn microsteps(&self) -> [i32; 3] {
-        let count = |axis: &Axis| axis.microsteps.load(Ordering::Relaxed);
+        let count = |axis: &StepInputs| axis.microsteps.load(Ordering::Relaxed);
         self.axes.each_ref().map(count)
     }
 
-    fn set(&self, input: Input, high: bool) {
+    fn set(&self, input: DriverInput, high: bool) {
         match input {
-            Input::Enable => self.enable.store(high, Ordering::Relaxed),
-            Input::Direction(axis) => self.axes[axis].direction.store(high, Ordering::Relaxed),
-            Input::Step(axis) => {
+            DriverInput::Enable => self.enable.store(high, Ordering::Relaxed),
+            DriverInput::Direction(axis) => {
+                self.axes[axis].direction.store(high, Ordering::Relaxed)
+            }
+            DriverInput::Step(axis) => {
                 let axis = &self.axes[axis];
                 let was_high = axis.step.swap(high, Ordering::Relaxed);
                 let on = self.enable.load(Ordering::Relaxed) == self.on_high;

@@ -3,7 +3,7 @@
 use crate::control::{Commands, Measured};
 use crate::joint_control::JointDrives;
 use crate::refusal::Refusal;
-use crate::steppers::{self, StepperDrives};
+use crate::steppers::{self, SimulatedSteppers};
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
@@ -14,7 +14,7 @@ use trirrr_scene::{DriveKind, NumberType, Scene, Timing};
 use trirrr_service::Output;
 
 /// The three drives of a machine whose ticks are in the number type `N`.
-pub(crate) trait Drives<N: Number>: Send {
+pub(crate) trait SimulatedDrives<N: Number>: Send {
     /// Takes the output of a tick.
     ///
     /// # Errors
@@ -53,10 +53,10 @@ pub(crate) fn build<'l, N: Countable>(
     units: Units,
     start: [f64; 3],
     line: &'l Line,
-) -> Result<Box<dyn Drives<N> + 'l>, Refusal> {
+) -> Result<Box<dyn SimulatedDrives<N> + 'l>, Refusal> {
     let per_tick = samples_per_tick(scene)?;
     if let Some(motors) = steppers::of_scene(scene) {
-        let drives = StepperDrives::build(scene, &motors, per_tick, units, start, line)?;
+        let drives = SimulatedSteppers::build(scene, &motors, per_tick, units, start, line)?;
         return Ok(Box::new(drives));
     }
     if let Some(drives) = &scene.drives

@@ -5,7 +5,7 @@ use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
 use crate::leg::LegState;
 use crate::mechanics::JointMoments;
 use crate::model::{Control, Plant};
-use crate::motor::{Motor, wrapped};
+use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 
 impl<const N: usize> Plant<N> {
@@ -86,9 +86,9 @@ impl<const N: usize> Plant<N> {
         rate: f64,
     ) -> f64 {
         match &self.motors[leg] {
-            Motor::Ideal => told,
-            Motor::Bldc(winding) => winding.torque_constant * Self::current(y, leg),
-            Motor::Stepper(field) => {
+            MotorModel::Ideal => told,
+            MotorModel::Bldc(winding) => winding.torque_constant * Self::current(y, leg),
+            MotorModel::Stepper(field) => {
                 let angle = self.rotor(leg, state, y).angle - self.start[leg];
                 field.torque(told, angle, rate)
             }
@@ -132,7 +132,7 @@ impl<const N: usize> Plant<N> {
                 rate1
             };
             let torque = self.motor_torque(leg, told[leg], state, y, rate);
-            if let Motor::Bldc(winding) = &self.motors[leg] {
+            if let MotorModel::Bldc(winding) = &self.motors[leg] {
                 let current = Self::current(y, leg);
                 if Self::CURRENTS {
                     dy[Self::LAYOUT.current() + leg] =

@@ -4,7 +4,7 @@ use crate::friction::Region;
 use crate::layout::RATES;
 use crate::leg::{LegState, det_a};
 use crate::model::{Control, Plant};
-use crate::motor::{Motor, wrapped};
+use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 use crate::watch::{Cause, Ending, Watch};
 
@@ -61,7 +61,7 @@ impl<const N: usize> Plant<N> {
                     self.joint_rate(kind, leg, &legs[leg], y) - side * stick
                 }
                 Watch::Slip(leg) => match &self.motors[leg] {
-                    Motor::Stepper(field) => {
+                    MotorModel::Stepper(field) => {
                         let angle = self.rotor(leg, &legs[leg], y).angle - self.start[leg];
                         field.slip_edge(self.held[leg], angle)
                     }
@@ -78,7 +78,7 @@ impl<const N: usize> Plant<N> {
                                     let angle = self.mechanics.motor_angle(leg, &legs[leg]);
                                     wrapped(reference.angle - angle).abs() - limit
                                 }
-                                (watch, Motor::Bldc(winding)) => {
+                                (watch, MotorModel::Bldc(winding)) => {
                                     let margins =
                                         continuous.margins(leg, winding, reference, &measured);
                                     match watch {
@@ -158,7 +158,7 @@ impl<const N: usize> Plant<N> {
     ) -> Result<(), Refusal> {
         let legs = self.legs(y)?;
         let measured = self.rotor(leg, &legs[leg], y);
-        let (Control::Continuous(continuous), Motor::Bldc(winding)) =
+        let (Control::Continuous(continuous), MotorModel::Bldc(winding)) =
             (&mut self.control, &self.motors[leg])
         else {
             return Ok(());
@@ -177,7 +177,7 @@ impl<const N: usize> Plant<N> {
 
     /// Counts the stable positions that the rotor of `leg` has fallen since it was last looked at.
     pub(crate) fn note_slip(&mut self, t: f64, leg: usize, state: &LegState, y: &[f64; N]) {
-        let Motor::Stepper(field) = &self.motors[leg] else {
+        let MotorModel::Stepper(field) = &self.motors[leg] else {
             return;
         };
         let angle = self.rotor(leg, state, y).angle - self.start[leg];

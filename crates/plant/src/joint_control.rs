@@ -2,7 +2,7 @@
 //! rate above that of the ticks.
 
 use crate::control::{Commands, Measured};
-use crate::drives::{Drives, reference};
+use crate::drives::{SimulatedDrives, reference};
 use crate::refusal::Refusal;
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
@@ -24,11 +24,11 @@ pub(crate) struct JointDrives<D: Number> {
 struct Joint<D: Number> {
     reference: Reference<D>,
     inner: Loop<D>,
-    stage: Stage<D>,
+    stage: PowerStage<D>,
 }
 
 /// Power stage of a motor.
-enum Stage<D> {
+enum PowerStage<D> {
     /// Gives the torque as commanded.
     Torque,
     /// Gives a voltage, as a share of the supply in V.
@@ -69,14 +69,14 @@ impl<D: Number> JointDrives<D> {
     }
 }
 
-fn stage<D: Number>(scene: &Scene, leg: usize) -> Stage<D> {
+fn stage<D: Number>(scene: &Scene, leg: usize) -> PowerStage<D> {
     let Some(drives) = &scene.drives else {
-        return Stage::Torque;
+        return PowerStage::Torque;
     };
     let DriveKind::Bldc(bldc) = drives[leg].kind else {
-        return Stage::Torque;
+        return PowerStage::Torque;
     };
-    Stage::Voltage {
+    PowerStage::Voltage {
         drive: Bldc::build(&BldcParameters {
             gear_ratio: drives[leg].gear_ratio,
             resistance_ohm: bldc.resistance_ohm,
@@ -89,7 +89,7 @@ fn stage<D: Number>(scene: &Scene, leg: usize) -> Stage<D> {
     }
 }
 
-impl<N: Number, D: Number> Drives<N> for JointDrives<D> {
+impl<N: Number, D: Number> SimulatedDrives<N> for JointDrives<D> {
     fn tick(&mut self, output: &Output<N>) -> Result<(), Refusal> {
         for (joint, motor) in self.joints.iter_mut().zip(&output.motors) {
             joint.reference = reference(motor, &self.units);
@@ -108,8 +108,8 @@ impl<N: Number, D: Number> Drives<N> for JointDrives<D> {
             let rate = D::from_f64(measured[leg].rate);
             let torque = joint.inner.torque(&reference, angle, rate);
             commands.held[leg] = match &joint.stage {
-                Stage::Torque => torque.to_f64(),
-                Stage::Voltage { drive, supply_v } => {
+                PowerStage::Torque => torque.to_f64(),
+                PowerStage::Voltage { drive, supply_v } => {
                     let command = drive.command(torque, rate);
                     commands.limited[leg] = command.limited;
                     command.duty.to_f64() * supply_v

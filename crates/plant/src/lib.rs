@@ -16,13 +16,9 @@
 //! | `sampling` | measurements of the drives, and their commands |
 //! | [`run`], [`job`], [`outcome`] | a whole run |
 //! | [`statistics`], [`table`] | results gathered over a run |
-
-#![forbid(unsafe_code)]
-
 // The example of the README is a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
+#![forbid(unsafe_code)]
 
 mod clock;
 pub mod control;
@@ -55,6 +51,6 @@ pub mod table;
 pub mod watch;
 
 pub use model::{Control, Plant, layout_of};
-pub use outcome::{End, Outcome};
+pub use outcome::{Outcome, PlantEnd};
 pub use refusal::Refusal;
 pub use run::{PlantRun, control_of};

@@ -38,7 +38,7 @@ pub struct Mechanics {
     inertia: f64,
     /// Centre of mass of the platform, in its own frame, where it is not D.
     centre: Option<Vector2<f64>>,
-    links: Option<[Links; 3]>,
+    links: Option<[LegInertias; 3]>,
     gravity: Option<Vector2<f64>>,
     /// (Wx, Wy, Walpha) at D.
     wrench: [f64; 3],
@@ -46,7 +46,7 @@ pub struct Mechanics {
 
 /// Inertias of a leg's links.
 #[derive(Clone, Debug)]
-struct Links {
+struct LegInertias {
     /// J2.
     inertia: f64,
     /// k = m2 c2 / l2.
@@ -84,7 +84,7 @@ impl Mechanics {
         let links = (!parameters.links_are_massless()).then(|| {
             parameters.legs.map(|leg| {
                 let (m2, c2) = (leg.distal.mass_kg, leg.distal.com_m);
-                Links {
+                LegInertias {
                     inertia: m2 * c2 * c2 + leg.distal.inertia_kgm2,
                     coupling: m2 * c2 / leg.distal_m,
                     weight: leg.proximal.mass_kg * leg.proximal.com_m / leg.proximal_m + m2,

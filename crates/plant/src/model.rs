@@ -4,7 +4,7 @@ use crate::control::{Commands, Continuous, JointReference};
 use crate::friction::{Friction, Region};
 use crate::layout::{Layout, ROTORS};
 use crate::mechanics::Mechanics;
-use crate::motor::Motor;
+use crate::motor::MotorModel;
 use crate::path::JobPath;
 use crate::refusal::Refusal;
 use crate::statistics::Statistics;
@@ -36,7 +36,7 @@ pub struct Joints {
 /// Machine, transmissions, motors and control; `N` state variables (see [`Layout`]).
 pub struct Plant<const N: usize> {
     pub(crate) mechanics: Mechanics,
-    pub(crate) motors: [Motor; 3],
+    pub(crate) motors: [MotorModel; 3],
     pub(crate) transmission: [Transmission; 3],
     /// Inertia of each rotor at its joint, kg m^2; used where the transmission is elastic.
     pub(crate) rotors: [f64; 3],
@@ -90,9 +90,9 @@ impl<const N: usize> Plant<N> {
         let mechanics = Mechanics::build(parameters, !Self::ELASTIC)?;
         let drive = |leg: usize| scene.drives.as_ref().map(|drives| &drives[leg]);
         let motors = [
-            Motor::build(drive(0))?,
-            Motor::build(drive(1))?,
-            Motor::build(drive(2))?,
+            MotorModel::build(drive(0))?,
+            MotorModel::build(drive(1))?,
+            MotorModel::build(drive(2))?,
         ];
         let scenario = scene.plant.as_ref();
         let friction = scenario.map(|plant| plant.friction).unwrap_or_default();

@@ -12,7 +12,7 @@ use trirrr_scene::{Drive, DriveKind};
 
 /// A motor's model.
 #[derive(Clone, Copy, Debug)]
-pub enum Motor {
+pub enum MotorModel {
     /// Gives the torque it is told, in N m.
     Ideal,
     /// Is told a voltage in V.
@@ -53,14 +53,14 @@ pub struct Field {
     pub microstep: f64,
 }
 
-impl Motor {
+impl MotorModel {
     /// The model of `drive`; without one, an ideal source of torque.
     ///
     /// # Errors
     /// [`Refusal::Scene`] for a drive that has no model.
     pub fn build(drive: Option<&Drive>) -> Result<Self, Refusal> {
         let Some(drive) = drive else {
-            return Ok(Motor::Ideal);
+            return Ok(MotorModel::Ideal);
         };
         let gear = drive.gear_ratio;
         let refuse = |key: &str, reason: &str| Refusal::Scene {
@@ -68,7 +68,7 @@ impl Motor {
             reason: reason.into(),
         };
         match drive.kind {
-            DriveKind::Bldc(bldc) => Ok(Motor::Bldc(Winding {
+            DriveKind::Bldc(bldc) => Ok(MotorModel::Bldc(Winding {
                 resistance: bldc.resistance_ohm,
                 inductance: bldc.inductance_h,
                 torque_constant: gear * bldc.torque_constant_nm_a,
@@ -87,7 +87,7 @@ impl Motor {
                     let rate = point.rate_rad_s / gear;
                     (ratio * ratio - 1.0) / (rate * rate)
                 });
-                Ok(Motor::Stepper(Field {
+                Ok(MotorModel::Stepper(Field {
                     holding: gear * holding,
                     detent: gear * stepper.detent_torque_nm,
                     poles: gear * steps / 4.0,
@@ -171,8 +171,8 @@ mod tests {
                 enable: trirrr_scene::EnableLevel::Low,
             }),
         };
-        match Motor::build(Some(&drive)) {
-            Ok(Motor::Stepper(field)) => field,
+        match MotorModel::build(Some(&drive)) {
+            Ok(MotorModel::Stepper(field)) => field,
             other => panic!("{other:?}"),
         }
     }

@@ -7,7 +7,7 @@ use trirrr_integrate::{Method, Tally};
 
 /// End of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum End {
+pub enum PlantEnd {
     /// The run reached its end.
     Complete,
     /// The caller stopped the run, or gave too few ticks.
@@ -49,7 +49,7 @@ impl Balance {
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// End of the run.
-    pub end: End,
+    pub end: PlantEnd,
     /// Time simulated, s.
     pub simulated_s: f64,
     /// Time that the simulation took.

@@ -3,7 +3,7 @@
 use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
 use crate::leg::LegState;
 use crate::model::Plant;
-use crate::motor::{Motor, wrapped};
+use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 
 /// Everything of the plant at one instant that is not in its state.
@@ -63,7 +63,7 @@ impl<const N: usize> Plant<N> {
                 let stiffness = self.transmission[leg].stiffness_nm_rad;
                 energy += 0.5 * (self.rotors[leg] * rate * rate + stiffness * twist * twist);
             }
-            if let Motor::Bldc(winding) = &self.motors[leg] {
+            if let MotorModel::Bldc(winding) = &self.motors[leg] {
                 let current = Self::current(y, leg);
                 energy += 0.5 * winding.inductance * current * current;
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
-use trirrr_scene::{Move, Scene};
+use trirrr_scene::{JobMove, Scene};
 
 /// The moves of a job on the time axis.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ impl JobPath {
     /// The job of `scene`, which starts at t = 0.
     pub fn new(scene: &Scene) -> Self {
         let mut tick = 0_u32;
-        let mut timed = |each: &Move| {
+        let mut timed = |each: &JobMove| {
             let start = f64::from(tick) / scene.tick_rate_hz;
             tick += each.duration_ticks;
             TimedMove {
@@ -67,7 +67,7 @@ impl JobPath {
     }
 }
 
-fn segment(each: &Move, period: f64) -> Segment<f64> {
+fn segment(each: &JobMove, period: f64) -> Segment<f64> {
     let ticks = each.duration_ticks;
     if each.is_rest_to_rest() {
         return Segment::RestToRest(RestToRest::new(each.from, each.to, ticks, period));

@@ -1,12 +1,12 @@
 //! A run of a scene's plant, tick by tick.
 
-use crate::clock::Clock;
+use crate::clock::RunClock;
 use crate::control::Continuous;
 use crate::driven::Driven;
 use crate::drives::{self, samples_per_tick};
 use crate::method::choose;
 use crate::model::{Control, Plant, layout_of};
-use crate::outcome::{Balance, End, Outcome};
+use crate::outcome::{Balance, Outcome, PlantEnd};
 use crate::refusal::Refusal;
 use crate::stability;
 use crate::table::Row;
@@ -87,10 +87,10 @@ struct Run<'l, N: Number, const D: usize> {
     /// None under a continuous controller.
     driven: Option<Driven<'l, N>>,
     integrator: Integrator<D>,
-    clock: Clock,
+    clock: RunClock,
     tick_rate_hz: f64,
     ticks: u32,
-    ended: Option<End>,
+    ended: Option<PlantEnd>,
     method: (Method, Option<String>),
     warnings: Vec<String>,
     /// Largest eigenvalue at the start, 1/s.
@@ -137,7 +137,7 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
             y,
             driven,
             integrator,
-            clock: Clock {
+            clock: RunClock {
                 t: 0.0,
                 sample: 0,
                 row: 0,
@@ -176,25 +176,29 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
     ///
     /// # Errors
     /// The end of the run.
-    fn step(&mut self, stop: Option<&AtomicBool>, sink: &mut dyn FnMut(&Row)) -> Result<bool, End> {
+    fn step(
+        &mut self,
+        stop: Option<&AtomicBool>,
+        sink: &mut dyn FnMut(&Row),
+    ) -> Result<bool, PlantEnd> {
         let t = self.clock.t;
-        let failed = |cause: Refusal| End::Failed(format!("{cause} at t = {t:.6} s"));
+        let failed = |cause: Refusal| PlantEnd::Failed(format!("{cause} at t = {t:.6} s"));
         if self.clock.samples_now() && !self.sample().map_err(failed)? {
             return Ok(false);
         }
         if let Some(ending) = self.plant.ending() {
-            return Err(End::Ended(ending));
+            return Err(PlantEnd::Ended(ending));
         }
         if self.clock.records_now() {
             sink(&Row::of(&mut self.plant, t, &self.y).map_err(failed)?);
             self.flow = self.flow.max(self.y[D - 2].abs()).max(self.y[D - 1].abs());
             self.clock.row += 1;
             if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-                return Err(End::Interrupted { t });
+                return Err(PlantEnd::Interrupted { t });
             }
         }
         if t >= self.clock.end {
-            return Err(End::Complete);
+            return Err(PlantEnd::Complete);
         }
         let next = self.clock.next();
         let (plant, y) = (&mut self.plant, &mut self.y);
@@ -206,11 +210,11 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
             Ok(integrate::End::Stopped { t }) => {
                 self.clock.t = t;
                 Err(match self.plant.ending() {
-                    Some(ending) => End::Ended(ending),
-                    None => End::Interrupted { t },
+                    Some(ending) => PlantEnd::Ended(ending),
+                    None => PlantEnd::Interrupted { t },
                 })
             }
-            Err(failure) => Err(End::Failed(failure.to_string())),
+            Err(failure) => Err(PlantEnd::Failed(failure.to_string())),
         }
     }
 
@@ -250,7 +254,7 @@ impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
         let stored = self.plant.energy(&self.y);
         let (method, reason) = self.method.clone();
         Outcome {
-            end: self.ended.take().unwrap_or(End::Interrupted { t }),
+            end: self.ended.take().unwrap_or(PlantEnd::Interrupted { t }),
             simulated_s: t,
             elapsed: self.elapsed,
             method,

@@ -4,7 +4,7 @@ use crate::control::{Commands, Measured};
 use crate::layout::ROTORS;
 use crate::leg::LegState;
 use crate::model::{Control, Plant};
-use crate::motor::{Motor, wrapped};
+use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 use crate::watch::{Cause, Ending};
 use trirrr_drives::bldc::DriveLimit;
@@ -77,9 +77,9 @@ impl<const N: usize> Plant<N> {
             };
             let rate = sensed.rotor_rates[leg];
             let torque = match &self.motors[leg] {
-                Motor::Ideal => commands.held[leg],
-                Motor::Bldc(winding) => winding.torque_constant * current,
-                Motor::Stepper(field) => {
+                MotorModel::Ideal => commands.held[leg],
+                MotorModel::Bldc(winding) => winding.torque_constant * current,
+                MotorModel::Stepper(field) => {
                     let angle = if Self::LAYOUT.elastic {
                         y[ROTORS + leg]
                     } else {

@@ -2,7 +2,7 @@
 
 use crate::layout::{RATES, ROTOR_RATES, ROTORS};
 use crate::model::{Control, Plant};
-use crate::motor::Motor;
+use crate::motor::MotorModel;
 use crate::refusal::Refusal;
 use nalgebra::DMatrix;
 use trirrr_integrate::{Spectrum, System};
@@ -77,12 +77,12 @@ impl<const N: usize> Plant<N> {
         for (leg, motor) in self.motors.iter().enumerate() {
             let (kp, kd) = (controller.kp_nm_rad[leg], controller.kd_nm_s_rad[leg]);
             (gains.angle[leg], gains.rate[leg]) = match motor {
-                Motor::Ideal => (-kp, -kd),
-                Motor::Bldc(winding) => {
+                MotorModel::Ideal => (-kp, -kd),
+                MotorModel::Bldc(winding) => {
                     let per_torque = winding.resistance / winding.torque_constant;
                     (-kp * per_torque, winding.back_emf - kd * per_torque)
                 }
-                Motor::Stepper(_) => (0.0, 0.0),
+                MotorModel::Stepper(_) => (0.0, 0.0),
             };
         }
         gains

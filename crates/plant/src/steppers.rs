@@ -1,8 +1,8 @@
 //! Stepper drives as on a board: the tick's half, the slots, and drivers that count their pulses.
 
 use crate::control::{Commands, Measured};
-use crate::driver::{Drivers, Input, Pin};
-use crate::drives::{Drives, reference};
+use crate::driver::{DriverInput, Drivers, Pin};
+use crate::drives::{SimulatedDrives, reference};
 use crate::refusal::Refusal;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use trirrr_scene::{DriveKind, EnableLevel, Scene, Stepper};
 use trirrr_service::Output;
 
 /// Three stepper drives and their motors' drivers.
-pub(crate) struct StepperDrives<'l, N: Countable> {
+pub(crate) struct SimulatedSteppers<'l, N: Countable> {
     steppers: Steppers<'l, N>,
     slots: Slots<'l, Pin, Pin, Pin>,
     drivers: Arc<Drivers>,
@@ -53,7 +53,7 @@ pub(crate) fn slots_per_tick(scene: &Scene, motors: &[Stepper; 3]) -> Result<u32
     Ok(stepper::slots_per_tick(most))
 }
 
-impl<'l, N: Countable> StepperDrives<'l, N> {
+impl<'l, N: Countable> SimulatedSteppers<'l, N> {
     /// Builds the drives of `motors` with `per_tick` slots in each tick, for ticks in `units`. The
     /// joints stand at `start`.
     ///
@@ -85,12 +85,12 @@ impl<'l, N: Countable> StepperDrives<'l, N> {
         };
         let drivers = Drivers::new(on_high);
         let axis = |index: usize| {
-            let step = drivers.pin(Input::Step(index));
-            let direction = drivers.pin(Input::Direction(index));
+            let step = drivers.pin(DriverInput::Step(index));
+            let direction = drivers.pin(DriverInput::Direction(index));
             let Ok(axis) = Axis::new(step, direction, drives[index].reversed);
             axis
         };
-        let Ok(enable) = Enable::new(drivers.pin(Input::Enable), active);
+        let Ok(enable) = Enable::new(drivers.pin(DriverInput::Enable), active);
         Ok(Self {
             steppers: Steppers::new(
                 [0, 1, 2].map(|index| StepsPerTurn::new(per_turn[index], gear(index))),
@@ -116,7 +116,7 @@ impl<'l, N: Countable> StepperDrives<'l, N> {
     }
 }
 
-impl<N: Countable> Drives<N> for StepperDrives<'_, N> {
+impl<N: Countable> SimulatedDrives<N> for SimulatedSteppers<'_, N> {
     fn tick(&mut self, output: &Output<N>) -> Result<(), Refusal> {
         self.references = output
             .motors

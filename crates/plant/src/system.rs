@@ -1,7 +1,7 @@
 //! The plant as the integrators see it.
 
 use crate::model::Plant;
-use crate::motor::Motor;
+use crate::motor::MotorModel;
 use crate::refusal::Refusal;
 use crate::watch::Watch;
 use trirrr_integrate::{Action, Direction, System};
@@ -22,7 +22,7 @@ impl<const N: usize> System<N> for Plant<N> {
         }
         if Self::LAYOUT.currents {
             for (leg, motor) in self.motors.iter().enumerate() {
-                if let Motor::Bldc(winding) = motor {
+                if let MotorModel::Bldc(winding) = motor {
                     // What the supply could drive through the winding: currents jump towards it with
                     // every sample, and a motion integrates them twice.
                     scales[Self::LAYOUT.current() + leg] = winding.supply / winding.resistance;

@@ -2,7 +2,7 @@
 
 use crate::layout::{RATES, three};
 use crate::model::{Control, Plant};
-use crate::motor::{Motor, wrapped};
+use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 
 /// One row: the plant at one instant, SI units.
@@ -58,8 +58,8 @@ impl Row {
             None => plant.commands.angle,
         };
         let voltage = |leg: usize| match &plant.motors[leg] {
-            Motor::Bldc(_) => outputs.told[leg],
-            Motor::Ideal | Motor::Stepper(_) => 0.0,
+            MotorModel::Bldc(_) => outputs.told[leg],
+            MotorModel::Ideal | MotorModel::Stepper(_) => 0.0,
         };
         let pose = plant.path.at(t).pose;
         let row = Self {

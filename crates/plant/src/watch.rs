@@ -1,7 +1,7 @@
 //! Events of a plant: the instants at which its equations change, and those at which its run ends.
 
 use crate::friction::Friction;
-use crate::motor::Motor;
+use crate::motor::MotorModel;
 use std::fmt;
 
 /// One function of time and state that is watched for its zeros.
@@ -97,7 +97,7 @@ impl fmt::Display for Watch {
 /// `continuous` in time changes its equations between samples; `following` limits its error.
 pub(crate) fn list(
     friction: &[Option<Friction>; 3],
-    motors: &[Motor; 3],
+    motors: &[MotorModel; 3],
     continuous: bool,
     following: bool,
 ) -> Vec<Watch> {
@@ -121,10 +121,10 @@ pub(crate) fn list(
     }
     for (leg, motor) in motors.iter().enumerate() {
         match motor {
-            Motor::Bldc(_) if continuous => {
+            MotorModel::Bldc(_) if continuous => {
                 watches.extend([Watch::Current(leg), Watch::Voltage(leg)]);
             }
-            Motor::Stepper(_) => watches.push(Watch::Slip(leg)),
+            MotorModel::Stepper(_) => watches.push(Watch::Slip(leg)),
             _ => {}
         }
         // A sampled controller reads the error at its samples.

@@ -114,7 +114,7 @@ impl Drive {
 
 /// The kinds by name, before their parameters are read.
 #[derive(Clone, Copy)]
-enum Kind {
+enum KindName {
     Bldc,
     Stepper,
     Can,
@@ -151,14 +151,14 @@ fn read_drive(section: &Section) -> Option<Drive> {
         false => Some(false),
     };
     let kinds = [
-        ("bldc", Kind::Bldc),
-        ("stepper", Kind::Stepper),
-        ("can", Kind::Can),
+        ("bldc", KindName::Bldc),
+        ("stepper", KindName::Stepper),
+        ("can", KindName::Can),
     ];
     let kind = match section.choice("kind", &kinds) {
-        Some(Kind::Bldc) => read_bldc(section).map(DriveKind::Bldc),
-        Some(Kind::Stepper) => read_stepper(section).map(DriveKind::Stepper),
-        Some(Kind::Can) => read_can(section).map(DriveKind::Can),
+        Some(KindName::Bldc) => read_bldc(section).map(DriveKind::Bldc),
+        Some(KindName::Stepper) => read_stepper(section).map(DriveKind::Stepper),
+        Some(KindName::Can) => read_can(section).map(DriveKind::Can),
         None => {
             section.ignore_rest();
             None

@@ -13,12 +13,12 @@ pub struct Job {
     pub start: Pose<f64>,
     /// The moves, at least one. Each starts with the pose and velocity the one before ends with,
     /// the first from rest; the last ends at rest.
-    pub moves: Vec<Move>,
+    pub moves: Vec<JobMove>,
 }
 
 /// One move, a cubic in time on every coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move {
+pub struct JobMove {
     /// Pose at its start.
     pub from: Pose<f64>,
     /// Pose at its end.
@@ -46,7 +46,7 @@ pub struct Tool {
 impl Job {
     /// The job in `units`.
     pub fn in_units(&self, units: &Units) -> Self {
-        let moved = |each: &Move| Move {
+        let moved = |each: &JobMove| JobMove {
             from: units.pose(&each.from),
             to: units.pose(&each.to),
             start_velocity: units.velocity(&each.start_velocity),
@@ -71,7 +71,7 @@ impl Job {
     }
 }
 
-impl Move {
+impl JobMove {
     /// Returns true if both ends are at rest.
     pub fn is_rest_to_rest(&self) -> bool {
         self.start_velocity == Vector3::zeros() && self.end_velocity == Vector3::zeros()
@@ -114,7 +114,7 @@ pub(crate) fn read_job(
         let ticks = read_ticks(each, rate, [from, to], [start_velocity, end_velocity]);
         let tool = read_tool(each);
         let whole = || {
-            Some(Move {
+            Some(JobMove {
                 from: from?,
                 to: to?,
                 start_velocity: start_velocity?,

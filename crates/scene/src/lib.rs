@@ -7,7 +7,8 @@
 //!
 //! `docs/scene.md` describes the keys. [`cases`] reads tables of machines and setpoints. [`pipeline`]
 //! chooses the core's types for a machine at run time, and gives a [`record::Record`] per setpoint.
-
+// The example of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
 pub mod cases;
@@ -33,7 +34,7 @@ mod settings;
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};
 pub use homing::Homing;
-pub use job::{Job, Move, Tool};
+pub use job::{Job, JobMove, Tool};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;
 pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
@@ -43,7 +44,3 @@ pub use settings::settings;
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

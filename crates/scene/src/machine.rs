@@ -11,7 +11,7 @@ const FARTHEST_CENTRE_OF_MASS: f64 = 10.0;
 
 /// A link as the file gives it; what is left out depends on the link's length.
 #[derive(Clone, Copy)]
-struct Link {
+struct GivenLink {
     mass_kg: f64,
     com_m: Option<f64>,
     inertia_kgm2: Option<f64>,
@@ -19,9 +19,9 @@ struct Link {
 
 /// The links of a leg, each `None` where the file does not say.
 #[derive(Clone, Copy, Default)]
-struct Links {
-    proximal: Option<Link>,
-    distal: Option<Link>,
+struct GivenLinks {
+    proximal: Option<GivenLink>,
+    distal: Option<GivenLink>,
 }
 
 /// Reads `[machine]`, `[platform]`, `[links]`, `gravity_m_s2` and `[wrench]`. `drives` gives the
@@ -49,7 +49,7 @@ pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Opt
 
 fn read_legs(
     root: &Section,
-    common: Links,
+    common: GivenLinks,
     drives: Option<[Drive; 3]>,
 ) -> Option<[LegParameters; 3]> {
     let machine = root.section("machine")?;
@@ -70,7 +70,7 @@ fn read_legs(
     Some(legs)
 }
 
-fn read_leg(section: &Section, common: Links) -> Option<LegParameters> {
+fn read_leg(section: &Section, common: GivenLinks) -> Option<LegParameters> {
     let base = section.vector("base_m", None);
     let proximal_m = section.number("proximal_m", Bound::Positive);
     let distal_m = section.number("distal_m", Bound::Positive);
@@ -109,20 +109,20 @@ fn read_elbow(section: &Section) -> Option<Elbow> {
 }
 
 /// Reads a table of links; all massless where it is left out.
-fn read_links(section: &Section, key: &'static str) -> Option<Links> {
+fn read_links(section: &Section, key: &'static str) -> Option<GivenLinks> {
     if !section.has(key) {
-        return Some(Links::default());
+        return Some(GivenLinks::default());
     }
     let links = section.section(key)?;
     let (proximal, distal) = (read_link(&links, "proximal"), read_link(&links, "distal"));
-    Some(Links {
+    Some(GivenLinks {
         proximal: proximal?,
         distal: distal?,
     })
 }
 
 /// `Some(None)`: the link is not mentioned.
-fn read_link(links: &Section, key: &'static str) -> Option<Option<Link>> {
+fn read_link(links: &Section, key: &'static str) -> Option<Option<GivenLink>> {
     if !links.has(key) {
         return Some(None);
     }
@@ -130,7 +130,7 @@ fn read_link(links: &Section, key: &'static str) -> Option<Option<Link>> {
     let mass = section.number("mass_kg", Bound::NotNegative);
     let com_m = section.optional_number("com_m", Bound::Finite);
     let inertia_kgm2 = section.optional_number("inertia_kgm2", Bound::NotNegative);
-    Some(Some(Link {
+    Some(Some(GivenLink {
         mass_kg: mass?,
         com_m,
         inertia_kgm2,
@@ -142,7 +142,7 @@ fn read_link(links: &Section, key: &'static str) -> Option<Option<Link>> {
 fn build_link(
     leg: &Section,
     key: &'static str,
-    link: Option<Link>,
+    link: Option<GivenLink>,
     length: f64,
 ) -> Option<LinkParameters> {
     let Some(link) = link else {

@@ -2,7 +2,7 @@
 //! move admitted as the service would admit it, in `f64`.
 
 use crate::Scene;
-use crate::job::{Move, PlacedJob};
+use crate::job::{JobMove, PlacedJob};
 use crate::player::segment;
 use crate::read::Document;
 use nalgebra::Vector2;
@@ -79,7 +79,7 @@ pub(crate) fn check_job(
 }
 
 /// The move as a host would offer it.
-fn offered(each: &Move) -> message::Move<f64> {
+fn offered(each: &JobMove) -> message::Move<f64> {
     message::Move {
         number: 0,
         from: each.from,
@@ -94,7 +94,7 @@ fn offered(each: &Move) -> message::Move<f64> {
 
 impl Workspace<'_> {
     /// Judges a move whose ends are allowed, as the service would when it is offered.
-    fn check_between(&mut self, each: &Move) -> Result<(), String> {
+    fn check_between(&mut self, each: &JobMove) -> Result<(), String> {
         self.admission.offer(&offered(each));
         let violation = loop {
             match self.admission.step() {

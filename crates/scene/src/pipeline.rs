@@ -108,7 +108,7 @@ impl<N: Number> ModelVisitor<N> for Build<'_> {
     type Output = Result<Box<dyn Pipeline<N>>, BuildError>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
-        Ok(Box::new(Machine::<M> {
+        Ok(Box::new(ModelPipeline::<M> {
             tick: Tick::build(self.parameters)?,
             distances: Distances::build(self.parameters),
             units: self.units,
@@ -116,13 +116,13 @@ impl<N: Number> ModelVisitor<N> for Build<'_> {
     }
 }
 
-struct Machine<M: Model> {
+struct ModelPipeline<M: Model> {
     tick: Tick<M>,
     distances: Distances<M::N>,
     units: Units,
 }
 
-impl<N: Number, M: Model<N = N>> Pipeline<N> for Machine<M> {
+impl<N: Number, M: Model<N = N>> Pipeline<N> for ModelPipeline<M> {
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status> {
         self.record(t, setpoint, &self.tick.evaluate(setpoint)?)
     }

@@ -192,7 +192,7 @@ impl PlacedPlant {
 
 fn read_method(section: &Section) -> Option<Method> {
     #[derive(Clone, Copy)]
-    enum Kind {
+    enum MethodName {
         Auto,
         Euler,
         Rk4,
@@ -200,15 +200,15 @@ fn read_method(section: &Section) -> Option<Method> {
         Implicit,
     }
     let kinds = [
-        ("auto", Kind::Auto),
-        ("semi-implicit-euler", Kind::Euler),
-        ("rk4", Kind::Rk4),
-        ("dormand-prince", Kind::Pair),
-        ("radau-iia", Kind::Implicit),
+        ("auto", MethodName::Auto),
+        ("semi-implicit-euler", MethodName::Euler),
+        ("rk4", MethodName::Rk4),
+        ("dormand-prince", MethodName::Pair),
+        ("radau-iia", MethodName::Implicit),
     ];
     let kind = match section.has("method") {
         true => section.choice("method", &kinds),
-        false => Some(Kind::Auto),
+        false => Some(MethodName::Auto),
     };
     let Some(kind) = kind else {
         // Which of the two belongs to the method is not known.
@@ -216,10 +216,10 @@ fn read_method(section: &Section) -> Option<Method> {
         section.has("tolerance");
         return None;
     };
-    if let Kind::Euler | Kind::Rk4 = kind {
+    if let MethodName::Euler | MethodName::Rk4 = kind {
         let step_s = section.number("step_s", Bound::Positive)?;
         return Some(match kind {
-            Kind::Euler => Method::SemiImplicitEuler { step_s },
+            MethodName::Euler => Method::SemiImplicitEuler { step_s },
             _ => Method::Rk4 { step_s },
         });
     }
@@ -228,8 +228,8 @@ fn read_method(section: &Section) -> Option<Method> {
         return None;
     }
     Some(match kind {
-        Kind::Pair => Method::DormandPrince { tolerance },
-        Kind::Implicit => Method::RadauIia { tolerance },
+        MethodName::Pair => Method::DormandPrince { tolerance },
+        MethodName::Implicit => Method::RadauIia { tolerance },
         _ => Method::Auto { tolerance },
     })
 }

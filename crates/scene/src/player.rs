@@ -1,6 +1,6 @@
 //! Plays a job: the setpoint of every tick.
 
-use crate::job::{Job, Move};
+use crate::job::{Job, JobMove};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment, Setpoint};
 
@@ -29,7 +29,7 @@ struct TimedMove<N: Number> {
 }
 
 /// `each` in `ticks` ticks of `period_s` in place of its own.
-pub(crate) fn segment<N: Number>(each: &Move, ticks: u32, period_s: f64) -> Segment<N> {
+pub(crate) fn segment<N: Number>(each: &JobMove, ticks: u32, period_s: f64) -> Segment<N> {
     let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
     let (from, to, period) = (
         pose(&each.from),
@@ -52,7 +52,7 @@ impl<N: Number> JobPlayer<N> {
     pub fn new(job: &Job, period_s: f64) -> Self {
         assert!(!job.moves.is_empty(), "a job without moves");
         let mut start = 0;
-        let timed = |each: &Move| {
+        let timed = |each: &JobMove| {
             let timed = TimedMove {
                 start,
                 segment: segment(each, each.duration_ticks, period_s),

@@ -39,7 +39,7 @@ const MOST_TICKS: u32 = 1 << 20;
 
 /// A quantity that the tick forms.
 #[derive(Debug)]
-struct Quantity {
+struct TickQuantity {
     name: &'static str,
     unit: &'static str,
     /// Exponents of length, time and mass.
@@ -52,8 +52,8 @@ macro_rules! quantities {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         #[derive(Clone, Copy)]
         enum Of { $($constant),* }
-        const QUANTITIES: &[Quantity] = &[
-            $(Quantity { name: $name, unit: $unit, dimension: $dimension, limit: $limit }),*
+        const QUANTITIES: &[TickQuantity] = &[
+            $(TickQuantity { name: $name, unit: $unit, dimension: $dimension, limit: $limit }),*
         ];
     };
 }
@@ -110,7 +110,7 @@ impl fmt::Display for RangeError {
 impl std::error::Error for RangeError {}
 
 /// The greatest size of every quantity.
-struct Measured<'p> {
+struct GreatestSizes<'p> {
     parameters: &'p Parameters,
     greatest: [f64; QUANTITIES.len()],
     /// The least distances from the singularities.
@@ -121,7 +121,7 @@ struct Measured<'p> {
 /// The machine with room for everything: what a machine has not is zero.
 type Everything = Tick<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
 
-impl<'p> Measured<'p> {
+impl<'p> GreatestSizes<'p> {
     /// Measures what depends on the machine alone.
     fn new(parameters: &'p Parameters) -> Self {
         let mut measured = Self {
@@ -370,7 +370,7 @@ pub fn units_of_setpoints<'s>(
     parameters: &Parameters,
     setpoints: impl IntoIterator<Item = &'s Setpoint<f64>>,
 ) -> Result<Units, RangeError> {
-    let mut measured = Measured::new(parameters);
+    let mut measured = GreatestSizes::new(parameters);
     let tick = Everything::build(parameters).ok();
     for setpoint in setpoints {
         measured.note(Of::COORDINATE, setpoint.pose.position.x);
@@ -388,7 +388,7 @@ pub fn units_of_setpoints<'s>(
 /// [`RangeError`].
 pub fn units_of_scene(scene: &Scene) -> Result<Units, RangeError> {
     let parameters = &scene.parameters;
-    let mut measured = Measured::new(parameters);
+    let mut measured = GreatestSizes::new(parameters);
     measured.limits(&scene.limits);
     for motor in scene.homing.iter().flat_map(|homing| &homing.motors) {
         measured.note(Of::RATE, motor.search_rate_rad_s);

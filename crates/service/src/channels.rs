@@ -3,7 +3,7 @@
 use super::background::{self, Background, Stand};
 use super::coefficients::Coefficients;
 use super::foreground::{self, Foreground};
-use super::handoff::{Order, QueuedMove, Recover, Report, Shared};
+use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::service::Service;
@@ -35,12 +35,12 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     offered: Queue<Move<S::N>, MOVES>,
     recoveries: Queue<Recover<S::N>, 2>,
     orders: Queue<Order, ORDERS>,
-    reports: Queue<Report<S::N>, REPORTS>,
+    reports: Queue<TickReport<S::N>, REPORTS>,
     faults: Queue<Fault<S::N>, 2>,
     samples: Queue<Telemetry<S::N>, SAMPLES>,
     events: Queue<Event<S::N>, EVENTS>,
     setups: S::Slot,
-    shared: Shared,
+    shared: SharedCounters,
 }
 
 /// Reason for which a service cannot be built.
@@ -84,7 +84,7 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
             samples: Queue::new(),
             events: Queue::new(),
             setups: S::Slot::EMPTY,
-            shared: Shared::new(),
+            shared: SharedCounters::new(),
         }
     }
 
@@ -148,7 +148,7 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
             angles,
             scene.homing(),
             &settings,
-            foreground::Ends {
+            foreground::ForegroundEnds {
                 moves: Receiver::new(moves_out),
                 recoveries: Receiver::new(recoveries_out),
                 orders: Receiver::new(orders_out),
@@ -165,7 +165,7 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
             angles,
             Admission::over(path),
             settings,
-            background::Ends {
+            background::BackgroundEnds {
                 moves: Sender::new(moves_in),
                 recoveries: Sender::new(recoveries_in),
                 orders: Sender::new(orders_in),

@@ -5,10 +5,10 @@
 //! | background | tick | queue | admitted moves ([`QueuedMove`]); the first is under way |
 //! | background | tick | queue | a recovery ([`Recover`]) |
 //! | background | tick | queue | orders ([`Order`]) |
-//! | tick | background | queue | where it stands, after each change ([`Report`]) |
+//! | tick | background | queue | where it stands, after each change ([`TickReport`]) |
 //! | tick | background | queue | a fault |
 //! | tick | background | queue | telemetry samples |
-//! | each | the other | [`Shared`] | counters, each with one writer |
+//! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
 use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -56,7 +56,7 @@ pub(super) struct Recover<N: Number> {
 
 /// State of the tick, after something changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Report<N: Number> {
+pub(super) struct TickReport<N: Number> {
     /// Orders taken so far, modulo 256.
     pub(super) orders: u8,
     pub(super) generation: u8,
@@ -76,7 +76,7 @@ pub(super) struct Report<N: Number> {
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.
 #[derive(Debug, Default)]
-pub(super) struct Shared {
+pub(super) struct SharedCounters {
     /// Requests heard. By the background.
     pub(super) heard: AtomicU32,
     /// Admitted moves, as an [`Ahead`] in one word. By the background.
@@ -121,7 +121,7 @@ impl Ahead {
     }
 }
 
-impl Shared {
+impl SharedCounters {
     pub(super) const fn new() -> Self {
         Self {
             heard: AtomicU32::new(0),

@@ -19,7 +19,7 @@ pub struct DeviceArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
-    /// Where to listen: tcp:HOST:PORT; port 0 takes one that is free and prints it
+    /// Address to listen at: tcp:HOST:PORT; port 0 takes one that is free and prints it
     #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7333", value_parser = listening)]
     pub listen: String,
     /// Number type to compute in [default: the scene's]

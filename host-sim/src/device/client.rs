@@ -38,17 +38,17 @@ impl Client {
         }
     }
 
-    /// Whether it has said anything in the last `time`.
+    /// Returns true if the client has sent a byte within the last `time`.
     pub(super) fn is_heard_within(&self, time: Duration) -> bool {
         self.heard.elapsed() <= time
     }
 
-    /// Who it is.
+    /// Address of the client.
     pub(super) fn from(&self) -> SocketAddr {
         self.from
     }
 
-    /// Telemetry samples that it did not get because it does not read.
+    /// Telemetry samples that were dropped because the client does not read.
     pub(super) fn dropped(&self) -> u64 {
         self.dropped
     }

@@ -9,7 +9,7 @@ mod server;
 
 pub use args::DeviceArgs;
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
 use event_log::EventLog;
 use motors::Motors;
@@ -31,11 +31,11 @@ const LOOK: Duration = Duration::from_micros(500);
 ///
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
-pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
+pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
+    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
     let scalar = args.scalar.unwrap_or(scene.number);
     let listener = Listener::bind(&args.listen)
-        .map_err(|error| Failure::Failed(format!("tcp:{}: {error}", args.listen)))?;
+        .map_err(|error| CliError::Failed(format!("tcp:{}: {error}", args.listen)))?;
     print(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
         listener.address(),
@@ -67,7 +67,7 @@ struct Device<'a> {
 }
 
 impl Device<'_> {
-    fn play<N: ServiceNumber>(self) -> Result<(), Failure> {
+    fn play<N: ServiceNumber>(self) -> Result<(), CliError> {
         let Self {
             scene,
             listener,
@@ -76,7 +76,7 @@ impl Device<'_> {
             offset,
         } = self;
         let units = trirrr_scene::units::<N>(scene)
-            .map_err(|error| Failure::Refused(format!("scene {}: {error}", scene.name)))?;
+            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let played = local::with_machine_switched_on::<N, _>(scene, |machine| {
             let motors = scene.homing.map(|homing| {
                 let commanded = motors::angles(machine.motors());
@@ -92,7 +92,7 @@ impl Device<'_> {
             run(server, rate_hz, stop)
         })?;
         let (log, deadlines) =
-            played.map_err(|error| Failure::Failed(format!("the listener failed: {error}")))?;
+            played.map_err(|error| CliError::Failed(format!("the listener failed: {error}")))?;
         let [ticks, clients, requests] = log.totals();
         print(&format!(
             "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \

@@ -17,11 +17,11 @@ pub(super) struct Motors {
     homing: Homing,
     /// A step of each, rad at the joint.
     steps: [f64; 3],
-    /// Where they are, rad, not wrapped.
+    /// True joint angles, rad, not wrapped.
     angles: [f64; 3],
-    /// What they were commanded to last, rad,
+    /// Joint angles of the last command, rad.
     commanded: [f64; 3],
-    /// and what rounding to steps has left over.
+    /// Rest of the commands that is less than a step, rad.
     rest: [f64; 3],
     /// Pressed against a stop.
     stalls: [bool; 3],
@@ -68,7 +68,7 @@ impl Motors {
         })
     }
 
-    /// What their inputs say.
+    /// Inputs of homing: true in a switch, or while a motor stalls.
     pub(super) fn inputs(&self) -> [bool; 3] {
         [0, 1, 2].map(|i| match self.homing.contact {
             Contact::Switch => self.beyond(i) >= 0.0,
@@ -104,12 +104,12 @@ impl Motors {
         }
     }
 
-    /// How far they are from where they are thought to be, rad.
+    /// True joint angles less the commanded ones, rad.
     pub(super) fn errors(&self) -> [f64; 3] {
         [0, 1, 2].map(|i| wrapped(self.angles[i] - self.commanded[i]))
     }
 
-    /// How far motor `i` is beyond its reference.
+    /// Joint angle of motor `i` beyond its reference, rad; negative before.
     fn beyond(&self, i: usize) -> f64 {
         let motor = &self.homing.motors[i];
         let way = wrapped(self.angles[i] - motor.angle_rad);

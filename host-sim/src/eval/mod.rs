@@ -4,7 +4,7 @@ mod args;
 
 pub use args::EvalArgs;
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
@@ -19,9 +19,9 @@ use trirrr_scene::in_number_type;
 use trirrr_scene::pipeline;
 use trirrr_scene::record::{RESULT_COLUMNS, Record, number};
 
-/// What became of the rows of a table.
+/// Rows of a table, and those of them with a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Count {
+pub struct RowCounts {
     /// Rows in the table.
     pub rows: usize,
     /// Rows with numbers.
@@ -33,18 +33,18 @@ pub struct Count {
 /// # Errors
 /// Refused: the table cannot be read or lacks a column, or the number type is not there. Failed:
 /// the results cannot be written.
-pub fn command(args: &EvalArgs) -> Result<(), Failure> {
+pub fn command(args: &EvalArgs) -> Result<(), CliError> {
     let scalar = args.scalar;
     let cases = args.cases.display();
     let input = File::open(&args.cases)
-        .map_err(|error| Failure::Refused(format!("{cases}: cannot be read: {error}")))?;
+        .map_err(|error| CliError::Refused(format!("{cases}: cannot be read: {error}")))?;
     let name = cases.to_string();
     let count = match &args.out {
         None => evaluate(scalar, &name, input, &mut io::stdout().lock()),
         Some(out) => {
             refuse_same_file(&args.cases, out)?;
             let file = File::create(out).map_err(|error| {
-                Failure::Failed(format!("{}: cannot be written: {error}", out.display()))
+                CliError::Failed(format!("{}: cannot be written: {error}", out.display()))
             })?;
             evaluate(scalar, &name, input, &mut BufWriter::new(file))
         }
@@ -60,9 +60,9 @@ pub fn command(args: &EvalArgs) -> Result<(), Failure> {
 }
 
 /// The results would replace the cases while they are read.
-fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), Failure> {
+fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), CliError> {
     match (cases.canonicalize(), out.canonicalize()) {
-        (Ok(cases), Ok(target)) if cases == target => Err(Failure::Refused(format!(
+        (Ok(cases), Ok(target)) if cases == target => Err(CliError::Refused(format!(
             "--out {}: is the table of cases itself",
             out.display()
         ))),
@@ -81,7 +81,7 @@ pub fn evaluate(
     name: &str,
     input: impl Read,
     output: &mut dyn Write,
-) -> Result<Count, Failure> {
+) -> Result<RowCounts, CliError> {
     in_number_type!(scalar, N => evaluate_in::<N>(name, input, output))
 }
 
@@ -89,9 +89,9 @@ fn evaluate_in<N: Number>(
     name: &str,
     input: impl Read,
     output: &mut dyn Write,
-) -> Result<Count, Failure> {
+) -> Result<RowCounts, CliError> {
     let unreadable =
-        |error: csv::Error| Failure::Failed(format!("{name}: cannot be read: {error}"));
+        |error: csv::Error| CliError::Failed(format!("{name}: cannot be read: {error}"));
     // Flexible: a row that is too short or too long spoils itself only.
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -100,17 +100,17 @@ fn evaluate_in<N: Number>(
     let mut record = ByteRecord::new();
     if !reader.read_byte_record(&mut record).map_err(unreadable)? {
         let reason = "is empty, expected a header that names the columns";
-        return Err(Failure::Refused(format!("{name}: {reason}")));
+        return Err(CliError::Refused(format!("{name}: {reason}")));
     }
     let columns =
-        Columns::find(&record).map_err(|reason| Failure::Refused(format!("{name}: {reason}")))?;
+        Columns::find(&record).map_err(|reason| CliError::Refused(format!("{name}: {reason}")))?;
 
     let mut results = Results {
         writer: csv::Writer::from_writer(output),
         closed: false,
     };
     results.put(["case", "status"].into_iter().chain(RESULT_COLUMNS))?;
-    let mut count = Count::default();
+    let mut count = RowCounts::default();
     while !results.closed && reader.read_byte_record(&mut record).map_err(unreadable)? {
         count.rows += 1;
         let case = columns
@@ -172,12 +172,12 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    fn row(&mut self, case: &[u8], status: &str, values: &[String; 28]) -> Result<(), Failure> {
+    fn row(&mut self, case: &[u8], status: &str, values: &[String; 28]) -> Result<(), CliError> {
         let fields = [case, status.as_bytes()].into_iter();
         self.put(fields.chain(values.iter().map(String::as_bytes)))
     }
 
-    fn put<T: AsRef<[u8]>>(&mut self, fields: impl Iterator<Item = T>) -> Result<(), Failure> {
+    fn put<T: AsRef<[u8]>>(&mut self, fields: impl Iterator<Item = T>) -> Result<(), CliError> {
         // Not `io::Error::from`, which hides the kind.
         let written = self.writer.write_record(fields);
         self.note(written.map_err(|error| match error.into_kind() {
@@ -186,19 +186,19 @@ impl Results<'_> {
         }))
     }
 
-    fn flush(&mut self) -> Result<(), Failure> {
+    fn flush(&mut self) -> Result<(), CliError> {
         let flushed = self.writer.flush();
         self.note(flushed)
     }
 
-    fn note(&mut self, result: io::Result<()>) -> Result<(), Failure> {
+    fn note(&mut self, result: io::Result<()>) -> Result<(), CliError> {
         match result {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
                 self.closed = true;
                 Ok(())
             }
             other => other.map_err(|error| {
-                Failure::Failed(format!("the results cannot be written: {error}"))
+                CliError::Failed(format!("the results cannot be written: {error}"))
             }),
         }
     }

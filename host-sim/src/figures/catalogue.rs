@@ -30,7 +30,7 @@ const fn angle(label: &'static str, value: fn(&Record) -> f64) -> Source {
 pub(super) struct PanelSource {
     pub(super) quantity: &'static str,
     pub(super) unit: &'static str,
-    /// Whether zero is shown whatever the values: where the distance from it is what matters.
+    /// The axis starts at zero, because the distance from zero matters.
     pub(super) from_zero: bool,
     pub(super) curves: &'static [Source],
 }

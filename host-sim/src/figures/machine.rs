@@ -16,7 +16,7 @@ const LEGEND: f64 = 196.0;
 const SIDE: f64 = 640.0;
 const GROUND: RGBColor = RGBColor(80, 80, 80);
 
-/// What there is to draw.
+/// Contents of the drawing.
 pub(super) struct Scenery {
     /// The machine at several instants in order of time; the first is the start, the last the end.
     pub(super) instants: Vec<Record>,
@@ -55,7 +55,7 @@ pub(super) fn draw(title: &str, scenery: &Scenery) -> Drawn {
     })
 }
 
-/// How strongly an instant is drawn.
+/// Strength in which an instant is drawn.
 #[derive(Clone, Copy)]
 enum Shade {
     Start,

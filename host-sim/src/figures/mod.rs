@@ -53,6 +53,6 @@ pub fn write_all(
 pub struct FigureError {
     /// The file.
     pub path: PathBuf,
-    /// Why.
+    /// Cause.
     pub source: io::Error,
 }

@@ -19,7 +19,7 @@ struct Gathered {
     points: Decimator<3>,
 }
 
-/// What the figures need of a run's rows, gathered in bounded memory.
+/// Rows of a run, thinned out for the figures in bounded memory.
 pub struct PlantTraces {
     figures: [(&'static str, &'static str, Vec<Gathered>); 3],
 }

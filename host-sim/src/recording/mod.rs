@@ -4,7 +4,7 @@ mod peaks;
 
 pub use peaks::{At, MotorPeaks, Peaks};
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::figures;
 use crate::figures::Traces;
 use std::fs::File;
@@ -42,7 +42,7 @@ impl Recorder {
     ///
     /// # Errors
     /// Failed: the table cannot be written.
-    pub fn create(folder: &Path, ticks: u64, torque: bool) -> Result<Self, Failure> {
+    pub fn create(folder: &Path, ticks: u64, torque: bool) -> Result<Self, CliError> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         let path = folder.join("ticks.csv");
         let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
@@ -65,7 +65,7 @@ impl Recorder {
     ///
     /// # Errors
     /// Failed: the table cannot be written.
-    pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
+    pub fn record(&mut self, record: &Record) -> Result<(), CliError> {
         use std::fmt::Write as _;
         self.line.clear();
         for (column, value) in record.tick_row(self.torque).enumerate() {
@@ -96,7 +96,7 @@ impl Recorder {
     ///
     /// # Errors
     /// Failed: a file cannot be written.
-    pub fn finish(mut self, name: &str, is_complete: bool) -> Result<Recorded, Failure> {
+    pub fn finish(mut self, name: &str, is_complete: bool) -> Result<Recorded, CliError> {
         self.table
             .flush()
             .map_err(|error| unwritable(&self.path, &error))?;
@@ -115,6 +115,6 @@ impl Recorder {
 }
 
 /// `path: cannot be written: why`.
-pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Failed(format!("{}: cannot be written: {error}", path.display()))
+pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> CliError {
+    CliError::Failed(format!("{}: cannot be written: {error}", path.display()))
 }

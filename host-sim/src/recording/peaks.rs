@@ -22,7 +22,7 @@ pub struct MotorPeaks {
     pub power: At,
 }
 
-/// What the summary of a run tells of its motion.
+/// Extremes of a motion, for the summary of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peaks {
     /// The three motors.

@@ -32,7 +32,7 @@ pub struct RunArgs {
 }
 
 impl Default for RunArgs {
-    /// What `trirrr run` without arguments does.
+    /// Arguments of `trirrr run` where none is given.
     fn default() -> Self {
         Self {
             scene: DEFAULT_SCENE.into(),

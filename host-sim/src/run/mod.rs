@@ -10,13 +10,13 @@ mod summary;
 pub use args::RunArgs;
 pub use plant::Simulated;
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::realtime::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
 use plant::PlantRecorder;
 use play::play;
-use progress::Progress;
+use progress::ProgressDisplay;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -40,7 +40,7 @@ const WAITING: usize = 4096;
 
 /// End of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum JobEnd {
     /// The whole job was played.
     Complete,
     /// The user stopped the run.
@@ -53,9 +53,9 @@ pub enum End {
 
 /// Result of a run, besides the files.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct RunReport {
     /// End of the run.
-    pub end: End,
+    pub end: JobEnd,
     /// Number of setpoints that have a record, from the first on.
     pub records: u64,
     /// Number of setpoints of the whole job.
@@ -82,10 +82,10 @@ pub struct Report {
 ///
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
-pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
+pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
     let scene = Scene::read(&args.scene).map_err(|error| {
         // Every line names the file already.
-        Failure::Refused(error.to_string())
+        CliError::Refused(error.to_string())
     })?;
     let folder = match &args.out {
         Some(folder) => folder.clone(),
@@ -96,24 +96,28 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<End, Failure> {
     match summary::print(&mut io::stdout().lock(), &args.scene, &scene, &report) {
         // Who closes standard output early does not want the summary.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Failure::Failed(format!("standard output: {error}")));
+            return Err(CliError::Failed(format!("standard output: {error}")));
         }
         _ => {}
     }
-    let Some(simulated) = report.plant.filter(|_| report.end == End::Complete) else {
+    let Some(simulated) = report.plant.filter(|_| report.end == JobEnd::Complete) else {
         return Ok(report.end);
     };
     match plant::print(&mut io::stdout().lock(), &simulated) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Failure::Failed(format!("standard output: {error}")));
+            return Err(CliError::Failed(format!("standard output: {error}")));
         }
         _ => {}
     }
     match simulated.outcome.end {
-        trirrr_plant::End::Complete => Ok(report.end),
-        trirrr_plant::End::Interrupted { .. } => Ok(End::Stopped),
-        trirrr_plant::End::Ended(ending) => Err(Failure::Failed(format!("the plant {ending}"))),
-        trirrr_plant::End::Failed(reason) => Err(Failure::Failed(format!("the plant: {reason}"))),
+        trirrr_plant::PlantEnd::Complete => Ok(report.end),
+        trirrr_plant::PlantEnd::Interrupted { .. } => Ok(JobEnd::Stopped),
+        trirrr_plant::PlantEnd::Ended(ending) => {
+            Err(CliError::Failed(format!("the plant {ending}")))
+        }
+        trirrr_plant::PlantEnd::Failed(reason) => {
+            Err(CliError::Failed(format!("the plant: {reason}")))
+        }
     }
 }
 
@@ -130,7 +134,7 @@ pub fn simulate(
     paced: bool,
     folder: &Path,
     stop: &AtomicBool,
-) -> Result<Report, Failure> {
+) -> Result<RunReport, CliError> {
     in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, folder, stop))
 }
 
@@ -140,8 +144,8 @@ fn simulate_in<N: ServiceNumber + Countable>(
     paced: bool,
     folder: &Path,
     stop: &AtomicBool,
-) -> Result<Report, Failure> {
-    let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
+) -> Result<RunReport, CliError> {
+    let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
@@ -159,7 +163,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let recording = Recording {
         samples: Samples::new(&*pipeline, units),
         recorder,
-        progress: Progress::new(setpoints, expected),
+        progress: ProgressDisplay::new(setpoints, expected),
         plant,
     };
 
@@ -181,11 +185,11 @@ fn simulate_in<N: ServiceNumber + Countable>(
             )
         })
     })?;
-    let is_complete = played.end == End::Complete;
+    let is_complete = played.end == JobEnd::Complete;
     let (recorder, plant) = recorded?;
     let Recorded { rows, peaks, files } = recorder.finish(&scene.name, is_complete)?;
     let plant = plant.map(|plant| plant.finish(&scene.name, stop));
-    Ok(Report {
+    Ok(RunReport {
         end: played.end,
         records: rows,
         setpoints,
@@ -204,7 +208,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
 struct Recording<'a, N: ServiceNumber> {
     samples: Samples<'a, N>,
     recorder: Recorder,
-    progress: Progress,
+    progress: ProgressDisplay,
     plant: Option<PlantRecorder<'a, N>>,
 }
 
@@ -214,7 +218,7 @@ impl<'a, N: ServiceNumber> Recording<'a, N> {
     fn record_all(
         mut self,
         ticks: &Receiver<PlayedTick<N>>,
-    ) -> Result<(Recorder, Option<PlantRecorder<'a, N>>), Failure> {
+    ) -> Result<(Recorder, Option<PlantRecorder<'a, N>>), CliError> {
         for tick in ticks {
             if let Some(plant) = &mut self.plant {
                 plant.tick(&tick.sample);
@@ -225,7 +229,7 @@ impl<'a, N: ServiceNumber> Recording<'a, N> {
             }
             let record = self.samples.played(&tick).map_err(|status| {
                 let number = tick.sample.tick;
-                Failure::Failed(format!("tick {number} of the machine: {status}"))
+                CliError::Failed(format!("tick {number} of the machine: {status}"))
             })?;
             self.recorder.record(&record)?;
             self.progress.update(self.recorder.rows(), record.t);

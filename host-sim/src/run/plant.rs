@@ -1,7 +1,7 @@
 //! The part of a run that simulates the scene's plant.
 
 use super::summary::{digits, line, seconds};
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::figures::PlantTraces;
 use crate::recording::unwritable;
 use std::fs::File;
@@ -14,7 +14,7 @@ use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
 use trirrr_plant::statistics::{Active, MotorStatistics, Signal};
 use trirrr_plant::table::{COLUMNS, Row};
-use trirrr_plant::{End, Outcome, PlantRun};
+use trirrr_plant::{Outcome, PlantEnd, PlantRun};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
 use trirrr_service::Output;
@@ -44,9 +44,9 @@ impl<'l, N: Countable> PlantRecorder<'l, N> {
     ///
     /// # Errors
     /// Refused: what the scene asks for. Failed: a file cannot be made.
-    pub(super) fn create(scene: &Scene, line: &'l Line, folder: &Path) -> Result<Self, Failure> {
+    pub(super) fn create(scene: &Scene, line: &'l Line, folder: &Path) -> Result<Self, CliError> {
         let run = PlantRun::build(scene, line)
-            .map_err(|refusal| Failure::Refused(format!("scene {}: {refusal}", scene.name)))?;
+            .map_err(|refusal| CliError::Refused(format!("scene {}: {refusal}", scene.name)))?;
         Ok(Self {
             run,
             rows: Vec::new(),
@@ -77,7 +77,7 @@ impl<N: Transmit> PlantRecorder<'_, N> {
     ///
     /// # Errors
     /// Failed: something cannot be written.
-    pub(super) fn finish(mut self, name: &str, stop: &AtomicBool) -> Result<Simulated, Failure> {
+    pub(super) fn finish(mut self, name: &str, stop: &AtomicBool) -> Result<Simulated, CliError> {
         let (rows, table) = (&mut self.rows, &mut self.table);
         let outcome = self.run.finish(stop, &mut |row| keep(row, rows, table));
         self.table.write(&mut self.rows);
@@ -107,7 +107,7 @@ struct PlantTable {
 }
 
 impl PlantTable {
-    fn create(scene: &Scene, folder: &Path) -> Result<Self, Failure> {
+    fn create(scene: &Scene, folder: &Path) -> Result<Self, CliError> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         let path = folder.join("plant.csv");
         let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
@@ -134,7 +134,7 @@ impl PlantTable {
         }
     }
 
-    fn finish(mut self, name: &str) -> Result<Vec<PathBuf>, Failure> {
+    fn finish(mut self, name: &str) -> Result<Vec<PathBuf>, CliError> {
         self.written
             .and_then(|()| self.file.flush())
             .map_err(|error| unwritable(&self.path, &error))?;
@@ -167,10 +167,10 @@ pub(super) fn print(out: &mut dyn Write, simulated: &Simulated) -> io::Result<()
         &format!("{simulated_s} s simulated in {took}: {ratio} times faster than real time"),
     )?;
     match &outcome.end {
-        End::Complete => {}
-        End::Interrupted { t } => line(out, "  stopped", &format!("at t = {t} s by Ctrl-C"))?,
-        End::Ended(ending) => line(out, "  ended", &ending.to_string())?,
-        End::Failed(reason) => line(out, "  failed", reason)?,
+        PlantEnd::Complete => {}
+        PlantEnd::Interrupted { t } => line(out, "  stopped", &format!("at t = {t} s by Ctrl-C"))?,
+        PlantEnd::Ended(ending) => line(out, "  ended", &ending.to_string())?,
+        PlantEnd::Failed(reason) => line(out, "  failed", reason)?,
     }
     method(out, outcome)?;
     errors(out, outcome)?;

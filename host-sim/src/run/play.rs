@@ -1,21 +1,21 @@
 //! Plays a job tick by tick, in real time or as fast as the computer can.
 
-use super::End;
+use super::JobEnd;
 use crate::histogram::Histogram;
 use crate::realtime::{Deadlines, Pacer};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
-use trirrr_client::Failure;
-use trirrr_client::runner::{JobRunner, Part, PlayedTick};
+use trirrr_client::JobFailure;
+use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
 use trirrr_service::ServiceNumber;
 
 /// Result of a job, besides its ticks.
 pub(super) struct RunResult {
-    pub(super) end: End,
+    pub(super) end: JobEnd,
     pub(super) elapsed: Duration,
     pub(super) computation: Histogram,
-    /// How the deadlines were kept, if the job was paced.
+    /// Deadlines met and missed, if the job was paced.
     pub(super) deadlines: Option<Deadlines>,
 }
 
@@ -36,16 +36,16 @@ pub(super) fn play<N: ServiceNumber>(
             break ended(&runner, result);
         }
         if stop.load(Ordering::Relaxed) {
-            break End::Stopped;
+            break JobEnd::Stopped;
         }
-        if runner.part() == Part::Path {
+        if runner.part() == JobPart::Path {
             start.get_or_insert_with(Instant::now);
             if let Some(rate_hz) = rate_hz
                 && !pacer
                     .get_or_insert_with(|| Pacer::start(rate_hz))
                     .wait(tick, stop)
             {
-                break End::Stopped;
+                break JobEnd::Stopped;
             }
             let begin = Instant::now();
             runner.tick();
@@ -62,7 +62,7 @@ pub(super) fn play<N: ServiceNumber>(
             && ticks.send(played).is_err()
         {
             // The recorder has gone: it says why when it is joined.
-            break End::Stopped;
+            break JobEnd::Stopped;
         }
     };
     RunResult {
@@ -73,13 +73,13 @@ pub(super) fn play<N: ServiceNumber>(
     }
 }
 
-fn ended<N: ServiceNumber>(runner: &JobRunner<'_, N>, result: Result<(), Failure<N>>) -> End {
+fn ended<N: ServiceNumber>(runner: &JobRunner<'_, N>, result: Result<(), JobFailure<N>>) -> JobEnd {
     let Err(failure) = result else {
-        return End::Complete;
+        return JobEnd::Complete;
     };
     let why = runner.describe(&failure);
     match failure {
-        Failure::Refused { .. } | Failure::Inadmissible { .. } => End::Refused(why),
-        _ => End::Fault(why),
+        JobFailure::Refused { .. } | JobFailure::Inadmissible { .. } => JobEnd::Refused(why),
+        _ => JobEnd::Fault(why),
     }
 }

@@ -10,7 +10,7 @@ const LONG: Duration = Duration::from_secs(2);
 const LINES: Duration = Duration::from_secs(5);
 
 /// Tells how far a run is.
-pub(super) struct Progress {
+pub(super) struct ProgressDisplay {
     start: Instant,
     /// When to say something next, before there is a bar.
     next: Instant,
@@ -19,7 +19,7 @@ pub(super) struct Progress {
     bar: Option<ProgressBar>,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// For a job of `ticks` records that will take `expected`, if that is known.
     pub(super) fn new(ticks: u64, expected: Option<Duration>) -> Self {
         let start = Instant::now();

@@ -1,6 +1,6 @@
 //! The summary of a run.
 
-use super::{End, Report};
+use super::{JobEnd, RunReport};
 use crate::histogram::Histogram;
 use crate::recording::At;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ pub(super) fn print(
     out: &mut dyn Write,
     file: &Path,
     scene: &Scene,
-    report: &Report,
+    report: &RunReport,
 ) -> io::Result<()> {
     job(out, file, scene, report)?;
     motion(out, scene, report)?;
@@ -27,7 +27,7 @@ pub(super) fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<(
     writeln!(out, "{}", format!("{label:<12}{text}").trim_end())
 }
 
-fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::Result<()> {
+fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &RunReport) -> io::Result<()> {
     line(
         out,
         "scene",
@@ -60,14 +60,14 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::
         &format!("{records} of {setpoints} setpoints {how}, {took}"),
     )?;
     match &report.end {
-        End::Complete => Ok(()),
-        End::Stopped => line(
+        JobEnd::Complete => Ok(()),
+        JobEnd::Stopped => line(
             out,
             "stopped",
             "by Ctrl-C; what was computed so far is written",
         ),
-        End::Refused(why) => line(out, "refused", why),
-        End::Fault(what) => line(
+        JobEnd::Refused(why) => line(out, "refused", why),
+        JobEnd::Fault(what) => line(
             out,
             "fault",
             &format!("{what}; what came before is written"),
@@ -75,7 +75,7 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &Report) -> io::
     }
 }
 
-fn motion(out: &mut dyn Write, scene: &Scene, report: &Report) -> io::Result<()> {
+fn motion(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<()> {
     let Some(peaks) = &report.peaks else {
         return Ok(());
     };
@@ -123,7 +123,7 @@ fn least(serial: &[At; 3]) -> (usize, At) {
     least
 }
 
-fn timing(out: &mut dyn Write, scene: &Scene, report: &Report) -> io::Result<()> {
+fn timing(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<()> {
     writeln!(out)?;
     line(
         out,
@@ -158,7 +158,7 @@ fn timing(out: &mut dyn Write, scene: &Scene, report: &Report) -> io::Result<()>
     )
 }
 
-fn files(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+fn files(out: &mut dyn Write, report: &RunReport) -> io::Result<()> {
     writeln!(out)?;
     for (i, file) in report.files.iter().enumerate() {
         line(

@@ -1,5 +1,5 @@
-//! What a user sees of a stream on standard error: changes as lines; on a terminal a bar with the
-//! latest values, elsewhere a line now and then.
+//! Display of a stream on standard error: changes as lines; on a terminal a bar with the latest
+//! values, elsewhere a line now and then.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
@@ -11,13 +11,13 @@ use trirrr_scene::record::Record;
 /// Without a terminal, values come at most this often.
 const LINES: Duration = Duration::from_secs(5);
 
-/// What is shown.
+/// Display of a stream under way.
 pub(super) struct Display {
     ticks: u64,
     /// The scene computes torques.
     torque: bool,
     bar: Option<ProgressBar>,
-    /// When the next line with values is due.
+    /// Time at which the next line with values is due.
     next: Instant,
     state: Option<(State, Acting)>,
 }

@@ -1,4 +1,4 @@
-//! What a user says on standard input.
+//! Commands of a user on standard input.
 
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};

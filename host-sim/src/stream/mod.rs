@@ -8,9 +8,9 @@ mod session;
 mod summary;
 
 pub use args::StreamArgs;
-pub use session::End;
+pub use session::StreamEnd;
 
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::recording::Recorder;
 use display::Display;
 use port::Port;
@@ -44,8 +44,8 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// # Errors
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
-pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<End, Failure> {
-    let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
+pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
+    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
     let scalar = args.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => stream::<N>(args, &scene, scalar, stop))
 }
@@ -55,8 +55,8 @@ fn stream<N: ServiceNumber>(
     scene: &Scene,
     scalar: NumberType,
     stop: &AtomicBool,
-) -> Result<End, Failure> {
-    let refused = |error: String| Failure::Refused(format!("scene {}: {error}", scene.name));
+) -> Result<StreamEnd, CliError> {
+    let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
@@ -76,7 +76,7 @@ fn stream<N: ServiceNumber>(
         args.baud,
         Duration::from_secs_f64(args.patience),
     )
-    .map_err(|error| Failure::Failed(error.to_string()))?;
+    .map_err(|error| CliError::Failed(error.to_string()))?;
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
@@ -113,7 +113,7 @@ fn stream<N: ServiceNumber>(
         ..
     } = session;
     display.finish();
-    let is_complete = matches!(result, Ok(End::Complete));
+    let is_complete = matches!(result, Ok(StreamEnd::Complete));
     let recorded = recorder.finish(&scene.name, is_complete)?;
     summary::print(&summary::Summary {
         file: &args.scene,

@@ -20,9 +20,9 @@ pub(super) struct Port {
     link: Box<dyn Link>,
     frames: Frames,
     bytes: Vec<u8>,
-    /// When the board was heard last.
+    /// Time of the last bytes from the board.
     heard: Instant,
-    /// Whether it was, since the port was opened.
+    /// The board was heard since the port was opened.
     answered: bool,
     opened_anew: u64,
     damaged: u64,
@@ -52,7 +52,7 @@ impl Port {
         })
     }
 
-    /// How often it was opened again.
+    /// Number of times that the port was opened again.
     pub(super) fn opened_anew(&self) -> u64 {
         self.opened_anew
     }

@@ -3,7 +3,7 @@
 
 use super::display::Display;
 use super::port::Port;
-use crate::failure::Failure;
+use crate::failure::CliError;
 use crate::recording::Recorder;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +21,7 @@ const LAST_SAMPLES: Duration = Duration::from_millis(500);
 
 /// End of a stream that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum StreamEnd {
     /// The whole job was played.
     Complete,
     /// The user stopped it.
@@ -51,7 +51,7 @@ impl<N: Transmit> Session<'_, N> {
     /// # Errors
     /// Refused: the board refuses the scene or a move. Failed: the machine has a fault, the port or
     /// the board is lost, or something cannot be written.
-    pub(super) fn run(&mut self) -> Result<End, Failure> {
+    pub(super) fn run(&mut self) -> Result<StreamEnd, CliError> {
         let start = Instant::now();
         let mut stop_asked = false;
         loop {
@@ -86,15 +86,15 @@ impl<N: Transmit> Session<'_, N> {
         }
     }
 
-    fn reopen(&mut self, why: &str) -> Result<(), Failure> {
+    fn reopen(&mut self, why: &str) -> Result<(), CliError> {
         self.display.note(&format!("{why}; opening the port anew"));
-        self.port.reopen(why, self.stop).map_err(Failure::Failed)?;
+        self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
         self.client.reconnected();
         Ok(())
     }
 
     /// Listens for up to `wait` and takes what comes.
-    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), Failure> {
+    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), CliError> {
         let mut messages = VecDeque::new();
         // A wait of nothing would make the loop spin; what comes ends any wait.
         let wait = wait.max(Duration::from_millis(1));
@@ -117,8 +117,8 @@ impl<N: Transmit> Session<'_, N> {
         Ok(())
     }
 
-    /// What is still on the line of a job that is over: answers overtake samples.
-    fn receive_last(&mut self, start: Instant) -> Result<(), Failure> {
+    /// Receives the samples of a finished job that are still on the line: answers overtake samples.
+    fn receive_last(&mut self, start: Instant) -> Result<(), CliError> {
         let end = Instant::now() + LAST_SAMPLES;
         while self.samples.have_begun() && !self.is_over && Instant::now() < end {
             self.receive(LOOK, start)?;
@@ -126,7 +126,7 @@ impl<N: Transmit> Session<'_, N> {
         Ok(())
     }
 
-    fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), Failure> {
+    fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), CliError> {
         let Some(index) = self.client.index(sample.number) else {
             return Ok(());
         };
@@ -138,7 +138,7 @@ impl<N: Transmit> Session<'_, N> {
             return Ok(());
         }
         let record = self.samples.record(sample, self.every).map_err(|status| {
-            Failure::Failed(format!(
+            CliError::Failed(format!(
                 "the board is where the scene's machine cannot be, in tick {}: {status}",
                 sample.tick
             ))
@@ -149,17 +149,20 @@ impl<N: Transmit> Session<'_, N> {
         Ok(())
     }
 
-    fn ended(&self, result: Result<(), trirrr_client::Failure<N>>) -> Result<End, Failure> {
-        use trirrr_client::Failure as Lost;
+    fn ended(
+        &self,
+        result: Result<(), trirrr_client::JobFailure<N>>,
+    ) -> Result<StreamEnd, CliError> {
+        use trirrr_client::JobFailure as Lost;
         let failure = match result {
-            Ok(()) => return Ok(End::Complete),
-            Err(Lost::Stopped { .. }) => return Ok(End::Stopped),
+            Ok(()) => return Ok(StreamEnd::Complete),
+            Err(Lost::Stopped { .. }) => return Ok(StreamEnd::Stopped),
             Err(failure) => failure,
         };
         let text = self.client.describe(&failure);
         Err(match failure {
-            Lost::Refused { .. } | Lost::Inadmissible { .. } => Failure::Refused(text),
-            _ => Failure::Failed(text),
+            Lost::Refused { .. } | Lost::Inadmissible { .. } => CliError::Refused(text),
+            _ => CliError::Failed(text),
         })
     }
 }

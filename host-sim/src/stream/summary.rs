@@ -1,7 +1,7 @@
 //! The summary of a stream.
 
-use super::End;
-use crate::failure::Failure;
+use super::StreamEnd;
+use crate::failure::CliError;
 use crate::recording::Recorded;
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,7 +11,7 @@ use trirrr_protocol::message::Identity;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
-/// What there is to say.
+/// Contents of the summary.
 pub(super) struct Summary<'a> {
     pub(super) file: &'a Path,
     pub(super) scene: &'a Scene,
@@ -30,18 +30,18 @@ pub(super) struct Summary<'a> {
     pub(super) opened_anew: u64,
     pub(super) damaged: u64,
     /// None where it failed.
-    pub(super) end: Option<End>,
+    pub(super) end: Option<StreamEnd>,
 }
 
 /// Prints the summary on standard output.
 ///
 /// # Errors
 /// Failed: standard output cannot be written.
-pub(super) fn print(summary: &Summary) -> Result<(), Failure> {
+pub(super) fn print(summary: &Summary) -> Result<(), CliError> {
     match write(&mut io::stdout().lock(), summary) {
         // Who closes standard output early does not want the summary.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Failed(format!("standard output: {error}")))
+            Err(CliError::Failed(format!("standard output: {error}")))
         }
         _ => Ok(()),
     }
@@ -85,10 +85,10 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     }
     let (done, moves) = (summary.done, summary.moves);
     let job = match summary.end {
-        Some(End::Complete) => format!("{done} of {moves} moves done"),
+        Some(StreamEnd::Complete) => format!("{done} of {moves} moves done"),
         // The machine counts the move that it left as over.
-        Some(End::Stopped) if done > 0 => format!("stopped in move {done} of {moves}"),
-        Some(End::Stopped) => format!("stopped before the first of {moves} moves"),
+        Some(StreamEnd::Stopped) if done > 0 => format!("stopped in move {done} of {moves}"),
+        Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} moves"),
         None => format!("{done} of {moves} moves done, not complete"),
     };
     line("job", &job)?;

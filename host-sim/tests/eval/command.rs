@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 use trirrr_host_sim::eval::evaluate;
-use trirrr_host_sim::failure::Failure;
+use trirrr_host_sim::failure::CliError;
 use trirrr_scene::NumberType;
 
 #[test]
@@ -26,7 +26,7 @@ fn a_reader_that_stops_reading_is_no_error_and_a_full_disk_is() {
     assert!(into(std::io::ErrorKind::BrokenPipe).is_ok());
     assert!(matches!(
         into(std::io::ErrorKind::StorageFull),
-        Err(Failure::Failed(_))
+        Err(CliError::Failed(_))
     ));
 }
 

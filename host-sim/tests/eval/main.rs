@@ -4,7 +4,7 @@ mod command;
 mod refusals;
 mod values;
 
-use trirrr_host_sim::eval::{Count, evaluate};
+use trirrr_host_sim::eval::{RowCounts, evaluate};
 use trirrr_scene::NumberType;
 
 const RESULT_HEADER: &str = "case,status,th1_1,th1_2,th1_3,th2_1,th2_2,th2_3,dth1_1,dth1_2,dth1_3,\
@@ -25,7 +25,7 @@ const START: [f64; 3] = [0.012528697, 0.014246763, -0.029750897];
 const END: [f64; 3] = [-0.019558387, -0.015416587, 0.039628158];
 
 /// Evaluates a table and checks what holds for every result.
-fn table(scalar: NumberType, cases: &[u8]) -> (Count, Vec<Vec<String>>) {
+fn table(scalar: NumberType, cases: &[u8]) -> (RowCounts, Vec<Vec<String>>) {
     let mut results = Vec::new();
     let count = evaluate(scalar, "cases.csv", cases, &mut results).expect("results");
     let text = String::from_utf8(results).unwrap();

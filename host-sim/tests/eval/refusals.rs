@@ -1,7 +1,7 @@
 //! Every way a table or a row can be wrong.
 
 use crate::{MACHINE, MACHINE_HEADER, MOVE, MOVE_HEADER, STATE, STATE_HEADER, table};
-use trirrr_host_sim::eval::{Count, evaluate};
+use trirrr_host_sim::eval::{RowCounts, evaluate};
 use trirrr_scene::NumberType;
 
 fn refusal(cases: &[u8]) -> String {
@@ -49,7 +49,7 @@ fn a_bad_row_says_what_is_wrong_and_the_others_go_on() {
     let (count, rows) = table(NumberType::F64, table_text.as_bytes());
     assert_eq!(
         count,
-        Count {
+        RowCounts {
             rows: cases.len(),
             ok: 1
         }
@@ -146,7 +146,7 @@ fn bytes_that_are_no_text_spoil_their_row_only() {
     cases.extend_from_slice(b"\xff\xfe");
     cases.extend_from_slice(format!("{MACHINE},{STATE}\n").as_bytes());
     let (count, rows) = table(NumberType::F64, &cases);
-    assert_eq!(count, Count { rows: 2, ok: 1 });
+    assert_eq!(count, RowCounts { rows: 2, ok: 1 });
     assert!(rows[1][1].starts_with("invalid: ax_1 = "), "{}", rows[1][1]);
     assert!(rows[1][1].ends_with("is not a number"));
 }

@@ -3,7 +3,7 @@
 
 use trirrr_core::machine::Parameters;
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_scene::{Job, Move, Scene};
+use trirrr_scene::{Job, JobMove, Scene};
 use trirrr_truth::double_double::DoubleDouble;
 use trirrr_truth::inputs::Inputs;
 
@@ -87,7 +87,7 @@ fn state(job: &Job, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
 
 /// Pose, velocity and acceleration on one move, `tick` ticks after its start: the cubic with the
 /// move's poses and velocities at its ends.
-pub(crate) fn on_move(each: &Move, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
+pub(crate) fn on_move(each: &JobMove, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
     let number = DoubleDouble::new;
     let whole = number(each.duration_ticks.into());
     let duration = whole / number(rate_hz);

@@ -24,7 +24,7 @@ use std::str::FromStr;
 
 /// Part of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Section {
+pub enum ReportSection {
     /// Error and run time of every number type.
     Numbers,
     /// Extreme machines, moves and poses in every number type.
@@ -33,38 +33,38 @@ pub enum Section {
     WorkPrecision,
 }
 
-impl Section {
+impl ReportSection {
     /// All of them, in order.
     pub const ALL: [Self; 3] = [Self::Numbers, Self::Extremes, Self::WorkPrecision];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Section::Numbers => "numbers",
-            Section::Extremes => "extremes",
-            Section::WorkPrecision => "work-precision",
+            ReportSection::Numbers => "numbers",
+            ReportSection::Extremes => "extremes",
+            ReportSection::WorkPrecision => "work-precision",
         }
     }
 
     /// Contents in one line.
     pub fn about(self) -> &'static str {
         match self {
-            Section::Numbers => "Error and run time of every number type",
-            Section::Extremes => "Extreme machines, moves and poses in every number type",
-            Section::WorkPrecision => "Error and run time of every method of integration",
+            ReportSection::Numbers => "Error and run time of every number type",
+            ReportSection::Extremes => "Extreme machines, moves and poses in every number type",
+            ReportSection::WorkPrecision => "Error and run time of every method of integration",
         }
     }
 
     fn write(self, page: &mut Page<'_>) -> Result<(), ReportError> {
         match self {
-            Section::Numbers => numbers::write(page),
-            Section::Extremes => extremes::write(page),
-            Section::WorkPrecision => work_precision::write(page),
+            ReportSection::Numbers => numbers::write(page),
+            ReportSection::Extremes => extremes::write(page),
+            ReportSection::WorkPrecision => work_precision::write(page),
         }
     }
 }
 
-impl FromStr for Section {
+impl FromStr for ReportSection {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -87,7 +87,7 @@ pub struct Report {
 ///
 /// # Errors
 /// Failed: something cannot be written.
-pub fn write(sections: &[Section], folder: &Path) -> Result<Report, ReportError> {
+pub fn write(sections: &[ReportSection], folder: &Path) -> Result<Report, ReportError> {
     std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     let mut page = Page::new(folder, "Report");
     for section in sections {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-use trirrr_report::{Section, docs, write};
+use trirrr_report::{ReportSection, docs, write};
 
 /// Figures whose every coordinate is an error or a count.
 const FIGURES: [&str; 3] = [
@@ -16,7 +16,11 @@ const FIGURES: [&str; 3] = [
 fn numerics_md_is_what_the_report_says() {
     let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let folder = TempDir::new().unwrap();
-    let report = write(&[Section::Numbers, Section::Extremes], folder.path()).unwrap();
+    let report = write(
+        &[ReportSection::Numbers, ReportSection::Extremes],
+        folder.path(),
+    )
+    .unwrap();
     let document = fs::read_to_string(documents.join("numerics.md")).unwrap();
     let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
     let outdated = docs::outdated(&document, &report.blocks).unwrap();
@@ -34,7 +38,7 @@ fn numerics_md_is_what_the_report_says() {
 #[test]
 fn numerics_md_is_what_the_study_of_integrators_says() {
     let folder = TempDir::new().unwrap();
-    let report = write(&[Section::WorkPrecision], folder.path()).unwrap();
+    let report = write(&[ReportSection::WorkPrecision], folder.path()).unwrap();
     let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/numerics.md");
     let document = fs::read_to_string(document).unwrap();
     let outdated = docs::outdated(&document, &report.blocks).unwrap();

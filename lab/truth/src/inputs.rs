@@ -11,7 +11,7 @@ use trirrr_core::setpoint::Setpoint;
 /// A leg: symbols as in the thesis; masses, centres of mass and central inertias of the links.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // named after the fields of `LegParameters`
-pub struct Leg<S> {
+pub struct LegInputs<S> {
     pub base: Plane<S>,
     pub l1: S,
     pub l2: S,
@@ -31,7 +31,7 @@ pub struct Leg<S> {
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // named after the fields of `Parameters` and `Setpoint`
 pub struct Inputs<S> {
-    pub legs: [Leg<S>; 3],
+    pub legs: [LegInputs<S>; 3],
     pub mass: S,
     pub inertia: S,
     pub com: Plane<S>,
@@ -146,7 +146,7 @@ impl<S: Scalar> Inputs<S> {
                 component: 0,
             })
         };
-        let mut leg = |base: Plane<S>, leg: &LegParameters| Leg {
+        let mut leg = |base: Plane<S>, leg: &LegParameters| LegInputs {
             base,
             l1: scalar(Q::Length, leg.proximal_m),
             l2: scalar(Q::Length, leg.distal_m),

@@ -3,7 +3,7 @@
 //!
 //! Nothing here knows virtual work, so that an error in the core's derivation shows.
 
-use crate::inputs::{Inputs, Leg};
+use crate::inputs::{Inputs, LegInputs};
 use crate::scalar::{Plane, Scalar, cross, difference, dot, scaled, solve, sum, turned};
 
 /// One leg in motion.
@@ -86,7 +86,7 @@ impl<S: Scalar> Inputs<S> {
     }
 
     fn leg_motion(&self, index: usize) -> LegMotion<S> {
-        let Leg {
+        let LegInputs {
             base,
             l1,
             l2,
@@ -134,7 +134,7 @@ impl<S: Scalar> Inputs<S> {
         }
     }
 
-    fn bodies(&self, leg: &Leg<S>, motion: &LegMotion<S>) -> [Body<S>; 2] {
+    fn bodies(&self, leg: &LegInputs<S>, motion: &LegMotion<S>) -> [Body<S>; 2] {
         let [r1, r2] = motion.links;
         let [acc1, acc2] = motion.accelerations;
         let relative1 = of_radius(r1, motion.rates[0], acc1);
@@ -160,7 +160,7 @@ impl<S: Scalar> Inputs<S> {
 
     /// Torques and joint forces from the balance of each body.
     pub fn dynamics(&self, kinematics: &Kinematics<S>) -> Dynamics<S> {
-        let mut system = System::new();
+        let mut system = ForceEquations::new();
         for (index, (leg, motion)) in self.legs.iter().zip(&kinematics.legs).enumerate() {
             let [proximal, distal] = self.bodies(leg, motion);
             let [b, c] = motion.joints;
@@ -247,12 +247,12 @@ impl<S: Scalar> Inputs<S> {
 }
 
 /// The 21 equations in 18 force components and 3 torques.
-struct System<S> {
+struct ForceEquations<S> {
     matrix: Vec<Vec<S>>,
     right: Vec<S>,
 }
 
-impl<S: Scalar> System<S> {
+impl<S: Scalar> ForceEquations<S> {
     fn new() -> Self {
         Self {
             matrix: Vec::with_capacity(21),

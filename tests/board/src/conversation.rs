@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, Failure, JobClient, Patience, UserCommand};
+use trirrr_client::{Action, JobClient, JobFailure, Patience, UserCommand};
 use trirrr_protocol::message::{Message, Move, Reply, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -55,7 +55,7 @@ impl Noise {
 }
 
 /// How a client says that its job has ended.
-pub(crate) type End<N> = Result<(), Failure<N>>;
+pub(crate) type End<N> = Result<(), JobFailure<N>>;
 
 /// What happened on the line.
 #[derive(Clone, Copy, Debug, Default)]

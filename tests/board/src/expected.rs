@@ -60,7 +60,7 @@ impl<N: ServiceNumber> Expected<N> {
 
     /// What a board that has just been switched on does, from the service on the host: its homing,
     /// where the scene has one, then its job, unless homing has failed.
-    pub(crate) fn stretches(&self, inputs: Inputs) -> Result<Vec<Stretch<N>>> {
+    pub(crate) fn stretches(&self, inputs: HomingInputs) -> Result<Vec<Stretch<N>>> {
         let homing = match &self.scene.homing {
             Some(homing) => {
                 let parameters = homing.parameters(&self.scene, &self.units);
@@ -74,8 +74,8 @@ impl<N: ServiceNumber> Expected<N> {
             Host {
                 machine,
                 switches: match inputs {
-                    Inputs::Switches => homing.as_ref().map(RuledSwitches::new),
-                    Inputs::Open => None,
+                    HomingInputs::Switches => homing.as_ref().map(RuledSwitches::new),
+                    HomingInputs::Open => None,
                 },
                 sequence: 0,
                 moves: self.moves(),
@@ -88,7 +88,7 @@ impl<N: ServiceNumber> Expected<N> {
 
 /// What the board's inputs of homing do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Inputs {
+pub(crate) enum HomingInputs {
     /// They close by rule, as in an image with the feature `switches`
     Switches,
     /// They never close

@@ -17,7 +17,7 @@ mod torture;
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
-use expected::{Expected, Inputs};
+use expected::{Expected, HomingInputs};
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::transport::Address;
@@ -39,8 +39,8 @@ enum Test {
         #[command(flatten)]
         board: Board,
         /// What its inputs of homing do
-        #[arg(long, value_enum, default_value_t = Inputs::Switches)]
-        inputs: Inputs,
+        #[arg(long, value_enum, default_value_t = HomingInputs::Switches)]
+        inputs: HomingInputs,
     },
     /// Play random jobs over a line that damages frames in both directions
     Torture {

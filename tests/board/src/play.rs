@@ -1,11 +1,11 @@
 //! The scene's homing and its job, with everything that their samples say.
 
 use crate::conversation::{Conversation, Moment};
-use crate::expected::{Expected, Inputs, Stretch};
+use crate::expected::{Expected, HomingInputs, Stretch};
 use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
-use trirrr_client::Failure;
+use trirrr_client::JobFailure;
 use trirrr_protocol::message::{State, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -16,7 +16,7 @@ const VALUES: usize = 27;
 pub(crate) fn run<N: ServiceNumber>(
     expected: &Expected<N>,
     mut port: Port,
-    inputs: Inputs,
+    inputs: HomingInputs,
 ) -> Result<()> {
     let stretches = expected.stretches(inputs)?;
     let last = stretches.last().context("nothing is expected")?;
@@ -39,10 +39,10 @@ pub(crate) fn run<N: ServiceNumber>(
         })?;
     match (result, end) {
         (Ok(()), State::Idle) => {}
-        (Err(Failure::Fault(fault)), State::Fault) => {
+        (Err(JobFailure::Fault(fault)), State::Fault) => {
             println!(
                 "as on the host: {}",
-                client.describe(&Failure::Fault(fault))
+                client.describe(&JobFailure::Fault(fault))
             );
         }
         (Err(failure), _) => bail!(client.describe(&failure)),

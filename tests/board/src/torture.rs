@@ -91,7 +91,7 @@ fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<
     let moves = random_job(random, scene.job.start);
     scene.job.moves = moves
         .iter()
-        .map(|each| trirrr_scene::Move {
+        .map(|each| trirrr_scene::JobMove {
             from: each.from,
             to: each.to,
             start_velocity: each.start_velocity.into(),

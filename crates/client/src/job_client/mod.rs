@@ -7,11 +7,11 @@ mod reply;
 mod schedule;
 mod status;
 
-use crate::Failure;
+use crate::JobFailure;
 use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
 use phase::{Next, Phase};
-use progress::Progress;
+use progress::JobProgress;
 use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -30,7 +30,7 @@ pub enum Action<N: Transmit> {
     /// up.
     Lost,
     /// The job has ended: played to its end, or why not.
-    Finished(Result<(), Failure<N>>),
+    Finished(Result<(), JobFailure<N>>),
 }
 
 /// Command of the user while the job runs.
@@ -51,7 +51,7 @@ pub struct JobClient<N: Transmit> {
     hello: Hello,
     /// Ticks from one telemetry sample to the next.
     telemetry: u16,
-    progress: Progress<N>,
+    progress: JobProgress<N>,
     identity: Option<Identity>,
     status: Option<Status<N>>,
     approach: Approach,
@@ -97,7 +97,7 @@ impl<N: Transmit> JobClient<N> {
             exchange: Exchange::new(patience, conversation),
             hello,
             telemetry,
-            progress: Progress::new(moves),
+            progress: JobProgress::new(moves),
             identity: None,
             status: None,
             approach: Approach {
@@ -179,7 +179,7 @@ impl<N: Transmit> JobClient<N> {
     }
 
     /// Describes `failure` in words and SI units.
-    pub fn describe(&self, failure: &Failure<N>) -> String {
+    pub fn describe(&self, failure: &JobFailure<N>) -> String {
         // Before a hello nothing with a unit is reported.
         let units = self.identity.as_ref().map_or(Units::si(1.0), Units::of);
         let about = failure.index().and_then(|index| self.progress.get(index));

@@ -1,7 +1,7 @@
 //! Phases of a conversation, and the request that each sends next.
 
 use super::{JobClient, UserCommand};
-use crate::Failure;
+use crate::JobFailure;
 use std::time::Duration;
 use trirrr_protocol::message::{Command, Recovery, State, Transmit};
 
@@ -37,9 +37,9 @@ pub(super) enum Phase<N: Transmit> {
     /// The client offers moves, starts them and watches.
     Streaming,
     /// The client stops the machine; then the job has ended with the failure.
-    Ending(Failure<N>),
+    Ending(JobFailure<N>),
     /// The job has ended.
-    Finished(Result<(), Failure<N>>),
+    Finished(Result<(), JobFailure<N>>),
 }
 
 /// Next act of the client.

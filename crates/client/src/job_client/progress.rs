@@ -4,7 +4,7 @@ use trirrr_protocol::message::{Move, Status, Transmit};
 
 /// Moves of a job, and the part of them that the machine has.
 #[derive(Clone, Debug)]
-pub(super) struct Progress<N: Transmit> {
+pub(super) struct JobProgress<N: Transmit> {
     moves: Vec<Move<N>>,
     /// Number by which the machine calls the first move; known from the first status on.
     base: Option<u32>,
@@ -14,7 +14,7 @@ pub(super) struct Progress<N: Transmit> {
     room: u8,
 }
 
-impl<N: Transmit> Progress<N> {
+impl<N: Transmit> JobProgress<N> {
     pub(super) fn new(moves: Vec<Move<N>>) -> Self {
         Self {
             moves,

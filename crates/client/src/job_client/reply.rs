@@ -2,7 +2,7 @@
 
 use super::JobClient;
 use super::phase::Phase;
-use crate::Failure;
+use crate::JobFailure;
 use std::time::Duration;
 use trirrr_protocol::message::{Command, Identity, Refusal, State, Transmit};
 
@@ -58,7 +58,7 @@ impl<N: Transmit> JobClient<N> {
     pub(super) fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
         match (command, refusal) {
             (Command::Hello(_), refusal) => {
-                self.phase = Phase::Finished(Err(Failure::Refused {
+                self.phase = Phase::Finished(Err(JobFailure::Refused {
                     index: None,
                     refusal,
                 }));
@@ -85,7 +85,7 @@ impl<N: Transmit> JobClient<N> {
                 _ => {
                     let offered = self.progress.offered();
                     let index = matches!(command, Command::Move(_)).then_some(offered);
-                    self.enter(Phase::Ending(Failure::Refused { index, refusal }));
+                    self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
                 }
             },
         }

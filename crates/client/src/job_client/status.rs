@@ -2,7 +2,7 @@
 
 use super::JobClient;
 use super::phase::Phase;
-use crate::Failure;
+use crate::JobFailure;
 use std::time::Duration;
 use trirrr_protocol::message::{Acting, Recovery, State, Status, Transmit};
 
@@ -32,7 +32,7 @@ impl<N: Transmit> JobClient<N> {
                     self.progress.restart_count();
                     Phase::Acknowledging
                 }
-                None => failed(Failure::Fault(fault)),
+                None => failed(JobFailure::Fault(fault)),
             };
         }
         if let Some(recovering) = self.recovering(status) {
@@ -47,7 +47,7 @@ impl<N: Transmit> JobClient<N> {
                 Phase::Awaiting
             }
             State::Idle if status.next == status.done => self.at_start(status),
-            state => failed(Failure::Occupied(state)),
+            state => failed(JobFailure::Occupied(state)),
         }
     }
 
@@ -122,11 +122,11 @@ impl<N: Transmit> JobClient<N> {
         // The machine reports an acknowledged fault until its tick has heard of it.
         let is_latched = !self.approach.acknowledged || status.state == State::Fault;
         if let Some(fault) = status.fault.filter(|_| is_latched) {
-            return Some(failed(Failure::Fault(fault)));
+            return Some(failed(JobFailure::Fault(fault)));
         }
         let verdict = status.refused?;
         let (index, violation) = (self.progress.index(verdict.number)?, verdict.violation?);
-        Some(Phase::Ending(Failure::Inadmissible { index, violation }))
+        Some(Phase::Ending(JobFailure::Inadmissible { index, violation }))
     }
 
     /// End of the job by a machine that has started anew, or has stopped and dropped moves.
@@ -137,7 +137,7 @@ impl<N: Transmit> JobClient<N> {
         if let Some(identity) = &self.identity
             && (went_back || taken > self.progress.moves())
         {
-            return Some(failed(Failure::Restarted(identity.board.start)));
+            return Some(failed(JobFailure::Restarted(identity.board.start)));
         }
         let done = self.progress.done(status);
         // A machine that was stopped before its first move ended has dropped nothing yet.
@@ -149,10 +149,10 @@ impl<N: Transmit> JobClient<N> {
     }
 
     /// Failure of a job that stopped after `done` moves.
-    fn stopped(&self, done: u32, acting: Acting) -> Failure<N> {
+    fn stopped(&self, done: u32, acting: Acting) -> JobFailure<N> {
         match self.user.has_stopped {
-            true => Failure::Stopped { done },
-            false => Failure::Dropped { done, acting },
+            true => JobFailure::Stopped { done },
+            false => JobFailure::Dropped { done, acting },
         }
     }
 
@@ -170,6 +170,6 @@ impl<N: Transmit> JobClient<N> {
     }
 }
 
-fn failed<N: Transmit>(failure: Failure<N>) -> Phase<N> {
+fn failed<N: Transmit>(failure: JobFailure<N>) -> Phase<N> {
     Phase::Finished(Err(failure))
 }

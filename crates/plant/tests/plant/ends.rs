@@ -3,7 +3,7 @@
 use crate::reference::run;
 use crate::scenes::{attempt, edited, parse, text};
 use trirrr_plant::watch::Cause;
-use trirrr_plant::{End, Refusal};
+use trirrr_plant::{PlantEnd, Refusal};
 use trirrr_scene::Scene;
 
 fn reference(edits: &[(&str, &str)]) -> Scene {
@@ -59,7 +59,7 @@ fn a_step_that_is_too_long_is_warned_of_and_named() {
             .iter()
             .any(|warning| warning.contains("cannot be stable"))
     );
-    let End::Failed(reason) = &outcome.end else {
+    let PlantEnd::Failed(reason) = &outcome.end else {
         panic!("{:?}", outcome.end);
     };
     assert!(reason.contains("too long for rk4"), "{reason}");
@@ -69,7 +69,10 @@ fn a_step_that_is_too_long_is_warned_of_and_named() {
         "method = \"rk4\"\nstep_s = 5e-4\nsettle_s = 0.2",
     )]);
     let (outcome, _) = run(&short);
-    assert_eq!((outcome.end, outcome.warnings.len()), (End::Complete, 0));
+    assert_eq!(
+        (outcome.end, outcome.warnings.len()),
+        (PlantEnd::Complete, 0)
+    );
 }
 
 #[test]
@@ -77,7 +80,7 @@ fn saturation_is_located_and_reported() {
     // 0.04 A are less than the 0.1 A that the move takes.
     let weak = reference(&[("current_limit_a = 20.0", "current_limit_a = 0.04")]);
     let (outcome, rows) = run(&weak);
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     let limited = outcome.statistics.motors.map(|motor| motor.current_limit);
     println!("{limited:?}");
     assert!(limited[2].first.is_some_and(|t| t < 0.05) && limited[2].total > 0.05);
@@ -91,7 +94,7 @@ fn saturation_is_located_and_reported() {
     // A supply that the back-EMF of 0.9 rad/s uses up: 10 * 0.05 * 0.9 = 0.45 V.
     let low = reference(&[("supply_v = 48.0", "supply_v = 0.2")]);
     let (outcome, rows) = run(&low);
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     let motor = outcome.statistics.motors[2];
     println!("{:?}", motor.voltage_limit);
     assert!(motor.voltage_limit.total > 0.05);
@@ -111,7 +114,7 @@ fn saturation_is_located_and_reported() {
 fn a_sampled_drive_saturates_at_a_sample() {
     let weak = sampled(&[("current_limit_a = 20.0", "current_limit_a = 0.04")]);
     let (outcome, rows) = run(&weak);
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     let limit = outcome.statistics.motors[2].current_limit;
     println!("{limit:?}");
     let sample = limit.first.unwrap() * 1e4;
@@ -158,7 +161,7 @@ fn a_following_error_ends_the_run_where_it_is_reached() {
     let limits = [("settle_s", "following_error_rad = 1e-5\nsettle_s")];
     for scene in [reference(&limits), sampled(&limits)] {
         let (outcome, rows) = run(&scene);
-        let End::Ended(ending) = &outcome.end else {
+        let PlantEnd::Ended(ending) = &outcome.end else {
             panic!("{:?}", outcome.end);
         };
         println!("{ending}");
@@ -181,7 +184,7 @@ fn a_machine_that_passes_a_parallel_singularity_says_so() {
         ("kd_nm_s_rad = 5.0", "kd_nm_s_rad = 0.01"),
     ]);
     let (outcome, _) = run(&pulled);
-    let End::Ended(ending) = outcome.end else {
+    let PlantEnd::Ended(ending) = outcome.end else {
         panic!("{:?}", outcome.end);
     };
     println!("{ending}");
@@ -201,7 +204,7 @@ fn a_machine_that_passes_a_parallel_singularity_says_so() {
 fn encoders_and_sampling_leave_their_mark() {
     let counted = sampled(&[("settle_s", "encoder_counts_per_rev = 4096\nsettle_s")]);
     let (outcome, _) = run(&counted);
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     let (exact, _) = run(&sampled(&[]));
     // One count is 2 pi / 40960 = 1.5e-4 rad at the joint: errors become of that order.
     for (with, without) in outcome
@@ -241,7 +244,7 @@ fn steppers(holding: f64) -> Scene {
 #[test]
 fn steppers_follow_within_their_steps_and_lose_them_when_overloaded() {
     let (outcome, rows) = run(&steppers(0.2));
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     // A microstep is 2 pi / 16000 = 3.9e-4 rad at the joint; the rotor lags by its load and rings.
     for motor in &outcome.statistics.motors {
         println!("{:.2e} rad, {} slips", motor.error.peak, motor.slips);

@@ -3,7 +3,7 @@
 use crate::reference::run;
 use crate::scenes::{edited, parse, shipped, text, without_drives};
 use trirrr_integrate::{End, Integrator, Method};
-use trirrr_plant::{Control, End as RunEnd, Plant};
+use trirrr_plant::{Control, Plant, PlantEnd};
 
 const TIGHT: Method = Method::DormandPrince { tolerance: 1e-12 };
 
@@ -90,7 +90,7 @@ fn the_balance_closes_with_every_part_at_work() {
         ],
     );
     let (outcome, _) = run(&parse(&vertical));
-    assert_eq!(outcome.end, RunEnd::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     assert!(outcome.balance.work > 1.0 && outcome.balance.losses > 1.0);
     assert!(outcome.tally.events > 0, "no joint stuck or slipped");
     assert!(
@@ -108,7 +108,7 @@ fn the_balance_of_the_thesis_scene_closes_with_the_default_method() {
     assert!((1e-8..1e-6).contains(&fast.balance.error().abs()));
     let edits = [("method = \"rk4\"\nstep_s = 1e-4\n", "")];
     let (outcome, _) = run(&parse(&edited(&text("plant-thesis"), &edits)));
-    assert_eq!(outcome.end, RunEnd::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     assert!(outcome.reason.is_some() && outcome.balance.work > 0.0);
     assert!(
         outcome.balance.error().abs() < 1e-8,

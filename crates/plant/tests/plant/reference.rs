@@ -4,7 +4,7 @@
 use crate::scenes::{attempt, edited, parse, shipped, text};
 use std::path::PathBuf;
 use trirrr_plant::table::Row;
-use trirrr_plant::{End, Outcome};
+use trirrr_plant::{Outcome, PlantEnd};
 use trirrr_scene::Scene;
 
 /// Runs a scene's plant.
@@ -57,7 +57,7 @@ fn differences(rows: &[Row]) -> [f64; 3] {
 #[test]
 fn the_reference_case_agrees_to_1e_9_with_the_default_method_and_tolerance() {
     let (outcome, rows) = run(&shipped("plant-reference"));
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     assert!(outcome.reason.is_some(), "the default chooses");
     let [pose, rates, currents] = differences(&rows);
     println!("pose {pose:.1e} m or rad, rates {rates:.1e}, currents {currents:.1e} A");
@@ -76,7 +76,7 @@ fn the_reference_case_agrees_to_1e_9_with_the_default_method_and_tolerance() {
 #[test]
 fn a_sampled_controller_differs_from_the_continuous_one_by_its_delay() {
     let (outcome, rows) = run(&shipped("plant-reference-zoh"));
-    assert_eq!(outcome.end, End::Complete);
+    assert_eq!(outcome.end, PlantEnd::Complete);
     let [pose, ..] = differences(&rows);
     println!("pose {pose:.1e} m or rad");
     // Held for 0.1 ms, a command is 0.05 ms old on average. The machine moves at up to 0.1 m/s: the
@@ -100,7 +100,7 @@ fn a_stiff_winding_under_a_sampled_controller_is_followed_in_few_steps() {
         run(&parse(&edited(&text("plant-reference-zoh"), &edits)))
     };
     let (by_default, rows) = stiff("settle_s = 0.2");
-    assert_eq!(by_default.end, End::Complete);
+    assert_eq!(by_default.end, PlantEnd::Complete);
     assert_eq!(by_default.method.name(), "radau-iia");
     assert!(by_default.tally.rejected < 120, "{:?}", by_default.tally);
     assert!(

@@ -32,7 +32,7 @@ where
     T: Serialize + ?Sized,
 {
     let bytes = buffer.len();
-    let length = postcard::serialize_with_flavor(message, Frame::new(buffer));
+    let length = postcard::serialize_with_flavor(message, FrameFlavor::new(buffer));
     length
         .ok()
         .and_then(|length| buffer.get(..length))
@@ -45,13 +45,13 @@ pub fn checksum<T>(message: &T) -> Option<u32>
 where
     T: Serialize + ?Sized,
 {
-    postcard::serialize_with_flavor(message, Sum(0)).ok()
+    postcard::serialize_with_flavor(message, ChecksumFlavor(0)).ok()
 }
 
 /// A message that is written nowhere.
-struct Sum(u32);
+struct ChecksumFlavor(u32);
 
-impl Flavor for Sum {
+impl Flavor for ChecksumFlavor {
     type Output = u32;
 
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
@@ -69,7 +69,7 @@ impl Flavor for Sum {
 /// All of it is `inline` to be compiled in the crate that sends, which is for size where flash is short.
 /// Whether there is room shows at the end, not at each byte: a test behind each field of each
 /// message would be half of what the encoder takes in flash.
-struct Frame<'b> {
+struct FrameFlavor<'b> {
     buffer: &'b mut [u8],
     /// Bytes of the frame so far, those included for which there was no room.
     length: usize,
@@ -77,7 +77,7 @@ struct Frame<'b> {
     checksum: u32,
 }
 
-impl<'b> Frame<'b> {
+impl<'b> FrameFlavor<'b> {
     #[inline]
     fn new(buffer: &'b mut [u8]) -> Self {
         Self {
@@ -125,7 +125,7 @@ impl<'b> Frame<'b> {
     }
 }
 
-impl Flavor for Frame<'_> {
+impl Flavor for FrameFlavor<'_> {
     /// The length of the frame, which may be more than there is room for.
     type Output = usize;
 

@@ -22,7 +22,7 @@ pub(super) struct LegColumns {
 
 /// Columns that the setpoint comes from.
 #[derive(Clone, Debug)]
-pub(super) enum Motion {
+pub(super) enum SetpointColumns {
     /// x, y, alpha, vx, vy, valpha, acx, acy, acalpha.
     State([Column; 9]),
     /// A move from rest to rest.
@@ -51,7 +51,7 @@ pub struct Columns {
     pub(super) link_mass: Option<Column>,
     pub(super) gravity: [Option<Column>; 2],
     pub(super) wrench: [Option<Column>; 3],
-    pub(super) motion: Motion,
+    pub(super) motion: SetpointColumns,
     /// Fields in a whole row.
     pub(super) width: usize,
 }
@@ -148,7 +148,7 @@ impl Finder<'_> {
 
     /// The state if it is complete, otherwise the move; if neither is, the one that has more of
     /// its columns says which are missing.
-    fn motion(&mut self) -> Motion {
+    fn motion(&mut self) -> SetpointColumns {
         let has = |name: &&&str| {
             self.header
                 .iter()
@@ -159,9 +159,9 @@ impl Finder<'_> {
         let take_state = state == STATE.len()
             || (in_move < MOVE.len() && state * MOVE.len() >= in_move * STATE.len());
         if take_state {
-            return Motion::State(STATE.map(|name| self.required(name)));
+            return SetpointColumns::State(STATE.map(|name| self.required(name)));
         }
-        Motion::Move(MoveColumns {
+        SetpointColumns::Move(MoveColumns {
             from: ["x0", "y0", "a0"].map(|name| self.required(name)),
             to: ["xf", "yf", "af"].map(|name| self.required(name)),
             duration: self.required("T"),
@@ -207,9 +207,9 @@ mod tests {
     fn the_state_goes_before_the_move_and_an_incomplete_state_behind_it() {
         let both: Vec<&str> = MOVE.iter().chain(&STATE).copied().collect();
         let columns = Columns::find(&header(&both, "")).unwrap();
-        assert!(matches!(columns.motion, Motion::State(_)));
+        assert!(matches!(columns.motion, SetpointColumns::State(_)));
         let columns = Columns::find(&header(&both, "vx")).unwrap();
-        assert!(matches!(columns.motion, Motion::Move(_)));
+        assert!(matches!(columns.motion, SetpointColumns::Move(_)));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! One row of the table as a machine and a setpoint.
 
-use super::columns::{Column, Columns, LegColumns, Motion, MoveColumns};
+use super::columns::{Column, Columns, LegColumns, MoveColumns, SetpointColumns};
 use csv::ByteRecord;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
@@ -28,7 +28,7 @@ pub fn read<N: Number>(columns: &Columns, row: &ByteRecord) -> Result<Case<N>, S
             columns.width
         ));
     }
-    let row = Row {
+    let row = TypedRow {
         row,
         number_type: std::any::type_name::<N>(),
     };
@@ -57,14 +57,14 @@ pub fn read<N: Number>(columns: &Columns, row: &ByteRecord) -> Result<Case<N>, S
             wrench_torque_nm: or_zero(wa)?,
         },
         setpoint: match &columns.motion {
-            Motion::State(state) => read_state(&row, state)?,
-            Motion::Move(each) => read_move(&row, each)?,
+            SetpointColumns::State(state) => read_state(&row, state)?,
+            SetpointColumns::Move(each) => read_move(&row, each)?,
         },
     })
 }
 
 fn read_leg<N: Number>(
-    row: &Row<'_>,
+    row: &TypedRow<'_>,
     columns: &LegColumns,
     link_mass: f64,
 ) -> Result<LegParameters, String> {
@@ -88,7 +88,7 @@ fn read_leg<N: Number>(
     })
 }
 
-fn read_state<N: Number>(row: &Row<'_>, columns: &[Column; 9]) -> Result<Setpoint<N>, String> {
+fn read_state<N: Number>(row: &TypedRow<'_>, columns: &[Column; 9]) -> Result<Setpoint<N>, String> {
     let mut values = [0.0; 9];
     for (value, column) in values.iter_mut().zip(columns) {
         *value = row.number::<N>(column)?;
@@ -101,7 +101,7 @@ fn read_state<N: Number>(row: &Row<'_>, columns: &[Column; 9]) -> Result<Setpoin
     })
 }
 
-fn read_move<N: Number>(row: &Row<'_>, columns: &MoveColumns) -> Result<Setpoint<N>, String> {
+fn read_move<N: Number>(row: &TypedRow<'_>, columns: &MoveColumns) -> Result<Setpoint<N>, String> {
     let pose = |[x, y, alpha]: &[Column; 3]| {
         let (x, y) = (row.number::<N>(x)?, row.number::<N>(y)?);
         Ok::<_, String>(Pose::from_f64(x, y, row.number::<N>(alpha)?))
@@ -120,12 +120,12 @@ fn read_move<N: Number>(row: &Row<'_>, columns: &MoveColumns) -> Result<Setpoint
 }
 
 /// A row with the name of the number type that it has to fit.
-struct Row<'a> {
+struct TypedRow<'a> {
     row: &'a ByteRecord,
     number_type: &'static str,
 }
 
-impl Row<'_> {
+impl TypedRow<'_> {
     fn text(&self, column: &Column) -> String {
         let field = self.row.get(column.index).unwrap_or_default();
         String::from_utf8_lossy(field.trim_ascii()).into_owned()

@@ -5,7 +5,7 @@ mod moves;
 mod parts;
 mod receive;
 
-use super::handoff::{Ahead, Order, QueuedMove, Recover, Report, Shared};
+use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
@@ -34,10 +34,10 @@ pub struct Background<'q, S: Scene> {
     recoveries: Sender<'q, Recover<S::N>>,
     orders: Sender<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
-    reports: Receiver<'q, Report<S::N>>,
+    reports: Receiver<'q, TickReport<S::N>>,
     faults: Receiver<'q, Fault<S::N>>,
     samples: Receiver<'q, Telemetry<S::N>>,
-    shared: &'q Shared,
+    shared: &'q SharedCounters,
 
     /// Offered moves that are not judged yet; both ends are here.
     offered: BothEnds<'q, Move<S::N>>,
@@ -99,15 +99,15 @@ pub(super) struct Stand<N: Number> {
 }
 
 /// The ends that belong to the background.
-pub(super) struct Ends<'q, N: Number, U> {
+pub(super) struct BackgroundEnds<'q, N: Number, U> {
     pub(super) moves: Sender<'q, QueuedMove<N>>,
     pub(super) recoveries: Sender<'q, Recover<N>>,
     pub(super) orders: Sender<'q, Order>,
     pub(super) setups: U,
-    pub(super) reports: Receiver<'q, Report<N>>,
+    pub(super) reports: Receiver<'q, TickReport<N>>,
     pub(super) faults: Receiver<'q, Fault<N>>,
     pub(super) samples: Receiver<'q, Telemetry<N>>,
-    pub(super) shared: &'q Shared,
+    pub(super) shared: &'q SharedCounters,
     pub(super) offered: BothEnds<'q, Move<N>>,
     pub(super) events: BothEnds<'q, Event<N>>,
 }
@@ -119,7 +119,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
         angles: [N::Angle; 3],
         admission: Admission<S::Model>,
         settings: Settings<N>,
-        ends: Ends<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Put<'q>>,
+        ends: BackgroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Put<'q>>,
     ) -> Self {
         let state = match scene.plan().is_some() {
             true => State::Unhomed,
@@ -226,7 +226,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
     }
 
     #[inline(never)]
-    fn apply_report(&mut self, report: &Report<N>) {
+    fn apply_report(&mut self, report: &TickReport<N>) {
         self.orders_taken = report.orders;
         self.begun = report.begun;
         self.played = report.played;
@@ -263,7 +263,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// The tick dropped its queue: so does the background.
-    fn start_over(&mut self, report: &Report<N>) {
+    fn start_over(&mut self, report: &TickReport<N>) {
         self.generation = report.generation;
         while self.offered.1.receive().is_some() {}
         self.checking = false;

@@ -9,7 +9,7 @@ pub use output::Output;
 
 use super::feed::{FeedScale, PathPosition};
 use super::guard::{self, LimitBreach};
-use super::handoff::{Order, QueuedMove, Recover, Report, Shared};
+use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::homing::Homing;
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
@@ -37,10 +37,10 @@ pub struct Foreground<'q, S: Scene> {
     recoveries: Receiver<'q, Recover<S::N>>,
     orders: Receiver<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
-    reports: Sender<'q, Report<S::N>>,
+    reports: Sender<'q, TickReport<S::N>>,
     faults: Sender<'q, Fault<S::N>>,
     samples: Sender<'q, Telemetry<S::N>>,
-    shared: &'q Shared,
+    shared: &'q SharedCounters,
 
     homing: S::Homing,
     state: State,
@@ -93,15 +93,15 @@ enum Target<N: Number> {
 }
 
 /// The ends that belong to the tick.
-pub(super) struct Ends<'q, N: Number, T> {
+pub(super) struct ForegroundEnds<'q, N: Number, T> {
     pub(super) moves: Receiver<'q, QueuedMove<N>>,
     pub(super) recoveries: Receiver<'q, Recover<N>>,
     pub(super) orders: Receiver<'q, Order>,
     pub(super) setups: T,
-    pub(super) reports: Sender<'q, Report<N>>,
+    pub(super) reports: Sender<'q, TickReport<N>>,
     pub(super) faults: Sender<'q, Fault<N>>,
     pub(super) samples: Sender<'q, Telemetry<N>>,
-    pub(super) shared: &'q Shared,
+    pub(super) shared: &'q SharedCounters,
 }
 
 impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
@@ -110,7 +110,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         angles: [N::Angle; 3],
         homing: S::Homing,
         settings: &Settings<N>,
-        ends: Ends<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Take<'q>>,
+        ends: ForegroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Take<'q>>,
     ) -> Self {
         let pace = FeedScale::new(settings.ramp_ticks);
         let motor = |angle| Motor {

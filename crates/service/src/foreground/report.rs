@@ -1,6 +1,6 @@
 //! Reports and samples that the tick sends of itself.
 
-use super::super::handoff::{Report, count};
+use super::super::handoff::{TickReport, count};
 use super::super::scene::Scene;
 use super::Foreground;
 use crate::admission::Enclose;
@@ -14,7 +14,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         if !self.unreported || !self.reports.has_room() {
             return;
         }
-        let report = Report {
+        let report = TickReport {
             orders: self.orders_taken,
             generation: self.generation,
             state: self.state,

@@ -151,7 +151,7 @@ impl File {
     }
 }
 
-fn move_source(each: &trirrr_scene::Move) -> String {
+fn move_source(each: &trirrr_scene::JobMove) -> String {
     let pose = |pose: &Pose<f64>| constant(&[pose.position.x, pose.position.y, pose.angle]);
     let velocity = |velocity: Vector3<f64>| constant(&<[f64; 3]>::from(velocity));
     let (from, to, ticks) = (pose(&each.from), pose(&each.to), each.duration_ticks);

@@ -5,12 +5,12 @@ use crate::scenes::shipped;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{Elbow, Parameters};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_scene::{Move, Scene, cases};
+use trirrr_scene::{JobMove, Scene, cases};
 
 const FILE: &str = include_str!("../../../../tests/reference/extreme.csv");
 
 /// A machine at an instant.
-pub(crate) struct Case {
+pub(crate) struct ExtremeCase {
     /// Group of the case, by what is extreme: cases of one group stand in one row of the summary.
     pub(crate) group: &'static str,
     /// Its own name.
@@ -18,11 +18,11 @@ pub(crate) struct Case {
     /// The machine.
     pub(crate) parameters: Parameters,
     /// State of the machine, or its place on a move.
-    pub(crate) motion: Motion,
+    pub(crate) motion: CaseMotion,
 }
 
 /// A state, or a place on a move.
-pub(crate) enum Motion {
+pub(crate) enum CaseMotion {
     /// A state.
     State(Setpoint<f64>),
     /// One tick of the move that is the scene's job.
@@ -41,7 +41,7 @@ const PARALLEL: [f64; 2] = [-0.753_418_931_929_448_5, 2.401_557_361_435_242];
 const HALVINGS: [i32; 11] = [2, 5, 10, 15, 20, 24, 30, 36, 42, 47, 52];
 
 /// All cases, group by group.
-pub(crate) fn all() -> Result<Vec<Case>, ReportError> {
+pub(crate) fn all() -> Result<Vec<ExtremeCase>, ReportError> {
     let scenes = shipped()?;
     let [thesis, links, ..] = scenes.as_slice() else {
         return Err(ReportError::Failed(
@@ -51,13 +51,13 @@ pub(crate) fn all() -> Result<Vec<Case>, ReportError> {
     let the_move = thesis.job.moves[0];
     let mut cases = reference()?;
     let mut add = |group, name: String, parameters: &Parameters, motion| {
-        let mut case = Case {
+        let mut case = ExtremeCase {
             group,
             name,
             parameters: *parameters,
             motion,
         };
-        if let Motion::Move { scene, .. } = &mut case.motion {
+        if let CaseMotion::Move { scene, .. } = &mut case.motion {
             scene.parameters = *parameters;
         }
         cases.push(case);
@@ -65,7 +65,7 @@ pub(crate) fn all() -> Result<Vec<Case>, ReportError> {
 
     // A quarter of the way in: velocity and acceleration both count. Without limits, which would
     // ask for a range of their own.
-    let on = |each: Move, rate_hz: f64| {
+    let on = |each: JobMove, rate_hz: f64| {
         let mut scene = links.clone();
         scene.limits.rate_rad_s = None;
         scene.limits.acceleration_rad_s2 = None;
@@ -73,11 +73,11 @@ pub(crate) fn all() -> Result<Vec<Case>, ReportError> {
         scene.limits.power_w = None;
         scene.tick_rate_hz = rate_hz;
         scene.job.start = each.from;
-        scene.job.moves = vec![Move {
+        scene.job.moves = vec![JobMove {
             duration_ticks: 100,
             ..each
         }];
-        Motion::Move {
+        CaseMotion::Move {
             scene: Box::new(scene),
             tick: 25,
         }
@@ -142,7 +142,7 @@ pub(crate) fn all() -> Result<Vec<Case>, ReportError> {
 }
 
 /// The cases of the reference file.
-fn reference() -> Result<Vec<Case>, ReportError> {
+fn reference() -> Result<Vec<ExtremeCase>, ReportError> {
     let group = |name: &str| match name {
         _ if name.starts_with("stretch") || name.starts_with("fold") => "serial singularity",
         _ if name.starts_with("type2") => "parallel singularity",
@@ -155,11 +155,11 @@ fn reference() -> Result<Vec<Case>, ReportError> {
         .map_err(|reason| ReportError::Refused(format!("extreme.csv: {reason}")))?;
     Ok(rows
         .into_iter()
-        .map(|(name, case)| Case {
+        .map(|(name, case)| ExtremeCase {
             group: group(&name),
             name,
             parameters: case.parameters,
-            motion: Motion::State(case.setpoint),
+            motion: CaseMotion::State(case.setpoint),
         })
         .collect())
 }
@@ -185,8 +185,8 @@ fn scaled(parameters: &Parameters, scale: f64) -> Parameters {
 }
 
 /// At rest, about to move.
-fn at_rest(x: f64, y: f64, alpha: f64) -> Motion {
-    Motion::State(Setpoint {
+fn at_rest(x: f64, y: f64, alpha: f64) -> CaseMotion {
+    CaseMotion::State(Setpoint {
         pose: Pose::from_f64(x, y, alpha),
         velocity: Vector3::zeros(),
         acceleration: Vector3::new(0.3, -0.2, 0.5),
@@ -198,14 +198,14 @@ fn polar(length: f64, angle: f64) -> Vector2<f64> {
 }
 
 /// At rest with platform joint 1 at `length` from base joint 1, towards the middle.
-fn at_leg_1(parameters: &Parameters, length: f64) -> Motion {
+fn at_leg_1(parameters: &Parameters, length: f64) -> CaseMotion {
     let (leg, alpha) = (&parameters.legs[0], 0.1f64);
     let joint = leg.base_m + polar(length, -0.5);
     let centre = joint - polar(leg.joint_radius_m, alpha + leg.joint_angle_rad);
     at_rest(centre.x, centre.y, alpha)
 }
 
-fn folded_pose() -> Motion {
+fn folded_pose() -> CaseMotion {
     at_rest(0.245, 0.25, 0.1)
 }
 

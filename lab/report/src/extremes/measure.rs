@@ -1,7 +1,7 @@
 //! One case in one number type: how far off the results are, whether the loops close, or why
 //! there are none.
 
-use super::cases::{Case, Motion};
+use super::cases::{CaseMotion, ExtremeCase};
 use crate::exact::{in_state, motors, on_move};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
@@ -16,7 +16,7 @@ use trirrr_truth::scalar::{difference, scaled, sum, turned};
 
 /// Outcome of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Outcome {
+pub(crate) enum CaseOutcome {
     /// There are results.
     Motion {
         /// Worst error of the motors' twelve results over u cond: over what a rounding of every
@@ -35,17 +35,17 @@ pub(crate) enum Outcome {
 }
 
 /// Evaluates `case` in `N`.
-pub(crate) fn measure<N: Number>(case: &Case) -> Outcome {
+pub(crate) fn measure<N: Number>(case: &ExtremeCase) -> CaseOutcome {
     match record::<N>(case) {
-        Err(status) => Outcome::Status(status),
+        Err(status) => CaseOutcome::Status(status),
         Ok((record, units)) => compare(case, &record, Rounding::of::<N>(units)),
     }
 }
 
-fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
+fn record<N: Number>(case: &ExtremeCase) -> Result<(Record, Units), String> {
     let refused = |error: String| format!("does not fit: {error}");
     let (machine, setpoint, units) = match &case.motion {
-        Motion::State(state) => {
+        CaseMotion::State(state) => {
             let units = match N::PROPAGATES_NON_FINITE {
                 true => Units::SI,
                 false => trirrr_scene::units_of_setpoints(&case.parameters, [state])
@@ -62,7 +62,7 @@ fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
                 .map_err(|error| refused(error.to_string()))?;
             (machine, setpoint, units)
         }
-        Motion::Move { scene, tick } => {
+        CaseMotion::Move { scene, tick } => {
             let played = pipeline::scene::<N>(scene).map_err(refused)?;
             (played.machine, played.player.at(*tick), played.units)
         }
@@ -73,10 +73,10 @@ fn record<N: Number>(case: &Case) -> Result<(Record, Units), String> {
         .map_err(|status| status.to_string())
 }
 
-fn compare(case: &Case, record: &Record, rounding: Rounding) -> Outcome {
+fn compare(case: &ExtremeCase, record: &Record, rounding: Rounding) -> CaseOutcome {
     let inputs = exact_inputs(case);
     if !is_in_reach(&inputs) {
-        return Outcome::BeyondReach;
+        return CaseOutcome::BeyondReach;
     }
     let truth = motors(&inputs);
     let explained = explained(case, &rounding);
@@ -109,17 +109,17 @@ fn compare(case: &Case, record: &Record, rounding: Rounding) -> Outcome {
             worst = name.column();
         }
     }
-    Outcome::Motion {
+    CaseOutcome::Motion {
         forward,
         worst,
         closure: closure(&inputs, record, &rounding),
     }
 }
 
-fn exact_inputs(case: &Case) -> Inputs<DoubleDouble> {
+fn exact_inputs(case: &ExtremeCase) -> Inputs<DoubleDouble> {
     match &case.motion {
-        Motion::State(state) => Inputs::exact(&case.parameters, state),
-        Motion::Move { scene, tick } => {
+        CaseMotion::State(state) => Inputs::exact(&case.parameters, state),
+        CaseMotion::Move { scene, tick } => {
             let state = on_move(&scene.job.moves[0], scene.tick_rate_hz, *tick);
             in_state(&case.parameters, state)
         }
@@ -141,12 +141,12 @@ fn is_in_reach(inputs: &Inputs<DoubleDouble>) -> bool {
 /// Returns what the rounding of the inputs does to every result. It rounds the state's inputs, or
 /// the ends of the move. The rounding of the ends goes into the displacement. From there it goes into
 /// velocity and acceleration.
-fn explained(case: &Case, rounding: &Rounding) -> Vec<f64> {
+fn explained(case: &ExtremeCase, rounding: &Rounding) -> Vec<f64> {
     match &case.motion {
-        Motion::State(state) => uncertainties(&case.parameters, state, |input| {
+        CaseMotion::State(state) => uncertainties(&case.parameters, state, |input| {
             rounding.half_unit(input.quantity, input.length)
         }),
-        Motion::Move { scene, tick } => {
+        CaseMotion::Move { scene, tick } => {
             let each = &scene.job.moves[0];
             let state = on_move(each, scene.tick_rate_hz, *tick);
             let value = |row: usize| state[row].map(DoubleDouble::value);

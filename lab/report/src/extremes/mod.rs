@@ -6,19 +6,19 @@ mod measure;
 use super::page::Page;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
-use cases::Case;
-use measure::{Outcome, measure};
+use cases::ExtremeCase;
+use measure::{CaseOutcome, measure};
 use std::collections::BTreeMap;
 use trirrr_core::number::{Coarse, Fixed};
 
 /// The outcomes of one number type, in the order of the cases.
 struct Column {
     scalar: &'static str,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<CaseOutcome>,
 }
 
-fn columns(cases: &[Case]) -> [Column; 4] {
-    let column = |scalar, measure: fn(&Case) -> Outcome| Column {
+fn columns(cases: &[ExtremeCase]) -> [Column; 4] {
+    let column = |scalar, measure: fn(&ExtremeCase) -> CaseOutcome| Column {
         scalar,
         outcomes: cases.iter().map(measure).collect(),
     };
@@ -59,21 +59,21 @@ struct Cell {
 }
 
 impl Cell {
-    fn of<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Self {
+    fn of<'a>(outcomes: impl Iterator<Item = &'a CaseOutcome>) -> Self {
         let mut cell = Self::default();
         for outcome in outcomes {
             match outcome {
-                Outcome::Motion {
+                CaseOutcome::Motion {
                     forward, closure, ..
                 } => {
                     cell.ok += 1;
                     cell.forward = cell.forward.max(*forward);
                     cell.closure = cell.closure.max(*closure);
                 }
-                Outcome::BeyondReach => {
+                CaseOutcome::BeyondReach => {
                     *cell.others.entry("rounded into reach".into()).or_default() += 1
                 }
-                Outcome::Status(status) => {
+                CaseOutcome::Status(status) => {
                     // Which leg, and what is out of range, stands in the table of all cases.
                     let kind = status.split([':', ',']).next().unwrap_or(status);
                     *cell.others.entry(kind.to_owned()).or_default() += 1;
@@ -84,7 +84,7 @@ impl Cell {
     }
 }
 
-fn summary(cases: &[Case], columns: &[Column]) -> Table {
+fn summary(cases: &[ExtremeCase], columns: &[Column]) -> Table {
     let mut groups: Vec<&str> = Vec::new();
     for case in cases {
         if !groups.contains(&case.group) {
@@ -122,7 +122,7 @@ fn summary(cases: &[Case], columns: &[Column]) -> Table {
     table
 }
 
-fn every_case(cases: &[Case], columns: &[Column]) -> Table {
+fn every_case(cases: &[ExtremeCase], columns: &[Column]) -> Table {
     let mut table = Table::new(&[
         "group",
         "case",
@@ -135,7 +135,7 @@ fn every_case(cases: &[Case], columns: &[Column]) -> Table {
     for (index, case) in cases.iter().enumerate() {
         for column in columns {
             let (status, figures) = match &column.outcomes[index] {
-                Outcome::Motion {
+                CaseOutcome::Motion {
                     forward,
                     worst,
                     closure,
@@ -147,8 +147,8 @@ fn every_case(cases: &[Case], columns: &[Column]) -> Table {
                         format!("{closure:e}"),
                     ],
                 ),
-                Outcome::BeyondReach => ("rounded into reach".to_owned(), Default::default()),
-                Outcome::Status(status) => (status.clone(), Default::default()),
+                CaseOutcome::BeyondReach => ("rounded into reach".to_owned(), Default::default()),
+                CaseOutcome::Status(status) => (status.clone(), Default::default()),
             };
             let names = [
                 case.group.to_owned(),

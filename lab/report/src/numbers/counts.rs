@@ -11,7 +11,7 @@ pub(crate) const CORES: [&str; 4] = ["m4f", "m3", "m0", "rv32imc"];
 
 /// Instructions of one core, number type and scene.
 #[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Count {
+pub(crate) struct InstructionCount {
     pub(crate) core: String,
     pub(crate) scalar: String,
     pub(crate) scene: String,
@@ -22,11 +22,11 @@ pub(crate) struct Count {
 
 #[derive(Deserialize)]
 struct Budget {
-    rows: Vec<Count>,
+    rows: Vec<InstructionCount>,
 }
 
 /// All counts.
-pub(crate) fn checked_in() -> Result<Vec<Count>, ReportError> {
+pub(crate) fn checked_in() -> Result<Vec<InstructionCount>, ReportError> {
     let budget: Budget = serde_json::from_str(CHECKED_IN)
         .map_err(|error| ReportError::Failed(format!("xtask/budgets/insns.json: {error}")))?;
     Ok(budget.rows)
@@ -34,11 +34,11 @@ pub(crate) fn checked_in() -> Result<Vec<Count>, ReportError> {
 
 /// The count of one core, number type and scene.
 pub(crate) fn find<'a>(
-    counts: &'a [Count],
+    counts: &'a [InstructionCount],
     core: &str,
     scalar: &str,
     scene: &str,
-) -> Option<&'a Count> {
+) -> Option<&'a InstructionCount> {
     counts
         .iter()
         .find(|count| count.core == core && count.scalar == scalar && count.scene == scene)

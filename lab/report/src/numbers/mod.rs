@@ -10,7 +10,7 @@ use super::page::Page;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
-use counts::{CORES, Count};
+use counts::{CORES, InstructionCount};
 use error::{Errors, SceneErrors, Stage};
 use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
@@ -21,7 +21,7 @@ use trirrr_scene::Scene;
 const TIMED: [&str; 2] = ["thesis", "thesis-links"];
 
 /// Findings about one number type.
-struct Measured {
+struct TypeFindings {
     scalar: NumberType,
     /// Scene by scene.
     errors: Vec<SceneErrors>,
@@ -104,7 +104,7 @@ fn measure<N: Number>(
     scalar: NumberType,
     scenes: &[Scene],
     instants: &[Vec<Instant>],
-) -> Result<Measured, ReportError> {
+) -> Result<TypeFindings, ReportError> {
     let mut errors = Vec::with_capacity(scenes.len());
     for (scene, instants) in scenes.iter().zip(instants) {
         errors.push(error::measure::<N>(scene, instants)?);
@@ -115,14 +115,14 @@ fn measure<N: Number>(
             *nanoseconds = time::nanoseconds::<N>(scene)?;
         }
     }
-    Ok(Measured {
+    Ok(TypeFindings {
         scalar,
         errors,
         nanoseconds,
     })
 }
 
-impl Measured {
+impl TypeFindings {
     /// Over all scenes that go through `stage`.
     fn of_stage(&self, scenes: &[Scene], stage: Stage) -> Errors {
         let mut all = Errors::default();
@@ -160,7 +160,7 @@ fn worst_and_rms(errors: &Errors, scale: f64) -> String {
     )
 }
 
-fn absolute(scenes: &[Scene], measured: &[Measured]) -> Table {
+fn absolute(scenes: &[Scene], measured: &[TypeFindings]) -> Table {
     let headings = Stage::ALL.map(|stage| format!("{} ({})", stage.name(), stage.unit()));
     let mut table = Table::new(&with_first("number type", &headings));
     for each in measured {
@@ -170,7 +170,7 @@ fn absolute(scenes: &[Scene], measured: &[Measured]) -> Table {
     table
 }
 
-fn relative(scenes: &[Scene], measured: &[Measured]) -> Table {
+fn relative(scenes: &[Scene], measured: &[TypeFindings]) -> Table {
     let headings = Stage::ALL.map(|stage| stage.name().to_owned());
     let mut table = Table::new(&with_first("number type", &headings));
     for each in measured {
@@ -180,7 +180,7 @@ fn relative(scenes: &[Scene], measured: &[Measured]) -> Table {
     table
 }
 
-fn at_the_tool(measured: &[Measured]) -> Table {
+fn at_the_tool(measured: &[TypeFindings]) -> Table {
     let mut table = Table::new(&[
         "number type",
         "place (\u{b5}m)",
@@ -200,7 +200,7 @@ fn at_the_tool(measured: &[Measured]) -> Table {
     table
 }
 
-fn instructions(measured: &[Measured], counts: &[Count]) -> Table {
+fn instructions(measured: &[TypeFindings], counts: &[InstructionCount]) -> Table {
     let headings = CORES.map(str::to_owned);
     let mut headings = with_first("number type", &headings);
     headings.insert(1, "scene");
@@ -222,7 +222,7 @@ fn instructions(measured: &[Measured], counts: &[Count]) -> Table {
     table
 }
 
-fn times(measured: &[Measured]) -> Table {
+fn times(measured: &[TypeFindings]) -> Table {
     let mut table = Table::new(&["number type", "massless", "with links"]);
     for each in measured {
         let times = each.nanoseconds.map(|time| format!("{time:.0}"));
@@ -231,7 +231,7 @@ fn times(measured: &[Measured]) -> Table {
     table
 }
 
-fn by_scene(scenes: &[Scene], measured: &[Measured]) -> Table {
+fn by_scene(scenes: &[Scene], measured: &[TypeFindings]) -> Table {
     let mut table = Table::new(&[
         "scalar",
         "scene",
@@ -271,7 +271,7 @@ fn by_scene(scenes: &[Scene], measured: &[Measured]) -> Table {
     table
 }
 
-fn counts_table(counts: &[Count]) -> Table {
+fn counts_table(counts: &[InstructionCount]) -> Table {
     let mut table = Table::new(&["core", "scalar", "scene", "min", "mean", "max"]);
     for count in counts {
         let names = [&count.core, &count.scalar, &count.scene].map(Clone::clone);
@@ -289,10 +289,10 @@ fn with_first<'a>(first: &'a str, others: &'a [String]) -> Vec<&'a str> {
 
 /// One point per number type and core, for the error that `error` picks.
 fn cloud(
-    measured: &[Measured],
-    counts: &[Count],
+    measured: &[TypeFindings],
+    counts: &[InstructionCount],
     scene: &str,
-    error: impl Fn(&Measured) -> Option<f64>,
+    error: impl Fn(&TypeFindings) -> Option<f64>,
 ) -> Vec<Series> {
     let series = measured.iter().map(|each| {
         let name = each.scalar.to_string();
@@ -340,8 +340,8 @@ fn fronts(series: &[Series], each: &str) -> Vec<Front> {
 
 fn on_cores(
     scenes: &[Scene],
-    measured: &[Measured],
-    counts: &[Count],
+    measured: &[TypeFindings],
+    counts: &[InstructionCount],
     scene: &str,
     title: &str,
 ) -> trirrr_figures::canvas::Drawn {
@@ -361,8 +361,8 @@ fn on_cores(
 
 fn tool_on_cores(
     scenes: &[Scene],
-    measured: &[Measured],
-    counts: &[Count],
+    measured: &[TypeFindings],
+    counts: &[InstructionCount],
 ) -> trirrr_figures::canvas::Drawn {
     let series = cloud(measured, counts, TIMED[0], |each| {
         let errors = each.of_scene(scenes, TIMED[0])?;
@@ -378,7 +378,7 @@ fn tool_on_cores(
     })
 }
 
-fn on_host(scenes: &[Scene], measured: &[Measured]) -> trirrr_figures::canvas::Drawn {
+fn on_host(scenes: &[Scene], measured: &[TypeFindings]) -> trirrr_figures::canvas::Drawn {
     let series: Vec<Series> = measured
         .iter()
         .map(|each| {

@@ -55,7 +55,7 @@ struct Tried {
 }
 
 /// Findings about a case.
-struct Found {
+struct CaseFindings {
     case: &'static Case,
     /// The truth and its own error; or why the case is refused.
     truth: Result<(Trial, f64), String>,
@@ -132,12 +132,12 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     Ok(())
 }
 
-fn study(case: &'static Case) -> Result<Found, ReportError> {
+fn study(case: &'static Case) -> Result<CaseFindings, ReportError> {
     let scene = case.scene()?;
     let truth = match truth(&scene) {
         Ok(truth) => truth,
         Err(ReportError::Refused(reason)) => {
-            return Ok(Found {
+            return Ok(CaseFindings {
                 case,
                 truth: Err(reason),
                 methods: vec![],
@@ -160,7 +160,7 @@ fn study(case: &'static Case) -> Result<Found, ReportError> {
         }
         methods.push(Tried { name, trials });
     }
-    Ok(Found {
+    Ok(CaseFindings {
         case,
         truth: Ok((truth, uncertainty)),
         methods,
@@ -219,7 +219,7 @@ impl Tried {
 }
 
 /// Every run, for programs.
-fn records(found: &[Found]) -> Table {
+fn records(found: &[CaseFindings]) -> Table {
     let mut table = Table::new(&[
         "case",
         "method",
@@ -259,9 +259,9 @@ fn records(found: &[Found]) -> Table {
 }
 
 /// Builds the table of how each case ends.
-fn outcomes(found: &[Found]) -> Table {
+fn outcomes(found: &[CaseFindings]) -> Table {
     let mut table = Table::new(&["case", "what", "ends", "truth known to"]);
-    for Found { case, truth, .. } in found {
+    for CaseFindings { case, truth, .. } in found {
         let (ends, known) = match truth {
             Ok((truth, uncertainty)) => (
                 truth.ended.clone().unwrap_or_else(|| "at its end".into()),
@@ -275,7 +275,7 @@ fn outcomes(found: &[Found]) -> Table {
 }
 
 /// Builds the table of which methods are stable, at what step, at what cost.
-fn methods(found: &[Found]) -> Table {
+fn methods(found: &[CaseFindings]) -> Table {
     let mut table = Table::new(&[
         "case",
         "method",

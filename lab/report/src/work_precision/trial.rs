@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use trirrr_drives::stepper::Line;
 use trirrr_plant::table::Row;
-use trirrr_plant::{End, PlantRun, job};
+use trirrr_plant::{PlantEnd, PlantRun, job};
 use trirrr_scene::{Method, Scene};
 
 /// Solutions are compared every so often, s. No method takes longer steps.
@@ -63,10 +63,10 @@ impl Trial {
         let outcome = run.finish(&never, &mut sink);
         let ratio = outcome.ratio();
         let ended = match outcome.end {
-            End::Complete => None,
-            End::Ended(ending) => Some(ending.to_string()),
-            End::Failed(cause) => Some(cause),
-            End::Interrupted { t } => Some(format!("interrupted at t = {t} s")),
+            PlantEnd::Complete => None,
+            PlantEnd::Ended(ending) => Some(ending.to_string()),
+            PlantEnd::Failed(cause) => Some(cause),
+            PlantEnd::Interrupted { t } => Some(format!("interrupted at t = {t} s")),
         };
         Ok(Self {
             poses,
