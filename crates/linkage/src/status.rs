@@ -1,18 +1,21 @@
 //! Reasons why a dyad has no solution.
 
 use super::rrr::OutOfReach;
-use core::fmt;
+use thiserror::Error;
 
-/// Reason why a dyad, or a mechanism made of dyads, has no solution for a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Reason why a dyad has no solution for the motion of its ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LinkageStatus {
     /// The dyad cannot be assembled: its ends are too far apart or too close. Input that is not a
     /// number ends here too.
+    #[error("the dyad cannot be assembled: its ends are out of reach")]
     Unreachable,
     /// The dyad can be assembled but its links have no defined velocity: two solutions coincide,
     /// or the links are free to move although both ends stand still.
+    #[error("the dyad is singular: its links have no defined velocity")]
     Singular,
     /// A result exceeds the range of the number type.
+    #[error("a result exceeds the range of the number type")]
     OutOfRange,
 }
 
@@ -24,15 +27,3 @@ impl From<OutOfReach> for LinkageStatus {
         }
     }
 }
-
-impl fmt::Display for LinkageStatus {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Unreachable => "the dyad cannot be assembled: its ends are out of reach",
-            Self::Singular => "the dyad is singular: its links have no defined velocity",
-            Self::OutOfRange => "a result exceeds the range of the number type",
-        })
-    }
-}
-
-impl core::error::Error for LinkageStatus {}

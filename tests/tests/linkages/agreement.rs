@@ -68,6 +68,27 @@ pub(crate) fn crank(angle: f64) -> [ClosureInput<f64>; 1] {
     }]
 }
 
+impl<'a, const U: usize> Loops<'a, U, 1> {
+    /// A mechanism with one [`crank`].
+    pub(crate) fn with_crank(
+        name: &'static str,
+        lengths: &'a [f64],
+        fixed_angles: &'a [f64],
+        angles: [bool; U],
+        terms: &'a dyn Fn(&[f64]) -> Vec<Term<f64>>,
+    ) -> Self {
+        Self {
+            name,
+            lengths,
+            fixed_angles,
+            terms,
+            angles,
+            inputs: &crank,
+            driven_angles: [true],
+        }
+    }
+}
+
 impl<const U: usize, const D: usize> Loops<'_, U, D> {
     fn constants(&self) -> Vec<f64> {
         [self.lengths, self.fixed_angles].concat()

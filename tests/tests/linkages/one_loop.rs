@@ -15,11 +15,12 @@ fn four_bar_linkage() {
         let ([_, coupler, rocker], []) = compositions::four_bar(&drive(&inputs[0])).unwrap();
         [turn(&coupler), turn(&rocker)]
     }
-    let loops = Loops {
-        name: "four-bar",
-        lengths: &[0.1, 0.35, 0.25, 0.4],
-        fixed_angles: &[],
-        terms: &|c| {
+    let loops = Loops::with_crank(
+        "four-bar",
+        &[0.1, 0.35, 0.25, 0.4],
+        &[],
+        [true, true],
+        &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
                 v(0, Constant(c[1]), Unknown(0), 0.0),
@@ -27,10 +28,7 @@ fn four_bar_linkage() {
                 v(0, Constant(c[3]), Fixed, 0.0).reversed(),
             ]
         },
-        angles: [true, true],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
@@ -47,22 +45,15 @@ fn slider_crank_loops(name: &'static str, lengths: [f64; 3], guide_angle: f64, b
             [turn(&rod), slide(&stroke)]
         }
     }
-    let loops = Loops {
-        name,
-        lengths: &lengths,
-        fixed_angles: &[guide_angle],
-        terms: &|c| {
-            vec![
-                v(0, Constant(c[0]), Driven(0), 0.0),
-                v(0, Constant(c[1]), Unknown(0), 0.0).reversed(),
-                v(0, UnknownLength(1), Fixed, c[3]).reversed(),
-                v(0, Constant(c[2]), Fixed, c[3] + FRAC_PI_2).reversed(),
-            ]
-        },
-        angles: [true, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    let angles = [guide_angle];
+    let loops = Loops::with_crank(name, &lengths, &angles, [true, false], &|c| {
+        vec![
+            v(0, Constant(c[0]), Driven(0), 0.0),
+            v(0, Constant(c[1]), Unknown(0), 0.0).reversed(),
+            v(0, UnknownLength(1), Fixed, c[3]).reversed(),
+            v(0, Constant(c[2]), Fixed, c[3] + FRAC_PI_2).reversed(),
+        ]
+    });
     compare_both(
         &loops,
         closed::<f64>(lengths, guide_angle, branch),
@@ -120,21 +111,14 @@ fn scotch_yoke_linkage() {
         let (_, [yoke, pin]) = compositions::scotch_yoke(&drive(&inputs[0])).unwrap();
         [slide(&yoke), slide(&pin)]
     }
-    let loops = Loops {
-        name: "Scotch yoke",
-        lengths: &[0.1],
-        fixed_angles: &[80f64.to_radians()],
-        terms: &|c| {
-            vec![
-                v(0, Constant(c[0]), Driven(0), 0.0),
-                v(0, UnknownLength(0), Fixed, 0.0).reversed(),
-                v(0, UnknownLength(1), Fixed, c[1]).reversed(),
-            ]
-        },
-        angles: [false, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    let slot = [80f64.to_radians()];
+    let loops = Loops::with_crank("Scotch yoke", &[0.1], &slot, [false, false], &|c| {
+        vec![
+            v(0, Constant(c[0]), Driven(0), 0.0),
+            v(0, UnknownLength(0), Fixed, 0.0).reversed(),
+            v(0, UnknownLength(1), Fixed, c[1]).reversed(),
+        ]
+    });
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 

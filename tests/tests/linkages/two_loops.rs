@@ -1,6 +1,6 @@
 //! Every shipped mechanism of two loops over a turn, in f64 and in f32.
 
-use super::agreement::{Jet, Loops, compare_both, crank, drive, slide, turn, v};
+use super::agreement::{Jet, Loops, compare_both, drive, slide, turn, v};
 use super::compositions;
 use core::f64::consts::{FRAC_PI_2, PI};
 use trirrr_core::number::Number;
@@ -15,11 +15,12 @@ fn quick_return_linkage() {
             compositions::quick_return(&drive(&inputs[0])).unwrap();
         [turn(&lever), slide(&pin), turn(&rod), slide(&stroke)]
     }
-    let loops = Loops {
-        name: "quick return",
-        lengths: &[0.1, 0.25, 0.5, 0.3, 0.23],
-        fixed_angles: &[],
-        terms: &|c| {
+    let loops = Loops::with_crank(
+        "quick return",
+        &[0.1, 0.25, 0.5, 0.3, 0.23],
+        &[],
+        [true, false, true, false],
+        &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
                 v(0, Constant(c[1]), Fixed, FRAC_PI_2),
@@ -31,10 +32,7 @@ fn quick_return_linkage() {
                 v(1, Constant(c[4]), Fixed, FRAC_PI_2).reversed(),
             ]
         },
-        angles: [true, false, true, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
@@ -45,11 +43,12 @@ fn slotted_quick_return_linkage() {
             compositions::slotted_quick_return(&drive(&inputs[0])).unwrap();
         [turn(&lever), slide(&pin), slide(&block), slide(&stroke)]
     }
-    let loops = Loops {
-        name: "slotted quick return",
-        lengths: &[0.1, 0.25, 0.2, 0.03],
-        fixed_angles: &[],
-        terms: &|c| {
+    let loops = Loops::with_crank(
+        "slotted quick return",
+        &[0.1, 0.25, 0.2, 0.03],
+        &[],
+        [true, false, false, false],
+        &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
                 v(0, Constant(c[1]), Fixed, FRAC_PI_2),
@@ -61,10 +60,7 @@ fn slotted_quick_return_linkage() {
                 v(1, Constant(c[3]), Fixed, FRAC_PI_2).reversed(),
             ]
         },
-        angles: [true, false, false, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
@@ -74,11 +70,12 @@ fn fairbairn_linkage() {
         let ([_, links @ ..], []) = compositions::fairbairn(&drive(&inputs[0])).unwrap();
         links.map(|link| turn(&link))
     }
-    let loops = Loops {
-        name: "modified Fairbairn guide",
-        lengths: &[0.05, 0.3, 0.2, 0.8, 0.33, -0.13, 0.32, -0.8],
-        fixed_angles: &[],
-        terms: &|c| {
+    let loops = Loops::with_crank(
+        "modified Fairbairn guide",
+        &[0.05, 0.3, 0.2, 0.8, 0.33, -0.13, 0.32, -0.8],
+        &[],
+        [true; 4],
+        &|c| {
             vec![
                 v(0, Constant(c[4]), Fixed, 0.0),
                 v(0, Constant(c[5]), Fixed, FRAC_PI_2),
@@ -92,10 +89,7 @@ fn fairbairn_linkage() {
                 v(1, Constant(c[7]), Fixed, FRAC_PI_2).reversed(),
             ]
         },
-        angles: [true; 4],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
@@ -106,11 +100,12 @@ fn inserter_linkage() {
             compositions::inserter(&drive(&inputs[0])).unwrap();
         [turn(&coupler), turn(&rocker), turn(&rod), slide(&stroke)]
     }
-    let loops = Loops {
-        name: "inserter",
-        lengths: &[0.06, 0.2, 0.14, 0.22, 0.15, 0.12, 0.3, 0.2],
-        fixed_angles: &[],
-        terms: &|c| {
+    let loops = Loops::with_crank(
+        "inserter",
+        &[0.06, 0.2, 0.14, 0.22, 0.15, 0.12, 0.3, 0.2],
+        &[],
+        [true, true, true, false],
+        &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
                 v(0, Constant(c[1]), Unknown(0), 0.0),
@@ -124,10 +119,7 @@ fn inserter_linkage() {
                 v(1, Constant(c[7]), Fixed, FRAC_PI_2).reversed(),
             ]
         },
-        angles: [true, true, true, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }
 
@@ -143,12 +135,14 @@ fn two_loop_linkage() {
             slide(&telescope),
         ]
     }
-    let loops = Loops {
-        name: "two-loop linkage",
-        lengths: &[0.1, 0.2, 0.15, 0.3, 0.4, 0.05, 0.08, 0.25],
-        fixed_angles: &[80f64.to_radians(), 100f64.to_radians()],
-        // The rocker's angle is counted from D, against z4; unknown 2 is phi6 + chi.
-        terms: &|c| {
+    let arms = [80f64.to_radians(), 100f64.to_radians()];
+    // The rocker's angle is counted from D, against z4; unknown 2 is phi6 + chi.
+    let loops = Loops::with_crank(
+        "two-loop linkage",
+        &[0.1, 0.2, 0.15, 0.3, 0.4, 0.05, 0.08, 0.25],
+        &arms,
+        [true, true, true, false],
+        &|c| {
             vec![
                 v(0, Constant(c[0]), Driven(0), 0.0),
                 v(0, Constant(c[1]), Unknown(0), 0.0),
@@ -163,9 +157,6 @@ fn two_loop_linkage() {
                 v(1, Constant(c[2]), Unknown(0), 0.0).reversed(),
             ]
         },
-        angles: [true, true, true, false],
-        inputs: &crank,
-        driven_angles: [true],
-    };
+    );
     compare_both(&loops, closed::<f64>, closed::<f32>);
 }

@@ -18,7 +18,7 @@ pub(super) fn solved_together(
     drives: &[JointDrive],
 ) -> Option<Vec<usize>> {
     let system = EquationSystem::new(links, joints, drives);
-    let mut numbers = components(&system.waits(&system.assign()?));
+    let mut numbers = components(system.waits()?);
     numbers.truncate(links);
     Some(numbers)
 }
@@ -57,26 +57,28 @@ impl EquationSystem {
         }
     }
 
-    /// For each equation one of its bodies, none more often than it has unknowns; `None` if that
-    /// is impossible or unknowns are left over.
-    fn assign(&self) -> Option<Vec<usize>> {
+    /// Assigns each equation to one of its bodies, none more often than it has unknowns. Returns for
+    /// each body `true` at the bodies that it waits for: the others in its equations. `None` if
+    /// there is no such assignment or unknowns are left over.
+    fn waits(&self) -> Option<Vec<Vec<bool>>> {
+        let bodies = self.unknowns.len();
         if self.equations.len() != self.unknowns.iter().sum::<usize>() {
             return None;
         }
-        let mut held: Vec<Vec<usize>> = vec![Vec::new(); self.unknowns.len()];
+        let mut held: Vec<Vec<usize>> = vec![Vec::new(); bodies];
         for equation in 0..self.equations.len() {
-            let mut tried = vec![false; self.unknowns.len()];
-            if !self.place(equation, &mut held, &mut tried) {
+            if !self.place(equation, &mut held, &mut vec![false; bodies]) {
                 return None;
             }
         }
-        let mut body_of = vec![0; self.equations.len()];
+        let mut waits = vec![vec![false; bodies]; bodies];
         for (body, equations) in held.iter().enumerate() {
             for &equation in equations {
-                body_of[equation] = body;
+                let [a, b] = self.equations[equation];
+                waits[body][if body == a { b } else { a }] = true;
             }
         }
-        Some(body_of)
+        Some(waits)
     }
 
     /// Kuhn's augmenting path.
@@ -100,22 +102,11 @@ impl EquationSystem {
         }
         false
     }
-
-    /// For each body `true` at the bodies that it waits for.
-    fn waits(&self, body_of: &[usize]) -> Vec<Vec<bool>> {
-        let bodies = self.unknowns.len();
-        let mut waits = vec![vec![false; bodies]; bodies];
-        for (&[a, b], &body) in self.equations.iter().zip(body_of) {
-            waits[body][if body == a { b } else { a }] = true;
-        }
-        waits
-    }
 }
 
 /// Strongly connected components: two bodies have the same number if each waits for the other,
 /// itself or through others. The number is the least body of the component.
-fn components(waits: &[Vec<bool>]) -> Vec<usize> {
-    let mut reach = waits.to_vec();
+fn components(mut reach: Vec<Vec<bool>>) -> Vec<usize> {
     for middle in 0..reach.len() {
         reach[middle][middle] = true;
         // Warshall: every way through `middle`.

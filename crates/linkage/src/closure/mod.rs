@@ -190,10 +190,7 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
         let mut driven = [N::ZERO; UNKNOWNS];
         for term in self.terms {
             let z = term.signed_length(inputs, &at.unknowns);
-            let (z1, phi1) = (
-                term.driven_length(|i| inputs[i].rate),
-                term.driven_angle(|i| inputs[i].rate),
-            );
+            let (z1, phi1) = term.derivative(|i| inputs[i].rate, |_| N::ZERO);
             directions.add(&mut driven, term, Vector2::new(z1, z * phi1));
         }
         self.finite(self.solve(&at.factors, &driven))
@@ -213,16 +210,8 @@ impl<'a, N: Number, const UNKNOWNS: usize, const INPUTS: usize> Closure<'a, N, U
         let mut rest = [N::ZERO; UNKNOWNS];
         for term in self.terms {
             let z = term.signed_length(inputs, &at.unknowns);
-            let z1 = match term.length {
-                Length::Unknown(unknown) => rates[unknown] * term.factor,
-                _ => term.driven_length(|i| inputs[i].rate),
-            };
-            let phi1 = match term.reference {
-                Reference::Unknown(unknown) => rates[unknown],
-                _ => term.driven_angle(|i| inputs[i].rate),
-            };
-            let z2 = term.driven_length(|i| inputs[i].acceleration);
-            let phi2 = term.driven_angle(|i| inputs[i].acceleration);
+            let (z1, phi1) = term.derivative(|i| inputs[i].rate, |unknown| rates[unknown]);
+            let (z2, phi2) = term.derivative(|i| inputs[i].acceleration, |_| N::ZERO);
             let value = Vector2::new(
                 z2 - z * (phi1 * phi1),
                 N::ab_plus_cd(z1 + z1, phi1, z, phi2),

@@ -88,24 +88,25 @@ impl<N: Number> Term<N> {
         {
             return Err(ClosureError::NotFinite { term });
         }
-        let unknown = |unknown| match unknown < unknowns {
-            true => Ok(()),
-            false => Err(ClosureError::NoSuchUnknown { term, unknown }),
+        let length = match self.length {
+            Length::Constant(_) => [None, None],
+            Length::Driven(input) => [Some(input), None],
+            Length::Unknown(unknown) => [None, Some(unknown)],
         };
-        let input = |input| match input < inputs {
-            true => Ok(()),
-            false => Err(ClosureError::NoSuchInput { term, input }),
+        let angle = match self.reference {
+            Reference::Fixed => [None, None],
+            Reference::Driven(input) => [Some(input), None],
+            Reference::Unknown(unknown) => [None, Some(unknown)],
         };
-        match self.length {
-            Length::Constant(_) => Ok(()),
-            Length::Driven(number) => input(number),
-            Length::Unknown(number) => unknown(number),
-        }?;
-        match self.reference {
-            Reference::Fixed => Ok(()),
-            Reference::Driven(number) => input(number),
-            Reference::Unknown(number) => unknown(number),
+        for [input, unknown] in [length, angle] {
+            if let Some(input) = input.filter(|&input| input >= inputs) {
+                return Err(ClosureError::NoSuchInput { term, input });
+            }
+            if let Some(unknown) = unknown.filter(|&unknown| unknown >= unknowns) {
+                return Err(ClosureError::NoSuchUnknown { term, unknown });
+            }
         }
+        Ok(())
     }
 
     /// The length with its sign.
@@ -117,20 +118,23 @@ impl<N: Number> Term<N> {
         }
     }
 
-    /// A derivative of the length as far as it is driven.
-    pub(super) fn driven_length(&self, derivative: impl Fn(usize) -> N) -> N {
-        match self.length {
-            Length::Driven(input) => derivative(input) * self.factor,
-            Length::Constant(_) | Length::Unknown(_) => N::ZERO,
-        }
-    }
-
-    /// A derivative of the angle as far as it is driven.
-    pub(super) fn driven_angle(&self, derivative: impl Fn(usize) -> N) -> N {
-        match self.reference {
-            Reference::Driven(input) => derivative(input),
-            Reference::Fixed | Reference::Unknown(_) => N::ZERO,
-        }
+    /// A derivative of the length and the same of the angle, from those of inputs and unknowns.
+    pub(super) fn derivative(
+        &self,
+        of_input: impl Fn(usize) -> N,
+        of_unknown: impl Fn(usize) -> N,
+    ) -> (N, N) {
+        let length = match self.length {
+            Length::Constant(_) => N::ZERO,
+            Length::Driven(input) => of_input(input) * self.factor,
+            Length::Unknown(unknown) => of_unknown(unknown) * self.factor,
+        };
+        let angle = match self.reference {
+            Reference::Fixed => N::ZERO,
+            Reference::Driven(input) => of_input(input),
+            Reference::Unknown(unknown) => of_unknown(unknown),
+        };
+        (length, angle)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where motions end: dead points, change points, linkages that cannot be assembled; and drives
 //! other than cranks on the frame.
 
-use crate::{joint, link, parse, shipped_text};
+use crate::{joint, link, parse, pin, shipped_text, slide};
 use std::f64::consts::PI;
 use trirrr_linkage::assur::{GroupKind, Linkage, Reason, Track, track};
 use trirrr_linkage::{FourBar, LinkageStatus};
@@ -171,31 +171,6 @@ ends = ["A", "B"]
 [[link]]
 name = "slider"
 points_m = { B = [0, 0], S = [0.01, -0.02] }
-[[joint]]
-name = "O"
-kind = "revolute"
-at = ["frame.O", "crank.O"]
-[[joint]]
-name = "A"
-kind = "revolute"
-at = ["crank.A", "rod.A"]
-[[joint]]
-name = "B"
-kind = "revolute"
-at = ["rod.B", "slider.B"]
-[[joint]]
-name = "guide"
-kind = "prismatic"
-guide = "GUIDE"
-slider = "SLIDER"
-direction_rad = 0.3
-angle_rad = ANGLE
-offset_m = 0.01
-[[drive]]
-joint = "guide"
-start_m = START
-rate_m_s = RATE
-acceleration_m_s2 = 0.02
 "#;
 
 /// A driven slide is one driven link whichever side is the guide, and the slide is as asked.
@@ -205,12 +180,18 @@ fn a_driven_slider_moves_as_asked_from_either_side() {
         ("frame.G", "slider.S", 0.2, 0.25, 0.05),
         ("slider.S", "frame.G", -0.3, -0.25, -0.05),
     ] {
-        let text = SLIDER_DRIVEN
-            .replace("GUIDE", guide)
-            .replace("SLIDER", slider)
-            .replace("ANGLE", &format!("{angle:?}"))
-            .replace("START", &format!("{start:?}"))
-            .replace("RATE", &format!("{rate:?}"));
+        let more = format!("direction_rad = 0.3\nangle_rad = {angle:?}\noffset_m = 0.01\n");
+        let joints = [
+            pin("O", ["frame.O", "crank.O"]),
+            pin("A", ["crank.A", "rod.A"]),
+            pin("B", ["rod.B", "slider.B"]),
+            slide("guide", guide, slider, &more),
+        ];
+        let drive = format!(
+            "[[drive]]\njoint = \"guide\"\nstart_m = {start:?}\nrate_m_s = {rate:?}\n\
+             acceleration_m_s2 = 0.02\n"
+        );
+        let text = [SLIDER_DRIVEN, &joints.concat(), &drive].concat();
         let linkage = parse(&text);
         assert_eq!(linkage.groups[0].kind, GroupKind::Driven);
         assert_eq!(linkage.groups[1].title(), "dyad RRR");
@@ -247,33 +228,19 @@ guess = { at_m = [0.5, -0.2], angle_rad = 1.4 }
 name = "piston"
 points_m = { A = [0, 0] }
 guess = { at_m = [0.7, 0.6], angle_rad = 1.4 }
-[[joint]]
-name = "O"
-kind = "revolute"
-at = ["frame.O", "boom.O"]
-[[joint]]
-name = "A"
-kind = "revolute"
-at = ["boom.A", "piston.A"]
-[[joint]]
-name = "Q"
-kind = "revolute"
-at = ["frame.Q", "cylinder.Q"]
-[[joint]]
-name = "stroke"
-kind = "prismatic"
-guide = "cylinder.Q"
-slider = "piston.A"
-[[drive]]
-joint = "stroke"
-start_m = 0.7
-rate_m_s = 0.1
 "#;
 
 /// A drive between two links that move is part of a group beyond dyads.
 #[test]
 fn a_cylinder_between_moving_links_is_solved_by_newton_raphson() {
-    let linkage = parse(EXCAVATOR);
+    let joints = [
+        pin("O", ["frame.O", "boom.O"]),
+        pin("A", ["boom.A", "piston.A"]),
+        pin("Q", ["frame.Q", "cylinder.Q"]),
+        slide("stroke", "cylinder.Q", "piston.A", ""),
+    ];
+    let drive = "[[drive]]\njoint = \"stroke\"\nstart_m = 0.7\nrate_m_s = 0.1\n";
+    let linkage = parse(&[EXCAVATOR, &joints.concat(), drive].concat());
     assert_eq!(linkage.groups.len(), 1);
     assert_eq!(linkage.groups[0].title(), "3 links, by Newton-Raphson");
     let track = track(&linkage);

@@ -49,3 +49,16 @@ fn point(linkage: &Linkage, of: &str, name: &str) -> PointRef {
         point: point.unwrap_or_else(|| panic!("no point {name}")),
     }
 }
+
+/// A table `[[joint]]` of a pin through the points `at`.
+fn pin(name: &str, at: [&str; 2]) -> String {
+    format!("[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\nat = {at:?}\n")
+}
+
+/// A table `[[joint]]` of a `slider` on a `guide`, with `more` keys.
+fn slide(name: &str, guide: &str, slider: &str, more: &str) -> String {
+    format!(
+        "[[joint]]\nname = \"{name}\"\nkind = \"prismatic\"\nguide = \"{guide}\"\n\
+         slider = \"{slider}\"\n{more}"
+    )
+}

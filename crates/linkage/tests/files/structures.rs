@@ -2,6 +2,7 @@
 //! missing guesses, branches where there are none.
 
 use crate::refusals::{refusal, refused};
+use crate::{pin, slide};
 
 #[test]
 fn degrees_of_freedom_with_their_numbers() {
@@ -23,7 +24,7 @@ fn degrees_of_freedom_with_their_numbers() {
     refused(
         "four-bar",
         "[[drive]]\n",
-        "[[joint]]\nname = \"X\"\nkind = \"revolute\"\nat = [\"frame.O\", \"coupler.P\"]\n\n[[drive]]\n",
+        &(pin("X", ["frame.O", "coupler.P"]) + "[[drive]]\n"),
         "over-constrained: degrees of freedom 3 (4 - 1) - 2 * 5 = -1, drives 1; joint X ties",
     );
 }
@@ -31,15 +32,20 @@ fn degrees_of_freedom_with_their_numbers() {
 /// The count is right as a sum and wrong in its parts: one part locked, one loose.
 #[test]
 fn a_locked_part_beside_a_loose_one() {
-    let more = "[[link]]\nname = \"loose-1\"\nlength_m = 1\nends = [\"A\", \"B\"]\n\n\
-        [[link]]\nname = \"loose-2\"\nlength_m = 1\nends = [\"A\", \"B\"]\n\n\
-        [[joint]]\nname = \"L1\"\nkind = \"revolute\"\nat = [\"coupler.P\", \"loose-1.A\"]\n\n\
-        [[joint]]\nname = \"L2\"\nkind = \"revolute\"\nat = [\"loose-1.B\", \"loose-2.A\"]\n\n\
-        [[joint]]\nname = \"X\"\nkind = \"revolute\"\nat = [\"frame.O\", \"coupler.P\"]\n\n[[drive]]\n";
+    let link =
+        |name: &str| format!("[[link]]\nname = \"{name}\"\nlength_m = 1\nends = [\"A\", \"B\"]\n");
+    let more = [
+        link("loose-1"),
+        link("loose-2"),
+        pin("L1", ["coupler.P", "loose-1.A"]),
+        pin("L2", ["loose-1.B", "loose-2.A"]),
+        pin("X", ["frame.O", "coupler.P"]),
+        "[[drive]]\n".into(),
+    ];
     refused(
         "four-bar",
         "[[drive]]\n",
-        more,
+        &more.concat(),
         "over-constrained in one part and under-constrained in another, although degrees of \
          freedom 3 (6 - 1) - 2 * 7 = 1 equal the drives: joint X ties",
     );
@@ -62,32 +68,15 @@ points_m = { P = [0, 0] }
 [[link]]
 name = "two"
 points_m = { P = [0, 0] }
-[[joint]]
-name = "O"
-kind = "revolute"
-at = ["frame.O", "crank.O"]
-[[joint]]
-name = "P1"
-kind = "prismatic"
-guide = "crank.A"
-slider = "one.P"
-[[joint]]
-name = "P2"
-kind = "prismatic"
-guide = "one.P"
-slider = "two.P"
-direction_rad = 1.0
-[[joint]]
-name = "P3"
-kind = "prismatic"
-guide = "frame.O"
-slider = "two.P"
-direction_rad = 2.0
-[[drive]]
-joint = "O"
-rate_rad_s = 1
 "#;
-    let said = refusal(text);
+    let joints = [
+        pin("O", ["frame.O", "crank.O"]),
+        slide("P1", "crank.A", "one.P", ""),
+        slide("P2", "one.P", "two.P", "direction_rad = 1.0\n"),
+        slide("P3", "frame.O", "two.P", "direction_rad = 2.0\n"),
+    ];
+    let drive = "[[drive]]\njoint = \"O\"\nrate_rad_s = 1\n";
+    let said = refusal(&[text, &joints.concat(), drive].concat());
     assert!(
         said.starts_with("a.toml:31: joint[4]: PPP, which is no Assur group: "),
         "{said}"

@@ -3,8 +3,8 @@
 use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{GROUND, Labels, colour, inputs, joint_points};
-use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use super::{Entry, GROUND, Labels, colour, inputs, joint_points, legend};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, Size, page};
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{FRAME as GREY, INK, RGBColor, WHITE, faded};
 
@@ -31,9 +31,13 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         "{}: positions and curves of points, from {start}",
         linkage.name
     );
-    let legend = Legend::new(linkage, track);
-    let width = (LEFT + view.width + 16.0 + legend.width()).max(Size::Title.width(&title) + 40.0);
-    let height = (TOP + view.height + BOTTOM).max(legend.height() + TOP + 20.0);
+    let entries = entries(linkage, track);
+    let widths = entries.iter().map(|(.., text)| Size::Label.width(text));
+    let wide = 48.0 + widths.fold(0.0, f64::max);
+    let high = 24.0 + 23.0 * entries.len() as f64;
+    let beside = LEFT + view.width + 16.0;
+    let width = (beside + wide).max(Size::Title.width(&title) + 40.0);
+    let height = (TOP + view.height + BOTTOM).max(high + TOP + 20.0);
     page(width, height, |canvas| {
         canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
         view.grid(canvas, ["x", "y"])?;
@@ -63,7 +67,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         if let Some(first) = positions.first() {
             pen.names(first)?;
         }
-        legend.draw(canvas, LEFT + view.width + 16.0)
+        legend(canvas, (beside, TOP + 12.0), &entries)
     })
 }
 
@@ -242,46 +246,19 @@ impl Pen<'_, '_> {
     }
 }
 
-/// Beside the drawing, where it covers nothing.
-struct Legend {
-    entries: Vec<(RGBColor, f64, String)>,
-}
-
-impl Legend {
-    fn new(linkage: &Linkage, track: &Track) -> Self {
-        let mut entries: Vec<_> = (1..linkage.links.len())
-            .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
-            .collect();
-        for &trace in &linkage.traces {
-            let text = format!("path of {}", linkage.point_name(trace));
-            entries.push((trace_colour(trace), 2.0, text));
-        }
-        let shown = instants(track.positions.len()).len();
-        if shown > 1 {
-            let text = format!("{} later positions", shown - 1);
-            entries.push((faded(INK, BETWEEN), 2.4, text));
-        }
-        Self { entries }
+/// The legend beside the drawing, where it covers nothing.
+fn entries(linkage: &Linkage, track: &Track) -> Vec<Entry> {
+    let mut entries: Vec<_> = (1..linkage.links.len())
+        .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
+        .collect();
+    for &trace in &linkage.traces {
+        let text = format!("path of {}", linkage.point_name(trace));
+        entries.push((trace_colour(trace), 2.0, text));
     }
-
-    fn width(&self) -> f64 {
-        let widths = self
-            .entries
-            .iter()
-            .map(|(_, _, text)| Size::Label.width(text));
-        48.0 + widths.fold(0.0, f64::max)
+    let shown = instants(track.positions.len()).len();
+    if shown > 1 {
+        let text = format!("{} later positions", shown - 1);
+        entries.push((faded(INK, BETWEEN), 2.4, text));
     }
-
-    fn height(&self) -> f64 {
-        24.0 + 23.0 * self.entries.len() as f64
-    }
-
-    fn draw(&self, canvas: &Canvas<'_>, x: f64) -> Draw {
-        for (row, (colour, width, text)) in self.entries.iter().enumerate() {
-            let y = TOP + 12.0 + 23.0 * row as f64;
-            canvas.line(&[(x, y), (x + 24.0, y)], *colour, *width)?;
-            canvas.text(text, (x + 33.0, y), Size::Label, RIGHT_OF, INK)?;
-        }
-        Ok(())
-    }
+    entries
 }

@@ -88,3 +88,16 @@ impl Labels {
         canvas.text(text, at, Size::Label, RIGHT_OF, INK)
     }
 }
+
+/// A line and its meaning: colour, width, text.
+type Entry = (RGBColor, f64, String);
+
+/// Draws `entries` below one another, the first line's start at `(x, y)`.
+fn legend(canvas: &Canvas<'_>, (x, y): (f64, f64), entries: &[Entry]) -> Draw {
+    for (row, (colour, width, text)) in entries.iter().enumerate() {
+        let y = y + 23.0 * row as f64;
+        canvas.line(&[(x, y), (x + 24.0, y)], *colour, *width)?;
+        canvas.text(text, (x + 33.0, y), Size::Label, RIGHT_OF, INK)?;
+    }
+    Ok(())
+}

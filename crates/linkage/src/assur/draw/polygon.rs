@@ -8,9 +8,9 @@
 use super::super::description::{FRAME, Joint, Linkage, PointRef};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{Labels, colour, inputs, joint_points};
+use super::{Labels, colour, inputs, joint_points, legend};
 use nalgebra::Vector2;
-use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, Size, page};
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{INK, RGBColor, faded};
 
@@ -52,7 +52,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         left += view.width + GAP;
         view
     });
-    let legend = left - GAP + 16.0;
+    let beside = left - GAP + 16.0;
     let links = linkage.links.len() - 1;
     let names = linkage
         .links
@@ -60,7 +60,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         .map(|link| Size::Label.width(&link.name));
     let widest = names.fold(Size::Label.width("of a point"), f64::max);
     let title = format!("{} at {}", linkage.name, inputs(linkage, position.t));
-    let width = (legend + widest + 60.0).max(Size::Title.width(&title) + 40.0);
+    let width = (beside + widest + 60.0).max(Size::Title.width(&title) + 40.0);
     let height = views.iter().fold(0.0, |h, view| f64::max(h, view.height));
     let height = (TOP + height + 66.0).max(TOP + 24.0 * (links + 3) as f64);
     page(width, height, |canvas| {
@@ -68,7 +68,13 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         for (polygon, view) in polygons.iter().zip(&views) {
             draw_polygon(canvas, polygon, view)?;
         }
-        draw_legend(canvas, linkage, legend)
+        let mut entries = vec![(faded(INK, 0.55), 2.6, "of a point".to_owned())];
+        let several = |&link: &usize| shown_points(linkage, link).len() > 1;
+        entries.extend((1..linkage.links.len()).filter(several).map(|link| {
+            let text = format!("within {}", linkage.links[link].name);
+            (colour(link), 2.6, text)
+        }));
+        legend(canvas, (beside, TOP + 10.0), &entries)
     })
 }
 
@@ -219,24 +225,4 @@ fn arrow(
         (back.0 + half * uy, back.1 - half * ux),
     ];
     canvas.polygon(&head, colour)
-}
-
-fn draw_legend(canvas: &Canvas<'_>, linkage: &Linkage, x: f64) -> Draw {
-    let mut y = TOP + 10.0;
-    let mut entry = |colour: RGBColor, text: &str| -> Draw {
-        canvas.line(&[(x, y), (x + 24.0, y)], colour, 2.6)?;
-        canvas.text(text, (x + 33.0, y), Size::Label, RIGHT_OF, INK)?;
-        y += 23.0;
-        Ok(())
-    };
-    entry(faded(INK, 0.55), "of a point")?;
-    for link in 1..linkage.links.len() {
-        if shown_points(linkage, link).len() > 1 {
-            entry(
-                colour(link),
-                &format!("within {}", linkage.links[link].name),
-            )?;
-        }
-    }
-    Ok(())
 }

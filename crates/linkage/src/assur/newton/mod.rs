@@ -31,8 +31,7 @@ pub(super) fn solve(
     for iterations in 1..=ITERATIONS {
         let at = equations(linkage, group, states, t);
         let factors = scaled.factor(&at).ok_or(Reason::Singular)?;
-        let residuals: Vec<f64> = at.iter().map(|e| scaled.row(e) * -e.residual).collect();
-        let mut step = factors.solve(residuals);
+        let mut step = scaled.solve(&factors, &at, |e| -e.residual);
         let length = step
             .iter()
             .fold(0.0, |longest, s| f64::max(longest, s.abs()));
@@ -42,13 +41,9 @@ pub(super) fn solve(
         if length > LONGEST_STEP {
             step.iter_mut().for_each(|s| *s *= LONGEST_STEP / length);
         }
-        for (index, &link) in group.links.iter().enumerate() {
+        for (link, moved, turned) in scaled.parts(&step) {
             let [x, y, angle] = states[link].pose();
-            states[link].move_to([
-                x + size * step[3 * index],
-                y + size * step[3 * index + 1],
-                angle + step[3 * index + 2],
-            ]);
+            states[link].move_to([x + moved.x, y + moved.y, angle + turned]);
         }
         let settled = length < ROUNDING && length >= 0.5 * last_step;
         if length <= f64::EPSILON || settled {
@@ -93,6 +88,22 @@ impl Scaled<'_> {
         Factors::new(matrix)
     }
 
+    /// The unknowns for which the equations have the `right` side, without dimension.
+    fn solve(
+        &self,
+        factors: &Factors,
+        equations: &[Equation],
+        right: impl Fn(&Equation) -> f64,
+    ) -> Vec<f64> {
+        factors.solve(equations.iter().map(|e| self.row(e) * right(e)).collect())
+    }
+
+    /// The part of each link in a solution: of its origin, with dimension, and of its angle.
+    fn parts(&self, solution: &[f64]) -> impl Iterator<Item = (usize, Vector2<f64>, f64)> {
+        let parts = self.group.links.iter().zip(solution.chunks_exact(3));
+        parts.map(|(&link, v)| (link, Vector2::new(v[0], v[1]) * self.size, v[2]))
+    }
+
     /// Rates and accelerations at poses that satisfy the equations.
     fn motions(
         &self,
@@ -109,29 +120,19 @@ impl Scaled<'_> {
         }
         let at = equations(linkage, self.group, states, t);
         let factors = self.factor(&at).ok_or(Reason::Singular)?;
-        let rates: Vec<f64> = at
-            .iter()
-            .map(|e| self.row(e) * (e.drive[0] - known(e, states, velocity)))
-            .collect();
-        let rates = factors.solve(rates);
-        for (index, &link) in self.group.links.iter().enumerate() {
+        let rates = self.solve(&factors, &at, |e| e.drive[0] - known(e, states, velocity));
+        for (link, velocity, rate) in self.parts(&rates) {
             let motion = &mut states[link].motion;
-            motion.origin.velocity =
-                Vector2::new(rates[3 * index], rates[3 * index + 1]) * self.size;
-            motion.rate = rates[3 * index + 2];
+            (motion.origin.velocity, motion.rate) = (velocity, rate);
         }
         // Again, for the squares of the rates.
         let at = equations(linkage, self.group, states, t);
-        let accelerations: Vec<f64> = at
-            .iter()
-            .map(|e| self.row(e) * (e.drive[1] - e.squares - known(e, states, acceleration)))
-            .collect();
-        let accelerations = factors.solve(accelerations);
-        for (index, &link) in self.group.links.iter().enumerate() {
+        let accelerations = self.solve(&factors, &at, |e| {
+            e.drive[1] - e.squares - known(e, states, acceleration)
+        });
+        for (link, of_origin, acceleration) in self.parts(&accelerations) {
             let motion = &mut states[link].motion;
-            motion.origin.acceleration =
-                Vector2::new(accelerations[3 * index], accelerations[3 * index + 1]) * self.size;
-            motion.acceleration = accelerations[3 * index + 2];
+            (motion.origin.acceleration, motion.acceleration) = (of_origin, acceleration);
             if !motion.is_finite() {
                 return Err(Reason::Singular);
             }
