@@ -11,7 +11,7 @@
 //! out; then the way back spends one tick more at the level d for which it does: d adds 2 d parts,
 //! and d = 0 .. R - 1 reaches every remainder, for remainders are even.
 
-/// PathPosition on the path, in its own time.
+/// Position on the path, in the path's own time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PathPosition {
     /// Whole ticks since the start of the move.

@@ -1,4 +1,4 @@
-//! LinkState of a link: place and motion.
+//! Place and motion of a link.
 
 use super::parts::Prismatic;
 use crate::LinkageStatus;

@@ -1,5 +1,5 @@
-//! Admission: whether a move can be played, judged when it is offered and in the background, in
-//! slices of bounded work.
+//! Admission: the proof that a move can be played. The background takes it up when the move is
+//! offered, in slices of bounded work.
 //!
 //! # What is checked
 //! The whole path, every instant of it and not its ticks only: reach, the distances to both
@@ -18,7 +18,7 @@
 //! The intervals are taken in the order of time, so that what is named is the first violation.
 //!
 //! # The shortest duration
-//! A move that is merely too fast is reported the shortest duration that would pass. From rest to rest
+//! The refusal of a move that is merely too fast names the shortest duration that would pass. From rest to rest
 //! the path is the same at any duration, and what is broken less the slower it is played; the
 //! duration named is the shortest that passes this very check. With a velocity at an end, which
 //! stays as it is, the path changes with the duration: the duration named passes the check, one
@@ -143,11 +143,12 @@ impl<M: Model<N: Enclose>> Admission<M> {
         }
     }
 
-    /// Takes a move to judge; one that is under way is dropped.
+    /// Takes a move to check and drops the one under way.
     ///
-    /// A move that is no move is refused at once: a value that is not finite, or so far out that
-    /// no pose can be reported from the next, as a violation of [`Bounded::Range`](trirrr_protocol::message::Bounded::Range) that names the
-    /// coordinate; so is a duration of no tick, without a coordinate.
+    /// Invalid input is refused at once, as a violation of
+    /// [`Bounded::Range`](trirrr_protocol::message::Bounded::Range): a value that is not finite, or an angle of so
+    /// many turns that its error exceeds 1e-4 rad. The violation names the coordinate. The violation for a
+    /// duration of zero ticks names none.
     pub fn offer(&mut self, offered: &Move<M::N>) {
         let ends = Ends {
             from: offered.from,

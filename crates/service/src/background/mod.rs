@@ -253,7 +253,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
                 done: report.done,
             });
         }
-        // What an order under way will change is not known better by an older report.
+        // An older report must not overwrite the state predicted for an order in flight.
         if over || self.orders_taken == self.orders_sent {
             (self.status.state, self.status.acting) = (report.state, report.acting);
             if self.status.end.is_none() && self.status.state == State::Idle {

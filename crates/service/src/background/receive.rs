@@ -7,10 +7,10 @@ use crate::admission::Enclose;
 use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
 
 impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
-    /// Executes a request, unless it was executed already: the answer, to be sent with the request's
-    /// sequence number. `checksum` is that of its frame
-    /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)), by which one that is repeated is
-    /// reported from another with the same number.
+    /// Executes a request, unless it was executed already. Returns the reply, to be sent with the request's
+    /// sequence number. `checksum` is that of the request's frame
+    /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)). It tells a repeated request from
+    /// another with the same number.
     #[inline(never)]
     pub fn receive(
         &mut self,

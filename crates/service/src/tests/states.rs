@@ -3,7 +3,7 @@
 use super::*;
 use trirrr_protocol::message::{Acting, DriveFault, FaultCode, Recovery};
 
-/// A rig in `state`.
+/// Service in `state`.
 fn rig_in(state: State) -> Rig<Thesis<f64>> {
     let mut rig = Rig::new();
     let job = rest(0, home(), pose(0.28, 0.28, 0.2), 100);
