@@ -89,6 +89,7 @@ fn lints() -> Vec<Step> {
     let mut steps = vec![
         Step::cargo("format", &["fmt", "--all", "--check"]),
         Step::on_host("lints of the host crates", "clippy", &all),
+        Step::cargo("the shape of the source", &["xtask", "house", "--check"]),
     ];
     for (package, target) in DEVICE_PACKAGES {
         let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
@@ -168,7 +169,7 @@ fn figures() -> [Step; 3] {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> [Step; 5] {
+fn programs() -> [Step; 6] {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -181,6 +182,21 @@ fn programs() -> [Step; 5] {
     let board = [["xtask", "emulate"].as_slice(), &parts].concat();
     [
         Step::new("the host programs", Programs::builder()),
+        // Slow unless optimised; shares its libraries with the host programs.
+        Step::cargo(
+            "the study of integrators",
+            &[
+                "test",
+                "--quiet",
+                "--release",
+                "--package",
+                "trirrr-report",
+                "--test",
+                "report",
+                "--",
+                "--ignored",
+            ],
+        ),
         simulator("a scene run", &run, "thesis"),
         simulator("a batch evaluation", &eval, "extreme.csv"),
         Step::cargo("the Python client", &["xtask", "client"]),

@@ -33,6 +33,11 @@ fn steps() -> Result<Vec<Step>> {
             "test",
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
+        Step::on_host(
+            "ten million ticks",
+            "test",
+            &["--release", "--test", "soak", "--", "--ignored"],
+        ),
     ];
     for package in NIGHTLY_PACKAGES {
         let lints = ["clippy", "--quiet", "-p", package, "--all-targets"];

@@ -155,7 +155,7 @@ fn nothing_infeasible_is_admitted_f32() {
 
 /// The figure: 10,000 moves, 10,000 samples each. A minute or two, so only on request.
 #[test]
-#[ignore = "minutes; cargo xtask ci runs it"]
+#[ignore = "minutes; cargo xtask nightly runs it"]
 fn nothing_infeasible_is_admitted_of_ten_thousand() {
     let tally = on_two_threads::<f64>(10_000, 10_000, 1e-6);
     hold(&tally);
@@ -166,7 +166,7 @@ fn nothing_infeasible_is_admitted_of_ten_thousand() {
 
 /// The same in binary32, with fewer samples and limits no nearer than a hundredth.
 #[test]
-#[ignore = "minutes; cargo xtask ci runs it"]
+#[ignore = "minutes; cargo xtask nightly runs it"]
 fn nothing_infeasible_is_admitted_of_ten_thousand_f32() {
     let tally = on_two_threads::<f32>(10_000, 1_000, 1e-2);
     hold(&tally);
