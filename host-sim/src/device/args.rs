@@ -13,7 +13,7 @@ use trirrr_scene::NumberType;
 /// the machine does and what it refuses.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Ctrl-C ends the device. A client that is lost leaves the machine to the scene's silence timeout: it \
+Ctrl-C ends the device. A client that is lost leaves the machine to the scene's host timeout: it \
 comes to rest on its path. The client may come back and go on.")]
 pub struct DeviceArgs {
     /// The scene, a TOML file

@@ -15,7 +15,7 @@ use trirrr_scene::NumberType;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 The scene must be the one that the board's image was built from. Ctrl-C stops the machine on its \
-path and ends the stream; a second one ends the stream at once, and the board's silence timeout \
+path and ends the stream; a second one ends the stream at once, and the board's host timeout \
 stops the machine. With --keys, a line `hold`, `resume` or `stop` on standard input does that.")]
 pub struct StreamArgs {
     /// The scene, a TOML file
