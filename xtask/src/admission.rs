@@ -6,7 +6,6 @@ use crate::budget::{BudgetRow, Options};
 use crate::cores::{self, Core};
 use crate::image::Image;
 use crate::repository::SceneFile;
-use crate::table::table;
 use crate::{parallel, qemu};
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -41,20 +40,10 @@ struct AdmissionRow {
 }
 
 impl BudgetRow for AdmissionRow {
-    fn key(&self) -> String {
-        format!(
-            "{} {} {} {}",
-            self.core, self.scalar, self.scene, self.limits
-        )
-    }
-
-    fn figures(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("mean", self.mean),
-            ("max", self.max),
-            ("slice_max", self.slice_max),
-        ]
-    }
+    const KEY: &str = "core scalar scene limits";
+    const FIGURES: &str = "mean max slice_max";
+    const COLUMNS: &str = "core scalar scene limits moves refused min mean max slice_max \
+                           intervals_mean intervals_max";
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
@@ -62,7 +51,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let scenes = options.scenes()?;
     let rows = parallel::map(parallel::workers(), &scenes, |file| measure(file, core))?;
     let rows: Vec<AdmissionRow> = rows.into_iter().flatten().collect();
-    options.print(&rows, text)?;
+    options.print(&rows)?;
     options.settle("admission", rows, true)
 }
 
@@ -148,44 +137,6 @@ fn parse(printed: &str, units: f64) -> Result<Vec<Judged>> {
         })
     };
     printed.lines().map(line).collect()
-}
-
-fn text(rows: &[AdmissionRow]) -> String {
-    let cells = rows.iter().map(|row| {
-        let mut cells = vec![
-            row.core.clone(),
-            row.scalar.clone(),
-            row.scene.clone(),
-            row.limits.clone(),
-        ];
-        let counts = [row.moves, row.refused];
-        cells.extend(counts.map(|count| count.to_string()));
-        let figures = [
-            row.min,
-            row.mean,
-            row.max,
-            row.slice_max,
-            row.intervals_mean,
-        ];
-        cells.extend(figures.map(|figure| figure.to_string()));
-        cells.push(row.intervals_max.to_string());
-        cells
-    });
-    let headings = [
-        "core",
-        "scalar",
-        "scene",
-        "limits",
-        "moves",
-        "refused",
-        "min",
-        "mean",
-        "max",
-        "slice max",
-        "intervals mean",
-        "max",
-    ];
-    table(&headings, &cells.collect::<Vec<_>>())
 }
 
 #[cfg(test)]

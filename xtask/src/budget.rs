@@ -1,9 +1,11 @@
 //! Measured figures, checked in: a figure that moves is seen in the change that moves it.
 
 use crate::repository::{self, SceneFile, compiler, root};
+use crate::table::table;
 use anyhow::{Context, Result, bail};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
 
@@ -33,26 +35,36 @@ impl Options {
         repository::scenes_named(&self.scene)
     }
 
-    /// Prints what was measured: as JSON, or as `text` lays it out.
-    pub(crate) fn print<Row: Serialize>(
-        &self,
-        rows: &[Row],
-        text: impl FnOnce(&[Row]) -> String,
-    ) -> Result<()> {
+    /// Prints what was measured: as JSON, or as a table.
+    pub(crate) fn print<Row: BudgetRow>(&self, rows: &[Row]) -> Result<()> {
         if self.json {
             println!("{}", serde_json::to_string_pretty(rows)?);
-        } else {
-            print!("{}", text(rows));
+            return Ok(());
         }
+        let headings: Vec<&str> = Row::COLUMNS.split(' ').collect();
+        let cells = rows.iter().map(|row| {
+            let row = row.fields();
+            let cell = |name: &&str| match &row[*name] {
+                Value::String(text) => text.clone(),
+                // As `f64`, a whole number is shown without a fraction.
+                number => number
+                    .as_f64()
+                    .map_or("-".into(), |value| value.to_string()),
+            };
+            headings.iter().map(cell).collect()
+        });
+        print!("{}", table(&headings, &cells.collect::<Vec<_>>()));
         Ok(())
     }
 
     /// Compares `rows` with what is checked in as `name`, or checks them in, as asked.
     /// `all_parts`: of each scene, everything was measured.
-    pub(crate) fn settle<Row>(&self, name: &str, rows: Vec<Row>, all_parts: bool) -> Result<()>
-    where
-        Row: BudgetRow + Serialize + DeserializeOwned,
-    {
+    pub(crate) fn settle<Row: BudgetRow>(
+        &self,
+        name: &str,
+        rows: Vec<Row>,
+        all_parts: bool,
+    ) -> Result<()> {
         if self.check {
             check(name, &rows)?;
         }
@@ -63,12 +75,71 @@ impl Options {
     }
 }
 
-/// A row of figures that can be told from other rows.
-pub(crate) trait BudgetRow {
+/// A row of figures that can be told from other rows. Constants list fields, parted by spaces.
+pub(crate) trait BudgetRow: Serialize + DeserializeOwned {
+    /// Fields that name what was measured, such as `core scalar scene`.
+    const KEY: &str;
+    /// Figures that are held to what is checked in.
+    const FIGURES: &str;
+    /// Columns of the table.
+    const COLUMNS: &str;
+
+    /// The row's fields by name; `null` is what the row does not have.
+    fn fields(&self) -> Value {
+        serde_json::to_value(self).expect("a row is plain data")
+    }
+
     /// Names what was measured, such as `m4f f32 thesis`.
-    fn key(&self) -> String;
-    /// The figures by name.
-    fn figures(&self) -> Vec<(&'static str, f64)>;
+    fn key(&self) -> String {
+        let fields = self.fields();
+        let words = Self::KEY
+            .split(' ')
+            .filter_map(|name| fields[name].as_str());
+        words.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The figures that the row has, by name.
+    fn figures(&self) -> Vec<(&'static str, f64)> {
+        let fields = self.fields();
+        let figures = Self::FIGURES.split(' ');
+        figures
+            .filter_map(|name| Some((name, fields[name].as_f64()?)))
+            .collect()
+    }
+}
+
+/// A figure that no change may take above a bound, whatever is checked in.
+pub(crate) struct Ceiling {
+    /// Key of the rows; `*` stands for any word.
+    pub(crate) key: &'static str,
+    pub(crate) figure: &'static str,
+    pub(crate) most: f64,
+}
+
+impl Ceiling {
+    pub(crate) const fn new(key: &'static str, figure: &'static str, most: f64) -> Self {
+        Self { key, figure, most }
+    }
+
+    fn is_of(&self, key: &str) -> bool {
+        let agree = |(pattern, word): (&str, &str)| pattern == "*" || pattern == word;
+        self.key.split(' ').zip(key.split(' ')).all(agree)
+    }
+}
+
+/// Checks that no figure of `rows` is above its ceiling.
+pub(crate) fn hold_ceilings<Row: BudgetRow>(rows: &[Row], ceilings: &[Ceiling]) -> Result<()> {
+    for row in rows {
+        let key = row.key();
+        for Ceiling { figure, most, .. } in ceilings.iter().filter(|one| one.is_of(&key)) {
+            let figures = row.figures();
+            let found = figures.iter().find(|(name, _)| name == figure);
+            if let Some((_, value)) = found.filter(|(_, value)| value > most) {
+                bail!("{key}: {figure} is {value}, the ceiling is {most}");
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A checked-in file of rows.
@@ -87,12 +158,16 @@ fn file(name: &str) -> PathBuf {
         .with_extension("json")
 }
 
-/// Compares `measured` with what is checked in as `name`.
-fn check<Row: BudgetRow + DeserializeOwned>(name: &str, measured: &[Row]) -> Result<()> {
+/// Reads what is checked in as `name`.
+fn read<Row: DeserializeOwned>(name: &str) -> Result<Budget<Row>> {
     let file = file(name);
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
-    let budget: Budget<Row> =
-        serde_json::from_str(&text).with_context(|| file.display().to_string())?;
+    serde_json::from_str(&text).with_context(|| file.display().to_string())
+}
+
+/// Compares `measured` with what is checked in as `name`.
+fn check<Row: BudgetRow>(name: &str, measured: &[Row]) -> Result<()> {
+    let budget: Budget<Row> = read(name)?;
     let complaints: Vec<String> = measured
         .iter()
         .flat_map(|row| compare(&budget.rows, row))
@@ -109,7 +184,7 @@ fn check<Row: BudgetRow + DeserializeOwned>(name: &str, measured: &[Row]) -> Res
     bail!(
         "{}{other_compiler}\nWhere this is meant: cargo xtask {name} --bless, and commit {}",
         complaints.join("\n"),
-        file.display()
+        file(name).display()
     )
 }
 
@@ -142,25 +217,18 @@ fn compare<Row: BudgetRow>(budget: &[Row], row: &Row) -> Vec<String> {
 
 /// The rows that are checked in as `name`.
 pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> {
-    let budget: Budget<Row> = serde_json::from_str(&fs::read_to_string(file(name))?)?;
-    Ok(budget.rows)
+    Ok(read(name)?.rows)
 }
 
-/// Checks `measured` in as `name`. Rows of what was not measured stay, unless `everything` was.
-fn bless<Row>(name: &str, measured: Vec<Row>, everything: bool) -> Result<()>
-where
-    Row: BudgetRow + Serialize + DeserializeOwned,
-{
+/// Checks `rows` in as `name`. Rows of what was not measured stay, unless `everything` was.
+fn bless<Row: BudgetRow>(name: &str, mut rows: Vec<Row>, everything: bool) -> Result<()> {
     let file = file(name);
-    let mut rows = measured;
     if !everything && file.exists() {
-        let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
-        let old: Budget<Row> =
-            serde_json::from_str(&text).with_context(|| file.display().to_string())?;
         let new: Vec<String> = rows.iter().map(BudgetRow::key).collect();
-        rows.extend(old.rows.into_iter().filter(|row| !new.contains(&row.key())));
+        let old = checked_in::<Row>(name)?.into_iter();
+        rows.extend(old.filter(|row| !new.contains(&row.key())));
     }
-    rows.sort_by_key(BudgetRow::key);
+    rows.sort_by_cached_key(BudgetRow::key);
     let budget = Budget {
         rustc: compiler()?,
         rows,
@@ -189,19 +257,26 @@ mod tests {
     use super::*;
 
     #[derive(Debug, Serialize, Deserialize)]
-    struct Row(String, f64);
+    struct Row {
+        core: String,
+        max: f64,
+    }
 
     impl BudgetRow for Row {
-        fn key(&self) -> String {
-            self.0.clone()
-        }
-        fn figures(&self) -> Vec<(&'static str, f64)> {
-            vec![("max", self.1)]
+        const KEY: &str = "core";
+        const FIGURES: &str = "max";
+        const COLUMNS: &str = "core max";
+    }
+
+    fn row(core: &str, max: f64) -> Row {
+        Row {
+            core: core.into(),
+            max,
         }
     }
 
     fn complaints(then: f64, now: f64) -> Vec<String> {
-        compare(&[Row("a".into(), then)], &Row("a".into(), now))
+        compare(&[row("a", then)], &row("a", now))
     }
 
     #[test]
@@ -227,7 +302,7 @@ mod tests {
 
     #[test]
     fn a_row_that_is_not_checked_in_is_an_error() {
-        let found = compare(&[Row("a".into(), 1.0)], &Row("b".into(), 1.0));
+        let found = compare(&[row("a", 1.0)], &row("b", 1.0));
         assert_eq!(found, ["b: no figures are checked in"]);
     }
 
@@ -235,16 +310,30 @@ mod tests {
     fn the_file_reads_back_as_written() {
         let budget = Budget {
             rustc: "rustc 1.95.0".into(),
-            rows: vec![Row("a".into(), 1.5), Row("b".into(), 2.0)],
+            rows: vec![row("a", 1.5), row("b", 2.0)],
         };
         let text = to_text(&budget).expect("plain data");
         assert_eq!(
             text.lines()
-                .filter(|line| line.starts_with("    ["))
+                .filter(|line| line.starts_with("    {"))
                 .count(),
             2
         );
         let back: Budget<Row> = serde_json::from_str(&text).expect("is JSON");
-        assert_eq!((back.rows[1].0.as_str(), back.rows[1].1), ("b", 2.0));
+        assert_eq!((back.rows[1].core.as_str(), back.rows[1].max), ("b", 2.0));
+    }
+
+    #[test]
+    fn a_star_in_a_ceiling_stands_for_any_word() {
+        let ceilings = [Ceiling::new("m4f * thesis", "max", 600.0)];
+        let held = |core: &str, max| hold_ceilings(&[row(core, max)], &ceilings);
+        assert!(held("m4f f32 thesis", 600.0).is_ok());
+        assert!(held("m4f f32 thesis-links", 601.0).is_ok());
+        assert_eq!(
+            held("m4f f32 thesis", 601.0)
+                .expect_err("above it")
+                .to_string(),
+            "m4f f32 thesis: max is 601, the ceiling is 600"
+        );
     }
 }

@@ -2,7 +2,7 @@
 //! `docs/footprints.md`, from the figures that are checked in.
 
 use crate::boards::FIRMWARE_TARGET;
-use crate::budget::checked_in;
+use crate::budget::{BudgetRow, checked_in};
 use crate::insns;
 use crate::repository::{root, scenes_named};
 use crate::size;
@@ -56,30 +56,33 @@ fn table() -> Result<String> {
         let scene = Scene::read(&scene_file.path)?;
         let (name, scalar) = (scene_file.name.as_str(), of_scene(scene.number));
         let size = |image: &str, target: &str| {
-            let row = sizes.iter().find(|row| row.is(image, name, scalar, target));
-            row.with_context(|| format!("{image} {name} {scalar} {target}: not checked in"))
+            let key = format!("{image} {target} {scalar} {name}");
+            find(&sizes, key)
         };
-        let count = |core: &str| {
-            let row = counts.iter().find(|row| row.is(core, name, scalar));
-            row.with_context(|| format!("{core} {name} {scalar}: not checked in"))
-        };
+        let count = |core: &str| find(&counts, format!("{core} {scalar} {name}"));
         let image = size("firmware", FIRMWARE_TARGET)?;
         let cells = [
             name.to_owned(),
             scalar.to_owned(),
             if scene.torque { "yes" } else { "no" }.to_owned(),
             kind(&scene).to_owned(),
-            image.flash().to_string(),
-            image.ram().to_string(),
-            image.stack().context("no stack is checked in")?.to_string(),
-            size("core", "thumbv7em-none-eabihf")?.flash().to_string(),
-            size("core", "thumbv6m-none-eabi")?.flash().to_string(),
-            count("m4f")?.longest().to_string(),
-            count("m0")?.longest().to_string(),
+            image.flash.to_string(),
+            image.ram.to_string(),
+            image.stack.context("no stack is checked in")?.to_string(),
+            size("core", "thumbv7em-none-eabihf")?.flash.to_string(),
+            size("core", "thumbv6m-none-eabi")?.flash.to_string(),
+            count("m4f")?.max.to_string(),
+            count("m0")?.max.to_string(),
         ];
         table += &format!("| {} |\n", cells.join(" | "));
     }
     Ok(table)
+}
+
+/// The row of `key`.
+fn find<Row: BudgetRow>(rows: &[Row], key: String) -> Result<&Row> {
+    let row = rows.iter().find(|row| row.key() == key);
+    row.with_context(|| format!("{key}: not checked in"))
 }
 
 #[cfg(test)]

@@ -6,27 +6,29 @@
 mod counts;
 mod service;
 
-use crate::budget::{BudgetRow, Options};
+use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::cores::{self, CORES, Core};
 use crate::image::{Image, scalars};
 use crate::repository::SceneFile;
-use crate::table::table;
 use crate::{parallel, qemu, reference};
-use anyhow::{Context, Result, bail, ensure};
-use counts::{Spread, parse};
+use anyhow::{Context, Result, ensure};
+use counts::Counts;
 use serde::{Deserialize, Serialize};
+use service::ServiceFigures;
 use std::path::Path;
 use trirrr_scene::Scene;
 
-/// The longest position of a dyad, f32 on m4f, in any scene.
-const DYAD_CEILING: f64 = 60.0;
-
-/// Ceilings that no change may exceed: core, number type, scene, instructions of the longest tick.
-const CEILINGS: &[(&str, &str, &str, f64)] = &[
-    ("m4f", "f32", "thesis", 600.0),
-    ("m4f", "f32", "thesis-links", 750.0),
-    ("m3", "fixed", "thesis", 1800.0),
-    ("m0", "fixed", "thesis", 10_000.0),
+/// Ceilings that no change may exceed, instructions.
+const CEILINGS: [Ceiling; 8] = [
+    Ceiling::new("m4f f32 thesis", "max", 600.0),
+    Ceiling::new("m4f f32 thesis-links", "max", 750.0),
+    Ceiling::new("m3 fixed thesis", "max", 1800.0),
+    Ceiling::new("m0 fixed thesis", "max", 10_000.0),
+    Ceiling::new("m4f f32 *", "dyad_max", 60.0),
+    // Of the service with a sample in each tick.
+    Ceiling::new("m4f f32 *", "service_max", 1500.0),
+    Ceiling::new("m4f f32 *", "service_held_max", 1500.0),
+    Ceiling::new("m4f f32 *", "service_homing_max", 1500.0),
 ];
 
 /// Core on which the service is counted.
@@ -51,77 +53,33 @@ pub(crate) struct InsnsRow {
     /// The tick proper: one setpoint to twelve results.
     min: f64,
     mean: f64,
-    max: f64,
+    pub(crate) max: f64,
     /// The setpoint itself, from the move.
     setpoint_min: f64,
     setpoint_mean: f64,
     setpoint_max: f64,
     /// Position of one RRR dyad as two vectors, without angles: the longest.
     dyad_max: f64,
-    /// The tick of the whole service while it plays the job; on m4f only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    service_mean: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    service_max: Option<f64>,
-    /// Its longest tick with holds and resumes all along the job.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    service_held_max: Option<f64>,
-    /// Its longest tick while it homes the machine.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    service_homing_max: Option<f64>,
+    #[serde(flatten)]
+    service: Option<ServiceFigures>,
     /// Checksum of all results, the same on the host.
     bits: String,
 }
 
-impl InsnsRow {
-    /// Returns true if the row is that of this core, scene and number type.
-    pub(crate) fn is(&self, core: &str, scene: &str, scalar: &str) -> bool {
-        (
-            self.core.as_str(),
-            self.scene.as_str(),
-            self.scalar.as_str(),
-        ) == (core, scene, scalar)
-    }
-
-    /// Instructions of the longest tick.
-    pub(crate) fn longest(&self) -> f64 {
-        self.max
-    }
-}
-
 impl BudgetRow for InsnsRow {
-    fn key(&self) -> String {
-        format!("{} {} {}", self.core, self.scalar, self.scene)
-    }
-
-    fn figures(&self) -> Vec<(&'static str, f64)> {
-        let mut figures = vec![
-            ("mean", self.mean),
-            ("max", self.max),
-            ("setpoint_mean", self.setpoint_mean),
-            ("setpoint_max", self.setpoint_max),
-            ("dyad_max", self.dyad_max),
-        ];
-        let service = [
-            ("service_mean", self.service_mean),
-            ("service_max", self.service_max),
-            ("service_held_max", self.service_held_max),
-            ("service_homing_max", self.service_homing_max),
-        ];
-        figures.extend(
-            service
-                .into_iter()
-                .filter_map(|(name, figure)| Some((name, figure?))),
-        );
-        figures
-    }
+    const KEY: &str = "core scalar scene";
+    const FIGURES: &str = "mean max setpoint_mean setpoint_max dyad_max service_mean service_max \
+                           service_held_max service_homing_max";
+    const COLUMNS: &str = "core scalar scene min mean max setpoint_min setpoint_mean setpoint_max \
+                           dyad_max service_mean service_max service_held_max service_homing_max \
+                           bits";
 }
 
 pub(crate) fn run(arguments: &InsnsArgs) -> Result<()> {
     let options = &arguments.options;
     let rows = measure(&options.scenes()?, &cores_named(&arguments.core)?)?;
-    options.print(&rows, text)?;
-    hold_ceilings(&rows)?;
+    options.print(&rows)?;
+    hold_ceilings(&rows, &CEILINGS)?;
     options.settle("insns", rows, arguments.core.is_empty())
 }
 
@@ -129,19 +87,11 @@ fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
     if names.is_empty() {
         return Ok(CORES.iter().collect());
     }
-    let known = || {
-        CORES
-            .iter()
-            .map(|core| core.name)
-            .collect::<Vec<_>>()
-            .join(", ")
+    let known: Vec<&str> = CORES.iter().map(|core| core.name).collect();
+    let of = |name: &String| {
+        cores::named(name).with_context(|| format!("{name}: no such core ({})", known.join(", ")))
     };
-    names
-        .iter()
-        .map(|name| {
-            cores::named(name).with_context(|| format!("{name}: no such core ({})", known()))
-        })
-        .collect()
+    names.iter().map(of).collect()
 }
 
 /// Every scene in its number types on `cores`. Emulators run while the next images are built.
@@ -188,33 +138,28 @@ fn measure_one(
     expected: u64,
     image: &Path,
 ) -> Result<InsnsRow> {
+    let key = format!("{} {scalar} {}", core.name, file.name);
     let printed = qemu::run(core, image)?;
-    let counts = parse(&printed, core.units_per_instruction)
-        .with_context(|| format!("{} {scalar} {}", core.name, file.name))?;
+    let counts = Counts::parse(&printed, core.units_per_instruction, &["tick"], 3)
+        .with_context(|| key.clone())?;
+    let (counted, ticks) = (counts.column("tick", 0).len(), scene.ticks() as usize + 1);
     ensure!(
-        counts.ticks.len() == scene.ticks() as usize + 1,
-        "{} {scalar} {}: {} ticks were counted, the job has {}",
-        core.name,
-        file.name,
-        counts.ticks.len(),
-        scene.ticks() as usize + 1
+        counted == ticks,
+        "{key}: {counted} ticks were counted, the job has {ticks}"
     );
     ensure!(
         counts.bits == expected,
-        "{} {scalar} {}: the results differ from the host's (checksum {:016x}, on the host {expected:016x})",
-        core.name,
-        file.name,
+        "{key}: the results differ from the host's (checksum {:016x}, on the host {expected:016x})",
         counts.bits
     );
     // Homing is counted in the scene's own number type, whichever that is.
-    let counted = scalar == SERVICE_SCALAR || scene.homing.is_some();
-    let service = if core.name == SERVICE_CORE && counted {
-        Some(service::measure(file, scalar, core, expected)?)
-    } else {
-        None
+    let has_service = scalar == SERVICE_SCALAR || scene.homing.is_some();
+    let service = match core.name == SERVICE_CORE && has_service {
+        true => Some(service::measure(file, scalar, core, expected)?),
+        false => None,
     };
-    let tick = Spread::of(&counts.ticks)?;
-    let setpoint = Spread::of(&counts.setpoints)?;
+    let tick = counts.spread("tick", 0)?;
+    let setpoint = counts.spread("tick", 1)?;
     Ok(InsnsRow {
         core: core.name.into(),
         scalar: scalar.into(),
@@ -225,111 +170,10 @@ fn measure_one(
         setpoint_min: setpoint.min,
         setpoint_mean: setpoint.mean,
         setpoint_max: setpoint.max,
-        dyad_max: Spread::of(&counts.dyads)?.max,
-        service_mean: service.as_ref().map(|service| service.job.mean),
-        service_max: service.as_ref().map(|service| service.job.max),
-        service_held_max: service.as_ref().map(|service| service.held.max),
-        service_homing_max: service
-            .and_then(|service| service.homing)
-            .map(|homing| homing.max),
+        dyad_max: counts.spread("tick", 2)?.max,
+        service,
         bits: format!("{:016x}", counts.bits),
     })
-}
-
-fn text(rows: &[InsnsRow]) -> String {
-    let cells = rows.iter().map(|row| {
-        let mut cells = vec![row.core.clone(), row.scalar.clone(), row.scene.clone()];
-        let figures = [row.min, row.mean, row.max];
-        let setpoint = [row.setpoint_min, row.setpoint_mean, row.setpoint_max];
-        let dyad = [row.dyad_max];
-        cells.extend(
-            figures
-                .iter()
-                .chain(&setpoint)
-                .chain(&dyad)
-                .map(|figure| format!("{figure}")),
-        );
-        let service = [
-            row.service_mean,
-            row.service_max,
-            row.service_held_max,
-            row.service_homing_max,
-        ];
-        cells.extend(
-            service
-                .iter()
-                .map(|figure| figure.map_or("-".into(), |figure| format!("{figure}"))),
-        );
-        cells.push(row.bits.clone());
-        cells
-    });
-    let headings = [
-        "core",
-        "scalar",
-        "scene",
-        "min",
-        "mean",
-        "max",
-        "setpoint min",
-        "mean",
-        "max",
-        "dyad max",
-        "service mean",
-        "max",
-        "held max",
-        "homing max",
-        "bits",
-    ];
-    table(&headings, &cells.collect::<Vec<_>>())
-}
-
-fn hold_ceilings(rows: &[InsnsRow]) -> Result<()> {
-    for (core, scalar, scene, ceiling) in CEILINGS {
-        let mut of = rows
-            .iter()
-            .filter(|row| row.core == *core && row.scalar == *scalar && row.scene == *scene);
-        if let Some(row) = of.find(|row| row.max > *ceiling) {
-            bail!(
-                "{}: {} instructions, the ceiling is {ceiling}",
-                row.key(),
-                row.max
-            );
-        }
-    }
-    let mut on_m4f = rows
-        .iter()
-        .filter(|row| row.core == "m4f" && row.scalar == "f32");
-    if let Some(row) = on_m4f.find(|row| row.dyad_max > DYAD_CEILING) {
-        bail!(
-            "{}: {} instructions for a dyad, the ceiling is {DYAD_CEILING}",
-            row.key(),
-            row.dyad_max
-        );
-    }
-    let of_service = |row: &&InsnsRow| {
-        let longest = [
-            row.service_max,
-            row.service_held_max,
-            row.service_homing_max,
-        ];
-        row.scalar == SERVICE_SCALAR
-            && longest
-                .into_iter()
-                .flatten()
-                .any(|longest| longest > service::CEILING)
-    };
-    if let Some(row) = rows.iter().find(of_service) {
-        bail!(
-            "{}: {:?} instructions for a tick of the service, with holds {:?}, in homing {:?}; the \
-             ceiling is {}",
-            row.key(),
-            row.service_max,
-            row.service_held_max,
-            row.service_homing_max,
-            service::CEILING
-        );
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -348,37 +192,39 @@ mod tests {
             setpoint_mean: 41.5,
             setpoint_max: 43.0,
             dyad_max: 50.0,
-            service_mean: None,
-            service_max: None,
-            service_held_max: None,
-            service_homing_max: None,
+            service: None,
             bits: "00000000000000ff".into(),
         }
     }
 
     #[test]
     fn no_tick_of_the_service_in_f32_may_exceed_its_ceiling() {
-        for (in_homing, allowed) in [(service::CEILING, true), (service::CEILING + 1.0, false)] {
-            let homed = InsnsRow {
+        for (in_homing, allowed) in [(1500.0, true), (1501.0, false)] {
+            let service = ServiceFigures {
                 service_homing_max: Some(in_homing),
+                ..ServiceFigures::default()
+            };
+            let homed = InsnsRow {
+                service: Some(service),
                 ..row(500.0)
             };
-            assert_eq!(hold_ceilings(std::slice::from_ref(&homed)).is_ok(), allowed);
+            let held = hold_ceilings(std::slice::from_ref(&homed), &CEILINGS);
+            assert_eq!(held.is_ok(), allowed);
             let fixed = InsnsRow {
                 scalar: "fixed".into(),
                 ..homed
             };
-            assert!(hold_ceilings(&[fixed]).is_ok());
+            assert!(hold_ceilings(&[fixed], &CEILINGS).is_ok());
         }
     }
 
     #[test]
     fn the_ceiling_itself_is_allowed() {
-        assert!(hold_ceilings(&[row(600.0)]).is_ok());
-        let error = hold_ceilings(&[row(601.0)]).expect_err("above the ceiling");
+        assert!(hold_ceilings(&[row(600.0)], &CEILINGS).is_ok());
+        let error = hold_ceilings(&[row(601.0)], &CEILINGS).expect_err("above the ceiling");
         assert_eq!(
             error.to_string(),
-            "m4f f32 thesis: 601 instructions, the ceiling is 600"
+            "m4f f32 thesis: max is 601, the ceiling is 600"
         );
     }
 

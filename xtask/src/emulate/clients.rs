@@ -1,10 +1,11 @@
 //! The programs that talk to a board: `board-test`, `trirrr stream`, the Python client.
 
+use super::Built;
 use super::board::Board;
 use crate::client::{self, rounding};
 use crate::programs::Programs;
 use crate::qemu::wait;
-use crate::repository::{SceneFile, root, target_directory};
+use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -46,6 +47,13 @@ impl HomingInputs {
     }
 }
 
+/// Client of a board that plays the scene's job and writes a table.
+#[derive(Clone, Copy)]
+pub(super) enum JobClient {
+    Stream,
+    Python,
+}
+
 /// The programs, built.
 pub(super) struct Clients(Programs);
 
@@ -54,53 +62,37 @@ impl Clients {
         Programs::build().map(Self)
     }
 
-    fn board_test(&self, test: &str, scene: &SceneFile, scalar: &str, board: &Board) -> Command {
+    /// Runs a part of `board-test` and returns what it says.
+    pub(super) fn test(
+        &self,
+        part: &str,
+        built: &Built,
+        board: &Board,
+        arguments: &[&str],
+    ) -> Result<String> {
         let mut command = Command::new(&self.0.board_test);
-        command
-            .arg(test)
-            .arg(&scene.path)
-            .args(["--port", board.address(), "--scalar", scalar]);
-        command
+        command.arg(part).arg(&built.scene.path);
+        command.args(["--port", board.address(), "--scalar", built.scalar]);
+        output(command.args(arguments))
+    }
+
+    /// The same, printed with the name of the scene.
+    pub(super) fn show(
+        &self,
+        part: &str,
+        built: &Built,
+        board: &Board,
+        arguments: &[&str],
+    ) -> Result<String> {
+        let said = self.test(part, built, board, arguments)?;
+        println!("{built}: {}", said.trim_end());
+        Ok(said)
     }
 
     /// Homing and job, every value of every sample compared.
-    pub(super) fn play(
-        &self,
-        scene: &SceneFile,
-        scalar: &str,
-        board: &Board,
-        inputs: Option<HomingInputs>,
-    ) -> Result<Played> {
-        let mut command = self.board_test("play", scene, scalar, board);
-        if let Some(inputs) = inputs {
-            command.args(["--inputs", inputs.name()]);
-        }
-        let said = output(&mut command)?;
-        println!("{} in {scalar}: {}", scene.name, said.trim_end());
-        played(&said)
-    }
-
-    /// Random jobs over a bad line.
-    pub(super) fn torture(
-        &self,
-        scene: &SceneFile,
-        scalar: &str,
-        board: &Board,
-        frames: u64,
-        seed: u64,
-    ) -> Result<()> {
-        let mut command = self.board_test("torture", scene, scalar, board);
-        command.args(["--frames", &frames.to_string(), "--seed", &seed.to_string()]);
-        let said = output(&mut command)?;
-        println!("{} in {scalar}: {}", scene.name, said.trim_end());
-        Ok(())
-    }
-
-    /// A client that goes in the middle of the job.
-    pub(super) fn abandon(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<()> {
-        let said = output(&mut self.board_test("abandon", scene, scalar, board))?;
-        println!("{} in {scalar}: {}", scene.name, said.trim_end());
-        Ok(())
+    pub(super) fn play(&self, built: &Built, board: &Board) -> Result<Played> {
+        let inputs = built.inputs.map(|inputs| ["--inputs", inputs.name()]);
+        played(&self.show("play", built, board, inputs.as_slice().as_flattened())?)
     }
 
     /// The board's log in words; what is no frame of the image's log is an error.
@@ -108,110 +100,64 @@ impl Clients {
         output(
             Command::new(&self.0.board_test)
                 .arg("log")
-                .arg(image)
-                .arg(log),
+                .args([image, log]),
         )
     }
 
-    /// Returns what the board says of itself, once it has failed.
-    pub(super) fn report(&self, scene: &SceneFile, scalar: &str, board: &Board) -> Result<String> {
-        output(&mut self.board_test("report", scene, scalar, board))
-    }
-
     /// The table that `trirrr run` writes.
-    pub(super) fn run(&self, scene: &SceneFile, scalar: &str) -> Result<PathBuf> {
-        let out = folder(scene, scalar, "run");
+    pub(super) fn run(&self, built: &Built) -> Result<PathBuf> {
+        let out = folder(built, "run");
         let mut command = Command::new(&self.0.trirrr);
-        command.arg("run").arg(&scene.path);
-        command
-            .args(["--fast", "--scalar", scalar, "--out"])
-            .arg(&out);
-        output(&mut command)?;
+        command.arg("run").arg(&built.scene.path);
+        command.args(["--fast", "--scalar", built.scalar, "--out"]);
+        output(command.arg(&out))?;
         Ok(out.join("ticks.csv"))
     }
 
-    /// The job with `trirrr stream`, whose table has to be the expected one.
-    pub(super) fn stream(
+    /// The job with `client`, whose table has to be the `expected` one. Without one the board's homing
+    /// fails, and the client has to say so.
+    pub(super) fn follow(
         &self,
-        scene: &SceneFile,
-        scalar: &str,
+        client: JobClient,
+        built: &Built,
         board: &Board,
-        expected: &Path,
+        expected: Option<&Path>,
     ) -> Result<()> {
-        let (mut command, out) = self.stream_command(scene, scalar, board);
-        output(&mut command)?;
-        // What the board sends, and what the same core computes from it: all in the bits.
-        client::compare(expected, &out.join("ticks.csv"), 0.0).context("trirrr stream")
-    }
-
-    /// The same with the Python client, whose own columns may be some roundings off.
-    pub(super) fn python(
-        &self,
-        scene: &SceneFile,
-        scalar: &str,
-        board: &Board,
-        expected: &Path,
-    ) -> Result<()> {
-        let (mut command, out) = python_command(scene, scalar, board);
-        output(&mut command)?;
-        client::compare(expected, &out.join("ticks.csv"), rounding(scalar))
-            .context("the Python client")
-    }
-
-    /// `trirrr stream` on a board whose homing fails: it has to say so.
-    pub(super) fn stream_in_vain(
-        &self,
-        scene: &SceneFile,
-        scalar: &str,
-        board: &Board,
-    ) -> Result<()> {
-        let (command, _) = self.stream_command(scene, scalar, board);
-        in_vain(command)
-    }
-
-    /// The same of the Python client.
-    pub(super) fn python_in_vain(
-        &self,
-        scene: &SceneFile,
-        scalar: &str,
-        board: &Board,
-    ) -> Result<()> {
-        in_vain(python_command(scene, scalar, board).0)
-    }
-
-    fn stream_command(&self, scene: &SceneFile, scalar: &str, board: &Board) -> (Command, PathBuf) {
-        let out = folder(scene, scalar, "stream");
-        let mut command = Command::new(&self.0.trirrr);
-        command.arg("stream").arg(&scene.path);
-        command.args(["--port", board.address(), "--scalar", scalar]);
-        command.args(["--telemetry", "1", "--out"]).arg(&out);
-        (command, out)
+        let (name, mut command, tolerance) = match client {
+            // What the board sends, and what the same core computes from it: all in the bits.
+            JobClient::Stream => ("stream", Command::new(&self.0.trirrr), 0.0),
+            // Its own columns may be some roundings off.
+            JobClient::Python => ("python", Command::new("python3"), rounding(built.scalar)),
+        };
+        match client {
+            JobClient::Stream => command.args(["stream", "--telemetry", "1"]),
+            JobClient::Python => command
+                .args(["-m", "trirrr", "--quiet"])
+                .current_dir(root().join("clients/python")),
+        };
+        let out = folder(built, name);
+        command.arg(&built.scene.path);
+        command.args(["--port", board.address(), "--scalar", built.scalar, "--out"]);
+        let ended = output(command.arg(&out));
+        match (expected, ended) {
+            (Some(expected), ended) => {
+                ended?;
+                client::compare(expected, &out.join("ticks.csv"), tolerance).context(name)
+            }
+            (None, Ok(_)) => bail!("{command:?} says nothing of homing that fails"),
+            (None, Err(error)) => {
+                let said = format!("{error:#}");
+                ensure!(said.contains(NOT_FOUND), "{said}");
+                Ok(())
+            }
+        }
     }
 }
 
-fn python_command(scene: &SceneFile, scalar: &str, board: &Board) -> (Command, PathBuf) {
-    let out = folder(scene, scalar, "python");
-    let mut command = Command::new("python3");
-    command.args(["-m", "trirrr"]).arg(&scene.path);
-    command.args(["--port", board.address(), "--scalar", scalar]);
-    command.args(["--quiet", "--out"]).arg(&out);
-    command.current_dir(root().join("clients/python"));
-    (command, out)
-}
-
-/// Runs a client whose machine does not find the switch of its first motor.
-fn in_vain(mut command: Command) -> Result<()> {
-    let Err(error) = output(&mut command) else {
-        bail!("{command:?} says nothing of homing that fails");
-    };
-    let said = format!("{error:#}");
-    ensure!(said.contains(NOT_FOUND), "{said}");
-    Ok(())
-}
-
-fn folder(scene: &SceneFile, scalar: &str, client: &str) -> PathBuf {
+fn folder(built: &Built, client: &str) -> PathBuf {
     let folder = target_directory().join("emulate");
-    folder.join(format!("{}-{scalar}", scene.name)).join(client)
+    let name = format!("{}-{}", built.scene.name, built.scalar);
+    folder.join(name).join(client)
 }
 
 /// Returns what a command prints; its failure, with what it said, is an error.

@@ -1,5 +1,6 @@
 //! Failures on purpose: the outputs go off, and after the reset the board says what it was.
 
+use super::Built;
 use super::board::Board;
 use super::clients::Clients;
 use crate::callgraph;
@@ -79,8 +80,14 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
             None => ensure!(checked.is_ok(), "{failure}: {checked:?}"),
         }
         let (board, accesses) = Board::boot_watched(&elf)?;
-        let said = clients.report(scene, scalar, &board)?;
-        let log = clients.read_log(&elf, &board.end()?.log)?;
+        let built = Built {
+            scene: scene.clone(),
+            scalar,
+            image: elf,
+            inputs: None,
+        };
+        let said = clients.test("report", &built, &board, &[])?;
+        let log = clients.read_log(&built.image, &board.end()?.log)?;
         println!("{failure}:\n{}", said.trim_end());
         let words = expected.iter().chain(&["clock: Emulated", "state: fault"]);
         for words in words {

@@ -13,10 +13,11 @@ use crate::table::table;
 use anyhow::{Context, Result, ensure};
 use board::Board;
 use clap::ValueEnum;
-use clients::{Clients, HomingInputs};
+use clients::{Clients, HomingInputs, JobClient};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use trirrr_image::generate::{SCALARS, of_scene};
+use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
 use trirrr_service::Contact;
 
@@ -35,16 +36,9 @@ pub(crate) struct EmulateArgs {
     /// Part to run; repeat for more
     #[arg(long, value_enum, default_values_t = [EmulationPart::Jobs])]
     part: Vec<EmulationPart>,
-    /// Number type of the images [default: the scene's, f32 for f64; in `jobs` of all scenes fixed
-    /// point, too]
-    #[arg(long)]
-    scalar: Option<String>,
     /// Frames of `line` before the last job begins
     #[arg(long, default_value_t = 20_000)]
     frames: u64,
-    /// Seed of `line`
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
 }
 
 /// Part of the emulation: one kind of run on an emulated board.
@@ -105,23 +99,19 @@ impl Built {
     }
 }
 
-fn known_scalar(name: &str) -> Result<&'static str> {
-    let found = SCALARS.iter().find(|(scalar, _)| *scalar == name);
-    found
-        .map(|(scalar, _)| *scalar)
-        .with_context(|| format!("{name}: no number type of an image"))
+impl fmt::Display for Built {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in {}", self.scene.name, self.scalar)
+    }
 }
 
 fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
     let mut played = Vec::new();
     for scene in repository::scenes_named(&arguments.scenes)? {
         let read = Scene::read(&scene.path)?;
-        let own = match &arguments.scalar {
-            Some(name) => known_scalar(name)?,
-            None => of_scene(read.number),
-        };
+        let own = of_scene(read.number);
         let mut scalars = vec![own];
-        if arguments.scenes.is_empty() && arguments.scalar.is_none() && own != "fixed" {
+        if arguments.scenes.is_empty() && own != "fixed" {
             scalars.push("fixed");
         }
         let contact = read.homing.map(|homing| homing.contact);
@@ -180,59 +170,44 @@ fn jobs_of(
 
 /// Plays a scene's job on its image, freshly booted for each client; a row of figures.
 fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<String>> {
-    let Built {
-        scene,
-        scalar,
-        image,
-        inputs,
-    } = built;
-    let about = || format!("{} in {scalar}", scene.name);
+    let about = || built.to_string();
     let start = Instant::now();
-    let board = Board::boot(image)?;
-    let played = clients.play(scene, scalar, &board, *inputs);
-    let played = played.with_context(about)?;
+    let board = Board::boot(&built.image)?;
+    let played = clients.play(built, &board).with_context(about)?;
     let ended = board.end().with_context(about)?;
-    let bound = stack_bound(image, ended.stack).with_context(about)?;
-    let log = clients.read_log(image, &ended.log).with_context(about)?;
-    let boot = format!("scene {}, ", scene.name);
+    let bound = stack_bound(&built.image, ended.stack).with_context(about)?;
+    let log = clients
+        .read_log(&built.image, &ended.log)
+        .with_context(about)?;
+    let boot = format!("scene {}, ", built.scene.name);
     ensure!(
         log.contains(&boot),
-        "{}: {boot:?} is missing in the log: {log}",
-        about()
+        "{built}: {boot:?} is missing in the log: {log}"
     );
     let instructions = (f64::from(played.longest) / board::COUNTS_PER_INSTRUCTION).ceil();
     ensure!(
-        *scalar != "f32" || instructions <= TICK_CEILING,
-        "{}: a tick of {instructions} instructions, the ceiling is {TICK_CEILING}",
-        about()
+        built.scalar != "f32" || instructions <= TICK_CEILING,
+        "{built}: a tick of {instructions} instructions, the ceiling is {TICK_CEILING}"
     );
     let mut names = "board-test".to_owned();
-    if with_all_clients && played.ticks == 0 {
-        // Its homing has failed, as it has to; so it does under the other clients, who say why.
-        for client in [Clients::stream_in_vain, Clients::python_in_vain] {
-            let board = Board::boot(image)?;
-            client(clients, scene, scalar, &board).with_context(about)?;
+    if with_all_clients {
+        // Without a tick its homing has failed, as it has to; so it does under the other clients, who say why.
+        let expected = match played.ticks {
+            0 => None,
+            _ => Some(clients.run(built).with_context(about)?),
+        };
+        for client in [JobClient::Stream, JobClient::Python] {
+            let board = Board::boot(&built.image)?;
+            let followed = clients.follow(client, built, &board, expected.as_deref());
+            followed.with_context(about)?;
             board.end()?;
         }
         names += ", trirrr, python";
-    } else if with_all_clients {
-        let expected = clients.run(scene, scalar).with_context(about)?;
-        let board = Board::boot(image)?;
-        clients
-            .stream(scene, scalar, &board, &expected)
-            .with_context(about)?;
-        board.end()?;
-        let board = Board::boot(image)?;
-        clients
-            .python(scene, scalar, &board, &expected)
-            .with_context(about)?;
-        board.end()?;
-        names += ", trirrr, python";
     }
     Ok(vec![
-        scene.name.clone(),
-        (*scalar).into(),
-        inputs.map_or("-", HomingInputs::name).into(),
+        built.scene.name.clone(),
+        built.scalar.into(),
+        built.inputs.map_or("-", HomingInputs::name).into(),
         played.ticks.to_string(),
         played.samples.to_string(),
         played.lost.to_string(),
@@ -250,21 +225,16 @@ fn line(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         some => some.to_vec(),
     };
     for scene in repository::scenes_named(&names)? {
-        let scalar = match &arguments.scalar {
-            Some(name) => known_scalar(name)?,
-            None => of_scene(Scene::read(&scene.path)?.number),
-        };
-        let built = Built::new(&scene, scalar)?;
+        let built = Built::new(&scene, of_scene(Scene::read(&scene.path)?.number))?;
         let board = Board::boot(&built.image)?;
-        clients.torture(&scene, scalar, &board, arguments.frames, arguments.seed)?;
+        let frames = arguments.frames.to_string();
+        clients.show("torture", &built, &board, &["--frames", &frames])?;
         let used = board.end()?.stack;
         let bound = stack_bound(&built.image, used)?;
-        println!(
-            "{} in {scalar}: {used} bytes of stack, by its code {bound} at most",
-            scene.name
-        );
+        println!("{built}: {used} bytes of stack, by its code {bound} at most");
         let board = Board::boot(&built.image)?;
-        clients.abandon(&scene, scalar, &board)?;
+        // A client that goes in the middle of the job.
+        clients.show("abandon", &built, &board, &[])?;
         board.end()?;
     }
     Ok(())

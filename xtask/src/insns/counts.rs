@@ -1,66 +1,67 @@
-//! Instruction counts that the `count` image prints.
+//! Instruction counts that an image prints.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
+use std::collections::BTreeMap;
 
 /// Counts of one run, in instructions, the empty call taken off.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Counts {
-    pub(crate) ticks: Vec<u32>,
-    pub(crate) setpoints: Vec<u32>,
-    /// One RRR dyad, position only.
-    pub(crate) dyads: Vec<u32>,
+    /// Lines of counts, by the word in front of them.
+    lines: BTreeMap<String, Vec<Vec<u32>>>,
     /// Checksum of the results.
     pub(crate) bits: u64,
 }
 
-/// Reads `empty E F G`, then `tick T S D` per tick, then `bits HEX`, counts being in units of which
-/// an instruction takes `units`.
-pub(crate) fn parse(printed: &str, units: f64) -> Result<Counts> {
-    let mut empty = None;
-    let mut bits = None;
-    let mut ticks = Vec::new();
-    let mut setpoints = Vec::new();
-    let mut dyads = Vec::new();
-    for line in printed.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("empty") => empty = Some(three(words, units).with_context(|| line.to_owned())?),
-            Some("tick") => {
-                let counts = three(words, units).with_context(|| line.to_owned())?;
-                let empty = empty.context("a tick before the empty call")?;
-                let less = |count: u32, empty: u32| {
-                    count
-                        .checked_sub(empty)
-                        .with_context(|| format!("{line}: less than the empty call's {empty}"))
-                };
-                ticks.push(less(counts[0], empty[0])?);
-                setpoints.push(less(counts[1], empty[1])?);
-                dyads.push(less(counts[2], empty[2])?);
+impl Counts {
+    /// Reads `empty COUNTS`, then lines of `kinds` with as many counts (`width`), then `bits HEX`, an
+    /// instruction being `units` of a count.
+    pub(crate) fn parse(printed: &str, units: f64, kinds: &[&str], width: usize) -> Result<Self> {
+        let (mut empty, mut bits, mut lines) = (None, None, BTreeMap::<_, Vec<_>>::new());
+        for line in printed.lines() {
+            let (kind, values) = line.split_once(' ').unwrap_or((line, ""));
+            if kind == "bits" {
+                bits = Some(u64::from_str_radix(values, 16).with_context(|| line.to_owned())?);
+                continue;
             }
-            Some("bits") => {
-                let word = words.next().context("no checksum after `bits`")?;
-                bits = Some(u64::from_str_radix(word, 16).with_context(|| line.to_owned())?);
+            let is_known = kind == "empty" || kinds.contains(&kind);
+            ensure!(is_known, "the image says: {line}");
+            let counts = instructions(values, units).with_context(|| line.to_owned())?;
+            ensure!(counts.len() == width, "{line}: not {width} counts");
+            if kind == "empty" {
+                empty = Some(counts);
+                continue;
             }
-            _ => bail!("the image says: {line}"),
+            let empty = empty.as_ref().context("a tick before the empty call")?;
+            let less = counts.iter().zip(empty).map(|(count, empty)| {
+                let less = count.checked_sub(*empty);
+                less.with_context(|| format!("{line}: less than the empty call's {empty}"))
+            });
+            let less = less.collect::<Result<Vec<u32>>>()?;
+            lines.entry(kind.to_owned()).or_default().push(less);
         }
+        let bits = bits.context("the image printed no checksum")?;
+        Ok(Self { lines, bits })
     }
-    let bits = bits.context("the image printed no checksum")?;
-    Ok(Counts {
-        ticks,
-        setpoints,
-        dyads,
-        bits,
-    })
+
+    /// One count of every line of a kind.
+    pub(crate) fn column(&self, kind: &str, column: usize) -> Vec<u32> {
+        let lines = self.lines.get(kind).into_iter().flatten();
+        lines.map(|line| line[column]).collect()
+    }
+
+    pub(crate) fn spread(&self, kind: &str, column: usize) -> Result<Spread> {
+        Spread::of(&self.column(kind, column))
+    }
 }
 
-/// Three counts. The counter's reading lags by less than one unit at either end, so the nearest
+/// Counts as instructions. The counter's reading lags by less than one unit at either end, so the nearest
 /// whole number of instructions is the right one.
-fn three<'a>(mut words: impl Iterator<Item = &'a str>, units: f64) -> Result<[u32; 3]> {
-    let mut next = || -> Result<u32> {
-        let count: u32 = words.next().context("a count is missing")?.parse()?;
+fn instructions(values: &str, units: f64) -> Result<Vec<u32>> {
+    let instructions = |value: &str| {
+        let count: u32 = value.parse()?;
         Ok((f64::from(count) / units).round() as u32)
     };
-    Ok([next()?, next()?, next()?])
+    values.split_whitespace().map(instructions).collect()
 }
 
 /// Least, mean (to a tenth) and greatest.
@@ -72,14 +73,14 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    pub(crate) fn of(counts: &[u32]) -> Result<Self> {
-        ensure!(!counts.is_empty(), "nothing was counted");
+    fn of(counts: &[u32]) -> Result<Self> {
+        let [min, max] = [counts.iter().min(), counts.iter().max()]
+            .map(|extreme| extreme.copied().context("nothing was counted"));
         let sum: f64 = counts.iter().copied().map(f64::from).sum();
-        let extreme = |found: Option<&u32>| f64::from(*found.expect("not empty"));
         Ok(Self {
-            min: extreme(counts.iter().min()),
+            min: min?.into(),
             mean: (10.0 * sum / counts.len() as f64).round() / 10.0,
-            max: extreme(counts.iter().max()),
+            max: max?.into(),
         })
     }
 }
@@ -92,21 +93,21 @@ mod tests {
     fn units_become_instructions_and_the_empty_call_is_taken_off() {
         // 10 instructions are 64 units, read as 63, 64 or 65.
         let printed = "empty 63 65 64\ntick 704 128 384\ntick 640 127 385\nbits 00ff\n";
-        let counts = parse(printed, 6.4).expect("well formed");
-        assert_eq!(counts.ticks, [100, 90]);
-        assert_eq!(counts.setpoints, [10, 10]);
-        assert_eq!(counts.dyads, [50, 50]);
+        let counts = Counts::parse(printed, 6.4, &["tick"], 3).expect("well formed");
+        assert_eq!(counts.column("tick", 0), [100, 90]);
+        assert_eq!(counts.column("tick", 1), [10, 10]);
+        assert_eq!(counts.column("tick", 2), [50, 50]);
         assert_eq!(counts.bits, 255);
     }
 
     #[test]
     fn every_count_is_exact_under_the_slowest_clock() {
-        for instructions in 1..100_000_u32 {
+        for count in 1..100_000_u32 {
             for lag in [-0.999, 0.0, 0.999] {
-                let units = (f64::from(instructions) * 4.096 + lag) as u32;
+                let units = (f64::from(count) * 4.096 + lag) as u32;
                 let text = format!("{units} {units} {units}");
-                let counts = three(text.split(' '), 4.096).expect("three counts");
-                assert_eq!(counts, [instructions; 3], "read as {units}");
+                let counts = instructions(&text, 4.096).expect("three counts");
+                assert_eq!(counts, [count; 3], "read as {units}");
             }
         }
     }
@@ -121,7 +122,7 @@ mod tests {
             ("empty 1 1", "empty 1 1"),
             ("bits xyz", "bits xyz"),
         ] {
-            let error = parse(printed, 1.0).expect_err(printed);
+            let error = Counts::parse(printed, 1.0, &["tick"], 3).expect_err(printed);
             assert!(error.to_string().contains(reason), "{printed}: {error}");
         }
     }
