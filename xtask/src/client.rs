@@ -193,20 +193,14 @@ struct Table {
 
 impl Table {
     fn read(path: &Path) -> Result<Self> {
-        let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        let mut lines = text.lines();
-        let names = lines
-            .next()
-            .context("an empty table")?
-            .split(',')
-            .map(Into::into)
-            .collect();
-        let number = |text: &str| text.parse().with_context(|| format!("{text} is no number"));
-        let row = |line: &str| line.split(',').map(number).collect::<Result<Vec<f64>>>();
-        Ok(Self {
-            names,
-            rows: lines.map(row).collect::<Result<_>>()?,
-        })
+        let read = || -> Result<Self> {
+            let mut reader = csv::Reader::from_path(path)?;
+            Ok(Self {
+                names: reader.headers()?.iter().map(Into::into).collect(),
+                rows: reader.deserialize().collect::<Result<_, _>>()?,
+            })
+        };
+        read().with_context(|| path.display().to_string())
     }
 }
 

@@ -17,16 +17,19 @@ pub(crate) struct Footprint {
     pub(crate) ram: u64,
 }
 
-type Elf<'data> = ElfFile32<'data, Endianness>;
+pub(crate) type Elf<'data> = ElfFile32<'data, Endianness>;
 
-fn parse(data: &[u8]) -> Result<Elf<'_>> {
-    Elf::parse(data).context("not a 32-bit ELF file")
+/// Returns what `read` makes of the image in `file`; an error names the file.
+pub(crate) fn with_elf<T>(file: &Path, read: impl FnOnce(&Elf) -> Result<T>) -> Result<T> {
+    let parsed = || {
+        let data = fs::read(file)?;
+        read(&Elf::parse(&*data).context("not a 32-bit ELF file")?)
+    };
+    parsed().with_context(|| file.display().to_string())
 }
 
-/// The footprint of the image in `file`.
-pub(crate) fn footprint(file: &Path) -> Result<Footprint> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    let elf = parse(&data).with_context(|| file.display().to_string())?;
+/// The footprint of an image.
+pub(crate) fn footprint(elf: &Elf) -> Footprint {
     let mut footprint = Footprint { flash: 0, ram: 0 };
     for section in elf.sections() {
         let header = section.elf_section_header();
@@ -41,7 +44,7 @@ pub(crate) fn footprint(file: &Path) -> Result<Footprint> {
             footprint.ram += section.size();
         }
     }
-    Ok(footprint)
+    footprint
 }
 
 /// Memory that a Cortex-M needs to start.
@@ -55,33 +58,31 @@ pub(crate) struct Memory {
     pub(crate) ram: (u64, u64),
 }
 
-/// Checks that a Cortex-M with this memory starts the image in `file`: a vector table where it
-/// looks for it, the first stack pointer in RAM, the reset handler in flash and Thumb code,
-/// and everything to be loaded within flash.
-pub(crate) fn check_boot(file: &Path, memory: Memory) -> Result<()> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    let check = || -> Result<()> {
-        let elf = parse(&data)?;
-        let table = elf
-            .section_by_name(".vector_table")
-            .context("no vector table")?;
-        check_vectors(table.address(), table.data()?, memory)?;
-        let variables = elf.sections().filter(|section| {
-            let (ram, length) = memory.ram;
-            section.size() > 0 && (ram..ram + length).contains(&section.address())
-        });
-        let lowest = variables.map(|section| section.address()).min();
-        check_stack(word(table.data()?, 0), lowest)?;
-        for segment in elf.elf_program_headers() {
-            let endian = Endianness::Little;
-            if segment.p_type(endian) == PT_LOAD {
-                let (start, length) = (segment.p_paddr(endian), segment.p_filesz(endian));
-                check_load(start.into(), length.into(), memory)?;
-            }
+/// Checks that a Cortex-M with this memory starts the image: a vector table where it looks for it,
+/// the first stack pointer in RAM, the reset handler in flash and Thumb code, and everything to be
+/// loaded within flash. A table behind the flash's start is found by a second stage, which lies there.
+pub(crate) fn check_boot(elf: &Elf, memory: Memory) -> Result<()> {
+    if memory.vectors != memory.flash.0 {
+        let stage = elf.section_by_name(".boot2").context("no second stage")?;
+        check_stage(stage.address(), stage.data()?, memory.flash.0)?;
+    }
+    let table = elf.section_by_name(".vector_table");
+    let table = table.context("no vector table")?;
+    check_vectors(table.address(), table.data()?, memory)?;
+    let variables = elf.sections().filter(|section| {
+        let (ram, length) = memory.ram;
+        section.size() > 0 && (ram..ram + length).contains(&section.address())
+    });
+    let lowest = variables.map(|section| section.address()).min();
+    check_stack(word(table.data()?, 0), lowest)?;
+    for segment in elf.elf_program_headers() {
+        let endian = Endianness::Little;
+        if segment.p_type(endian) == PT_LOAD {
+            let (start, length) = (segment.p_paddr(endian), segment.p_filesz(endian));
+            check_load(start.into(), length.into(), memory)?;
         }
-        Ok(())
-    };
-    check().with_context(|| format!("{} cannot boot", file.display()))
+    }
+    Ok(())
 }
 
 fn check_vectors(address: u64, table: &[u8], memory: Memory) -> Result<()> {
@@ -125,18 +126,8 @@ fn word(table: &[u8], index: usize) -> Option<u64> {
     Some(u32::from_le_bytes(bytes.try_into().ok()?).into())
 }
 
-/// Checks that the boot ROM of an RP2040 starts the second stage in `file`: 256 bytes at the start of the
+/// Checks that the boot ROM of an RP2040 starts this second stage: 256 bytes at the start of the
 /// flash, the last four of them the checksum of the others (RP2040 datasheet, 2.8.1.3.1).
-pub(crate) fn check_second_stage(file: &Path, flash: u64) -> Result<()> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    let check = || -> Result<()> {
-        let elf = parse(&data)?;
-        let stage = elf.section_by_name(".boot2").context("no second stage")?;
-        check_stage(stage.address(), stage.data()?, flash)
-    };
-    check().with_context(|| format!("{} cannot boot", file.display()))
-}
-
 fn check_stage(address: u64, stage: &[u8], flash: u64) -> Result<()> {
     ensure!(
         address == flash,
@@ -236,6 +227,6 @@ mod tests {
     #[test]
     fn this_very_program_is_no_image() {
         let program = std::env::current_exe().expect("a path");
-        assert!(footprint(&program).is_err() && check_boot(&program, MEMORY).is_err());
+        assert!(with_elf(&program, |_| Ok(())).is_err());
     }
 }

@@ -31,7 +31,7 @@ pub(crate) struct FuzzArgs {
     /// Fuzz for so many seconds in place of a number of inputs
     #[arg(long)]
     seconds: Option<u64>,
-    /// Add what is found to the corpus in fuzz/corpus, in the fewest inputs that cover the same
+    /// Add inputs that cover more to the corpus in tests/fuzz/corpus
     #[arg(long)]
     keep: bool,
 }
@@ -87,7 +87,11 @@ pub(crate) fn run(arguments: &FuzzArgs) -> Result<()> {
             Some(seconds) => fuzzer.arg(format!("-max_total_time={seconds}")),
             None => fuzzer.arg(format!("-runs={}", arguments.runs)),
         };
-        fuzzer.arg(&found).arg(&corpus);
+        // New inputs go to the first folder.
+        if !arguments.keep {
+            fuzzer.arg(&found);
+        }
+        fuzzer.arg(&corpus);
         println!("{target}:");
         let status = fuzzer
             .status()
@@ -95,34 +99,6 @@ pub(crate) fn run(arguments: &FuzzArgs) -> Result<()> {
         if !status.success() {
             bail!("{target}: an input breaks it, see {}", artifacts.display());
         }
-        if arguments.keep {
-            merge(&program, &corpus, &found)?;
-        }
-    }
-    Ok(())
-}
-
-/// Takes the fewest inputs of both folders that cover the same into the corpus.
-fn merge(
-    program: &std::path::Path,
-    corpus: &std::path::Path,
-    found: &std::path::Path,
-) -> Result<()> {
-    let least = found.with_extension("least");
-    if least.exists() {
-        fs::remove_dir_all(&least)?;
-    }
-    fs::create_dir_all(&least)?;
-    let status = Command::new(program)
-        .args(["-merge=1", "-verbosity=0"])
-        .args([&least, &corpus.to_path_buf(), &found.to_path_buf()])
-        .status()?;
-    ensure!(status.success(), "{}: cannot be merged", corpus.display());
-    fs::remove_dir_all(corpus)?;
-    fs::create_dir_all(corpus)?;
-    for entry in fs::read_dir(&least)? {
-        let entry = entry?;
-        fs::copy(entry.path(), corpus.join(entry.file_name()))?;
     }
     Ok(())
 }

@@ -5,17 +5,17 @@
 //! of the firmware are looked through for what its scene has no use for, and its code for how deep the
 //! stack gets and whether an interrupt may panic.
 
-use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_TARGET};
+use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_MEMORY};
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
 use crate::cores::CORES;
-use crate::elf::{Footprint, check_boot, footprint};
+use crate::elf::{Footprint, check_boot, footprint, with_elf};
 use crate::image::{Image, scalars};
 use crate::parallel;
 use crate::repository::SceneFile;
 use crate::rp2040;
 use crate::symbols;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
@@ -81,28 +81,41 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<SizeRow>> {
             target: FIRMWARE_TARGET,
         };
         for (target, built) in targets.iter().zip(image.build_for(&targets)?) {
-            rows.push(row("core", scalar, target, footprint(&built)?));
+            rows.push(row(
+                "core",
+                scalar,
+                target,
+                with_elf(&built, |elf| Ok(footprint(elf)))?,
+            ));
         }
     }
-    let firmware = Image::firmware(scene, of_scene(read.number));
-    let file = firmware.build()?;
-    check_boot(&file, FIRMWARE_MEMORY)?;
-    symbols::check(&file, read)?;
-    symbols::check_arithmetic(&file, true)?;
-    let stack = callgraph::check(&file)?;
-    let measured = footprint(&file)?;
-    rows.push(SizeRow {
-        stack: Some(stack.most.into()),
-        ..row("firmware", firmware.scalar, FIRMWARE_TARGET, measured)
-    });
+    let own = of_scene(read.number);
+    let mut boards = vec![Image::firmware(scene, own)];
     if rp2040::is_for(scene) {
-        let (measured, stack) = rp2040::measure(scene)?;
+        boards.push(Image::rp2040(scene, own));
+    }
+    for image in boards {
+        let (measured, stack) = measure_firmware(&image, read)?;
         rows.push(SizeRow {
             stack: Some(stack.into()),
-            ..row("firmware", firmware.scalar, RP2040_TARGET, measured)
+            ..row("firmware", own, image.target, measured)
         });
     }
     Ok(rows)
+}
+
+/// Builds and checks a board's image: its footprint, and the most that its stack takes.
+pub(crate) fn measure_firmware(image: &Image, scene: &Scene) -> Result<(Footprint, u32)> {
+    let has_fpu = image.target == FIRMWARE_TARGET;
+    let memory = match has_fpu {
+        true => FIRMWARE_MEMORY,
+        false => RP2040_MEMORY,
+    };
+    with_elf(&image.build()?, |elf| {
+        check_boot(elf, memory).context("it cannot boot")?;
+        symbols::check(elf, scene, has_fpu)?;
+        Ok((footprint(elf), callgraph::check_elf(elf)?.most))
+    })
 }
 
 /// Upper limits, bytes.

@@ -6,9 +6,9 @@
 //! formatting of values, and floats that are computed in software. Each mark has to be there in an image
 //! that uses it, too: a mark that nothing leaves would show nothing.
 
-use anyhow::{Context, Result, ensure};
+use crate::elf::{Elf, with_elf};
+use anyhow::{Result, ensure};
 use object::{Object, ObjectSymbol};
-use std::fs;
 use std::path::Path;
 use trirrr_core::model::{LinksKind, ModelKind, PayloadKind};
 use trirrr_image::generate::{kind, of_scene};
@@ -116,31 +116,20 @@ const DOUBLE_PRECISION: &[&str] = &[
 /// The same for binary32, but for conversions of 64-bit integers, which no FPU has.
 const SINGLE_PRECISION: &[&str] = &["__aeabi_f", "__aeabi_i2f", "__aeabi_ui2f"];
 
-/// Checks the image of `scene` in `file`.
+/// Checks the image of `scene`: its parts, and its arithmetic. Nothing computes in software what the FPU
+/// does, if there is one (`has_fpu`); without one binary32 is computed so, in which moves are admitted there.
 ///
 /// # Errors
 /// What it holds without use, with a symbol that says so; what it should hold and nothing shows.
-pub(crate) fn check(file: &Path, scene: &Scene) -> Result<()> {
-    with_names(file, |names| check_names(names, scene))
+pub(crate) fn check(elf: &Elf, scene: &Scene, has_fpu: bool) -> Result<()> {
+    let names = names(elf);
+    check_names(&names, scene)?;
+    check_routines(&names, has_fpu)
 }
 
-/// Checks the arithmetic of the image in `file`: no floats in software, but binary32 where there is no
-/// FPU (`has_fpu`), in which moves are admitted there.
-///
-/// # Errors
-/// What it computes so, with a symbol that says so; binary32 without an FPU and nothing shows.
-pub(crate) fn check_arithmetic(file: &Path, has_fpu: bool) -> Result<()> {
-    with_names(file, |names| check_routines(names, has_fpu))
-}
-
-fn with_names(file: &Path, check: impl Fn(&[&str]) -> Result<()>) -> Result<()> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    let elf = object::File::parse(&*data).with_context(|| file.display().to_string())?;
-    let names: Vec<&str> = elf
-        .symbols()
-        .filter_map(|symbol| symbol.name().ok())
-        .collect();
-    check(&names).with_context(|| file.display().to_string())
+fn names<'data>(elf: &Elf<'data>) -> Vec<&'data str> {
+    let symbols = elf.symbols();
+    symbols.filter_map(|symbol| symbol.name().ok()).collect()
 }
 
 fn check_routines(names: &[&str], has_fpu: bool) -> Result<()> {
@@ -169,11 +158,9 @@ fn check_routines(names: &[&str], has_fpu: bool) -> Result<()> {
 /// # Errors
 /// No symbol shows them.
 pub(crate) fn check_ruled_switches(file: &Path) -> Result<()> {
-    with_names(file, |names| {
-        ensure!(
-            names.iter().any(|name| name.contains(RULED_SWITCHES)),
-            "no symbol shows {RULED_SWITCHES}"
-        );
+    with_elf(file, |elf| {
+        let is_shown = names(elf).iter().any(|name| name.contains(RULED_SWITCHES));
+        ensure!(is_shown, "no symbol shows {RULED_SWITCHES}");
         Ok(())
     })
 }

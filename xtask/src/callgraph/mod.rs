@@ -37,12 +37,12 @@ mod thumb;
 mod walk;
 mod wide;
 
+use crate::elf::{Elf, with_elf};
 use anyhow::{Context, Result, bail, ensure};
 use graph::{Graph, names};
 use program::Program;
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -78,34 +78,30 @@ const FLOATS: i32 = 4 * 18;
 /// # Errors
 /// Code that is not understood; recursion; less room than the stack takes; a way from an interrupt to a panic.
 pub(crate) fn check(file: &Path) -> Result<Stack> {
-    read(file)
-        .and_then(|program| {
-            let image = Image::new(&program)?;
-            image.check_panics()?;
-            image.stack()
-        })
-        .with_context(|| file.display().to_string())
+    with_elf(file, check_elf)
+}
+
+/// The same of an image that is read already.
+pub(crate) fn check_elf(elf: &Elf) -> Result<Stack> {
+    let program = Program::read(elf)?;
+    let image = Image::new(&program)?;
+    image.check_panics()?;
+    image.stack()
 }
 
 /// Returns the addresses of the stack of the image in `file`.
 pub(crate) fn place(file: &Path) -> Result<Range<u32>> {
-    let place = read(file).and_then(|program| program.stack());
-    place.with_context(|| file.display().to_string())
+    with_elf(file, |elf| Program::read(elf)?.stack())
 }
 
 /// `cargo xtask stack`: the ways on which the stack gets deepest.
 pub(crate) fn run(arguments: &StackArgs) -> Result<()> {
-    let program = read(&arguments.image)?;
+    let program = with_elf(&arguments.image, Program::read)?;
     let image = Image::new(&program)?;
     print!("{}", image.ways());
     let Stack { most, room } = image.stack()?;
     println!("all together, each with its frame: {most} of {room} bytes");
     image.check_panics()
-}
-
-fn read(file: &Path) -> Result<Program> {
-    let data = fs::read(file).with_context(|| file.display().to_string())?;
-    Program::read(&data)
 }
 
 /// An image, walked through from its vector table.

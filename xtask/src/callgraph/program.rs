@@ -2,6 +2,7 @@
 
 use super::instruction::Instruction;
 use super::thumb;
+use crate::elf::Elf;
 use anyhow::{Context, Result, ensure};
 use object::elf::{EF_ARM_ABI_FLOAT_HARD, SHF_ALLOC, SHF_EXECINSTR, SHF_WRITE};
 use object::read::elf::{FileHeader, SectionHeader};
@@ -45,9 +46,7 @@ pub(super) struct Program {
 }
 
 impl Program {
-    pub(super) fn read(data: &[u8]) -> Result<Self> {
-        let elf = object::read::elf::ElfFile32::<Endianness>::parse(data)
-            .context("not a 32-bit ELF file")?;
+    pub(super) fn read(elf: &Elf) -> Result<Self> {
         let flags = elf.elf_header().e_flags(Endianness::Little);
         let mut program = Self {
             has_floats: flags.0 & EF_ARM_ABI_FLOAT_HARD != 0,

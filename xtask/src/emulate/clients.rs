@@ -4,16 +4,20 @@ use super::Built;
 use super::board::Board;
 use crate::client::{self, rounding};
 use crate::programs::Programs;
-use crate::qemu::wait;
+use crate::qemu;
 use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Duration;
 
 /// Far beyond what any of them needs: a job of some seconds on a board that is several times slower
 /// than silicon.
 const TIME_LIMIT: Duration = Duration::from_secs(400);
+
+fn output(command: &mut Command) -> Result<String> {
+    qemu::output(command, TIME_LIMIT)
+}
 
 /// Message of a client about the first motor's switch, which is never found.
 const NOT_FOUND: &str = "homing: motor 1 has not found its switch or stop within";
@@ -158,17 +162,6 @@ fn folder(built: &Built, client: &str) -> PathBuf {
     let folder = target_directory().join("emulate");
     let name = format!("{}-{}", built.scene.name, built.scalar);
     folder.join(name).join(client)
-}
-
-/// Returns what a command prints; its failure, with what it said, is an error.
-fn output(command: &mut Command) -> Result<String> {
-    let child = command
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("{command:?} cannot be started"))?;
-    wait(child, TIME_LIMIT).with_context(|| format!("{command:?}"))
 }
 
 /// Reads the line that `board-test play` prints.

@@ -76,7 +76,7 @@ mod tests {
         let service = parse(&homed, 6.4, 255).expect("well formed");
         assert_eq!(service.service_homing_max, Some(200.0));
         assert_eq!(service.service_max, 100.0);
-        let error = parse(printed, 6.4, 254).err().expect("other bits");
+        let error = parse(printed, 6.4, 254).expect_err("other bits");
         assert!(error.to_string().contains("without a service"), "{error}");
         assert!(parse("error: no room\n", 6.4, 0).is_err());
     }

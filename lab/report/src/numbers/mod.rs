@@ -56,48 +56,89 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
         "Errors of the motors' angle, rate, acceleration and torque",
     );
     page.paragraph("Worst, and in brackets the root of the mean square.");
-    page.block(
-        "numbers-errors",
-        true,
-        &absolute(&scenes, &measured).markdown(),
-    );
+    let units = Stage::ALL.map(|stage| format!("{} ({})", stage.name(), stage.unit()));
+    let absolute = by_type(&units, &measured, |each| {
+        let of = |stage| worst_and_rms(&each.of_stage(&scenes, stage), 1.0);
+        Stage::ALL.map(of).to_vec()
+    });
+    page.block("numbers-errors", true, &absolute);
     page.paragraph("The worst of them divided by the largest value of its job:");
-    page.block(
-        "numbers-relative",
-        true,
-        &relative(&scenes, &measured).markdown(),
-    );
+    let relative = by_type(&Stage::ALL.map(Stage::name), &measured, |each| {
+        let of = |stage| two_digits(each.of_stage(&scenes, stage).worst_relative);
+        Stage::ALL.map(of).to_vec()
+    });
+    page.block("numbers-relative", true, &relative);
     page.heading(3, "What that is at the tool");
     page.paragraph(
         "Forward kinematics of the computed angles: how far the platform stands from where the \
          job wants it.",
     );
-    page.block("numbers-tool", true, &at_the_tool(&measured).markdown());
+    let headings = ["place (\u{b5}m)", "angle (\u{b5}rad)", "ticks lost"];
+    let tool = by_type(&headings, &measured, |each| {
+        let [place, angle] = each.of_tool().map(|errors| worst_and_rms(&errors, 1e6));
+        let lost: usize = each.errors.iter().map(|errors| errors.lost).sum();
+        vec![place, angle, lost.to_string()]
+    });
+    page.block("numbers-tool", true, &tool);
     page.heading(3, "Instructions per tick");
     page.paragraph("Mean and, in brackets, most over the job's ticks.");
     let instructions = instructions(&measured, &counts);
     page.csv("instructions.csv", &counts_table(&counts))?;
     page.block("numbers-instructions", true, &instructions.markdown());
     page.heading(3, "Nanoseconds per tick on this machine");
-    page.block("numbers-nanoseconds", false, &times(&measured).markdown());
+    let times = by_type(&["massless", "with links"], &measured, |each| {
+        each.nanoseconds.map(|time| format!("{time:.0}")).to_vec()
+    });
+    page.block("numbers-nanoseconds", false, &times);
 
     page.heading(3, "Error against run time");
+    let torque = |each: &TypeFindings, scene| {
+        let errors = each.of_scene(&scenes, scene)?;
+        Some(errors.stages[3].worst_relative)
+    };
+    let mean = |each: &TypeFindings, core: usize, scene| {
+        let count = counts::find(&counts, CORES[core], &each.scalar.to_string(), scene)?;
+        Some(count.mean)
+    };
     for (scene, file, title) in [
         (TIMED[0], "numbers-massless.svg", "massless links"),
         (TIMED[1], "numbers-links.svg", "links with masses"),
     ] {
-        let drawn = on_cores(&scenes, &measured, &counts, scene, title);
-        let caption = format!("Torque error against instructions per tick, {title}");
-        page.figure(file, &caption, drawn)?;
+        let cloud = Cloud {
+            caption: &format!("Torque error against instructions per tick, {title}"),
+            title: &format!("Torque error against run time, {title}"),
+            x: "instructions per tick, mean",
+            y: TORQUE_ERROR,
+            marks: &CORES,
+            front: "of each core",
+        };
+        let point =
+            |each: &TypeFindings, core| Some((mean(each, core, scene)?, torque(each, scene)?));
+        cloud.write(page, file, &measured, point)?;
     }
-    let caption = "Error at the tool against instructions per tick";
-    page.figure(
-        "numbers-tool.svg",
-        caption,
-        tool_on_cores(&scenes, &measured, &counts),
-    )?;
-    let caption = "Torque error against nanoseconds per tick on this machine";
-    page.figure("numbers-host.svg", caption, on_host(&scenes, &measured))
+    let tool = Cloud {
+        caption: "Error at the tool against instructions per tick",
+        title: "Error at the tool against run time, massless links",
+        x: "instructions per tick, mean",
+        y: "worst error of the tool's place (\u{b5}m)",
+        marks: &CORES,
+        front: "of each core",
+    };
+    tool.write(page, "numbers-tool.svg", &measured, |each, core| {
+        let errors = each.of_scene(&scenes, TIMED[0])?;
+        Some((mean(each, core, TIMED[0])?, errors.tool[0].worst * 1e6))
+    })?;
+    let host = Cloud {
+        caption: "Torque error against nanoseconds per tick on this machine",
+        title: "Torque error against run time on this machine",
+        x: "nanoseconds per tick",
+        y: TORQUE_ERROR,
+        marks: &TIMED,
+        front: "of each scene",
+    };
+    host.write(page, "numbers-host.svg", &measured, |each, mark| {
+        Some((each.nanoseconds[mark], torque(each, TIMED[mark])?))
+    })
 }
 
 fn measure<N: Number>(
@@ -160,51 +201,27 @@ fn worst_and_rms(errors: &Errors, scale: f64) -> String {
     )
 }
 
-fn absolute(scenes: &[Scene], measured: &[TypeFindings]) -> Table {
-    let headings = Stage::ALL.map(|stage| format!("{} ({})", stage.name(), stage.unit()));
-    let mut table = Table::new(&with_first("number type", &headings));
+/// A table with a row for each number type, as Markdown.
+fn by_type(
+    headings: &[impl AsRef<str>],
+    measured: &[TypeFindings],
+    cells: impl Fn(&TypeFindings) -> Vec<String>,
+) -> String {
+    let headings = headings.iter().map(AsRef::as_ref);
+    let mut table = Table::new(
+        &["number type"]
+            .into_iter()
+            .chain(headings)
+            .collect::<Vec<_>>(),
+    );
     for each in measured {
-        let cells = Stage::ALL.map(|stage| worst_and_rms(&each.of_stage(scenes, stage), 1.0));
-        table.row(std::iter::once(each.scalar.to_string()).chain(cells));
+        table.row([each.scalar.to_string()].into_iter().chain(cells(each)));
     }
-    table
-}
-
-fn relative(scenes: &[Scene], measured: &[TypeFindings]) -> Table {
-    let headings = Stage::ALL.map(|stage| stage.name().to_owned());
-    let mut table = Table::new(&with_first("number type", &headings));
-    for each in measured {
-        let cells = Stage::ALL.map(|stage| two_digits(each.of_stage(scenes, stage).worst_relative));
-        table.row(std::iter::once(each.scalar.to_string()).chain(cells));
-    }
-    table
-}
-
-fn at_the_tool(measured: &[TypeFindings]) -> Table {
-    let mut table = Table::new(&[
-        "number type",
-        "place (\u{b5}m)",
-        "angle (\u{b5}rad)",
-        "ticks lost",
-    ]);
-    for each in measured {
-        let [place, angle] = each.of_tool();
-        let lost: usize = each.errors.iter().map(|errors| errors.lost).sum();
-        table.row([
-            each.scalar.to_string(),
-            worst_and_rms(&place, 1e6),
-            worst_and_rms(&angle, 1e6),
-            lost.to_string(),
-        ]);
-    }
-    table
+    table.markdown()
 }
 
 fn instructions(measured: &[TypeFindings], counts: &[InstructionCount]) -> Table {
-    let headings = CORES.map(str::to_owned);
-    let mut headings = with_first("number type", &headings);
-    headings.insert(1, "scene");
-    let mut table = Table::new(&headings);
+    let mut table = Table::new(&[&["number type", "scene"], CORES.as_slice()].concat());
     for scene in TIMED {
         for each in measured {
             let name = each.scalar.to_string();
@@ -218,15 +235,6 @@ fn instructions(measured: &[TypeFindings], counts: &[InstructionCount]) -> Table
                 table.row([name, scene.to_owned()].into_iter().chain(cells));
             }
         }
-    }
-    table
-}
-
-fn times(measured: &[TypeFindings]) -> Table {
-    let mut table = Table::new(&["number type", "massless", "with links"]);
-    for each in measured {
-        let times = each.nanoseconds.map(|time| format!("{time:.0}"));
-        table.row(std::iter::once(each.scalar.to_string()).chain(times));
     }
     table
 }
@@ -281,129 +289,67 @@ fn counts_table(counts: &[InstructionCount]) -> Table {
     table
 }
 
-fn with_first<'a>(first: &'a str, others: &'a [String]) -> Vec<&'a str> {
-    std::iter::once(first)
-        .chain(others.iter().map(String::as_str))
-        .collect()
+/// Vertical axis of a figure of torques.
+const TORQUE_ERROR: &str = "worst torque error / largest torque";
+
+/// Figure with a point for each number type and mark: an error over a run time.
+struct Cloud<'a> {
+    caption: &'a str,
+    title: &'a str,
+    x: &'a str,
+    y: &'a str,
+    /// Meanings of the shapes of points: cores or scenes.
+    marks: &'a [&'a str],
+    /// Legend entry of the fronts of single marks.
+    front: &'a str,
 }
 
-/// One point per number type and core, for the error that `error` picks.
-fn cloud(
-    measured: &[TypeFindings],
-    counts: &[InstructionCount],
-    scene: &str,
-    error: impl Fn(&TypeFindings) -> Option<f64>,
-) -> Vec<Series> {
-    let series = measured.iter().map(|each| {
-        let name = each.scalar.to_string();
-        let points = CORES.iter().enumerate().filter_map(|(mark, core)| {
-            let count = counts::find(counts, core, &name, scene)?;
-            Some(Point {
-                x: count.mean,
-                y: error(each)?,
-                mark,
-            })
-        });
-        Series {
-            label: name.clone(),
-            joined: false,
-            points: points.collect(),
-        }
-    });
-    series.filter(|series| !series.points.is_empty()).collect()
-}
-
-/// The front over all, and that of each core, for a core is rarely a choice.
-fn fronts(series: &[Series], each: &str) -> Vec<Front> {
-    let of = |mark: Option<usize>| {
-        let points = series.iter().flat_map(|series| &series.points);
-        let points = points.filter(|point| mark.is_none_or(|mark| mark == point.mark));
-        pareto_front(points.map(|point| (point.x, point.y)))
-    };
-    let marks = (0..CORES.len()).map(|mark| Front {
-        label: if mark == 0 {
-            each.into()
-        } else {
-            String::new()
-        },
-        strong: false,
-        points: of(Some(mark)),
-    });
-    marks
-        .chain([Front {
-            label: "Pareto front".into(),
-            strong: true,
-            points: of(None),
-        }])
-        .collect()
-}
-
-fn on_cores(
-    scenes: &[Scene],
-    measured: &[TypeFindings],
-    counts: &[InstructionCount],
-    scene: &str,
-    title: &str,
-) -> trirrr_figures::canvas::Drawn {
-    let series = cloud(measured, counts, scene, |each| {
-        let errors = each.of_scene(scenes, scene)?;
-        errors.stages.last().map(|errors| errors.worst_relative)
-    });
-    draw(&LogLog {
-        title: &format!("Torque error against run time, {title}"),
-        x: "instructions per tick, mean",
-        y: "worst torque error / largest torque",
-        series: &series,
-        marks: &CORES,
-        fronts: &fronts(&series, "of each core"),
-    })
-}
-
-fn tool_on_cores(
-    scenes: &[Scene],
-    measured: &[TypeFindings],
-    counts: &[InstructionCount],
-) -> trirrr_figures::canvas::Drawn {
-    let series = cloud(measured, counts, TIMED[0], |each| {
-        let errors = each.of_scene(scenes, TIMED[0])?;
-        Some(errors.tool[0].worst * 1e6)
-    });
-    draw(&LogLog {
-        title: "Error at the tool against run time, massless links",
-        x: "instructions per tick, mean",
-        y: "worst error of the tool's place (\u{b5}m)",
-        series: &series,
-        marks: &CORES,
-        fronts: &fronts(&series, "of each core"),
-    })
-}
-
-fn on_host(scenes: &[Scene], measured: &[TypeFindings]) -> trirrr_figures::canvas::Drawn {
-    let series: Vec<Series> = measured
-        .iter()
-        .map(|each| {
-            let timed = TIMED.iter().zip(each.nanoseconds).enumerate();
-            let points = timed.filter_map(|(mark, (scene, x))| {
-                let errors = each.of_scene(scenes, scene)?;
-                Some(Point {
-                    x,
-                    y: errors.stages.last()?.worst_relative,
-                    mark,
-                })
+impl Cloud<'_> {
+    /// Draws the points that `point` gives for number types and marks. With them stand the front over
+    /// all, and that of each mark, for a core is rarely a choice.
+    fn write(
+        &self,
+        page: &mut Page<'_>,
+        file: &str,
+        measured: &[TypeFindings],
+        point: impl Fn(&TypeFindings, usize) -> Option<(f64, f64)>,
+    ) -> Result<(), ReportError> {
+        let marks = 0..self.marks.len();
+        let series = measured.iter().map(|each| {
+            let points = marks.clone().filter_map(|mark| {
+                let (x, y) = point(each, mark)?;
+                Some(Point { x, y, mark })
             });
             Series {
                 label: each.scalar.to_string(),
                 joined: false,
                 points: points.collect(),
             }
-        })
-        .collect();
-    draw(&LogLog {
-        title: "Torque error against run time on this machine",
-        x: "nanoseconds per tick",
-        y: "worst torque error / largest torque",
-        series: &series,
-        marks: &TIMED,
-        fronts: &fronts(&series, "of each scene"),
-    })
+        });
+        let series: Vec<Series> = series.filter(|one| !one.points.is_empty()).collect();
+        let front = |label: &str, mark: Option<usize>| {
+            let points = series.iter().flat_map(|series| &series.points);
+            let points = points.filter(|point| mark.is_none_or(|mark| mark == point.mark));
+            Front {
+                label: label.into(),
+                strong: mark.is_none(),
+                points: pareto_front(points.map(|point| (point.x, point.y))),
+            }
+        };
+        let of_mark = |mark| front(if mark == 0 { self.front } else { "" }, Some(mark));
+        let fronts: Vec<Front> = marks
+            .clone()
+            .map(of_mark)
+            .chain([front("Pareto front", None)])
+            .collect();
+        let figure = LogLog {
+            title: self.title,
+            x: self.x,
+            y: self.y,
+            series: &series,
+            marks: self.marks,
+            fronts: &fronts,
+        };
+        page.figure(file, self.caption, draw(&figure))
+    }
 }
