@@ -1,0 +1,210 @@
+//! Inverse kinematics: motion of the legs for a pose, velocity and acceleration of the platform.
+//!
+//! [`Leg`] has three stages, each of which uses the results before it. The tick solves one leg at a
+//! time, so that few values are alive at once.
+//!
+//! | stage | thesis, corrected |
+//! |---|---|
+//! | position, by vectors | (3.2) to (3.9) |
+//! | joint rates | (3.11) to (3.14) |
+//! | joint accelerations | (3.17) to (3.21) |
+
+use crate::dyad::{Accelerations, DyadPosition, OutOfReach, Rates};
+use crate::machine::{Geometry, Leg};
+use crate::number::{Number, perpendicular};
+use crate::setpoint::{Pose, Setpoint};
+use crate::status::Status;
+use nalgebra::{Vector2, Vector3};
+
+/// The platform's rotation, resolved once for the three legs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation<N> {
+    sin: N,
+    cos: N,
+}
+
+/// Places of the joints of one leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegPosition<N: Number> {
+    /// c: from the platform's reference point D to the platform joint C, in the fixed frame.
+    pub platform_joint: Vector2<N>,
+    /// The two links.
+    pub links: DyadPosition<N>,
+}
+
+/// Places of the joints of all legs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Position<N: Number> {
+    /// The three legs.
+    pub legs: [LegPosition<N>; 3],
+}
+
+impl<N: Number> Rotation<N> {
+    /// The rotation by `angle`.
+    #[inline(always)]
+    pub fn new(angle: N::Angle) -> Self {
+        let (sin, cos) = N::sin_cos(angle);
+        Self { sin, cos }
+    }
+
+    /// `v`, given in the platform's frame, in the fixed frame.
+    #[inline(always)]
+    pub fn apply(&self, v: Vector2<N>) -> Vector2<N> {
+        Vector2::new(
+            N::ab_minus_cd(v.x, self.cos, v.y, self.sin),
+            N::ab_plus_cd(v.y, self.cos, v.x, self.sin),
+        )
+    }
+}
+
+impl<N: Number> Geometry<N> {
+    /// Solves the three legs for `pose`. One sine and cosine serve all three.
+    ///
+    /// # Errors
+    /// [`Status::Unreachable`] or [`Status::SerialSingular`] with the first leg concerned;
+    /// [`Status::OutOfRange`] where a leg with two equal links is folded so far that its division
+    /// by d^2 leaves the number type.
+    #[inline]
+    pub fn position(&self, pose: &Pose<N>) -> Result<Position<N>, Status> {
+        if !(N::within_reach_range(pose.position.x) && N::within_reach_range(pose.position.y)) {
+            return Err(Status::OutOfRange);
+        }
+        let rotation = Rotation::new(pose.angle);
+        let solve = |index: usize| {
+            let leg = self.legs[index].position(index, pose.position, &rotation)?;
+            // The tick itself checks its results instead, once, at its end.
+            // Each by itself: in fixed point the sum of what is in range need not be.
+            let (r1, r2) = (leg.links.r1, leg.links.r2);
+            if [r1.x, r1.y, r2.x, r2.y].into_iter().all(N::is_finite) {
+                Ok(leg)
+            } else {
+                Err(Status::OutOfRange)
+            }
+        };
+        Ok(Position {
+            legs: [solve(0)?, solve(1)?, solve(2)?],
+        })
+    }
+
+    /// theta_i1, the motor angles at `position`: directions A -> B in (-pi, pi].
+    #[inline]
+    pub fn motor_angles(&self, position: &Position<N>) -> [N::Angle; 3] {
+        let angle = |leg: usize| {
+            self.legs[leg]
+                .dyad
+                .proximal_angle(&position.legs[leg].links)
+        };
+        [angle(0), angle(1), angle(2)]
+    }
+}
+
+/// Motion of the links of one leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegMotion<N: Number> {
+    /// Places of the joints.
+    pub position: LegPosition<N>,
+    /// Angular velocities of the links.
+    pub rates: Rates<N>,
+    /// Angular accelerations of the links.
+    pub accelerations: Accelerations<N>,
+}
+
+impl<N: Number> LegMotion<N> {
+    /// Returns `true` if the next stages' products of this motion stay in range. Rates occur there
+    /// as squares.
+    #[inline(always)]
+    pub fn fits(&self) -> bool {
+        self.joints_fit() && N::in_range([self.accelerations.distal])
+    }
+
+    /// [`fits`](Self::fits) without torques: the distal link's acceleration is not read, so the
+    /// compiler leaves it out.
+    #[inline(always)]
+    pub fn joints_fit(&self) -> bool {
+        let (rates, acc) = (&self.rates, &self.accelerations);
+        N::in_range([
+            rates.proximal * rates.proximal,
+            rates.distal * rates.distal,
+            acc.proximal,
+        ])
+    }
+}
+
+impl<N: Number> LegPosition<N> {
+    /// theta_i2, the direction B -> C in (-pi, pi].
+    pub fn distal_angle(&self) -> N::Angle {
+        N::atan2(self.links.r2.y, self.links.r2.x)
+    }
+
+    /// Velocity of the platform joint when the platform moves with `velocity`.
+    #[inline(always)]
+    pub fn velocity(&self, velocity: &Vector3<N>) -> Vector2<N> {
+        let across = perpendicular(self.platform_joint);
+        Vector2::new(
+            N::round(velocity.x.widen() + N::product(across.x, velocity.z)),
+            N::round(velocity.y.widen() + N::product(across.y, velocity.z)),
+        )
+    }
+
+    /// Acceleration of the platform joint when the platform moves as `setpoint` says.
+    #[inline(always)]
+    pub fn acceleration(&self, setpoint: &Setpoint<N>) -> Vector2<N> {
+        let c = self.platform_joint;
+        let (alpha_rate, a) = (setpoint.velocity.z, setpoint.acceleration);
+        let centripetal = alpha_rate * alpha_rate;
+        let part = |a: N, across: N, c: N, alpha: N| {
+            N::round(a.widen() + N::sum_ab_minus_cd(across, alpha, c, centripetal))
+        };
+        let across = perpendicular(c);
+        Vector2::new(part(a.x, across.x, c.x, a.z), part(a.y, across.y, c.y, a.z))
+    }
+}
+
+impl<N: Number> Leg<N> {
+    /// Solves the leg, number `index`, for the platform at `position` with `rotation`, in the
+    /// leg's own branch of the working mode.
+    ///
+    /// # Errors
+    /// [`Status::Unreachable`] or [`Status::SerialSingular`].
+    #[inline(always)]
+    pub fn position(
+        &self,
+        index: usize,
+        position: Vector2<N>,
+        rotation: &Rotation<N>,
+    ) -> Result<LegPosition<N>, Status> {
+        let platform_joint = rotation.apply(self.joint);
+        let span = Vector2::new(
+            N::span(position.x, self.base.x, platform_joint.x),
+            N::span(position.y, self.base.y, platform_joint.y),
+        );
+        match self.dyad.position(span) {
+            Ok(links) => Ok(LegPosition {
+                platform_joint,
+                links,
+            }),
+            Err(OutOfReach::Unreachable) => Err(Status::Unreachable { leg: index }),
+            Err(OutOfReach::Singular) => Err(Status::SerialSingular { leg: index }),
+        }
+    }
+
+    /// The link rates at `position` when the platform moves with `velocity` (vx, vy, alphadot).
+    #[inline(always)]
+    pub fn rates(&self, position: &LegPosition<N>, velocity: &Vector3<N>) -> Rates<N> {
+        self.dyad
+            .rates(&position.links, position.velocity(velocity))
+    }
+
+    /// The link accelerations at `position`, where the links turn with `rates`, when the platform
+    /// moves as `setpoint` says.
+    #[inline(always)]
+    pub fn accelerations(
+        &self,
+        position: &LegPosition<N>,
+        rates: &Rates<N>,
+        setpoint: &Setpoint<N>,
+    ) -> Accelerations<N> {
+        self.dyad
+            .accelerations(&position.links, rates, position.acceleration(setpoint))
+    }
+}
