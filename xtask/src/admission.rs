@@ -56,13 +56,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 }
 
 fn measure(file: &SceneFile, core: &Core) -> Result<[AdmissionRow; 2]> {
-    let image = Image {
-        package: "trirrr-insns",
-        binary: "admit",
-        scene: file,
-        scalar: SCALAR,
-        target: core.target,
-    };
+    let image = Image::insns("admit", file, SCALAR, core.target);
     // As in the firmware, whose background is compiled for size: `[profile.device]`.
     let built = image.build_as("", |cargo| {
         cargo.args(["--config", FOR_SIZE]);

@@ -4,7 +4,7 @@
 //! which finds nothing in code without `unsafe`. So CI needs neither a nightly toolchain nor cargo-fuzz; with
 //! both, `cargo +nightly fuzz run TARGET` works on the same folder.
 
-use crate::repository::{cargo, root, target_directory};
+use crate::repository::{cargo, root, rustc, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use std::fs;
@@ -119,11 +119,7 @@ fn targets() -> Result<Vec<String>> {
 
 /// The triple of this machine.
 fn host() -> Result<String> {
-    let output = Command::new("rustc")
-        .arg("-vV")
-        .output()
-        .context("rustc cannot be run")?;
-    let text = String::from_utf8(output.stdout).context("rustc -vV printed no text")?;
+    let text = rustc("-vV")?;
     let host = text.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned).context("rustc -vV names no host")
 }

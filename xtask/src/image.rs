@@ -41,6 +41,22 @@ pub(crate) struct Image<'a> {
 }
 
 impl<'a> Image<'a> {
+    /// A program that counts instructions or is measured itself.
+    pub(crate) fn insns(
+        binary: &'static str,
+        scene: &'a SceneFile,
+        scalar: &'static str,
+        target: &'static str,
+    ) -> Self {
+        Self {
+            package: "trirrr-insns",
+            binary,
+            scene,
+            scalar,
+            target,
+        }
+    }
+
     /// The image of the STM32F405 that is flashed.
     pub(crate) fn firmware(scene: &'a SceneFile, scalar: &'static str) -> Self {
         Self {

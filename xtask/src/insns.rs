@@ -117,13 +117,12 @@ fn measure_on(
 ) -> Result<Vec<InsnsRow>> {
     let expected = reference::checksum(scene, scalar)?;
     let targets: Vec<_> = cores.iter().map(|core| core.target).collect();
-    let image = Image {
-        package: "trirrr-insns",
-        binary: "count",
-        scene: file,
+    let image = Image::insns(
+        "count",
+        file,
         scalar,
-        target: cores.first().context("a core to count on")?.target,
-    };
+        cores.first().context("a core to count on")?.target,
+    );
     let built = image.build_for(&targets)?;
     let rows = cores.iter().zip(built);
     rows.map(|(core, built)| measure_one(file, scene, scalar, core, expected, &built))

@@ -1,8 +1,8 @@
 //! Packages of the workspace by where they are built, and which of them are published.
 
 use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
-use crate::repository::cargo;
-use anyhow::{Context, Result, ensure};
+use crate::repository::{cargo, text};
+use anyhow::Result;
 use serde::Deserialize;
 use std::process::Command;
 
@@ -69,12 +69,8 @@ impl Package {
         struct Metadata {
             packages: Vec<Package>,
         }
-        let output = cargo()
-            .args(["metadata", "--no-deps", "--format-version", "1"])
-            .output()
-            .context("cargo cannot be run")?;
-        ensure!(output.status.success(), "cargo metadata failed");
-        let metadata: Metadata = serde_json::from_slice(&output.stdout)?;
+        let metadata = ["metadata", "--no-deps", "--format-version", "1"];
+        let metadata: Metadata = serde_json::from_str(&text(cargo().args(metadata))?)?;
         Ok(metadata.packages)
     }
 

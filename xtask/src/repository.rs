@@ -1,6 +1,6 @@
 //! Places of the files in the repository, and the call of Cargo.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
@@ -88,14 +88,23 @@ fn scene_file(path: PathBuf) -> Result<SceneFile> {
     Ok(SceneFile { name, path })
 }
 
+/// Returns what `command` prints. It has to end well.
+pub(crate) fn text(command: &mut Command) -> Result<String> {
+    let output = command.output();
+    let output = output.with_context(|| format!("{command:?} cannot be run"))?;
+    ensure!(output.status.success(), "{command:?} failed");
+    String::from_utf8(output.stdout).with_context(|| format!("{command:?} printed no text"))
+}
+
+/// Returns what the compiler prints of itself.
+pub(crate) fn rustc(option: &str) -> Result<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    text(Command::new(rustc).current_dir(root()).arg(option))
+}
+
 /// The compiler, as `rustc 1.95.0`.
 pub(crate) fn compiler() -> Result<String> {
-    let output = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
-        .current_dir(root())
-        .arg("--version")
-        .output()
-        .context("rustc cannot be run")?;
-    let text = String::from_utf8(output.stdout).context("rustc --version printed no text")?;
+    let text = rustc("--version")?;
     Ok(text
         .split_whitespace()
         .take(2)

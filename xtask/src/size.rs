@@ -73,13 +73,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<SizeRow>> {
     };
     for scalar in scalars(read) {
         let targets: Vec<_> = CORES.iter().map(|core| core.target).collect();
-        let image = Image {
-            package: "trirrr-insns",
-            binary: "bare",
-            scene,
-            scalar,
-            target: FIRMWARE_TARGET,
-        };
+        let image = Image::insns("bare", scene, scalar, FIRMWARE_TARGET);
         for (target, built) in targets.iter().zip(image.build_for(&targets)?) {
             rows.push(row(
                 "core",

@@ -1,6 +1,6 @@
 //! The repository's Rust files, and which of them are tests.
 
-use crate::repository::root;
+use crate::repository::{root, text};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::fs;
@@ -52,14 +52,8 @@ impl Sources {
 
 /// The Rust files that git tracks and that stand in the work tree.
 fn tracked() -> Result<Vec<PathBuf>> {
-    let output = Command::new("git")
-        .current_dir(root())
-        .args(["ls-files", "*.rs"])
-        .output()
-        .context("git cannot be run")?;
-    ensure!(output.status.success(), "git ls-files failed");
-    let text = String::from_utf8(output.stdout).context("git printed no text")?;
-    // A file that was deleted stays in git's list until the deletion is committed.
+    let mut git = Command::new("git");
+    let text = text(git.current_dir(root()).args(["ls-files", "*.rs"]))?;
     let present = text.lines().filter(|line| root().join(line).is_file());
     Ok(present.map(PathBuf::from).collect())
 }

@@ -29,13 +29,7 @@ pub(super) fn measure(
     core: &Core,
     bits: u64,
 ) -> Result<ServiceFigures> {
-    let image = Image {
-        package: "trirrr-insns",
-        binary: "serve",
-        scene,
-        scalar,
-        target: core.target,
-    };
+    let image = Image::insns("serve", scene, scalar, core.target);
     let [serve, _] = image
         .build_with("bare-service")
         .context("`bare-service` links only without a panic in the tick of the service")?;

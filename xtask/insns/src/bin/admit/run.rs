@@ -4,39 +4,11 @@ use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::Pose;
-use trirrr_image::Move;
-use trirrr_insns::scene::{LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS, Scalar};
-use trirrr_protocol::message;
+use trirrr_insns::scene::{LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS};
+use trirrr_insns::service::offered;
 use trirrr_service::admission::{Admission, Verdict};
 
 type SceneAdmission = Admission<Model>;
-
-/// The move as a host would offer it.
-fn offer(one: &Move) -> message::Move<Scalar> {
-    let (from, start, to, end, ticks) = match *one {
-        Move::RestToRest { from, to, ticks } => (from, [0.0; 3], to, [0.0; 3], ticks),
-        Move::Hermite {
-            from,
-            from_velocity,
-            to,
-            to_velocity,
-            ticks,
-        } => (from, from_velocity, to, to_velocity, ticks),
-    };
-    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
-    message::Move {
-        number: 0,
-        from: pose(from),
-        to: pose(to),
-        start_velocity: start.map(Scalar::from_f64),
-        end_velocity: end.map(Scalar::from_f64),
-        ticks,
-        tool_power: Scalar::ZERO,
-        tool_speed: Scalar::ZERO,
-    }
-}
 
 #[inline(never)]
 fn step(admission: &mut SceneAdmission) -> bool {
@@ -47,15 +19,9 @@ fn judge_all(limits: &LimitParameters) {
     let built = Limits::build(limits).and_then(|limits| {
         SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP_TICKS, PERIOD)
     });
-    let mut admission = match built {
-        Ok(admission) => admission,
-        Err(error) => {
-            println!("error: {error}");
-            process::exit(1)
-        }
-    };
-    for one in &MOVES {
-        admission.offer(&offer(one));
+    let mut admission = built.unwrap_or_else(|error| counter::fail(error));
+    for index in 0..MOVES.len() {
+        admission.offer(&offered(index, 0));
         let (mut total, mut longest, mut intervals) = (0, 0, 0);
         loop {
             let before = counter::now();

@@ -5,6 +5,9 @@
 //! | Cortex-M | SysTick at the core clock, under `-icount shift=8` (256 ns per instruction) | 256 ns times the core clock: 6.4 (25 MHz) or 4.096 (16 MHz) per instruction |
 //! | RISC-V | `minstret` | instructions |
 
+use core::fmt::Display;
+use semihosting::{println, process};
+
 #[cfg(target_arch = "arm")]
 mod implementation {
     use cortex_m::peripheral::{SYST, syst::SystClkSource};
@@ -58,3 +61,9 @@ mod implementation {
 }
 
 pub(crate) use implementation::*;
+
+/// Ends the program with its error.
+pub(crate) fn fail(error: impl Display) -> ! {
+    println!("error: {error}");
+    process::exit(1)
+}

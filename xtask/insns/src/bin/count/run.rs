@@ -69,13 +69,8 @@ fn count_solve(
 /// The whole program.
 pub(crate) fn run() -> ! {
     counter::start();
-    let tick = match SceneTick::build(&black_box(PARAMETERS)) {
-        Ok(tick) => tick,
-        Err(error) => {
-            println!("error: {error}");
-            process::exit(1)
-        }
-    };
+    let tick = SceneTick::build(&black_box(PARAMETERS));
+    let tick = tick.unwrap_or_else(|error| counter::fail(error));
     let mut outcome = TickOutcome::default();
     let mut checksum = Checksum::default();
     let mut first = true;

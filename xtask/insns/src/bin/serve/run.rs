@@ -58,8 +58,7 @@ impl Host {
     fn done(&mut self, command: SceneCommand) {
         let reply = self.ask(command);
         if !matches!(reply, Reply::Done | Reply::Hello(_)) {
-            println!("error: {command:?}: {reply:?}");
-            process::exit(1)
+            counter::fail(format_args!("{command:?}: {reply:?}"));
         }
     }
 
@@ -81,8 +80,7 @@ impl Host {
         }
         while self.background.step() {}
         if let Some(refused) = self.background.status().refused {
-            println!("error: {refused:?}");
-            process::exit(1)
+            counter::fail(format_args!("{refused:?}"));
         }
         while self.background.outgoing().is_some() {}
     }
@@ -104,10 +102,7 @@ fn home(ticking: &mut Ticking, host: &mut Host) {
         match ticking.foreground.state() {
             State::Homing | State::Recovering => {}
             State::Idle => return,
-            state => {
-                println!("error: {state:?} in the end of homing");
-                process::exit(1)
-            }
+            state => counter::fail(format_args!("{state:?} in the end of homing")),
         }
     }
 }
@@ -121,13 +116,8 @@ pub(crate) fn run() -> ! {
     // SAFETY: this function never returns, and nobody else has the pointer.
     #[allow(unsafe_code)]
     let channels: &'static mut SceneChannels = unsafe { &mut *channels };
-    let (foreground, background) = match channels.split(scene(), start(), settings()) {
-        Ok(halves) => halves,
-        Err(error) => {
-            println!("error: {error}");
-            process::exit(1)
-        }
-    };
+    let halves = channels.split(scene(), start(), settings());
+    let (foreground, background) = halves.unwrap_or_else(|error| counter::fail(error));
     let mut ticking = Ticking::new(foreground);
     let mut host = Host {
         background,
