@@ -120,15 +120,15 @@ impl FeedScale {
         self.dwell = if over == 0 { NOWHERE } else { self.ramp - over };
     }
 
-    /// Takes the stride: the place after it. `slope` up and down alike.
-    pub(super) fn take(&mut self, stride: Step, from: PathPosition) -> PathPosition {
-        if stride.slope == 0 && stride.level == self.dwell {
+    /// Takes the step: the position after it. `slope` up and down alike.
+    pub(super) fn take(&mut self, step: Step, from: PathPosition) -> PathPosition {
+        if step.slope == 0 && step.level == self.dwell {
             self.dwell = NOWHERE;
         }
-        self.level = stride.level;
+        self.level = step.level;
         let whole = 2 * self.ramp;
         // At most two ramps, one tick.
-        let part = from.part + stride.parts;
+        let part = from.part + step.parts;
         if part < whole {
             PathPosition { part, ..from }
         } else {
@@ -139,16 +139,16 @@ impl FeedScale {
         }
     }
 
-    /// Returns true if the path can still come to rest after `stride` within what is left.
+    /// Returns true if the path can still come to rest after `step` within what is left.
     /// What is left before it are `ticks` whole ones less `part`.
-    pub(super) fn can_stop(&self, stride: Step, ticks: u32, part: u32) -> bool {
+    pub(super) fn can_stop(&self, step: Step, ticks: u32, part: u32) -> bool {
         // Beyond a ramp there is no question, and below the product fits.
         if ticks > self.ramp {
             return true;
         }
         let left = u64::from(ticks) * u64::from(2 * self.ramp);
-        let level = u64::from(stride.level);
-        left >= u64::from(part) + u64::from(stride.parts) + level * level
+        let level = u64::from(step.level);
+        left >= u64::from(part) + u64::from(step.parts) + level * level
     }
 
     /// Returns true if `ticks` less `part` are enough to come to rest from normal speed.
@@ -164,8 +164,8 @@ impl FeedScale {
 
 impl Step {
     /// Returns true if the step is one at normal speed all along.
-    pub(super) fn is_normal(&self, pace: &FeedScale) -> bool {
-        self.slope == 0 && self.level == pace.ramp
+    pub(super) fn is_normal(&self, feed: &FeedScale) -> bool {
+        self.slope == 0 && self.level == feed.ramp
     }
 }
 
@@ -174,45 +174,45 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn walk(pace: &mut FeedScale, place: &mut PathPosition, stride: Step) {
-        *place = pace.take(stride, *place);
+    fn walk(feed: &mut FeedScale, position: &mut PathPosition, step: Step) {
+        *position = feed.take(step, *position);
     }
 
     #[test]
     fn a_hold_and_a_resume_take_whole_ticks() {
         for ramp in [1, 2, 3, 7, 10, 100, u16::MAX] {
-            let mut pace = FeedScale::new(ramp);
-            pace.start();
-            let mut place = PathPosition { tick: 5, part: 0 };
+            let mut feed = FeedScale::new(ramp);
+            feed.start();
+            let mut position = PathPosition { tick: 5, part: 0 };
             let mut ticks = 0;
-            while !pace.is_at_rest() {
-                let stride = pace.slower();
-                walk(&mut pace, &mut place, stride);
+            while !feed.is_at_rest() {
+                let step = feed.slower();
+                walk(&mut feed, &mut position, step);
                 ticks += 1;
             }
             assert_eq!(ticks, u32::from(ramp));
             // R^2 parts of 1 / (2 R).
             assert_eq!(
-                2 * (place.tick - 5) + place.part / u32::from(ramp),
+                2 * (position.tick - 5) + position.part / u32::from(ramp),
                 u32::from(ramp)
             );
-            pace.aim(place.part);
-            while pace.level < pace.ramp {
-                let stride = pace.faster();
-                walk(&mut pace, &mut place, stride);
+            feed.aim(position.part);
+            while feed.level < feed.ramp {
+                let step = feed.faster();
+                walk(&mut feed, &mut position, step);
             }
             assert_eq!(
-                place,
+                position,
                 PathPosition {
                     tick: 5 + u32::from(ramp),
                     part: 0
                 }
             );
-            let stride = pace.faster();
-            assert!(stride.is_normal(&pace));
-            walk(&mut pace, &mut place, stride);
+            let step = feed.faster();
+            assert!(step.is_normal(&feed));
+            walk(&mut feed, &mut position, step);
             assert_eq!(
-                place,
+                position,
                 PathPosition {
                     tick: 6 + u32::from(ramp),
                     part: 0
@@ -230,26 +230,26 @@ mod tests {
             wishes in proptest::collection::vec((any::<bool>(), 1u32..60), 1..30),
             length in 40u32..2000,
         ) {
-            let mut pace = FeedScale::new(ramp);
-            let mut place = PathPosition::START;
-            pace.start();
+            let mut feed = FeedScale::new(ramp);
+            let mut position = PathPosition::START;
+            feed.start();
             let mut down = false;
             for (go, ticks) in wishes {
                 for _ in 0..ticks {
-                    if pace.is_at_rest() && go {
+                    if feed.is_at_rest() && go {
                         down = false;
-                        pace.aim(place.part);
+                        feed.aim(position.part);
                     }
-                    let up = pace.faster();
-                    let left = length - place.tick;
-                    down = down || !go || !pace.can_stop(up, left, place.part);
-                    let stride = if down { pace.slower() } else { up };
-                    place = pace.take(stride, place);
-                    prop_assert!(place.part < 2 * u32::from(ramp));
-                    let at_the_end = place.tick == length && place.part == 0;
-                    prop_assert!(place.tick < length || at_the_end);
-                    if stride.is_normal(&pace) {
-                        prop_assert_eq!(place.part, 0);
+                    let up = feed.faster();
+                    let left = length - position.tick;
+                    down = down || !go || !feed.can_stop(up, left, position.part);
+                    let step = if down { feed.slower() } else { up };
+                    position = feed.take(step, position);
+                    prop_assert!(position.part < 2 * u32::from(ramp));
+                    let at_the_end = position.tick == length && position.part == 0;
+                    prop_assert!(position.tick < length || at_the_end);
+                    if step.is_normal(&feed) {
+                        prop_assert_eq!(position.part, 0);
                     }
                 }
             }

@@ -17,7 +17,7 @@
 //! - At normal speed the setpoints are [`Segment::at`](trirrr_core::setpoint::Segment::at) tick by tick,
 //!   in the bits, over any number of moves.
 //! - A hold, a stop and a resume leave neither the path nor the limits: only the time along the path
-//!   changes its pace. Time along the path is a whole number; it neither rounds nor drifts.
+//!   changes its feed scale. Time along the path is a whole number; it neither rounds nor drifts.
 //! - What is queued may end moving; then the machine comes to rest before its end, and goes on when
 //!   there is more.
 //! - Nothing goes out that is beyond a limit: it is a fault instead. A fault is latched, the drives

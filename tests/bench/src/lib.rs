@@ -5,7 +5,7 @@
 //! | [`device`] | both halves of the service and the decoder in front of them, in one thread |
 //! | [`faulty_link`] | a line that drops, doubles, reorders, cuts and corrupts frames |
 //! | [`job`] | random jobs |
-//! | [`witness`] | watches every tick of a job |
+//! | [`checker`] | watches every tick of a job |
 //! | [`sent`] | whether what was heard was sent |
 //! | [`targets`] | what a fuzzer calls with its bytes, and what has to hold then |
 #![forbid(unsafe_code)]
@@ -15,4 +15,4 @@ pub mod faulty_link;
 pub mod job;
 pub mod sent;
 pub mod targets;
-pub mod witness;
+pub mod trajectory_checker;

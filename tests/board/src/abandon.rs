@@ -6,7 +6,7 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trirrr_bench::witness::Witness;
+use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_protocol::message::{Acting, Message, Move, State, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -19,9 +19,9 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> Result<()> {
     port.wait_for_board::<N>()?;
     let moves = expected.moves();
-    let mut witness = Witness::new(&moves, 0, expected.ramp(), expected.period());
+    let mut checker = TrajectoryChecker::new(&moves, 0, expected.ramp(), expected.period());
     let mut see = |sample: &Telemetry<N>| {
-        witness
+        checker
             .see(sample, |setpoint| expected.motors(setpoint))
             .map_err(|why| anyhow!(why))
     };
@@ -52,7 +52,7 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
             let message = port::message::<N>(&frame);
             // The line is closed and opened in the middle of what is sent.
             if std::mem::take(&mut first) {
-                witness.skip();
+                checker.skip();
                 continue;
             }
             let message =
@@ -60,7 +60,7 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
             let Message::Telemetry(sample) = message else {
                 continue;
             };
-            witness
+            checker
                 .see(&sample, |setpoint| expected.motors(setpoint))
                 .map_err(|why| anyhow!(why))?;
             match (sample.state, sample.acting) {
@@ -88,19 +88,19 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
     };
     let mut base = None;
     for job in [vec![back], moves] {
-        let mut witness: Option<Witness<N>> = None;
+        let mut checker: Option<TrajectoryChecker<N>> = None;
         let client = conversation.play(expected, job.clone(), |sample, moment| {
-            if sample.state == State::Running && witness.is_none() {
+            if sample.state == State::Running && checker.is_none() {
                 let first = *base.get_or_insert(sample.number);
-                witness = Some(Witness::new(
+                checker = Some(TrajectoryChecker::new(
                     &job,
                     first,
                     expected.ramp(),
                     expected.period(),
                 ));
             }
-            if let Some(witness) = &mut witness {
-                witness
+            if let Some(checker) = &mut checker {
+                checker
                     .see(sample, |setpoint| expected.motors(setpoint))
                     .map_err(|why| anyhow!(why))?;
             }
@@ -109,8 +109,8 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
                 false => ControlFlow::Continue(()),
             })
         })?;
-        let witness = witness.context("the second client's job has no samples")?;
-        witness.complete().map_err(|why| anyhow!(why))?;
+        let checker = checker.context("the second client's job has no samples")?;
+        checker.complete().map_err(|why| anyhow!(why))?;
         base = Some(client.status().context("no status")?.next);
     }
     println!(

@@ -283,7 +283,7 @@ impl Conversation {
     }
 
     /// The line is torn and joined again; what was on it is lost, but for what the board sent: a
-    /// witness of every tick has to see that.
+    /// checker of every tick has to see that.
     fn reconnect(&mut self) -> Result<()> {
         self.tally.reconnects += 1;
         self.to_board.clear();

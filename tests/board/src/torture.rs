@@ -7,7 +7,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
-use trirrr_bench::witness::Witness;
+use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_client::job;
 use trirrr_protocol::message::{Move, State};
 use trirrr_service::ServiceNumber;
@@ -28,11 +28,11 @@ pub(crate) fn run<N: ServiceNumber>(
     let (mut jobs, mut moves, mut samples) = (0, 0_u32, 0);
     while line.to_board.frames() + line.to_client.frames() < frames {
         let job = job_of(expected, &mut random);
-        let mut witness = Witness::new(&job, moves, expected.ramp(), expected.period());
+        let mut checker = TrajectoryChecker::new(&job, moves, expected.ramp(), expected.period());
         moves = moves.wrapping_add(job.len() as u32);
         let client = line
             .play(expected, job, |sample, moment| {
-                witness
+                checker
                     .see(sample, |setpoint| expected.motors(setpoint))
                     .map_err(|why| anyhow!(why))?;
                 Ok(match moment.over && sample.state == State::Idle {
@@ -41,7 +41,7 @@ pub(crate) fn run<N: ServiceNumber>(
                 })
             })
             .and_then(|client| {
-                witness.complete().map_err(|why| anyhow!(why))?;
+                checker.complete().map_err(|why| anyhow!(why))?;
                 Ok(client)
             })
             .with_context(|| format!("job {jobs} of seed {seed}"))?;
@@ -51,7 +51,7 @@ pub(crate) fn run<N: ServiceNumber>(
             "job {jobs} of seed {seed}: {status:?}"
         );
         jobs += 1;
-        samples += witness.samples();
+        samples += checker.samples();
     }
     let [to_board, to_client] = [line.to_board.frames(), line.to_client.frames()];
     let damaged = line.to_board.damaged() + line.to_client.damaged();

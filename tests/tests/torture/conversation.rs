@@ -8,7 +8,7 @@ use trirrr_bench::device::{
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::sent::Sent;
-use trirrr_bench::witness::Witness;
+use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_client::{Action, JobClient, Patience, UserCommand};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
@@ -76,7 +76,7 @@ pub(crate) struct Conversation<'q> {
     to_client: FaultyLink,
     sent_to_device: Sent,
     sent_to_client: Sent,
-    witness: Witness<f64>,
+    checker: TrajectoryChecker<f64>,
     /// The machine without a service.
     tick: Tick<Dynamic<f64, Centred<f64>, Massless>>,
     random: Random,
@@ -105,7 +105,7 @@ impl Conversation<'_> {
             sent_to_device: Sent::default(),
             sent_to_client: Sent::default(),
             tick: Tick::build(&example()).expect("the thesis machine"),
-            witness: Witness::new(&moves, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ),
+            checker: TrajectoryChecker::new(&moves, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ),
             random,
             heard: None,
             held: false,
@@ -146,7 +146,7 @@ impl Conversation<'_> {
             to_client,
             sent_to_client,
             sent_to_device,
-            witness,
+            checker,
             tally,
             heard,
             ..
@@ -170,7 +170,7 @@ impl Conversation<'_> {
         }
         while let Some(message) = device.service.poll() {
             if let Message::Telemetry(sample) = &message {
-                witness.see(sample, motors).expect("a tick of the job");
+                checker.see(sample, motors).expect("a tick of the job");
             }
             let frame = message_frame(&message);
             sent_to_client.record(&frame);
@@ -237,7 +237,7 @@ impl Conversation<'_> {
     }
 
     fn over(mut self, seed: u64) -> Tally {
-        self.witness.complete().expect("the whole job");
+        self.checker.complete().expect("the whole job");
         assert_eq!(self.client.done(), self.client.moves(), "job {seed}");
         let status = self.device.service.status();
         assert_eq!(status.done, self.client.moves(), "job {seed}");

@@ -46,8 +46,8 @@ pub struct Foreground<'q, S: Scene> {
     state: State,
     acting: Acting,
     path: Path,
-    place: PathPosition,
-    pace: FeedScale,
+    position: PathPosition,
+    feed: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
     held: bool,
     /// Pose to which the platform was commanded last.
@@ -112,7 +112,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         settings: &Settings<N>,
         ends: ForegroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Take<'q>>,
     ) -> Self {
-        let pace = FeedScale::new(settings.ramp_ticks);
+        let feed = FeedScale::new(settings.ramp_ticks);
         let motor = |angle| Motor {
             angle,
             rate: N::ZERO,
@@ -122,8 +122,8 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         Self {
             tick: setup.tick,
             limits: setup.limits,
-            slope: slope::<N>(pace.ramp(), settings.period),
-            ramp: [N::count(pace.ramp()), N::count(2 * pace.ramp())],
+            slope: slope::<N>(feed.ramp(), settings.period),
+            ramp: [N::count(feed.ramp()), N::count(2 * feed.ramp())],
             host_timeout_ticks: settings.host_timeout_ticks,
             moves: ends.moves,
             recoveries: ends.recoveries,
@@ -140,8 +140,8 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
             homing,
             acting: Acting::Nothing,
             path: Path::None,
-            place: PathPosition::START,
-            pace,
+            position: PathPosition::START,
+            feed,
             held: false,
             pose: setup.pose,
             output: Output {
@@ -338,8 +338,8 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
     fn drop_queue(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;
-        self.place = PathPosition::START;
-        self.pace.end();
+        self.position = PathPosition::START;
+        self.feed.end();
         self.held = false;
         self.done = self.begun;
         self.played = 0;

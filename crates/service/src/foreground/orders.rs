@@ -53,7 +53,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
 
     fn start(&mut self) -> bool {
         let ahead = self.shared.ahead();
-        let enough = ahead.ends_at_rest || self.pace.is_enough(ahead.left(self.played), 0);
+        let enough = ahead.ends_at_rest || self.feed.is_enough(ahead.left(self.played), 0);
         if self.state != State::Idle || !enough {
             return false;
         }
@@ -93,8 +93,8 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
 
     /// At the start of a path, which starts at rest: normal speed at once.
     pub(super) fn begin(&mut self) {
-        self.place = PathPosition::START;
-        self.pace.start();
+        self.position = PathPosition::START;
+        self.feed.start();
         self.held = false;
         self.silent = 0;
     }

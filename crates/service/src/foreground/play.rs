@@ -22,16 +22,16 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             State::Fault | State::Cleared | State::Unhomed => return Target::Still,
             _ => {}
         }
-        let stride = if started {
-            self.pace.faster()
+        let step = if started {
+            self.feed.faster()
         } else {
-            let stride = self.step_length();
-            self.place = self.pace.take(stride, self.place);
+            let step = self.step_length();
+            self.position = self.feed.take(step, self.position);
             self.change_over();
-            stride
+            step
         };
-        let target = self.target(stride);
-        if self.pace.is_at_rest() {
+        let target = self.target(step);
+        if self.feed.is_at_rest() {
             self.come_to_rest();
         }
         target
@@ -45,7 +45,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                 self.path = Path::Joints;
                 self.begin();
                 self.transition_to(State::Recovering, Acting::Nothing);
-                self.target(self.pace.faster())
+                self.target(self.feed.faster())
             }
             Progress::Stopped => {
                 self.recoveries.discard();
@@ -77,8 +77,8 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                 }
                 self.leave();
                 self.path = Path::None;
-                self.place = PathPosition::START;
-                self.pace.end();
+                self.position = PathPosition::START;
+                self.feed.end();
                 self.held = false;
                 if stopping {
                     self.drop_queue();
@@ -95,7 +95,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                     self.pose = recovery.to;
                 }
                 self.path = Path::None;
-                self.pace.end();
+                self.feed.end();
                 self.transition_to(State::Idle, Acting::Nothing);
             }
             _ => {}
@@ -108,54 +108,54 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     fn step_length(&mut self) -> Step {
         match self.state {
             State::Running => {
-                let faster = self.pace.faster();
+                let faster = self.feed.faster();
                 if self.reaches(faster) {
-                    if faster.is_normal(&self.pace) && self.acting != Acting::Nothing {
+                    if faster.is_normal(&self.feed) && self.acting != Acting::Nothing {
                         self.transition_to(State::Running, Acting::Nothing);
                     }
                     return faster;
                 }
                 self.transition_to(State::Slowing, Acting::QueueDry);
             }
-            State::Recovering => return self.pace.faster(),
+            State::Recovering => return self.feed.faster(),
             State::Holding if !self.held && self.has_enough() => {
-                self.pace.aim(self.place.part);
+                self.feed.aim(self.position.part);
                 self.transition_to(State::Running, Acting::Resume);
-                return self.pace.faster();
+                return self.feed.faster();
             }
             State::Holding if !self.held && self.acting != Acting::QueueDry => {
                 self.transition_to(State::Holding, Acting::QueueDry);
             }
             _ => {}
         }
-        self.pace.slower()
+        self.feed.slower()
     }
 
-    /// Ticks of the path between its place in whole ticks and the end of what is admitted; none if
+    /// Ticks of the path between its position in whole ticks and the end of what is admitted; none if
     /// it ends at rest and so needs no room to stop.
     #[inline]
     fn left(&self) -> Option<u32> {
         let ahead = self.shared.ahead();
         let left = ahead.left(self.played);
-        (!ahead.ends_at_rest).then(|| left.saturating_sub(self.place.tick))
+        (!ahead.ends_at_rest).then(|| left.saturating_sub(self.position.tick))
     }
 
     /// Returns `true` if the path could still come to rest on what is admitted.
     #[inline]
-    fn reaches(&self, stride: Step) -> bool {
-        let part = self.place.part;
+    fn reaches(&self, step: Step) -> bool {
+        let part = self.position.part;
         self.left()
-            .is_none_or(|left| self.pace.can_stop(stride, left, part))
+            .is_none_or(|left| self.feed.can_stop(step, left, part))
     }
 
     /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from normal
     /// speed, or all that the queue can hold.
     fn has_enough(&self) -> bool {
-        let part = self.place.part;
+        let part = self.position.part;
         self.moves.is_full()
             || self
                 .left()
-                .is_none_or(|left| self.pace.is_enough(left, part))
+                .is_none_or(|left| self.feed.is_enough(left, part))
     }
 
     /// Over the end of a move into the next, or to the end of the path. At most one end lies in a
@@ -165,7 +165,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         match self.path {
             Path::Move => {
                 let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
-                if self.place.tick < ticks {
+                if self.position.tick < ticks {
                     return;
                 }
                 if self.done != self.begun {
@@ -175,7 +175,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                 if self.moves.has_second() {
                     self.take_next();
                 } else if self.shared.ahead().ends_at_rest {
-                    self.place = PathPosition {
+                    self.position = PathPosition {
                         tick: ticks,
                         part: 0,
                     };
@@ -188,8 +188,8 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                     .recoveries
                     .peek()
                     .map_or(0, |recovery| recovery.path.ticks());
-                if self.place.tick >= ticks {
-                    self.place = PathPosition {
+                if self.position.tick >= ticks {
+                    self.position = PathPosition {
                         tick: ticks,
                         part: 0,
                     };
@@ -204,7 +204,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
     fn leave(&mut self) {
         let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
         self.played = self.played.wrapping_add(ticks);
-        self.place.tick = self.place.tick.saturating_sub(ticks);
+        self.position.tick = self.position.tick.saturating_sub(ticks);
         self.moves.discard();
     }
 
@@ -220,30 +220,30 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// Returns what this place on the path asks of the machine, at the speed after `stride`.
+    /// Returns what this path position asks of the machine, at the speed after `step`.
     #[inline]
-    fn target(&self, stride: Step) -> Target<N> {
-        let place = self.place;
+    fn target(&self, step: Step) -> Target<N> {
+        let position = self.position;
         match self.path {
             Path::Move | Path::Ended => {
                 let Some(planned) = self.moves.peek() else {
                     return Target::Setpoint(Self::standing(self.pose));
                 };
-                let part = N::fraction(place.part, &self.ramp[1]);
-                let on_path = planned.segment.between(place.tick, part);
-                // At normal speed the place is a whole tick, and the setpoint the segment's own.
-                if place.part == 0 && stride.is_normal(&self.pace) {
+                let part = N::fraction(position.part, &self.ramp[1]);
+                let on_path = planned.segment.between(position.tick, part);
+                // At normal speed the position is a whole tick, and the setpoint the segment's own.
+                if position.part == 0 && step.is_normal(&self.feed) {
                     return Target::Setpoint(on_path);
                 }
-                Target::Setpoint(self.scaled(&on_path, stride))
+                Target::Setpoint(self.scaled(&on_path, step))
             }
             Path::Joints | Path::JointsEnded => {
                 let Some(recovery) = self.recoveries.peek() else {
                     return Target::Still;
                 };
-                let part = N::fraction(place.part, &self.ramp[1]);
-                let mut joints = recovery.path.between(place.tick, part);
-                let (speed, change) = self.speed(stride);
+                let part = N::fraction(position.part, &self.ramp[1]);
+                let mut joints = recovery.path.between(position.tick, part);
+                let (speed, change) = self.speed(step);
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
                     *acceleration = *acceleration * speed * speed;
                     if let Some(change) = change {
@@ -257,19 +257,19 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// u and u' after `stride`.
-    fn speed(&self, stride: Step) -> (N, Option<N::Factor>) {
-        let change = match stride.slope {
+    /// u and u' after `step`.
+    fn speed(&self, step: Step) -> (N, Option<N::Factor>) {
+        let change = match step.slope {
             0 => None,
             1.. => Some(self.slope),
             _ => Some(-self.slope),
         };
-        (N::fraction(stride.level, &self.ramp[0]), change)
+        (N::fraction(step.level, &self.ramp[0]), change)
     }
 
     /// q' u and q'' u^2 + q' u'.
-    fn scaled(&self, on_path: &Setpoint<N>, stride: Step) -> Setpoint<N> {
-        let (speed, change) = self.speed(stride);
+    fn scaled(&self, on_path: &Setpoint<N>, step: Step) -> Setpoint<N> {
+        let (speed, change) = self.speed(step);
         let mut acceleration = on_path.acceleration * speed * speed;
         if let Some(change) = change {
             acceleration += on_path.velocity.map(|velocity| velocity.scaled(change));

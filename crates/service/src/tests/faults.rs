@@ -4,13 +4,13 @@ use super::*;
 use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
 
-fn running() -> Rig<Thesis<f64>> {
-    let mut rig = Rig::new();
-    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
-    rig.offer(rest(1, pose(0.28, 0.28, 0.2), home(), 100));
-    rig.done(Command::Start);
-    rig.ticks(30);
-    rig
+fn running() -> Bench<Thesis<f64>> {
+    let mut bench = Bench::new();
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
+    bench.offer(rest(1, pose(0.28, 0.28, 0.2), home(), 100));
+    bench.done(Command::Start);
+    bench.ticks(30);
+    bench
 }
 
 fn recover(to: Pose<f64>, ticks: u32) -> Command<f64> {
@@ -19,24 +19,26 @@ fn recover(to: Pose<f64>, ticks: u32) -> Command<f64> {
 
 #[test]
 fn a_fault_is_latched_until_it_is_cleared() {
-    let mut rig = running();
-    let before = *rig.service.foreground.output();
-    rig.service
+    let mut bench = running();
+    let before = *bench.service.foreground.output();
+    bench
+        .service
         .foreground
         .raise(FaultCode::Overrun, None, 1.5, 1.0);
     // A later one does not take its place.
-    rig.service
+    bench
+        .service
         .foreground
         .raise(FaultCode::Board, Some(2), 7.0, 0.0);
     for _ in 0..200 {
-        let output = rig.tick();
+        let output = bench.tick();
         assert!(!output.enabled);
         for (motor, last) in output.motors.iter().zip(&before.motors) {
             assert_eq!((motor.angle, motor.rate), (last.angle, 0.0));
             assert_eq!((motor.acceleration, motor.torque), (0.0, 0.0));
         }
     }
-    let status = rig.status();
+    let status = bench.status();
     let fault = status.fault.unwrap();
     assert_eq!((fault.code, fault.index), (FaultCode::Overrun, None));
     assert_eq!((fault.value, fault.limit, fault.tick), (1.5, 1.0, 30));
@@ -53,60 +55,61 @@ fn a_fault_is_latched_until_it_is_cleared() {
         Command::Move(rest(1, home(), home(), 10)),
         recover(home(), 100),
     ] {
-        assert_eq!(rig.refused(command), Refusal::State(State::Fault));
+        assert_eq!(bench.refused(command), Refusal::State(State::Fault));
     }
-    let faults = rig
+    let faults = bench
         .events
         .iter()
         .filter(|event| matches!(event, Event::Fault(_)));
     assert_eq!(faults.count(), 1);
-    rig.done(Command::ClearFault);
-    rig.ticks(1);
-    let status = rig.status();
+    bench.done(Command::ClearFault);
+    bench.ticks(1);
+    let status = bench.status();
     assert_eq!((status.state, status.fault), (State::Cleared, None));
-    assert!(rig.service.foreground.output().enabled);
+    assert!(bench.service.foreground.output().enabled);
 }
 
 /// From where a fault left it, to a pose at rest, by the motors' own cubic.
 #[test]
 fn a_recovery_leads_from_anywhere_to_idle() {
-    let mut rig = running();
-    rig.service
+    let mut bench = running();
+    bench
+        .service
         .foreground
         .raise(FaultCode::Drive(DriveFault::Reported), Some(0), 0.0, 0.0);
-    rig.ticks(5);
-    rig.done(Command::ClearFault);
-    rig.ticks(1);
+    bench.ticks(5);
+    bench.done(Command::ClearFault);
+    bench.ticks(1);
     let target = pose(0.25, 0.25, 0.1);
-    let from = rig.service.foreground.output().motors;
-    rig.done(recover(target, 150));
+    let from = bench.service.foreground.output().motors;
+    bench.done(recover(target, 150));
     assert_eq!(
-        rig.refused(Command::Move(rest(1, target, home(), 100))),
+        bench.refused(Command::Move(rest(1, target, home(), 100))),
         Refusal::State(State::Recovering)
     );
-    rig.tick();
-    for (motor, from) in rig.service.foreground.output().motors.iter().zip(&from) {
+    bench.tick();
+    for (motor, from) in bench.service.foreground.output().motors.iter().zip(&from) {
         assert_eq!(motor.angle, from.angle);
     }
-    let mut last = *rig.service.foreground.output();
+    let mut last = *bench.service.foreground.output();
     let mut ticks = 1;
-    while rig.service.foreground.state() != State::Idle {
-        let output = rig.tick();
+    while bench.service.foreground.state() != State::Idle {
+        let output = bench.tick();
         for (motor, before) in output.motors.iter().zip(&last.motors) {
             // No torque while it moves, and no jump: at most half a turn in 1.5 s makes 3.2 rad/s.
-            assert!(motor.torque == 0.0 || rig.service.foreground.state() == State::Idle);
+            assert!(motor.torque == 0.0 || bench.service.foreground.state() == State::Idle);
             assert!((motor.angle - before.angle).abs() < 3.2 * PERIOD_S);
         }
         last = output;
         ticks += 1;
     }
     assert_eq!(ticks, 152);
-    let status = rig.status();
+    let status = bench.status();
     assert_eq!(status.end.unwrap().pose, target);
     // In idle the motors are where the pose has them, in the bits.
-    rig.offer(rest(status.next, target, home(), 100));
-    rig.done(Command::Start);
-    rig.until(State::Idle);
+    bench.offer(rest(status.next, target, home(), 100));
+    bench.done(Command::Start);
+    bench.until(State::Idle);
 }
 
 /// The machine stands at a singular pose, where no setpoint has a motion: serial (a leg stretched)
@@ -119,12 +122,12 @@ fn singular_poses_are_left_in_joint_space() {
     for singular in [parallel, serial] {
         let geometry = trirrr_core::machine::Geometry::<f64>::build(&example()).unwrap();
         let angles = geometry.motor_angles(&geometry.position(&singular).unwrap());
-        let mut rig = Rig::<Thesis<f64>>::new();
+        let mut bench = Bench::<Thesis<f64>>::new();
         // The motors are there; nobody knows how they came there.
-        assert!(rig.service.foreground.set_position(angles));
-        rig.ticks(1);
-        assert_eq!(rig.state(), State::Cleared);
-        for (motor, angle) in rig.service.foreground.output().motors.iter().zip(angles) {
+        assert!(bench.service.foreground.set_position(angles));
+        bench.ticks(1);
+        assert_eq!(bench.state(), State::Cleared);
+        for (motor, angle) in bench.service.foreground.output().motors.iter().zip(angles) {
             assert_eq!(motor.angle, angle);
         }
         // Not to another singular pose, and not to none at all.
@@ -132,15 +135,15 @@ fn singular_poses_are_left_in_joint_space() {
             Refusal::Recovery(violation) => violation.what,
             other => panic!("{other:?}"),
         };
-        let what = refused(rig.refused(recover(parallel, 300)));
+        let what = refused(bench.refused(recover(parallel, 300)));
         assert_eq!(what, Bounded::ParallelDistance);
-        let what = refused(rig.refused(recover(serial, 300)));
+        let what = refused(bench.refused(recover(serial, 300)));
         assert_eq!(what, Bounded::SerialDistance);
-        let what = refused(rig.refused(recover(pose(3.0, 0.0, 0.0), 300)));
+        let what = refused(bench.refused(recover(pose(3.0, 0.0, 0.0), 300)));
         assert_eq!(what, Bounded::Reach);
-        rig.done(recover(home(), 300));
-        rig.until(State::Idle);
-        assert_eq!(rig.status().end.unwrap().pose, home());
+        bench.done(recover(home(), 300));
+        bench.until(State::Idle);
+        assert_eq!(bench.status().end.unwrap().pose, home());
     }
 }
 
@@ -151,12 +154,12 @@ fn a_recovery_keeps_the_joint_limits_or_is_refused() {
         acceleration_rad_s2: Some([8.0; 3]),
         ..LimitParameters::default()
     };
-    let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
+    let mut bench = Bench::<Thesis<f64>>::with(example(), limits);
     let target = pose(0.25, 0.28, 0.3);
     let mut longest_refused = 0;
     let mut passed = 0;
     for ticks in (10..400).step_by(10) {
-        match rig.ask(recover(target, ticks)) {
+        match bench.ask(recover(target, ticks)) {
             Reply::Refused(Refusal::Recovery(violation)) => {
                 assert!(violation.value > violation.limit);
                 assert!(matches!(
@@ -174,43 +177,43 @@ fn a_recovery_keeps_the_joint_limits_or_is_refused() {
     }
     assert!(longest_refused > 0 && passed > longest_refused);
     let mut fastest = 0.0f64;
-    rig.ticks(passed / 2);
-    rig.done(Command::Stop);
-    while !rig.service.foreground.state().is_at_rest() {
-        for motor in rig.tick().motors {
+    bench.ticks(passed / 2);
+    bench.done(Command::Stop);
+    while !bench.service.foreground.state().is_at_rest() {
+        for motor in bench.tick().motors {
             assert!(motor.rate.abs() <= 0.5 && motor.acceleration.abs() <= 8.0);
             fastest = fastest.max(motor.rate.abs());
         }
     }
     assert!(fastest > 0.3);
     // Stopped on the way, it does not know its pose, and can go on.
-    assert_eq!(rig.state(), State::Cleared);
-    assert_eq!(rig.status().end, None);
-    rig.done(recover(target, passed));
-    rig.until(State::Idle);
-    assert_eq!(rig.status().fault, None);
+    assert_eq!(bench.state(), State::Cleared);
+    assert_eq!(bench.status().end, None);
+    bench.done(recover(target, passed));
+    bench.until(State::Idle);
+    assert_eq!(bench.status().fault, None);
 }
 
 #[test]
 fn a_recovery_with_nonsense_is_refused() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     assert_eq!(
-        rig.refused(recover(pose(f64::NAN, 0.0, 0.0), 10)),
+        bench.refused(recover(pose(f64::NAN, 0.0, 0.0), 10)),
         Refusal::NotFinite
     );
     assert_eq!(
-        rig.refused(recover(home(), 0)),
+        bench.refused(recover(home(), 0)),
         Refusal::Duration { longest: u32::MAX }
     );
     // With moves queued they go first, or are dropped first.
-    rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
+    bench.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     assert_eq!(
-        rig.refused(recover(home(), 100)),
+        bench.refused(recover(home(), 100)),
         Refusal::State(State::Idle)
     );
-    rig.judge();
+    bench.judge();
     assert_eq!(
-        rig.refused(recover(home(), 100)),
+        bench.refused(recover(home(), 100)),
         Refusal::State(State::Idle)
     );
 }
@@ -219,51 +222,55 @@ fn a_recovery_with_nonsense_is_refused() {
 #[test]
 fn a_setpoint_without_a_motion_is_a_fault() {
     let (a, far) = (home::<f64>(), pose(0.9, 0.9, 0.0));
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.offer(rest(0, a, pose(0.28, 0.28, 0.2), 100));
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, a, pose(0.28, 0.28, 0.2), 100));
     // The platform is taken out of reach behind the admission's back.
-    rig.service.foreground.pose = far;
-    rig.ticks(1);
-    let status = rig.status();
+    bench.service.foreground.pose = far;
+    bench.ticks(1);
+    let status = bench.status();
     let fault = status.fault.unwrap();
     assert_eq!(fault.code, FaultCode::Unreachable);
     assert!(fault.index.is_some());
     assert_eq!(status.acting, Acting::Limit(Bounded::Reach));
-    assert!(!rig.service.foreground.output().enabled);
+    assert!(!bench.service.foreground.output().enabled);
 }
 
 #[test]
 fn the_longest_tick_is_remembered() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     for duration in [100, 700, 300] {
-        assert!(rig.service.foreground.report_timing(duration, 700));
-        rig.tick();
+        assert!(bench.service.foreground.report_timing(duration, 700));
+        bench.tick();
     }
-    assert_eq!(rig.status().longest_tick, 700);
-    let durations: Vec<u32> = rig.telemetry.iter().map(|sample| sample.duration).collect();
+    assert_eq!(bench.status().longest_tick, 700);
+    let durations: Vec<u32> = bench
+        .telemetry
+        .iter()
+        .map(|sample| sample.duration)
+        .collect();
     assert_eq!(durations, [100, 700, 300]);
 }
 
 #[test]
 fn a_tick_that_is_not_done_when_the_next_is_due_is_a_fault() {
-    let mut rig = running();
-    assert!(rig.service.foreground.report_timing(1000, 1000));
-    assert!(rig.service.foreground.output().enabled);
-    assert!(!rig.service.foreground.report_timing(1250, 1000));
+    let mut bench = running();
+    assert!(bench.service.foreground.report_timing(1000, 1000));
+    assert!(bench.service.foreground.output().enabled);
+    assert!(!bench.service.foreground.report_timing(1250, 1000));
     // At once, not with the next tick only.
-    assert!(!rig.service.foreground.output().enabled);
-    rig.tick();
-    let status = rig.status();
+    assert!(!bench.service.foreground.output().enabled);
+    bench.tick();
+    let status = bench.status();
     let fault = status.fault.unwrap();
     assert_eq!((fault.code, fault.index), (FaultCode::Overrun, None));
     assert_eq!((fault.value, fault.limit, fault.tick), (1.25, 1.0, 30));
     assert_eq!((status.state, status.longest_tick), (State::Fault, 1250));
     // Latched: ticks that are in time do not lift it.
-    assert!(rig.service.foreground.report_timing(10, 1000));
-    assert!(!rig.tick().enabled);
-    rig.done(Command::ClearFault);
-    rig.ticks(1);
-    assert_eq!(rig.status().state, State::Cleared);
+    assert!(bench.service.foreground.report_timing(10, 1000));
+    assert!(!bench.tick().enabled);
+    bench.done(Command::ClearFault);
+    bench.ticks(1);
+    assert_eq!(bench.status().state, State::Cleared);
 }
 
 /// However late a tick is, its fault has a value in every number type.
@@ -275,10 +282,10 @@ fn the_value_of_an_overrun_fits_the_number_type() {
         (u32::MAX, 1),
         (u32::MAX, u32::MAX - 1),
     ] {
-        let mut rig = Rig::<Thesis<Fixed>>::new();
-        rig.service.foreground.report_timing(duration, period);
-        rig.ticks(1);
-        let value = rig.status().fault.unwrap().value.to_f64();
+        let mut bench = Bench::<Thesis<Fixed>>::new();
+        bench.service.foreground.report_timing(duration, period);
+        bench.ticks(1);
+        let value = bench.status().fault.unwrap().value.to_f64();
         assert!(
             (1.0..=2.0).contains(&value),
             "{duration} of {period}: {value}"

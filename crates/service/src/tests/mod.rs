@@ -34,7 +34,7 @@ pub(super) const SCENE: u32 = 77;
 pub(super) type Thesis<N> = Adjustable<Dynamic<N>>;
 
 /// A service, with what it said so far.
-pub(super) struct Rig<S: Scene + 'static> {
+pub(super) struct Bench<S: Scene + 'static> {
     pub(super) service: Service<'static, S>,
     sequence: u32,
     /// What the tick is told of switches.
@@ -95,7 +95,7 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
     }
 }
 
-impl<N: ServiceNumber> Rig<Thesis<N>> {
+impl<N: ServiceNumber> Bench<Thesis<N>> {
     pub(super) fn new() -> Self {
         Self::with(example(), LimitParameters::default())
     }
@@ -105,7 +105,7 @@ impl<N: ServiceNumber> Rig<Thesis<N>> {
     }
 }
 
-impl<N: ServiceNumber, S: Scene<N = N> + 'static> Rig<S> {
+impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
     pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
         Self::in_units(scene, stands, Units::SI)
     }
@@ -115,15 +115,15 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Rig<S> {
         let service = Box::leak(Box::new(channels))
             .service(scene, stands, settings_in(units))
             .unwrap();
-        let mut rig = Self {
+        let mut bench = Self {
             service,
             sequence: 0,
             inputs: Default::default(),
             telemetry: Vec::new(),
             events: Vec::new(),
         };
-        rig.greet();
-        rig
+        bench.greet();
+        bench
     }
 
     pub(super) fn greet(&mut self) -> Identity {

@@ -178,22 +178,22 @@ fn each_refusal_by_its_name_and_nothing_lost() {
             Refusal::NotFinite,
         ),
     ];
-    let mut rig = Rig::new();
+    let mut bench = Bench::new();
     for (bad, refusal) in cases {
-        let before = rig.status();
-        assert_eq!(rig.refused(Command::Move(bad)), refusal, "{bad:?}");
-        assert_eq!(rig.status(), before, "{bad:?}");
+        let before = bench.status();
+        assert_eq!(bench.refused(Command::Move(bad)), refusal, "{bad:?}");
+        assert_eq!(bench.status(), before, "{bad:?}");
     }
     // After all that, the good one still plays.
-    rig.offer(good);
-    rig.done(Command::Start);
-    assert_eq!(rig.until(State::Idle), 102);
-    assert_eq!(rig.status().done, 1);
+    bench.offer(good);
+    bench.done(Command::Start);
+    assert_eq!(bench.until(State::Idle), 102);
+    assert_eq!(bench.status().done, 1);
 }
 
 #[test]
 fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let (a, b) = (home(), pose(0.22, 0.23, 0.16));
     let nth = |number: u32| {
         let ends = if number.is_multiple_of(2) {
@@ -204,48 +204,51 @@ fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
         rest(number, ends.0, ends.1, 20)
     };
     for number in 0..7 {
-        assert_eq!(rig.status().room as u32, 7 - number);
-        rig.done(Command::Move(nth(number)));
+        assert_eq!(bench.status().room as u32, 7 - number);
+        bench.done(Command::Move(nth(number)));
     }
-    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
-    rig.judge();
-    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
-    assert_eq!(rig.status().next, 7);
-    rig.done(Command::Start);
+    assert_eq!(bench.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    bench.judge();
+    assert_eq!(bench.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    assert_eq!(bench.status().next, 7);
+    bench.done(Command::Start);
     // The one under way keeps its place until it is over.
-    rig.ticks(20);
-    assert_eq!(rig.refused(Command::Move(nth(7))), Refusal::QueueFull);
-    rig.ticks(1);
-    rig.done(Command::Move(nth(7)));
-    rig.judge();
+    bench.ticks(20);
+    assert_eq!(bench.refused(Command::Move(nth(7))), Refusal::QueueFull);
+    bench.ticks(1);
+    bench.done(Command::Move(nth(7)));
+    bench.judge();
     // Eight moves of 20 ticks, one after another, and one tick to be idle again.
-    let ticks = 21 + rig.until(State::Idle);
+    let ticks = 21 + bench.until(State::Idle);
     assert_eq!(ticks, 8 * 20 + 2);
-    assert_eq!(rig.status().done, 8);
+    assert_eq!(bench.status().done, 8);
 }
 
 #[test]
 fn start_says_what_it_waits_for() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    assert_eq!(rig.refused(Command::Start), Refusal::NothingQueued);
-    rig.done(Command::Move(offered()));
-    assert_eq!(rig.refused(Command::Start), Refusal::Undecided);
-    rig.judge();
-    rig.done(Command::Start);
-    assert_eq!(rig.refused(Command::Start), Refusal::State(State::Running));
+    let mut bench = Bench::<Thesis<f64>>::new();
+    assert_eq!(bench.refused(Command::Start), Refusal::NothingQueued);
+    bench.done(Command::Move(offered()));
+    assert_eq!(bench.refused(Command::Start), Refusal::Undecided);
+    bench.judge();
+    bench.done(Command::Start);
+    assert_eq!(
+        bench.refused(Command::Start),
+        Refusal::State(State::Running)
+    );
 
     // Four ticks that end moving: less than the ramp of ten takes, five.
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let (middle, end) = (pose(0.2101, 0.22, 0.157), pose(0.2103, 0.22, 0.157));
     let speed = [0.005, 0.0, 0.0];
-    rig.offer(moving(0, home(), middle, [[0.0; 3], speed], 4));
-    assert_eq!(rig.refused(Command::Start), Refusal::EndsMoving);
-    rig.done(Command::Move(moving(1, middle, end, [speed, [0.0; 3]], 6)));
-    assert_eq!(rig.refused(Command::Start), Refusal::Undecided);
-    rig.judge();
-    rig.done(Command::Start);
-    rig.until(State::Idle);
-    assert_eq!(rig.status().end.unwrap().pose, end);
+    bench.offer(moving(0, home(), middle, [[0.0; 3], speed], 4));
+    assert_eq!(bench.refused(Command::Start), Refusal::EndsMoving);
+    bench.done(Command::Move(moving(1, middle, end, [speed, [0.0; 3]], 6)));
+    assert_eq!(bench.refused(Command::Start), Refusal::Undecided);
+    bench.judge();
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().end.unwrap().pose, end);
 }
 
 /// A move that is not admitted is named with its violation, those behind it are dropped, and the
@@ -256,13 +259,13 @@ fn a_refused_move_takes_those_behind_it_along() {
         rate_rad_s: Some([1.0; 3]),
         ..LimitParameters::default()
     };
-    let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
+    let mut bench = Bench::<Thesis<f64>>::with(example(), limits);
     let (a, b) = (home::<f64>(), pose(0.28, 0.28, 0.2));
-    rig.done(Command::Move(rest(0, a, b, 200)));
-    rig.done(Command::Move(rest(1, b, a, 20)));
-    rig.done(Command::Move(rest(2, a, b, 200)));
-    rig.judge();
-    let status = rig.status();
+    bench.done(Command::Move(rest(0, a, b, 200)));
+    bench.done(Command::Move(rest(1, b, a, 20)));
+    bench.done(Command::Move(rest(2, a, b, 200)));
+    bench.judge();
+    let status = bench.status();
     assert_eq!((status.next, status.admitted), (1, 1));
     let verdict = status.refused.unwrap();
     assert_eq!(verdict.number, 1);
@@ -271,19 +274,19 @@ fn a_refused_move_takes_those_behind_it_along() {
     assert!(violation.value > violation.limit && violation.limit == 1.0);
     // The one behind it started where it would have ended, which is where the first starts.
     assert_eq!(
-        rig.refused(Command::Move(rest(2, a, b, 200))),
+        bench.refused(Command::Move(rest(2, a, b, 200))),
         Refusal::MoveNumber { expected: 1 }
     );
     // What it says would pass, passes.
     let shortest = violation.shortest.unwrap();
-    rig.done(Command::Move(rest(1, b, a, shortest)));
-    rig.judge();
-    assert_eq!(rig.status().admitted, 2);
-    assert_eq!(rig.status().refused, None);
-    rig.done(Command::Start);
-    rig.until(State::Idle);
-    assert_eq!(rig.status().done, 2);
-    let verdicts = rig.events.iter().filter_map(|event| match event {
+    bench.done(Command::Move(rest(1, b, a, shortest)));
+    bench.judge();
+    assert_eq!(bench.status().admitted, 2);
+    assert_eq!(bench.status().refused, None);
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().done, 2);
+    let verdicts = bench.events.iter().filter_map(|event| match event {
         Event::Verdict(verdict) => Some((verdict.number, verdict.violation.is_none())),
         _ => None,
     });
@@ -293,75 +296,75 @@ fn a_refused_move_takes_those_behind_it_along() {
 
 #[test]
 fn a_stop_drops_what_is_queued() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let (a, b) = (home(), pose(0.28, 0.28, 0.2));
     for (number, from, to) in [(0, a, b), (1, b, a), (2, a, b)] {
-        rig.offer(rest(number, from, to, 100));
+        bench.offer(rest(number, from, to, 100));
     }
     // One more that is not judged yet.
-    rig.done(Command::Move(rest(3, b, a, 100)));
-    rig.done(Command::Start);
-    rig.ticks(120);
-    rig.done(Command::Stop);
+    bench.done(Command::Move(rest(3, b, a, 100)));
+    bench.done(Command::Start);
+    bench.ticks(120);
+    bench.done(Command::Stop);
     assert_eq!(
-        rig.refused(Command::Move(rest(4, a, b, 100))),
+        bench.refused(Command::Move(rest(4, a, b, 100))),
         Refusal::State(State::Stopping)
     );
-    rig.until(State::Idle);
+    bench.until(State::Idle);
     // What is not to be played any more leaves the queue one by one.
-    rig.ticks(2);
-    let status = rig.status();
+    bench.ticks(2);
+    let status = bench.status();
     assert_eq!(status.acting, Acting::Stop);
     // The second was under way: its number is not used again, those behind it are.
     assert_eq!((status.next, status.admitted, status.done), (2, 2, 2));
     assert_eq!(status.room, 7);
     let end = status.end.unwrap();
     assert_eq!(end.velocity, nalgebra::Vector3::new(0.0, 0.0, 0.0));
-    assert_eq!(rig.refused(Command::Start), Refusal::NothingQueued);
+    assert_eq!(bench.refused(Command::Start), Refusal::NothingQueued);
     // The machine stands on the path, and goes on from there.
-    rig.offer(rest(2, end.pose, a, 100));
-    rig.done(Command::Start);
-    rig.until(State::Idle);
-    assert_eq!(rig.status().end.unwrap().pose, a);
+    bench.offer(rest(2, end.pose, a, 100));
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().end.unwrap().pose, a);
 }
 
 #[test]
 fn a_stop_in_idle_empties_the_queue() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.offer(offered());
-    rig.done(Command::Stop);
-    rig.ticks(3);
-    let status = rig.status();
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(offered());
+    bench.done(Command::Stop);
+    bench.ticks(3);
+    let status = bench.status();
     assert_eq!(
         (status.state, status.next, status.room),
         (State::Idle, 0, 7)
     );
     assert_eq!(status.end.unwrap().pose, home());
-    rig.offer(offered());
-    rig.done(Command::Start);
-    rig.until(State::Idle);
-    assert_eq!(rig.status().done, 1);
+    bench.offer(offered());
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().done, 1);
 }
 
 /// The tick never waits: who does not fetch telemetry loses it, and is told how much.
 #[test]
 fn telemetry_that_nobody_fetches_is_counted() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     for _ in 0..100 {
-        rig.service.foreground.tick();
+        bench.service.foreground.tick();
     }
-    rig.tick();
+    bench.tick();
     // 63 fit.
-    assert_eq!(rig.telemetry.len(), 63);
-    assert_eq!(rig.status().lost, 101 - 63);
-    rig.telemetry.clear();
-    rig.done(Command::Telemetry { every: 10 });
-    rig.ticks(100);
-    assert_eq!(rig.telemetry.len(), 10);
-    let ticks: Vec<u32> = rig.telemetry.iter().map(|sample| sample.tick).collect();
+    assert_eq!(bench.telemetry.len(), 63);
+    assert_eq!(bench.status().lost, 101 - 63);
+    bench.telemetry.clear();
+    bench.done(Command::Telemetry { every: 10 });
+    bench.ticks(100);
+    assert_eq!(bench.telemetry.len(), 10);
+    let ticks: Vec<u32> = bench.telemetry.iter().map(|sample| sample.tick).collect();
     assert!(ticks.windows(2).all(|pair| pair[1] - pair[0] == 10));
-    rig.telemetry.clear();
-    rig.done(Command::Telemetry { every: 0 });
-    rig.ticks(100);
-    assert!(rig.telemetry.is_empty());
+    bench.telemetry.clear();
+    bench.done(Command::Telemetry { every: 0 });
+    bench.ticks(100);
+    assert!(bench.telemetry.is_empty());
 }

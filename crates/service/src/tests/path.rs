@@ -57,13 +57,13 @@ pub(super) fn chain<N: ServiceNumber>() -> Vec<Move<N>> {
         .collect()
 }
 
-fn ready<N: ServiceNumber>() -> Rig<Thesis<N>> {
-    let mut rig = Rig::new();
+fn ready<N: ServiceNumber>() -> Bench<Thesis<N>> {
+    let mut bench = Bench::new();
     for each in chain() {
-        rig.offer(each);
+        bench.offer(each);
     }
-    rig.done(Command::Start);
-    rig
+    bench.done(Command::Start);
+    bench
 }
 
 /// The setpoints of the job as they are without a service.
@@ -80,9 +80,9 @@ pub(super) fn expected<N: ServiceNumber>() -> Vec<Setpoint<N>> {
 }
 
 fn plays_in_the_segments_own_bits<N: ServiceNumber>() {
-    let mut rig = ready::<N>();
-    rig.until(State::Idle);
-    let samples: Vec<&Telemetry<N>> = rig
+    let mut bench = ready::<N>();
+    bench.until(State::Idle);
+    let samples: Vec<&Telemetry<N>> = bench
         .telemetry
         .iter()
         .filter(|sample| sample.state == State::Running)
@@ -96,7 +96,7 @@ fn plays_in_the_segments_own_bits<N: ServiceNumber>() {
     // Not a tick is missing.
     let ticks: Vec<u32> = samples.iter().map(|sample| sample.tick).collect();
     assert!(ticks.windows(2).all(|pair| pair[1] == pair[0] + 1));
-    let status = rig.status();
+    let status = bench.status();
     assert_eq!(status.done, 6);
     assert_eq!(status.end.unwrap().pose, chain::<N>()[5].to);
 }
@@ -116,17 +116,17 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
     let moves = chain::<f64>();
     let expected = expected::<f64>();
     for at in 1..185 {
-        let mut rig = ready::<f64>();
-        rig.ticks(at);
-        rig.done(Command::Hold);
-        rig.ticks(ramp + 7);
-        let held = rig.service.foreground.state() == State::Holding;
+        let mut bench = ready::<f64>();
+        bench.ticks(at);
+        bench.done(Command::Hold);
+        bench.ticks(ramp + 7);
+        let held = bench.service.foreground.state() == State::Holding;
         if held {
-            rig.done(Command::Resume);
+            bench.done(Command::Resume);
         }
-        rig.until(State::Idle);
+        bench.until(State::Idle);
 
-        let samples: Vec<Telemetry<f64>> = rig
+        let samples: Vec<Telemetry<f64>> = bench
             .telemetry
             .iter()
             .filter(|sample| sample.state != State::Idle)
@@ -190,7 +190,7 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
             }
         }
         // The end is exact in any case.
-        assert_eq!(rig.status().end.unwrap().pose, moves[5].to);
+        assert_eq!(bench.status().end.unwrap().pose, moves[5].to);
     }
 }
 
@@ -212,9 +212,9 @@ fn fixed_point_plays_and_holds() {
         units.limits(&LimitParameters::default()),
     );
     let home = place(0.21, 0.22, 0.157);
-    let mut rig = Rig::<Thesis<Fixed>>::in_units(scene, home, units);
+    let mut bench = Bench::<Thesis<Fixed>>::in_units(scene, home, units);
     // On the line the scene is in SI.
-    let Reply::Section(Section::Leg { leg, .. }) = rig.ask(Command::Read(SectionName::Leg(1)))
+    let Reply::Section(Section::Leg { leg, .. }) = bench.ask(Command::Read(SectionName::Leg(1)))
     else {
         panic!("a leg");
     };
@@ -222,9 +222,9 @@ fn fixed_point_plays_and_holds() {
         trirrr_core::machine::LegParameters::from(&leg),
         example().legs[1]
     );
-    rig.done(Command::Override(Section::Leg { index: 1, leg }));
-    rig.ticks(2);
-    let from = rig.status().end.unwrap().pose;
+    bench.done(Command::Override(Section::Leg { index: 1, leg }));
+    bench.ticks(2);
+    let from = bench.status().end.unwrap().pose;
 
     let offered = Move {
         tool_power: Fixed::from_f64(0.5),
@@ -234,20 +234,20 @@ fn fixed_point_plays_and_holds() {
     };
     let period = Fixed::factor_from_f64(units.time(PERIOD_S));
     let segment = RestToRest::new(offered.from, offered.to, 100, period);
-    rig.telemetry.clear();
-    rig.offer(offered);
-    assert_eq!(rig.status().refused, None);
-    rig.done(Command::Start);
-    rig.ticks(30);
-    rig.done(Command::Hold);
-    rig.until(State::Holding);
-    rig.done(Command::Resume);
-    rig.until(State::Idle);
-    let status = rig.status();
+    bench.telemetry.clear();
+    bench.offer(offered);
+    assert_eq!(bench.status().refused, None);
+    bench.done(Command::Start);
+    bench.ticks(30);
+    bench.done(Command::Hold);
+    bench.until(State::Holding);
+    bench.done(Command::Resume);
+    bench.until(State::Idle);
+    let status = bench.status();
     assert_eq!((status.done, status.fault), (1, None));
     assert_eq!(status.end.unwrap().pose, offered.to);
     let (mut normal, mut full) = (0, 0);
-    for sample in &rig.telemetry {
+    for sample in &bench.telemetry {
         if sample.state == State::Running && sample.acting == Acting::Nothing {
             assert_eq!(sample.setpoint, segment.at(sample.at));
             assert_eq!(sample.part, 0);
@@ -274,16 +274,16 @@ fn limits_are_kept_on_the_ramps() {
     };
     let mut peaks = [0.0f64; 4];
     for at in (1..185).step_by(3) {
-        let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
+        let mut bench = Bench::<Thesis<f64>>::with(example(), limits);
         for each in &job {
-            rig.offer(*each);
+            bench.offer(*each);
         }
-        assert_eq!(rig.status().admitted, 6, "{:?}", rig.status().refused);
-        rig.done(Command::Start);
-        rig.ticks(at);
-        rig.done(Command::Hold);
+        assert_eq!(bench.status().admitted, 6, "{:?}", bench.status().refused);
+        bench.done(Command::Start);
+        bench.ticks(at);
+        bench.done(Command::Hold);
         for _ in 0..400 {
-            let output = rig.tick();
+            let output = bench.tick();
             for motor in &output.motors {
                 let power = motor.torque * motor.rate;
                 for (peak, (value, limit)) in peaks.iter_mut().zip([
@@ -296,12 +296,12 @@ fn limits_are_kept_on_the_ramps() {
                     *peak = peak.max(value.abs() / limit);
                 }
             }
-            if rig.service.foreground.state() == State::Holding {
-                rig.done(Command::Resume);
+            if bench.service.foreground.state() == State::Holding {
+                bench.done(Command::Resume);
             }
         }
-        assert_eq!(rig.state(), State::Idle);
-        assert_eq!(rig.status().fault, None);
+        assert_eq!(bench.state(), State::Idle);
+        assert_eq!(bench.status().fault, None);
     }
     // It was not far from the limits, or this would show nothing.
     assert!(peaks.iter().all(|peak| *peak > 0.6), "{peaks:?}");
@@ -313,33 +313,33 @@ fn limits_are_kept_on_the_ramps() {
 fn a_queue_that_runs_dry_comes_to_rest_on_the_path() {
     let moves = chain::<f64>();
     let expected = expected::<f64>();
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     for each in &moves[..2] {
-        rig.offer(*each);
+        bench.offer(*each);
     }
-    rig.done(Command::Start);
-    rig.until(State::Holding);
-    let status = rig.status();
+    bench.done(Command::Start);
+    bench.until(State::Holding);
+    let status = bench.status();
     assert_eq!(status.acting, Acting::QueueDry);
-    let sample = *rig.telemetry.last().unwrap();
+    let sample = *bench.telemetry.last().unwrap();
     assert_eq!((sample.number, sample.at, sample.part), (1, 2, 0));
-    rig.ticks(50);
-    assert_eq!(rig.state(), State::Holding);
+    bench.ticks(50);
+    assert_eq!(bench.state(), State::Holding);
     // A resume does not help: there is nothing to resume with.
-    rig.done(Command::Resume);
-    rig.ticks(5);
-    assert_eq!(rig.status().acting, Acting::QueueDry);
+    bench.done(Command::Resume);
+    bench.ticks(5);
+    assert_eq!(bench.status().acting, Acting::QueueDry);
     // The next, of one tick, ends moving too: it is not enough.
-    rig.offer(moves[2]);
-    rig.ticks(5);
-    assert_eq!(rig.state(), State::Holding);
+    bench.offer(moves[2]);
+    bench.ticks(5);
+    assert_eq!(bench.state(), State::Holding);
     for each in &moves[3..] {
-        rig.offer(*each);
+        bench.offer(*each);
     }
-    rig.until(State::Running);
-    rig.until(State::Idle);
-    assert_eq!(rig.status().done, 6);
-    let samples = rig.telemetry.iter().rev();
+    bench.until(State::Running);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().done, 6);
+    let samples = bench.telemetry.iter().rev();
     let last = samples.filter(|sample| sample.state == State::Running);
     for (sample, setpoint) in last.zip(expected.iter().rev()).take(100) {
         assert_eq!(sample.setpoint, *setpoint);
@@ -352,17 +352,17 @@ fn a_queue_that_runs_dry_comes_to_rest_on_the_path() {
 fn no_move_comes_too_late_for_the_velocity() {
     let moves = chain::<f64>();
     for late in 0..60 {
-        let mut rig = Rig::<Thesis<f64>>::new();
-        rig.offer(moves[0]);
-        rig.done(Command::Start);
-        rig.ticks(late);
+        let mut bench = Bench::<Thesis<f64>>::new();
+        bench.offer(moves[0]);
+        bench.done(Command::Start);
+        bench.ticks(late);
         for each in &moves[1..] {
-            rig.offer(*each);
-            rig.ticks(late / 4);
+            bench.offer(*each);
+            bench.ticks(late / 4);
         }
-        rig.until(State::Idle);
-        assert_eq!(rig.status().done, 6, "{late}");
-        let velocities: Vec<Vector3<f64>> = rig
+        bench.until(State::Idle);
+        assert_eq!(bench.status().done, 6, "{late}");
+        let velocities: Vec<Vector3<f64>> = bench
             .telemetry
             .iter()
             .map(|sample| sample.setpoint.velocity)
@@ -378,15 +378,15 @@ fn no_move_comes_too_late_for_the_velocity() {
 /// The tool follows the true speed, on the ramps too, and is off wherever the job does not run.
 #[test]
 fn the_tool_follows_the_speed_along_the_path() {
-    let mut rig = ready::<f64>();
-    rig.ticks(60);
-    rig.done(Command::Hold);
-    rig.until(State::Holding);
-    rig.ticks(5);
-    rig.done(Command::Resume);
-    rig.until(State::Idle);
+    let mut bench = ready::<f64>();
+    bench.ticks(60);
+    bench.done(Command::Hold);
+    bench.until(State::Holding);
+    bench.ticks(5);
+    bench.done(Command::Resume);
+    bench.until(State::Idle);
     let mut on_ramps = 0;
-    for sample in &rig.telemetry {
+    for sample in &bench.telemetry {
         let (x, y) = (sample.setpoint.velocity.x, sample.setpoint.velocity.y);
         // 0.5 at 0.2 m/s.
         let power = if sample.state.is_running() {
@@ -400,19 +400,19 @@ fn the_tool_follows_the_speed_along_the_path() {
     assert!(on_ramps > 5);
 
     // Faster than its speed for full power it stays at full power.
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let full = Move {
         tool_power: 1.0,
         tool_speed: 0.01,
         ..rest(0, home(), pose(0.28, 0.28, 0.2), 100)
     };
-    rig.offer(full);
-    rig.done(Command::Start);
-    rig.ticks(50);
-    assert_eq!(rig.tick().tool, 1.0);
+    bench.offer(full);
+    bench.done(Command::Start);
+    bench.ticks(50);
+    assert_eq!(bench.tick().tool, 1.0);
     // A stop, a silence and a fault switch it off at once, while the machine still moves.
-    rig.done(Command::Stop);
-    let output = rig.tick();
+    bench.done(Command::Stop);
+    let output = bench.tick();
     assert!(output.tool == 0.0 && output.motors[0].rate != 0.0);
 }
 
@@ -433,14 +433,14 @@ fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
     for (what, change) in cases {
         let mut limits = LimitParameters::default();
         change(&mut limits);
-        let mut rig = Rig::<Thesis<f64>>::new();
-        rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
-        rig.service.foreground.limits = trirrr_core::limits::Limits::build(&limits).unwrap();
-        rig.done(Command::Start);
-        let mut before = rig.tick();
+        let mut bench = Bench::<Thesis<f64>>::new();
+        bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
+        bench.service.foreground.limits = trirrr_core::limits::Limits::build(&limits).unwrap();
+        bench.done(Command::Start);
+        let mut before = bench.tick();
         let mut latched = false;
         for _ in 0..110 {
-            let output = rig.tick();
+            let output = bench.tick();
             if output.enabled {
                 assert!(!latched);
                 before = output;
@@ -454,9 +454,9 @@ fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
                 );
             }
         }
-        let fault = rig.status().fault.unwrap();
+        let fault = bench.status().fault.unwrap();
         assert_eq!(fault.code, FaultCode::Limit(what));
         assert!(fault.value.abs() > fault.limit && fault.index.is_some());
-        assert_eq!(rig.status().acting, Acting::Limit(what));
+        assert_eq!(bench.status().acting, Acting::Limit(what));
     }
 }

@@ -68,7 +68,7 @@ fn place(index: usize) -> Pose<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
-    /// The invariants of [`Rig::tick`]; no output beyond a limit; no velocity jump without a fault;
+    /// The invariants of [`Bench::tick`]; no output beyond a limit; no velocity jump without a fault;
     /// a way out of wherever it ends.
     #[test]
     fn nothing_that_is_asked_breaks_it(actions in proptest::collection::vec(action(), 1..150)) {
@@ -77,12 +77,12 @@ proptest! {
             torque_nm: Some([TORQUE; 3]),
             ..LimitParameters::default()
         };
-        let mut rig = Rig::<Thesis<f64>>::with(example(), limits);
+        let mut bench = Bench::<Thesis<f64>>::with(example(), limits);
         let mut last: Option<(u32, Command<f64>, Reply<f64>)> = None;
-        let mut before = rig.tick();
+        let mut before = bench.tick();
         let mut sequence = 0;
         for action in actions {
-            let status = rig.status();
+            let status = bench.status();
             let command = match action {
                 Action::Move { to, ticks, moving, wrong } => {
                     let (from, speed) = match status.end {
@@ -108,25 +108,25 @@ proptest! {
                     Some(Command::Recover(Recovery { to: place(to), ticks }))
                 }
                 Action::Fault => {
-                    rig.service.foreground.raise(FaultCode::Drive(DriveFault::Reported), None, 0.0, 0.0);
+                    bench.service.foreground.raise(FaultCode::Drive(DriveFault::Reported), None, 0.0, 0.0);
                     None
                 }
                 Action::Repeat => {
                     if let Some((sequence, command, reply)) = &last {
-                        prop_assert_eq!(&rig.ask_as(*sequence, *command), reply);
+                        prop_assert_eq!(&bench.ask_as(*sequence, *command), reply);
                     }
                     None
                 }
                 Action::Judge { steps } => {
                     for _ in 0..steps {
-                        rig.service.background.step();
+                        bench.service.background.step();
                     }
                     None
                 }
                 Action::Tick { ticks } => {
                     for _ in 0..ticks {
-                        let output = rig.tick();
-                        let status = rig.status();
+                        let output = bench.tick();
+                        let status = bench.status();
                         for (motor, old) in output.motors.iter().zip(&before.motors) {
                             prop_assert!(motor.rate.abs() <= RATE);
                             prop_assert!(motor.torque.abs() <= TORQUE);
@@ -144,41 +144,41 @@ proptest! {
                 }
             };
             if let Some(command) = command {
-                let reply = rig.ask_as(sequence, command);
+                let reply = bench.ask_as(sequence, command);
                 last = Some((sequence, command, reply));
                 sequence += 1;
             }
-            let status = rig.status();
+            let status = bench.status();
             prop_assert!(status.done <= status.admitted && status.admitted <= status.next);
         }
 
         // The way out. Seven orders may wait for their ticks, and an eighth is refused.
-        rig.ticks(8);
-        let mut ask = |rig: &mut Rig<Thesis<f64>>, command| {
-            let reply = rig.ask_as(sequence, command);
+        bench.ticks(8);
+        let mut ask = |bench: &mut Bench<Thesis<f64>>, command| {
+            let reply = bench.ask_as(sequence, command);
             sequence += 1;
             reply
         };
-        prop_assert_eq!(ask(&mut rig, Command::Stop), Reply::Done);
-        rig.ticks(50);
-        if rig.state() == State::Fault {
-            prop_assert_eq!(ask(&mut rig, Command::ClearFault), Reply::Done);
-            rig.ticks(1);
+        prop_assert_eq!(ask(&mut bench, Command::Stop), Reply::Done);
+        bench.ticks(50);
+        if bench.state() == State::Fault {
+            prop_assert_eq!(ask(&mut bench, Command::ClearFault), Reply::Done);
+            bench.ticks(1);
         }
-        if rig.state() == State::Cleared {
+        if bench.state() == State::Cleared {
             let to = Recovery { to: home(), ticks: 500 };
-            prop_assert_eq!(ask(&mut rig, Command::Recover(to)), Reply::Done);
-            rig.ticks(510);
+            prop_assert_eq!(ask(&mut bench, Command::Recover(to)), Reply::Done);
+            bench.ticks(510);
         }
-        let status = rig.status();
+        let status = bench.status();
         prop_assert_eq!(status.state, State::Idle);
         let end = status.end.unwrap();
         let away = rest(status.next, end.pose, place(2), 300);
-        prop_assert_eq!(ask(&mut rig, Command::Move(away)), Reply::Done);
-        rig.judge();
-        prop_assert_eq!(ask(&mut rig, Command::Start), Reply::Done);
-        rig.ticks(310);
-        prop_assert_eq!(rig.state(), State::Idle);
-        prop_assert_eq!(rig.status().end.unwrap().pose, place(2));
+        prop_assert_eq!(ask(&mut bench, Command::Move(away)), Reply::Done);
+        bench.judge();
+        prop_assert_eq!(ask(&mut bench, Command::Start), Reply::Done);
+        bench.ticks(310);
+        prop_assert_eq!(bench.state(), State::Idle);
+        prop_assert_eq!(bench.status().end.unwrap().pose, place(2));
     }
 }

@@ -6,8 +6,8 @@ use trirrr_core::model::Kinematic;
 use trirrr_protocol::message::scene::{Limits, Section, SectionName};
 use trirrr_protocol::message::{Bounded, FaultCode};
 
-fn read<S: Scene<N = f64>>(rig: &mut Rig<S>, name: SectionName) -> Section {
-    match rig.ask(Command::Read(name)) {
+fn read<S: Scene<N = f64>>(bench: &mut Bench<S>, name: SectionName) -> Section {
+    match bench.ask(Command::Read(name)) {
         Reply::Section(section) => section,
         other => panic!("{other:?}"),
     }
@@ -15,8 +15,8 @@ fn read<S: Scene<N = f64>>(rig: &mut Rig<S>, name: SectionName) -> Section {
 
 #[test]
 fn the_scene_can_be_read() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    let Section::Leg { index, leg } = read(&mut rig, SectionName::Leg(1)) else {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let Section::Leg { index, leg } = read(&mut bench, SectionName::Leg(1)) else {
         panic!("a leg");
     };
     assert_eq!((index, leg.base_m, leg.proximal_m), (1, [0.5, 0.433], 0.2));
@@ -24,19 +24,19 @@ fn the_scene_can_be_read() {
         trirrr_core::machine::LegParameters::from(&leg),
         example().legs[1]
     );
-    let Section::Platform(platform) = read(&mut rig, SectionName::Platform) else {
+    let Section::Platform(platform) = read(&mut bench, SectionName::Platform) else {
         panic!("the platform");
     };
     assert_eq!(platform.put_into(&example()), example());
     assert_eq!(platform.mass_kg, 0.5);
     assert!(matches!(
-        read(&mut rig, SectionName::Limits),
+        read(&mut bench, SectionName::Limits),
         Section::Limits(_)
     ));
-    assert_eq!(rig.refused_read(SectionName::Leg(3)), Refusal::NoSuchLeg);
+    assert_eq!(bench.refused_read(SectionName::Leg(3)), Refusal::NoSuchLeg);
 }
 
-impl Rig<Thesis<f64>> {
+impl Bench<Thesis<f64>> {
     fn refused_read(&mut self, name: SectionName) -> Refusal<f64> {
         self.refused(Command::Read(name))
     }
@@ -64,23 +64,23 @@ fn an_image_without_the_code_refuses_overrides() {
             limits: part(SectionName::Limits),
         },
     };
-    let mut rig = Rig::of(scene, home());
+    let mut bench = Bench::of(scene, home());
     for name in [
         SectionName::Leg(2),
         SectionName::Platform,
         SectionName::Limits,
     ] {
         let section = Section::of(name, parameters, limits);
-        assert_eq!(Some(read(&mut rig, name)), section);
+        assert_eq!(Some(read(&mut bench, name)), section);
     }
     assert_eq!(
-        rig.refused(Command::Read(SectionName::Leg(3))),
+        bench.refused(Command::Read(SectionName::Leg(3))),
         Refusal::NoSuchLeg
     );
-    let [section, other] = [0, 1].map(|leg| read(&mut rig, SectionName::Leg(leg)));
-    let sequence = rig.sequence;
+    let [section, other] = [0, 1].map(|leg| read(&mut bench, SectionName::Leg(leg)));
+    let sequence = bench.sequence;
     assert_eq!(
-        rig.refused(Command::Override(section)),
+        bench.refused(Command::Override(section)),
         Refusal::NotAdjustable
     );
     // It does not read the part, but sees that it is the same, or another.
@@ -88,14 +88,14 @@ fn an_image_without_the_code_refuses_overrides() {
         (section, Refusal::NotAdjustable),
         (other, Refusal::SequenceReused),
     ] {
-        let again = rig.ask_as(sequence, Command::Override(section));
+        let again = bench.ask_as(sequence, Command::Override(section));
         assert_eq!(again, Reply::Refused(refusal));
     }
     // Otherwise it does all that others do.
-    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
-    rig.done(Command::Start);
-    rig.ticks(60);
-    assert_eq!(rig.status().done, 1);
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
+    bench.done(Command::Start);
+    bench.ticks(60);
+    assert_eq!(bench.status().done, 1);
 }
 
 #[test]
@@ -174,20 +174,20 @@ fn a_machine_without_torques_has_no_limit_of_them() {
 
 #[test]
 fn overrides_are_refused_while_there_is_a_job() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    let section = read(&mut rig, SectionName::Leg(0));
-    rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let section = read(&mut bench, SectionName::Leg(0));
+    bench.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     for _ in 0..2 {
         assert_eq!(
-            rig.refused(Command::Override(section)),
+            bench.refused(Command::Override(section)),
             Refusal::State(State::Idle)
         );
-        rig.judge();
+        bench.judge();
     }
-    rig.done(Command::Start);
-    rig.ticks(10);
+    bench.done(Command::Start);
+    bench.ticks(10);
     assert_eq!(
-        rig.refused(Command::Override(section)),
+        bench.refused(Command::Override(section)),
         Refusal::State(State::Running)
     );
 }
@@ -196,25 +196,25 @@ fn overrides_are_refused_while_there_is_a_job() {
 /// next job runs on the new geometry.
 #[test]
 fn a_geometry_override_moves_the_pose_and_not_the_motors() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    let before = rig.tick();
-    let Section::Leg { index, mut leg } = read(&mut rig, SectionName::Leg(0)) else {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let before = bench.tick();
+    let Section::Leg { index, mut leg } = read(&mut bench, SectionName::Leg(0)) else {
         panic!("a leg");
     };
     leg.distal_m += 0.001;
-    rig.done(Command::Override(Section::Leg { index, leg }));
-    rig.ticks(2);
-    let after = rig.tick();
+    bench.done(Command::Override(Section::Leg { index, leg }));
+    bench.ticks(2);
+    let after = bench.tick();
     for (motor, old) in after.motors.iter().zip(&before.motors) {
         // Newton's last step is below four roundings of the legs' reach, 0.4 m; the motors' angles
         // follow the pose by less than 20 rad/m here.
         assert!((motor.angle - old.angle).abs() < 20.0 * 8.0 * 0.4 * f64::EPSILON);
     }
-    let pose_now = rig.status().end.unwrap().pose;
+    let pose_now = bench.status().end.unwrap().pose;
     let moved = (pose_now.position - home::<f64>().position).abs().max();
     assert!(moved > 1e-5 && moved < 1e-2, "{moved}");
     assert_eq!(
-        read(&mut rig, SectionName::Leg(0)),
+        read(&mut bench, SectionName::Leg(0)),
         Section::Leg { index, leg }
     );
 
@@ -222,31 +222,31 @@ fn a_geometry_override_moves_the_pose_and_not_the_motors() {
     let mut parameters = example();
     parameters.legs[0].distal_m += 0.001;
     let target = pose(0.25, 0.25, 0.1);
-    rig.offer(rest(0, pose_now, target, 100));
-    rig.done(Command::Start);
-    rig.until(State::Idle);
+    bench.offer(rest(0, pose_now, target, 100));
+    bench.done(Command::Start);
+    bench.until(State::Idle);
     let geometry = trirrr_core::machine::Geometry::<f64>::build(&parameters).unwrap();
     let angles = geometry.motor_angles(&geometry.position(&target).unwrap());
-    for (motor, angle) in rig.service.foreground.output().motors.iter().zip(angles) {
+    for (motor, angle) in bench.service.foreground.output().motors.iter().zip(angles) {
         assert_eq!(motor.angle, angle);
     }
 }
 
 #[test]
 fn new_limits_count_for_the_admission_and_in_the_tick() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    let Section::Limits(limits) = read(&mut rig, SectionName::Limits) else {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let Section::Limits(limits) = read(&mut bench, SectionName::Limits) else {
         panic!("limits");
     };
-    rig.done(Command::Override(Section::Limits(Limits {
+    bench.done(Command::Override(Section::Limits(Limits {
         rate_rad_s: Some([0.1; 3]),
         ..limits
     })));
-    rig.ticks(1);
-    assert_eq!(rig.service.foreground.limits.rate, Some([0.1; 3]));
-    rig.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
-    rig.judge();
-    let violation = rig.status().refused.unwrap().violation.unwrap();
+    bench.ticks(1);
+    assert_eq!(bench.service.foreground.limits.rate, Some([0.1; 3]));
+    bench.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
+    bench.judge();
+    let violation = bench.status().refused.unwrap().violation.unwrap();
     assert_eq!((violation.what, violation.limit), (Bounded::Rate, 0.1));
     assert_eq!(
         FaultCode::Limit(violation.what).bounded(),
@@ -256,15 +256,15 @@ fn new_limits_count_for_the_admission_and_in_the_tick() {
 
 #[test]
 fn what_cannot_be_built_is_refused_by_name_and_changes_nothing() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    let before = read(&mut rig, SectionName::Leg(2));
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let before = read(&mut bench, SectionName::Leg(2));
     let Section::Leg { leg, .. } = before else {
         panic!("a leg");
     };
-    let Section::Platform(platform) = read(&mut rig, SectionName::Platform) else {
+    let Section::Platform(platform) = read(&mut bench, SectionName::Platform) else {
         panic!("the platform");
     };
-    let Section::Limits(limits) = read(&mut rig, SectionName::Limits) else {
+    let Section::Limits(limits) = read(&mut bench, SectionName::Limits) else {
         panic!("limits");
     };
     let parameter = |quantity, leg| Refusal::Parameter { quantity, leg };
@@ -312,12 +312,12 @@ fn what_cannot_be_built_is_refused_by_name_and_changes_nothing() {
         ),
     ];
     for (section, refusal) in cases {
-        assert_eq!(rig.refused(Command::Override(section)), refusal);
-        rig.ticks(1);
-        assert_eq!(read(&mut rig, SectionName::Leg(2)), before);
-        assert_eq!(rig.status().end.unwrap().pose, home());
+        assert_eq!(bench.refused(Command::Override(section)), refusal);
+        bench.ticks(1);
+        assert_eq!(read(&mut bench, SectionName::Leg(2)), before);
+        assert_eq!(bench.status().end.unwrap().pose, home());
     }
-    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
-    rig.done(Command::Start);
-    rig.until(State::Idle);
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 50));
+    bench.done(Command::Start);
+    bench.until(State::Idle);
 }

@@ -17,21 +17,21 @@ fn commands() -> [Command<f64>; 5] {
 #[test]
 fn a_repeated_command_is_acknowledged_and_not_executed() {
     let play = |repeats: u32| {
-        let mut rig = Rig::<Thesis<f64>>::new();
+        let mut bench = Bench::<Thesis<f64>>::new();
         let mut outputs = Vec::new();
         for (sequence, command) in (0..).zip(commands()) {
             for _ in 0..repeats {
-                assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                assert_eq!(bench.ask_as(sequence, command), Reply::Done, "{command:?}");
             }
-            rig.judge();
+            bench.judge();
             for _ in 0..25 {
-                outputs.push(rig.tick());
+                outputs.push(bench.tick());
                 for _ in 1..repeats {
-                    assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                    assert_eq!(bench.ask_as(sequence, command), Reply::Done, "{command:?}");
                 }
             }
         }
-        (outputs, rig.status())
+        (outputs, bench.status())
     };
     let (once, again) = (play(1), play(3));
     assert!(once.0 == again.0);
@@ -59,26 +59,27 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
         Command::Stop,
     ];
     let play = |repeats: u32| {
-        let mut rig = Rig::<Thesis<f64>>::new();
+        let mut bench = Bench::<Thesis<f64>>::new();
         let mut outputs = Vec::new();
         for (sequence, command) in (0..).zip(commands) {
             if command == Command::ClearFault {
-                rig.service
+                bench
+                    .service
                     .foreground
                     .raise(FaultCode::Board, None, 0.0, 0.0);
-                outputs.push(rig.tick());
+                outputs.push(bench.tick());
             }
             for _ in 0..repeats {
-                assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                assert_eq!(bench.ask_as(sequence, command), Reply::Done, "{command:?}");
             }
             for _ in 0..30 {
-                outputs.push(rig.tick());
+                outputs.push(bench.tick());
                 for _ in 1..repeats {
-                    assert_eq!(rig.ask_as(sequence, command), Reply::Done, "{command:?}");
+                    assert_eq!(bench.ask_as(sequence, command), Reply::Done, "{command:?}");
                 }
             }
         }
-        (outputs, rig.status(), rig.telemetry, rig.events)
+        (outputs, bench.status(), bench.telemetry, bench.events)
     };
     let (once, again) = (play(1), play(4));
     assert!(once == again);
@@ -88,7 +89,7 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
 
 #[test]
 fn a_repeated_refusal_is_the_same_refusal() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let nan = Move {
         ticks: 10,
         ..rest(0, pose(f64::NAN, 0.0, 0.0), home(), 10)
@@ -99,59 +100,59 @@ fn a_repeated_refusal_is_the_same_refusal() {
         (2, Command::Move(nan), Refusal::NotFinite),
     ] {
         for _ in 0..3 {
-            let reply = rig.ask_as(sequence, command);
+            let reply = bench.ask_as(sequence, command);
             assert_eq!(reply, Reply::Refused(refusal));
         }
     }
     // Even where it would be accepted by now.
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.ask_as(0, Command::Hold);
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.ask_as(0, Command::Hold);
     assert_eq!(
-        rig.ask_as(0, Command::Hold),
+        bench.ask_as(0, Command::Hold),
         Reply::Refused(Refusal::State(State::Idle))
     );
 }
 
 #[test]
 fn old_and_skipped_numbers_are_refused_with_the_expected_one() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.ask(Command::Status);
-    rig.done(Command::Telemetry { every: 5 });
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.ask(Command::Status);
+    bench.done(Command::Telemetry { every: 5 });
     for sequence in [0, 3, 17, u32::MAX] {
         assert_eq!(
-            rig.ask_as(sequence, Command::Stop),
+            bench.ask_as(sequence, Command::Stop),
             Reply::Refused(Refusal::Sequence { expected: 2 })
         );
     }
     // What is repeated must be the same.
     assert_eq!(
-        rig.ask_as(1, Command::Stop),
+        bench.ask_as(1, Command::Stop),
         Reply::Refused(Refusal::SequenceReused)
     );
-    assert_eq!(rig.greet().next_sequence, 2);
-    rig.done(Command::Stop);
+    assert_eq!(bench.greet().next_sequence, 2);
+    bench.done(Command::Stop);
 }
 
 #[test]
 fn sequence_numbers_go_round() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.service.background.next_sequence_is(u32::MAX);
-    assert_eq!(rig.ask_as(u32::MAX, Command::Stop), Reply::Done);
-    assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
-    assert_eq!(rig.ask_as(0, Command::Stop), Reply::Done);
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.service.background.next_sequence_is(u32::MAX);
+    assert_eq!(bench.ask_as(u32::MAX, Command::Stop), Reply::Done);
+    assert_eq!(bench.ask_as(0, Command::Stop), Reply::Done);
+    assert_eq!(bench.ask_as(0, Command::Stop), Reply::Done);
 }
 
 /// Questions are answered anew when they are repeated.
 #[test]
 fn a_repeated_question_has_a_fresh_answer() {
-    let mut rig = Rig::<Thesis<f64>>::new();
+    let mut bench = Bench::<Thesis<f64>>::new();
     let tick = |reply| match reply {
         Reply::Status(status) => status.tick,
         other => panic!("{other:?}"),
     };
-    let first = tick(rig.ask_as(0, Command::Status));
-    rig.ticks(5);
-    assert_eq!(tick(rig.ask_as(0, Command::Status)), first + 5);
+    let first = tick(bench.ask_as(0, Command::Status));
+    bench.ticks(5);
+    assert_eq!(tick(bench.ask_as(0, Command::Status)), first + 5);
 }
 
 #[test]

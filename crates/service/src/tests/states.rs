@@ -4,55 +4,58 @@ use super::*;
 use trirrr_protocol::message::{Acting, DriveFault, FaultCode, Recovery};
 
 /// Service in `state`.
-fn rig_in(state: State) -> Rig<Thesis<f64>> {
-    let mut rig = Rig::new();
+fn rig_in(state: State) -> Bench<Thesis<f64>> {
+    let mut bench = Bench::new();
     let job = rest(0, home(), pose(0.28, 0.28, 0.2), 100);
     if !matches!(
         state,
         State::Idle | State::Fault | State::Cleared | State::Recovering
     ) {
-        rig.offer(job);
-        rig.done(Command::Start);
-        rig.ticks(20);
+        bench.offer(job);
+        bench.done(Command::Start);
+        bench.ticks(20);
     }
     match state {
-        State::Idle | State::Running => rig.ticks(1),
+        State::Idle | State::Running => bench.ticks(1),
         State::Slowing => {
-            rig.done(Command::Hold);
-            rig.ticks(2);
+            bench.done(Command::Hold);
+            bench.ticks(2);
         }
         State::Holding => {
-            rig.done(Command::Hold);
-            rig.ticks(30);
+            bench.done(Command::Hold);
+            bench.ticks(30);
         }
         State::Stopping => {
-            rig.done(Command::Stop);
-            rig.ticks(2);
+            bench.done(Command::Stop);
+            bench.ticks(2);
         }
         State::Fault => {
-            rig.service
-                .foreground
-                .raise(FaultCode::Drive(DriveFault::Reported), Some(1), 3.0, 0.0);
-            rig.ticks(1);
+            bench.service.foreground.raise(
+                FaultCode::Drive(DriveFault::Reported),
+                Some(1),
+                3.0,
+                0.0,
+            );
+            bench.ticks(1);
         }
         State::Cleared => {
-            rig = rig_in(State::Fault);
-            rig.done(Command::ClearFault);
-            rig.ticks(1);
+            bench = rig_in(State::Fault);
+            bench.done(Command::ClearFault);
+            bench.ticks(1);
         }
         State::Recovering => {
-            rig = rig_in(State::Cleared);
-            rig.done(Command::Recover(Recovery {
+            bench = rig_in(State::Cleared);
+            bench.done(Command::Recover(Recovery {
                 to: pose(0.25, 0.25, 0.0),
                 ticks: 100,
             }));
-            rig.ticks(5);
+            bench.ticks(5);
         }
         State::Unhomed | State::Homing => unreachable!("the tests of homing have these"),
     }
-    assert_eq!(rig.state(), state);
-    assert_eq!(rig.service.foreground.state(), state);
-    rig
+    assert_eq!(bench.state(), state);
+    assert_eq!(bench.service.foreground.state(), state);
+    bench
 }
 
 /// Every command in every state: the state that it leads to at once, or the refusal.
@@ -105,13 +108,13 @@ fn each_command_in_each_state() {
     for (state, expected) in table {
         assert_eq!(rig_in(state).refused(Command::Home), Refusal::NoHoming);
         for (command, expected) in commands.into_iter().zip(expected) {
-            let mut rig = rig_in(state);
-            let reply = rig.ask(command);
+            let mut bench = rig_in(state);
+            let reply = bench.ask(command);
             match expected {
                 Some(next) => {
                     assert_eq!(reply, Reply::Done, "{command:?} in {state:?}");
-                    rig.ticks(1);
-                    assert_eq!(rig.state(), next, "{command:?} in {state:?}");
+                    bench.ticks(1);
+                    assert_eq!(bench.state(), next, "{command:?} in {state:?}");
                 }
                 None => {
                     let reason = match (state, command) {
@@ -119,8 +122,8 @@ fn each_command_in_each_state() {
                         _ => Refusal::State(state),
                     };
                     assert_eq!(reply, Reply::Refused(reason), "{command:?} in {state:?}");
-                    rig.ticks(1);
-                    assert_eq!(rig.state(), state);
+                    bench.ticks(1);
+                    assert_eq!(bench.state(), state);
                 }
             }
         }
@@ -134,27 +137,27 @@ fn no_state_is_without_an_exit() {
     for state in [
         Idle, Running, Slowing, Stopping, Holding, Fault, Cleared, Recovering,
     ] {
-        let mut rig = rig_in(state);
-        rig.done(Command::Stop);
-        rig.ticks(200);
-        if rig.state() == Fault {
-            rig.done(Command::ClearFault);
-            rig.ticks(1);
+        let mut bench = rig_in(state);
+        bench.done(Command::Stop);
+        bench.ticks(200);
+        if bench.state() == Fault {
+            bench.done(Command::ClearFault);
+            bench.ticks(1);
         }
-        if rig.state() == Cleared {
-            rig.done(Command::Recover(Recovery {
+        if bench.state() == Cleared {
+            bench.done(Command::Recover(Recovery {
                 to: pose(0.25, 0.25, 0.1),
                 ticks: 200,
             }));
-            rig.until(Idle);
+            bench.until(Idle);
         }
-        assert_eq!(rig.state(), Idle, "from {state:?}");
-        let status = rig.status();
+        assert_eq!(bench.state(), Idle, "from {state:?}");
+        let status = bench.status();
         let from = status.end.unwrap().pose;
-        rig.offer(rest(status.next, from, pose(0.24, 0.26, 0.1), 100));
-        rig.done(Command::Start);
-        rig.until(Idle);
-        let end = rig.status();
+        bench.offer(rest(status.next, from, pose(0.24, 0.26, 0.1), 100));
+        bench.done(Command::Start);
+        bench.until(Idle);
+        let end = bench.status();
         assert_eq!(end.done, status.next + 1);
         assert_eq!(end.end.unwrap().pose, pose(0.24, 0.26, 0.1));
     }
@@ -162,23 +165,23 @@ fn no_state_is_without_an_exit() {
 
 #[test]
 fn a_silent_host_ends_in_a_controlled_stop() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
-    rig.done(Command::Start);
-    rig.ticks(SILENCE - 1);
-    assert_eq!(rig.service.foreground.state(), State::Running);
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
+    bench.done(Command::Start);
+    bench.ticks(SILENCE - 1);
+    assert_eq!(bench.service.foreground.state(), State::Running);
     // A frame of any kind, even a refused one, is a sign of life.
-    rig.ask_as(999, Command::Status);
-    rig.ticks(SILENCE - 1);
-    assert_eq!(rig.service.foreground.state(), State::Running);
-    rig.ticks(2);
-    let status = rig.status();
+    bench.ask_as(999, Command::Status);
+    bench.ticks(SILENCE - 1);
+    assert_eq!(bench.service.foreground.state(), State::Running);
+    bench.ticks(2);
+    let status = bench.status();
     assert_eq!(
         (status.state, status.acting),
         (State::Stopping, Acting::Silence)
     );
-    rig.ticks(u32::from(RAMP));
-    let status = rig.status();
+    bench.ticks(u32::from(RAMP));
+    let status = bench.status();
     assert_eq!(
         (status.state, status.acting),
         (State::Idle, Acting::Silence)
@@ -187,21 +190,21 @@ fn a_silent_host_ends_in_a_controlled_stop() {
     let pose = status.end.unwrap().pose;
     assert!(pose.position.x > 0.21 && pose.position.x < 0.28);
     // Standing, it may be silent for as long as it likes.
-    rig.ticks(3 * SILENCE);
-    assert_eq!(rig.state(), State::Idle);
+    bench.ticks(3 * SILENCE);
+    assert_eq!(bench.state(), State::Idle);
 }
 
 #[test]
 fn the_state_is_told_at_each_change() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    rig.offer(rest(0, home(), pose(0.22, 0.23, 0.2), 30));
-    rig.done(Command::Start);
-    rig.ticks(5);
-    rig.done(Command::Hold);
-    rig.until(State::Holding);
-    rig.done(Command::Resume);
-    rig.until(State::Idle);
-    let states: Vec<State> = rig
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, home(), pose(0.22, 0.23, 0.2), 30));
+    bench.done(Command::Start);
+    bench.ticks(5);
+    bench.done(Command::Hold);
+    bench.until(State::Holding);
+    bench.done(Command::Resume);
+    bench.until(State::Idle);
+    let states: Vec<State> = bench
         .events
         .iter()
         .filter_map(|event| match event {

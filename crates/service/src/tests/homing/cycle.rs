@@ -10,7 +10,7 @@ const ALL: [Contact; 3] = [Contact::Switch, Contact::Stall, Contact::Unfelt];
 #[test]
 fn before_it_is_homed_a_machine_plays_nothing() {
     let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.1, -0.2, 0.05]);
-    let status = machine.rig.status();
+    let status = machine.bench.status();
     assert_eq!((status.state, status.end), (State::Unhomed, None));
     let limits = scene::Limits::from(&LimitParameters::default());
     for command in [
@@ -25,16 +25,16 @@ fn before_it_is_homed_a_machine_plays_nothing() {
         }),
         Command::Override(scene::Section::Limits(limits)),
     ] {
-        let refusal = machine.rig.refused(command);
+        let refusal = machine.bench.refused(command);
         assert_eq!(refusal, Refusal::State(State::Unhomed), "{command:?}");
     }
-    machine.rig.done(Command::Stop);
-    machine.rig.done(Command::Telemetry { every: 2 });
+    machine.bench.done(Command::Stop);
+    machine.bench.done(Command::Telemetry { every: 2 });
     for _ in 0..5 {
         let output = machine.tick();
         assert!(output.enabled);
     }
-    assert_eq!(machine.rig.state(), State::Unhomed);
+    assert_eq!(machine.bench.state(), State::Unhomed);
 }
 
 /// Every command while it is being homed, and on its way to rest after that was given up.
@@ -42,10 +42,10 @@ fn before_it_is_homed_a_machine_plays_nothing() {
 fn each_command_while_it_is_homed() {
     let machine = |stopped: bool| {
         let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
-        machine.rig.done(Command::Home);
+        machine.bench.done(Command::Home);
         machine.ticks(20);
         if stopped {
-            machine.rig.done(Command::Stop);
+            machine.bench.done(Command::Stop);
             machine.ticks(2);
         }
         machine
@@ -64,55 +64,55 @@ fn each_command_while_it_is_homed() {
             }),
         ] {
             let mut machine = machine(stopped);
-            let refusal = machine.rig.refused(command);
+            let refusal = machine.bench.refused(command);
             assert_eq!(refusal, Refusal::State(state), "{command:?}");
             machine.ticks(1);
-            assert_eq!(machine.rig.state(), state);
+            assert_eq!(machine.bench.state(), state);
         }
         let mut machine = machine(stopped);
-        machine.rig.done(Command::Stop);
+        machine.bench.done(Command::Stop);
         machine.ticks(1);
-        assert_eq!(machine.rig.state(), State::Stopping);
+        assert_eq!(machine.bench.state(), State::Stopping);
         machine.until(State::Unhomed);
     }
 }
 
 #[test]
 fn a_machine_whose_motors_are_known_has_no_homing() {
-    let mut rig = Rig::<Thesis<f64>>::new();
-    assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
-    rig.ticks(1);
-    assert_eq!(rig.state(), State::Idle);
+    let mut bench = Bench::<Thesis<f64>>::new();
+    assert_eq!(bench.refused(Command::Home), Refusal::NoHoming);
+    bench.ticks(1);
+    assert_eq!(bench.state(), State::Idle);
     // One that may have it, and has not, is the same.
     let scene = WithHoming {
         scene: Adjustable::new(example(), LimitParameters::default()),
         homing: None,
     };
-    let mut rig = Rig::<Homed<f64>>::of(scene, home());
-    assert_eq!(rig.refused(Command::Home), Refusal::NoHoming);
-    rig.inputs = [true; 3];
-    rig.offer(rest(0, home(), pose(0.25, 0.25, 0.1), 100));
-    rig.done(Command::Start);
-    rig.until(State::Idle);
-    assert_eq!(rig.service.foreground.shift(), None);
+    let mut bench = Bench::<Homed<f64>>::of(scene, home());
+    assert_eq!(bench.refused(Command::Home), Refusal::NoHoming);
+    bench.inputs = [true; 3];
+    bench.offer(rest(0, home(), pose(0.25, 0.25, 0.1), 100));
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    assert_eq!(bench.service.foreground.shift(), None);
 }
 
 fn homes<N: ServiceNumber>(contact: Contact) {
     let mut machine = Machine::<N>::new(parameters(contact), [0.2, -0.1, -0.5]);
     assert!(machine.errors().iter().any(|error| error.abs() > 0.4));
-    machine.rig.done(Command::Home);
-    assert_eq!(machine.rig.state(), State::Homing);
+    machine.bench.done(Command::Home);
+    assert_eq!(machine.bench.state(), State::Homing);
     machine.until(State::Recovering);
     machine.until(State::Idle);
     machine.is_homed();
     // A job from there, and homing again from its end.
-    let next = machine.rig.status().next;
+    let next = machine.bench.status().next;
     let to = pose(0.25, 0.25, 0.1);
-    machine.rig.offer(rest(next, home(), to, 400));
-    machine.rig.done(Command::Start);
+    machine.bench.offer(rest(next, home(), to, 400));
+    machine.bench.done(Command::Start);
     machine.until(State::Running);
     assert_eq!(
-        machine.rig.refused(Command::Home),
+        machine.bench.refused(Command::Home),
         Refusal::State(State::Running)
     );
     machine.until(State::Idle);
@@ -138,14 +138,14 @@ fn stages_follow_one_another() {
         motor.stage = stage;
     }
     let mut machine = Machine::<f64>::new(timed(parameters), [0.1; 3]);
-    machine.rig.done(Command::Home);
+    machine.bench.done(Command::Home);
     let mut order = Vec::new();
-    while machine.rig.service.foreground.state() != State::Recovering {
+    while machine.bench.service.foreground.state() != State::Recovering {
         let output = machine.tick();
-        machine.rig.ask(Command::Status);
+        machine.bench.ask(Command::Status);
         let moving = |i: &usize| output.motors[*i].rate != 0.0;
         let moving: Vec<usize> = (0..3).filter(moving).collect();
-        if machine.rig.service.foreground.state() != State::Homing {
+        if machine.bench.service.foreground.state() != State::Homing {
             continue;
         }
         assert!(moving.len() <= 1, "{moving:?}");
@@ -166,7 +166,7 @@ fn a_switch_that_is_closed_at_the_start_is_left() {
     let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.35, 0.0, 0.0]);
     machine.ticks(1);
     assert!(machine.beyond(0) > 0.0);
-    machine.rig.done(Command::Home);
+    machine.bench.done(Command::Home);
     let mut most = [0.0f64; 3];
     for _ in 0..40 {
         let output = machine.tick();
@@ -217,10 +217,10 @@ fn homing_keeps_the_limits() {
             ..scene::Limits::from(&LimitParameters::default())
         };
         machine
-            .rig
+            .bench
             .done(Command::Override(scene::Section::Limits(limits)));
         machine.tick();
-        let refusal = machine.rig.ask(Command::Home);
+        let refusal = machine.bench.ask(Command::Home);
         match refusal {
             Reply::Refused(Refusal::Recovery(violation)) => assert_eq!(violation.what, what),
             // The way to the start pose is reckoned with its ramp.
@@ -234,15 +234,15 @@ fn homing_keeps_the_limits() {
 fn angles_from_elsewhere_take_the_place_of_homing() {
     let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
     let angles = home_angles().map(|angle| angle + 0.1);
-    assert!(machine.rig.service.foreground.set_position(angles));
-    machine.rig.ticks(1);
-    assert_eq!(machine.rig.state(), State::Cleared);
-    machine.rig.done(Command::Recover(Recovery {
+    assert!(machine.bench.service.foreground.set_position(angles));
+    machine.bench.ticks(1);
+    assert_eq!(machine.bench.state(), State::Cleared);
+    machine.bench.done(Command::Recover(Recovery {
         to: home(),
         ticks: 200,
     }));
-    machine.rig.until(State::Idle);
-    let status = machine.rig.status();
+    machine.bench.until(State::Idle);
+    let status = machine.bench.status();
     assert_eq!(
         (status.acting, status.end.map(|end| end.pose)),
         (Acting::Nothing, Some(home()))

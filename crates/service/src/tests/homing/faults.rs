@@ -14,9 +14,9 @@ const LEAVE: f64 = 0.08 + RAMP_DOWN + 4.0 * 0.5 * PERIOD_S;
 fn homes_after_all(machine: &mut Machine<f64>, turned_back: [f64; 3]) {
     machine.truth = turned_back;
     machine.defects = [Defect::None; 3];
-    machine.rig.done(Command::ClearFault);
+    machine.bench.done(Command::ClearFault);
     machine.tick();
-    let status = machine.rig.status();
+    let status = machine.bench.status();
     assert_eq!((status.state, status.fault), (State::Unhomed, None));
     assert_eq!(status.end, None);
     machine.home();
@@ -85,11 +85,11 @@ fn each_fault_names_its_motor() {
             for _ in 0..5 {
                 machine.tick();
             }
-            machine.rig.done(Command::Home);
+            machine.bench.done(Command::Home);
             machine.until(State::Fault);
-            let output = *machine.rig.service.foreground.output();
+            let output = *machine.bench.service.foreground.output();
             assert!(!output.enabled);
-            let status = machine.rig.status();
+            let status = machine.bench.status();
             let fault = status.fault.expect("it is latched");
             assert_eq!(
                 (fault.code, fault.index),
@@ -99,7 +99,7 @@ fn each_fault_names_its_motor() {
             assert!((fault.limit - limit).abs() < 1e-12, "{fault:?}");
             assert_eq!(status.acting, Acting::Nothing);
             assert_eq!(
-                machine.rig.refused(Command::Home),
+                machine.bench.refused(Command::Home),
                 Refusal::State(State::Fault)
             );
             // Who went on past a dead switch is turned back by hand.
@@ -114,7 +114,7 @@ fn the_search_ends_after_the_largest_travel() {
     let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.0; 3]);
     machine.defects[1] = Defect::Open;
     let start = machine.truth;
-    machine.rig.done(Command::Home);
+    machine.bench.done(Command::Home);
     machine.until(State::Fault);
     let travel = start[1] - machine.truth[1];
     // To within the debounce time, a few ticks at the search rate.
@@ -135,14 +135,14 @@ fn the_search_ends_after_the_largest_travel() {
 /// Ticks of an undisturbed homing, to recovering and to idle.
 fn lengths(contact: Contact) -> (u32, u32) {
     let mut machine = Machine::<f64>::new(parameters(contact), [0.1, 0.2, -0.4]);
-    machine.rig.done(Command::Home);
+    machine.bench.done(Command::Home);
     let mut ticks = 0;
     let mut found = None;
     loop {
         machine.tick();
-        machine.rig.ask(Command::Status);
+        machine.bench.ask(Command::Status);
         ticks += 1;
-        match machine.rig.service.foreground.state() {
+        match machine.bench.service.foreground.state() {
             State::Recovering if found.is_none() => found = Some(ticks),
             State::Idle => return (found.expect("on the way"), ticks),
             _ => {}
@@ -157,12 +157,12 @@ fn a_stop_at_any_time_leads_to_rest_and_back() {
         // In the last ticks the way to rest ends at the start pose.
         for after in (0..idle - u32::from(RAMP)).step_by(7) {
             let mut machine = Machine::<f64>::new(parameters(contact), [0.1, 0.2, -0.4]);
-            machine.rig.done(Command::Home);
+            machine.bench.done(Command::Home);
             for _ in 0..after {
                 machine.tick();
-                machine.rig.ask(Command::Status);
+                machine.bench.ask(Command::Status);
             }
-            machine.rig.done(Command::Stop);
+            machine.bench.done(Command::Stop);
             let at_rest = match after {
                 0 => State::Unhomed,
                 _ if after < found => State::Unhomed,
@@ -170,7 +170,7 @@ fn a_stop_at_any_time_leads_to_rest_and_back() {
                 _ => State::Cleared,
             };
             let mut rates = machine
-                .rig
+                .bench
                 .service
                 .foreground
                 .output()
@@ -185,16 +185,16 @@ fn a_stop_at_any_time_leads_to_rest_and_back() {
                     );
                     *rate = motor.rate;
                 }
-                if machine.rig.service.foreground.state() == at_rest {
+                if machine.bench.service.foreground.state() == at_rest {
                     break;
                 }
                 assert!(
                     tick < 40,
                     "{after}: {:?}",
-                    machine.rig.service.foreground.state()
+                    machine.bench.service.foreground.state()
                 );
             }
-            let status = machine.rig.status();
+            let status = machine.bench.status();
             assert_eq!((status.acting, status.end), (Acting::Stop, None));
             machine.home();
             machine.is_homed();
@@ -207,18 +207,18 @@ fn a_fault_at_any_time_makes_it_home_anew() {
     let (_, idle) = lengths(Contact::Switch);
     for after in (0..idle + 20).step_by(11) {
         let mut machine = Machine::<f64>::new(parameters(Contact::Switch), [0.1, 0.2, -0.4]);
-        machine.rig.done(Command::Home);
+        machine.bench.done(Command::Home);
         for _ in 0..after {
             machine.tick();
-            machine.rig.ask(Command::Status);
+            machine.bench.ask(Command::Status);
         }
         machine
-            .rig
+            .bench
             .service
             .foreground
             .raise(FaultCode::Board, Some(1), 7.0, 0.0);
         machine.tick();
-        assert_eq!(machine.rig.state(), State::Fault);
+        assert_eq!(machine.bench.state(), State::Fault);
         // Without current the motors were pushed about.
         let [a, b, c] = machine.truth;
         homes_after_all(&mut machine, [a + 0.05, b, c - 0.07]);
@@ -237,17 +237,17 @@ fn a_silent_host_ends_it() {
         ..parameters
     });
     let mut machine = Machine::<f64>::new(parameters, [-0.5, 0.5, -0.5]);
-    machine.rig.done(Command::Home);
+    machine.bench.done(Command::Home);
     for tick in 1..=SILENCE + 10 {
         machine.tick();
         let expected = match tick {
             _ if tick < SILENCE + 1 => State::Homing,
-            _ if machine.rig.service.foreground.state() == State::Stopping => State::Stopping,
+            _ if machine.bench.service.foreground.state() == State::Stopping => State::Stopping,
             _ => State::Unhomed,
         };
-        assert_eq!(machine.rig.service.foreground.state(), expected, "{tick}");
+        assert_eq!(machine.bench.service.foreground.state(), expected, "{tick}");
     }
-    let status = machine.rig.status();
+    let status = machine.bench.status();
     assert_eq!(
         (status.state, status.acting),
         (State::Unhomed, Acting::Silence)

@@ -77,7 +77,7 @@ pub(super) enum Defect {
 
 /// A machine that is homed, with the motors as they truly are.
 pub(super) struct Machine<N: ServiceNumber> {
-    pub(super) rig: Rig<Homed<N>>,
+    pub(super) bench: Bench<Homed<N>>,
     pub(super) parameters: HomingParameters,
     /// Where the motors truly are, rad, unwrapped.
     pub(super) truth: [f64; 3],
@@ -107,9 +107,9 @@ impl<N: ServiceNumber> Machine<N> {
                 PERIOD_S,
             )))),
         };
-        let rig = Rig::of(scene, home());
+        let bench = Bench::of(scene, home());
         let commanded = |motor: &trirrr_core::tick::Motor<N>| N::angle_to_f64(motor.angle);
-        let before = rig
+        let before = bench
             .service
             .foreground
             .output()
@@ -118,7 +118,7 @@ impl<N: ServiceNumber> Machine<N> {
             .map(commanded);
         let angles = home_angles();
         Self {
-            rig,
+            bench,
             parameters,
             truth: [0, 1, 2].map(|i| angles[i] + offset[i]),
             defects: [Defect::None; 3],
@@ -163,18 +163,18 @@ impl<N: ServiceNumber> Machine<N> {
 
     /// One tick of service and motors; what holds after any.
     pub(super) fn tick(&mut self) -> Output<N> {
-        self.rig.inputs = [self.input(0), self.input(1), self.input(2)];
+        self.bench.inputs = [self.input(0), self.input(1), self.input(2)];
         let rates = self
-            .rig
+            .bench
             .service
             .foreground
             .output()
             .motors
             .each_ref()
             .map(|m| m.rate.to_f64());
-        let output = self.rig.tick();
-        let shift = self.rig.service.foreground.shift();
-        let state = self.rig.service.foreground.state();
+        let output = self.bench.tick();
+        let shift = self.bench.service.foreground.shift();
+        let state = self.bench.service.foreground.state();
         for i in 0..3 {
             let (motor, limits) = (&output.motors[i], &self.parameters.motors[i]);
             let angle = N::angle_to_f64(motor.angle);
@@ -218,22 +218,22 @@ impl<N: ServiceNumber> Machine<N> {
     pub(super) fn until(&mut self, state: State) {
         for ticks in 0..20_000 {
             self.tick();
-            if self.rig.service.foreground.state() == state {
+            if self.bench.service.foreground.state() == state {
                 // So that the host has heard of it.
-                self.rig.status();
+                self.bench.status();
                 return;
             }
             if ticks % 100 == 0 {
-                self.rig.ask(Command::Status);
+                self.bench.ask(Command::Status);
             }
         }
-        panic!("never {state:?}, but {:?}", self.rig.status());
+        panic!("never {state:?}, but {:?}", self.bench.status());
     }
 
     /// Homes the machine, to idle.
     #[track_caller]
     pub(super) fn home(&mut self) {
-        self.rig.done(Command::Home);
+        self.bench.done(Command::Home);
         self.until(State::Idle);
     }
 
@@ -250,7 +250,7 @@ impl<N: ServiceNumber> Machine<N> {
             // At the closing, the motor may be up to a tick beyond.
             assert!(error.abs() <= resolution + 1e-6, "motor {i}: {error}");
         }
-        let status = self.rig.status();
+        let status = self.bench.status();
         assert_eq!(status.end.map(|end| end.pose), Some(home()));
         let geometry = Geometry::<N>::build(&example()).unwrap();
         let there = geometry.motor_angles(&geometry.position(&home()).unwrap());

@@ -82,7 +82,7 @@ fn homes<N: ServiceNumber>(contact: Contact, debounce: u16, motors: [(HomingMoto
         let resolution = 1.05 * PERIOD_S * machine.parameters.motors[i].latch_rate_rad_s;
         assert!(error.abs() <= resolution + 1e-6, "motor {i}: {error}");
     }
-    assert_eq!(machine.rig.status().end.map(|end| end.pose), Some(home()));
+    assert_eq!(machine.bench.status().end.map(|end| end.pose), Some(home()));
 }
 
 proptest! {
@@ -116,22 +116,22 @@ proptest! {
                 6 => Command::Start,
                 _ => {
                     let code = trirrr_protocol::message::FaultCode::Board;
-                    machine.rig.service.foreground.raise(code, None, 0.0, 0.0);
+                    machine.bench.service.foreground.raise(code, None, 0.0, 0.0);
                     Command::Status
                 }
             };
-            machine.rig.ask(command);
+            machine.bench.ask(command);
             for _ in 0..ticks {
                 machine.tick();
             }
         }
-        machine.rig.ask(Command::Stop);
+        machine.bench.ask(Command::Stop);
         for _ in 0..200 {
             machine.tick();
         }
-        machine.rig.ask(Command::ClearFault);
+        machine.bench.ask(Command::ClearFault);
         machine.tick();
-        let stopped = machine.rig.service.foreground.state();
+        let stopped = machine.bench.service.foreground.state();
         prop_assert!(stopped.is_at_rest(), "{stopped:?}");
         // Wherever that is, it is not far behind a switch.
         machine.home();

@@ -11,7 +11,7 @@ use trirrr_core::tick::Motor;
 use trirrr_protocol::message::{Move, State, Telemetry, Transmit};
 
 /// Watches one job.
-pub struct Witness<N: Transmit> {
+pub struct TrajectoryChecker<N: Transmit> {
     segments: Vec<Segment<N>>,
     /// Ticks of the job before each move, and of the whole job.
     starts: Vec<u64>,
@@ -41,7 +41,7 @@ struct Before {
     levels: Vec<u32>,
 }
 
-impl<N: Transmit> Witness<N> {
+impl<N: Transmit> TrajectoryChecker<N> {
     /// Of a job of `moves`, the first of which the machine calls `base`, on a machine that takes
     /// `ramp` ticks from normal speed to rest and ticks every `period`.
     pub fn new(moves: &[Move<N>], base: u32, ramp: u16, period: N::Factor) -> Self {
@@ -379,11 +379,11 @@ mod tests {
     }
 
     fn watch(job: &[Move<f64>], samples: &[Telemetry<f64>]) -> Result<(), String> {
-        let mut witness = Witness::new(job, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ);
+        let mut checker = TrajectoryChecker::new(job, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ);
         for sample in samples {
-            witness.see(sample, motors)?;
+            checker.see(sample, motors)?;
         }
-        witness.complete()
+        checker.complete()
     }
 
     #[test]
