@@ -220,6 +220,19 @@ pub(crate) fn checked_in<Row: DeserializeOwned>(name: &str) -> Result<Vec<Row>> 
     Ok(read(name)?.rows)
 }
 
+/// Fails if a ceiling is of nothing that is checked in as `name`: a word that is mistyped would hold nothing.
+#[cfg(test)]
+pub(crate) fn expect_measured<Row: BudgetRow>(name: &str, ceilings: &[Ceiling]) {
+    let rows: Vec<Row> = checked_in(name).expect("the file of figures");
+    for ceiling in ceilings {
+        let measured = rows.iter().any(|row| {
+            let mut figures = row.figures().into_iter();
+            ceiling.is_of(&row.key()) && figures.any(|(figure, _)| figure == ceiling.figure)
+        });
+        assert!(measured, "{}: {}", ceiling.key, ceiling.figure);
+    }
+}
+
 /// Checks `rows` in as `name`. Rows of what was not measured stay, unless `everything` was.
 fn bless<Row: BudgetRow>(name: &str, mut rows: Vec<Row>, everything: bool) -> Result<()> {
     let file = file(name);

@@ -2,6 +2,7 @@
 
 use crate::boards::{RP2040_SCENE, RP2040_TARGET};
 use crate::cores::CORES;
+use crate::image::RUN_BEGAN;
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
@@ -9,6 +10,7 @@ use crate::steps::{self, Step};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
+use std::time::SystemTime;
 
 /// Targets that the libraries without `std` have to compile for although nothing runs there: with and without
 /// an FPU, ARM and not.
@@ -26,7 +28,13 @@ const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
 pub(crate) fn run() -> Result<()> {
     check_tools()?;
-    steps::run(steps()?)
+    let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?;
+    let mut steps = steps()?;
+    for step in &mut steps {
+        // An image that the sizes were measured of is not built again to be emulated.
+        step.command.env(RUN_BEGAN, began.as_secs().to_string());
+    }
+    steps::run(steps)
 }
 
 /// Looks for the tools before any step: a check that is skipped cannot fail.

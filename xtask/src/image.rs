@@ -4,10 +4,11 @@ use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
 use crate::repository::{SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
+use std::time::{Duration, SystemTime};
+use std::{env, fs};
 use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::{NumberType, Scene};
 
@@ -22,6 +23,9 @@ pub(crate) fn scalars(scene: &Scene) -> Vec<&'static str> {
         number => vec![of_scene(number)],
     }
 }
+
+/// Variable of the environment: when a run of many chores began, in seconds since 1970. Its chores share images.
+pub(crate) const RUN_BEGAN: &str = "TRIRRR_RUN_BEGAN";
 
 /// Held from Cargo's start until its images are copied: the next build overwrites them.
 static BUILDING: Mutex<()> = Mutex::new(());
@@ -151,22 +155,32 @@ fn build_together(
     }
     configure(&mut cargo);
     let names: Vec<String> = images.iter().map(|image| image.name() + suffix).collect();
+    let directory = target_directory().join("images");
+    let copies: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
+    if copies.iter().all(|copy| is_of_this_run(copy)) {
+        return Ok(copies);
+    }
     eprintln!("building {}", names.join(", "));
     let status = cargo.status().context("cargo cannot be run")?;
     ensure!(status.success(), "{} does not build", names.join(" or "));
 
-    let directory = target_directory().join("images");
     fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
-    let mut kept = Vec::new();
-    for (image, name) in images.iter().zip(names) {
+    for (image, copy) in images.iter().zip(&copies) {
         let built = target_directory().join(image.target).join(PROFILE);
         let built = built.join(image.binary);
-        let copy = directory.join(name);
         // A board may be booting from an earlier copy: the new one takes its place in one step.
         let new = copy.with_extension("new");
         fs::copy(&built, &new).with_context(|| built.display().to_string())?;
-        fs::rename(&new, &copy).with_context(|| copy.display().to_string())?;
-        kept.push(copy);
+        fs::rename(&new, copy).with_context(|| copy.display().to_string())?;
     }
-    Ok(kept)
+    Ok(copies)
+}
+
+/// Returns true if `image` was built since a run of many chores began that says so in [`RUN_BEGAN`]: no source
+/// changes during such a run.
+fn is_of_this_run(image: &Path) -> bool {
+    let began = env::var(RUN_BEGAN).ok().and_then(|text| text.parse().ok());
+    let began = began.map(|seconds| SystemTime::UNIX_EPOCH + Duration::from_secs(seconds));
+    let built = fs::metadata(image).and_then(|image| image.modified());
+    matches!((began, built), (Some(began), Ok(built)) if built >= began)
 }

@@ -179,6 +179,11 @@ fn measure_one(
 mod tests {
     use super::*;
 
+    #[test]
+    fn every_ceiling_is_of_something_that_is_measured() {
+        crate::budget::expect_measured::<InsnsRow>("insns", &CEILINGS);
+    }
+
     fn row(max: f64) -> InsnsRow {
         InsnsRow {
             core: "m4f".into(),

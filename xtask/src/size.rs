@@ -153,6 +153,11 @@ fn hold_order(rows: &[SizeRow]) -> Result<()> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn every_ceiling_is_of_something_that_is_measured() {
+        crate::budget::expect_measured::<SizeRow>("size", &CEILINGS);
+    }
+
     fn row(scene: &str, flash: u64, ram: u64) -> SizeRow {
         SizeRow {
             image: "core".into(),
