@@ -14,7 +14,6 @@ use crate::{parallel, qemu, reference};
 use anyhow::{Context, Result, ensure};
 use counts::Counts;
 use serde::{Deserialize, Serialize};
-use service::ServiceFigures;
 use std::path::Path;
 use trirrr_scene::Scene;
 
@@ -60,8 +59,17 @@ pub(crate) struct InsnsRow {
     setpoint_max: f64,
     /// Position of one RRR dyad as two vectors, without angles: the longest.
     dyad_max: f64,
-    #[serde(flatten)]
-    service: Option<ServiceFigures>,
+    /// The tick of the service with a sample in each, where there is a service: while it plays the job,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    service_mean: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    service_max: Option<f64>,
+    /// with holds and resumes all along the job, the longest,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    service_held_max: Option<f64>,
+    /// and while it homes the machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    service_homing_max: Option<f64>,
     /// Checksum of all results, the same on the host.
     bits: String,
 }
@@ -170,7 +178,10 @@ fn measure_one(
         setpoint_mean: setpoint.mean,
         setpoint_max: setpoint.max,
         dyad_max: counts.spread("tick", 2)?.max,
-        service,
+        service_mean: service.as_ref().map(|service| service.mean),
+        service_max: service.as_ref().map(|service| service.max),
+        service_held_max: service.as_ref().map(|service| service.held_max),
+        service_homing_max: service.and_then(|service| service.homing_max),
         bits: format!("{:016x}", counts.bits),
     })
 }
@@ -196,7 +207,10 @@ mod tests {
             setpoint_mean: 41.5,
             setpoint_max: 43.0,
             dyad_max: 50.0,
-            service: None,
+            service_mean: None,
+            service_max: None,
+            service_held_max: None,
+            service_homing_max: None,
             bits: "00000000000000ff".into(),
         }
     }
@@ -204,12 +218,8 @@ mod tests {
     #[test]
     fn no_tick_of_the_service_in_f32_may_exceed_its_ceiling() {
         for (in_homing, allowed) in [(1500.0, true), (1501.0, false)] {
-            let service = ServiceFigures {
-                service_homing_max: Some(in_homing),
-                ..ServiceFigures::default()
-            };
             let homed = InsnsRow {
-                service: Some(service),
+                service_homing_max: Some(in_homing),
                 ..row(500.0)
             };
             let held = hold_ceilings(std::slice::from_ref(&homed), &CEILINGS);

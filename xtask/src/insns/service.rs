@@ -6,19 +6,17 @@ use crate::image::Image;
 use crate::qemu;
 use crate::repository::SceneFile;
 use anyhow::{Context, Result, ensure};
-use serde::{Deserialize, Serialize};
 
 /// Instructions of the service's ticks, with a sample in each.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct ServiceFigures {
     /// While it plays the job.
-    pub(super) service_mean: f64,
-    pub(super) service_max: f64,
+    pub(super) mean: f64,
+    pub(super) max: f64,
     /// Its longest tick with holds and resumes all along the job.
-    pub(super) service_held_max: f64,
+    pub(super) held_max: f64,
     /// Its longest tick while it homes the machine, where the scene has homing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) service_homing_max: Option<f64>,
+    pub(super) homing_max: Option<f64>,
 }
 
 /// Links the tick without a panic in it, then counts it under QEMU. `bits`: checksum of the job's
@@ -48,10 +46,10 @@ fn parse(printed: &str, units: f64, bits: u64) -> Result<ServiceFigures> {
     );
     let job = counts.spread("tick", 0)?;
     Ok(ServiceFigures {
-        service_mean: job.mean,
-        service_max: job.max,
-        service_held_max: counts.spread("held", 0)?.max,
-        service_homing_max: counts.spread("homing", 0).ok().map(|homing| homing.max),
+        mean: job.mean,
+        max: job.max,
+        held_max: counts.spread("held", 0)?.max,
+        homing_max: counts.spread("homing", 0).ok().map(|homing| homing.max),
     })
 }
 
@@ -63,13 +61,13 @@ mod tests {
     fn reads_both_runs_and_compares_the_bits() {
         let printed = "empty 64\ntick 704\ntick 640\nheld 1280\nbits ff\n";
         let service = parse(printed, 6.4, 255).expect("well formed");
-        assert_eq!((service.service_mean, service.service_max), (95.0, 100.0));
-        assert_eq!(service.service_held_max, 190.0);
-        assert!(service.service_homing_max.is_none());
+        assert_eq!((service.mean, service.max), (95.0, 100.0));
+        assert_eq!(service.held_max, 190.0);
+        assert!(service.homing_max.is_none());
         let homed = printed.replace("tick 704", "homing 1344\nhoming 704\ntick 704");
         let service = parse(&homed, 6.4, 255).expect("well formed");
-        assert_eq!(service.service_homing_max, Some(200.0));
-        assert_eq!(service.service_max, 100.0);
+        assert_eq!(service.homing_max, Some(200.0));
+        assert_eq!(service.max, 100.0);
         let error = parse(printed, 6.4, 254).expect_err("other bits");
         assert!(error.to_string().contains("without a service"), "{error}");
         assert!(parse("error: no room\n", 6.4, 0).is_err());
