@@ -1,13 +1,13 @@
 //! Millions of ticks through the service in one run: the engraving job and the way back, over and
 //! over, held and resumed in between. Every tick is where whole numbers say it is.
 
-use trirrr_client::job;
 use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
     Acting, Command, Message, Move, Refusal, Reply, Request, State, Telemetry,
 };
+use trirrr_scene::offer;
 use trirrr_scene::{self as scene, JobPlayer, Scene};
 
 /// Ticks between a request and the next; the scene's host may be silent for 1000.
@@ -118,7 +118,7 @@ fn ten_million_ticks_end_where_whole_numbers_say() {
 /// Plays rounds of the job for at least `ticks`.
 fn play(ticks: u64) {
     let scene = there_and_back();
-    let cycle: Vec<Move<f32>> = job::moves(&scene, &Units::SI);
+    let cycle: Vec<Move<f32>> = offer::moves(&scene, &Units::SI);
     let player = JobPlayer::<f32>::new(&scene.job, scene.period_s());
     let ticks_of_cycle = u64::from(player.ticks());
     let starts: Vec<u64> = cycle

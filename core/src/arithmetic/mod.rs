@@ -114,6 +114,17 @@ pub trait Arithmetic:
     fn atan2(y: Self, x: Self) -> Self::Angle;
     /// `false` for infinities and for values that are not numbers.
     fn is_finite(self) -> bool;
+    /// `false` for angles that are infinite or not numbers.
+    #[inline(always)]
+    fn angle_is_finite(angle: Self::Angle) -> bool {
+        Self::radians(angle).is_finite()
+    }
+    /// `angle` less the whole turns of `of`, where both are exact; `angle` itself where turns are rounded, as with
+    /// floats.
+    #[inline(always)]
+    fn without_turns(angle: Self::Angle, _of: Self::Angle) -> Self::Angle {
+        angle
+    }
     /// `true` if the next stage's products and sums of `values` stay in range. Always `true` where
     /// a value out of range [propagates](Self::PROPAGATES_NON_FINITE).
     #[inline(always)]

@@ -10,9 +10,9 @@ use std::env;
 use std::error::Error;
 use std::time::{Duration, Instant};
 use trirrr_client::transport::{self, Address, Frames};
-use trirrr_client::{Action, JobClient, Patience, job, local};
+use trirrr_client::{Action, JobClient, Patience, local};
 use trirrr_protocol::message::Message;
-use trirrr_scene::Scene;
+use trirrr_scene::{Scene, offer};
 
 /// Bits per second of a serial port.
 const BAUD: u32 = 921_600;
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::read(file)?;
     // The number type is that of the scene's image; `f64` is what `trirrr device` takes by default.
     let units = trirrr_scene::units::<f64>(&scene)?;
-    let moves = job::moves::<f64>(&scene, &units);
+    let moves = offer::moves::<f64>(&scene, &units);
     let hello = local::hello::<f64>(&scene);
 
     let address: Address = port.parse()?;

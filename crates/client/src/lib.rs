@@ -18,7 +18,6 @@
 pub mod describe;
 pub mod exchange;
 mod failure;
-pub mod job;
 mod job_client;
 pub mod local;
 pub mod records;

@@ -1,7 +1,6 @@
 //! Machine in the same program: the service of a scene behind one object. The scene names its model at
 //! run time, the types of the service name the model at compile time.
 
-use crate::job;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Model, ModelVisitor};
@@ -11,6 +10,7 @@ use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
+use trirrr_scene::offer;
 use trirrr_service::{
     Adjustable, Channels, Homing, HomingCoefficients, Played, Service, ServiceError, ServiceNumber,
     Settings, WithHoming,
@@ -111,7 +111,7 @@ fn build<N: ServiceNumber, T>(
     let described = Described {
         parameters: units.parameters(&scene.parameters),
         limits: units.limits(&scene.limits),
-        start: job::pose(&units.pose(&scene.job.start)),
+        start: offer::pose(&units.pose(&scene.job.start)),
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {

@@ -1,26 +1,20 @@
 //! Checks that a job can be driven: every pose within reach and away from singularity, and every
-//! move admitted as the service would admit it, in `f64`.
+//! move admitted by the service's own judgement.
 
-use crate::Scene;
 use crate::job::{JobMove, PlacedJob};
+use crate::judge::{Objection, Unjudged, judge};
 use crate::player::segment;
-use crate::read::Document;
+use crate::read::{Document, Place};
+use crate::{NumberType, Scene};
 use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
-use trirrr_core::limits::{self, LimitParameters};
+use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Geometry, Parameters};
-use trirrr_core::model::Dynamic;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
-use trirrr_core::torque::links::{InPlane, Massive};
-use trirrr_core::torque::payload::Offset;
-use trirrr_protocol::message::{self, Bounded, Violation};
-use trirrr_service::admission::{Admission, Verdict};
-
-/// Admission with room for whatever a scene may hold.
-type AnyAdmission = Admission<Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>>;
+use trirrr_protocol::message::{Bounded, Violation};
 
 /// Means to measure a pose with.
 struct Workspace<'p> {
@@ -28,8 +22,8 @@ struct Workspace<'p> {
     limits: &'p LimitParameters,
     geometry: Geometry<f64>,
     distances: Distances<f64>,
-    admission: AnyAdmission,
     period_s: f64,
+    number: NumberType,
 }
 
 /// Refuses every pose and every move of `placed` that the machine and the limits of `scene` do not
@@ -42,65 +36,62 @@ pub(crate) fn check_job(
     document: &Document,
     scene: &Scene,
     placed: &PlacedJob,
+    number: &Place,
     geometry: Geometry<f64>,
 ) -> Result<(), BuildError> {
     let (parameters, limits) = (&scene.parameters, &scene.limits);
-    let period_s = scene.period_s();
-    let mut workspace = Workspace {
+    let workspace = Workspace {
         parameters,
         limits,
         geometry,
         distances: Distances::build(parameters),
-        admission: AnyAdmission::build(
-            parameters,
-            limits::Limits::build(limits)?,
-            scene.ramp_ticks(),
-            period_s,
-        )?,
-        period_s,
+        period_s: scene.period_s(),
+        number: scene.number,
     };
-    let mut from = workspace.check(&placed.job.start);
-    if let Err(reason) = &from {
-        document.refuse(&placed.start, reason);
-    }
-    for (each, place) in placed.job.moves.iter().zip(&placed.moves) {
-        let to = workspace.check(&each.to);
-        if let Err(reason) = &to {
-            document.refuse(&place.to, reason);
+    let is_allowed = |pose: &Pose<f64>, place: &Place| {
+        let checked = workspace.check(pose);
+        if let Err(reason) = &checked {
+            document.refuse(place, reason);
         }
-        if let (Ok(()), Ok(())) = (&from, &to)
-            && let Err(reason) = workspace.check_between(each)
-        {
-            document.refuse(&place.whole, reason);
+        checked.is_ok()
+    };
+    let moves = || placed.job.moves.iter().zip(&placed.moves);
+    let mut allowed = vec![is_allowed(&placed.job.start, &placed.start)];
+    allowed.extend(moves().map(|(each, place)| is_allowed(&each.to, &place.to)));
+    let objections = match judge(scene, scene.number) {
+        Ok(objections) => objections,
+        Err(Unjudged::Machine(error)) => return Err(error),
+        // The job has to be good before its units can be chosen.
+        Err(Unjudged::Range(_)) if allowed.contains(&false) => return Ok(()),
+        Err(Unjudged::Range(error)) => {
+            document.refuse(number, error.to_string());
+            return Ok(());
         }
-        from = to;
+    };
+    let ends = allowed.windows(2);
+    for (((each, place), objection), ends) in moves().zip(objections).zip(ends) {
+        if let (Some(objection), &[true, true]) = (objection, ends) {
+            document.refuse(&place.whole, workspace.objection(each, &objection));
+        }
     }
     Ok(())
 }
 
-/// The move as a host would offer it.
-fn offered(each: &JobMove) -> message::Move<f64> {
-    message::Move {
-        number: 0,
-        from: each.from,
-        to: each.to,
-        start_velocity: each.start_velocity.into(),
-        end_velocity: each.end_velocity.into(),
-        ticks: each.duration_ticks,
-        tool_power: 0.0,
-        tool_speed: 0.0,
-    }
-}
-
 impl Workspace<'_> {
-    /// Judges a move whose ends are allowed, as the service would when it is offered.
-    fn check_between(&mut self, each: &JobMove) -> Result<(), String> {
-        self.admission.offer(&offered(each));
-        let violation = loop {
-            match self.admission.step() {
-                Verdict::Undecided => {}
-                Verdict::Refused(violation) => break violation,
-                Verdict::Admitted | Verdict::Nothing => return Ok(()),
+    /// Describes why the service does not play a move.
+    fn objection(&self, each: &JobMove, objection: &Objection) -> String {
+        let number = self.number;
+        let violation = match objection {
+            Objection::Limit(violation) => violation,
+            Objection::NotFinite => return format!("a value is beyond the range of {number}"),
+            Objection::Duration(longest) => {
+                return format!(
+                    "{} ticks; a move lasts {longest} at most",
+                    each.duration_ticks
+                );
+            }
+            Objection::Tool => {
+                return format!("power and speed of the tool cannot be told from zero in {number}");
             }
         };
         let (period_s, ticks) = (self.period_s, each.duration_ticks);
@@ -111,13 +102,13 @@ impl Workspace<'_> {
         let mut reason = format!(
             "{}: {}",
             instant(time_s, &pose),
-            self.broken(&violation, &pose)
+            self.broken(violation, &pose)
         );
         if let Some(shortest) = violation.shortest {
             let shortest_s = short(f64::from(shortest) * period_s);
             reason += &format!("; {shortest} ticks ({shortest_s} s) would be long enough");
         }
-        Err(reason)
+        reason
     }
 
     /// Describes what a move breaks at `pose`.
@@ -140,7 +131,14 @@ impl Workspace<'_> {
                     "parallel singularity: distance {value}, the least allowed is {limit}"
                 );
             }
-            Bounded::Range => return "a result beyond the range of the number type".into(),
+            Bounded::Range if violation.index == Some(2) => {
+                let (value, limit) = (short(violation.value), short(violation.limit));
+                return format!(
+                    "alpha of {value} rad: beyond {limit} rad {} rounds an angle by more than 1e-4 rad",
+                    self.number
+                );
+            }
+            Bounded::Range => return format!("a result beyond the range of {}", self.number),
             Bounded::Rate => ("rate", "rad/s"),
             Bounded::Acceleration => ("acceleration", "rad/s^2"),
             Bounded::Torque => ("torque", "N m"),

@@ -159,10 +159,10 @@ impl Scene {
         let read = with_root(&document, text, |root| {
             read_scene(&document, root, key(text.as_bytes()))
         });
-        let Some((scene, placed, homing, legs)) = read.filter(|_| document.is_clean()) else {
+        let Some((scene, placed, homing, places)) = read.filter(|_| document.is_clean()) else {
             return Err(document.into_error(file));
         };
-        check_machine(&document, &scene, &placed, homing.as_ref(), &legs);
+        check_machine(&document, &scene, &placed, homing.as_ref(), &places);
         match document.is_clean() {
             true => Ok(scene),
             false => Err(document.into_error(file)),
@@ -198,7 +198,7 @@ fn read_scene(
     document: &Document,
     root: &Section,
     key: u32,
-) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Place)> {
+) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Places)> {
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
     let (slowest, fastest) = TICK_RATE_HZ;
@@ -246,11 +246,20 @@ fn read_scene(
         job: placed.job.clone(),
         plant,
     };
-    let legs = Place {
-        value: None,
-        ..root.place_of("machine")
+    let places = Places {
+        legs: Place {
+            value: None,
+            ..root.place_of("machine")
+        },
+        number: root.place_of("number"),
     };
-    Some((scene, placed, homing, legs))
+    Some((scene, placed, homing, places))
+}
+
+/// Places in the file at which the machine and its number type are refused.
+struct Places {
+    legs: Place,
+    number: Place,
 }
 
 /// Refuses what asks for torques in a scene that computes none.
@@ -295,7 +304,7 @@ fn check_machine(
     scene: &Scene,
     placed: &PlacedJob,
     homing: Option<&PlacedHoming>,
-    legs: &Place,
+    Places { legs, number }: &Places,
 ) {
     let geometry = match Geometry::<f64>::build(&scene.parameters) {
         Ok(geometry) => geometry,
@@ -305,7 +314,7 @@ fn check_machine(
         let reason = "the three platform joints fall together: nothing holds the platform's angle";
         return document.refuse(legs, reason);
     }
-    if let Err(error) = check_job(document, scene, placed, geometry) {
+    if let Err(error) = check_job(document, scene, placed, number, geometry) {
         document.refuse(legs, error.to_string());
     }
     if let Some(homing) = homing {

@@ -148,10 +148,16 @@ fn moves_that_leave_the_reach_between_their_poses() {
 }
 
 #[test]
-fn a_move_of_a_year_is_checked_in_moderate_time() {
-    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 31536000");
+fn the_longest_move_is_checked_in_moderate_time() {
+    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 1263225.67");
+    let found = problems(&text);
+    assert_eq!(
+        found[0].reason,
+        "126322567 ticks; a move lasts 126322566 at most"
+    );
+    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 1263225.66");
     let scene = Scene::parse(&text, "slow.toml").unwrap();
-    assert_eq!(scene.ticks(), 3_153_600_000);
+    assert_eq!(scene.ticks(), 126_322_566);
     let text = edit(
         &text,
         "alpha_rad = 0.20943951023931953",

@@ -50,7 +50,7 @@ mod settings;
 mod tests;
 mod tool;
 
-pub use background::Background;
+pub use background::{Background, check_offer, longest_move};
 pub use channels::{Channels, ServiceError};
 pub use coefficients::Coefficients;
 pub use foreground::{Foreground, Output};

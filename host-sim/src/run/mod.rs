@@ -23,7 +23,6 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 use trirrr_client::describe::Units;
-use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::runner::{JobRunner, PlayedTick};
@@ -32,6 +31,7 @@ use trirrr_drives::stepper::Line;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
+use trirrr_scene::offer;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
@@ -149,7 +149,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let moves = job::moves::<N>(scene, &units);
+    let moves = offer::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();

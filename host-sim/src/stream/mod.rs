@@ -19,7 +19,6 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use trirrr_client::describe::Units;
-use trirrr_client::job;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
@@ -30,6 +29,7 @@ use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
+use trirrr_scene::offer;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
 
@@ -60,7 +60,7 @@ fn stream<N: ServiceNumber>(
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let moves = job::moves::<N>(scene, &units);
+    let moves = offer::moves::<N>(scene, &units);
     let units = Units::of_scene(scene, &units);
     let before = scene.job.moves.iter().scan(0, |sum, each| {
         let before = *sum;

@@ -1,7 +1,6 @@
 //! What the host computes for a scene: its machine, and its own service playing the job.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use trirrr_client::job;
 use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
@@ -9,6 +8,7 @@ use trirrr_core::units::Units;
 use trirrr_image::RuledSwitches;
 use trirrr_protocol::message::{Command, Hello, Message, Move, Reply, Request, State, Telemetry};
 use trirrr_scene::Scene;
+use trirrr_scene::offer;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_service::HomingCoefficients;
 use trirrr_service::ServiceNumber;
@@ -37,7 +37,7 @@ impl<N: ServiceNumber> Expected<N> {
 
     /// The moves of the scene's job, numbered from 0.
     pub(crate) fn moves(&self) -> Vec<Move<N>> {
-        job::moves(&self.scene, &self.units)
+        offer::moves(&self.scene, &self.units)
     }
 
     /// What a setpoint asks of the motors.

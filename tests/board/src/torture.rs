@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_client::job;
 use trirrr_protocol::message::{Move, State};
+use trirrr_scene::offer;
 use trirrr_service::ServiceNumber;
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
@@ -100,5 +100,5 @@ fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<
             tool: None,
         })
         .collect();
-    job::moves(&scene, &expected.units)
+    offer::moves(&scene, &expected.units)
 }

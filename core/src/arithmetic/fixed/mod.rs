@@ -233,6 +233,19 @@ impl Arithmetic for Fixed {
         Self(raw.clamp(i32::MIN.into(), i32::MAX.into()) as i32)
     }
 
+    /// Every angle is one: radians would saturate at 4.
+    #[inline(always)]
+    fn angle_is_finite(_: Turns) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn without_turns(angle: Turns, of: Turns) -> Turns {
+        // To the nearest turn, so that what is within half a turn stays as it is.
+        let whole = of.0.wrapping_add(1 << 31) & !0xffff_ffff;
+        Turns(angle.0.saturating_sub(whole))
+    }
+
     fn ratio(numerator: u32, denominator: u32) -> Self {
         Self::ONE.scaled(Self::quotient(numerator, denominator))
     }

@@ -55,6 +55,9 @@ pub(super) fn beyond<N: Transmit>(
 /// Describes the limit that a move of `ticks` would break, and the time within the move.
 pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Units) -> String {
     let values = [violation.value, violation.limit];
+    if let (Bounded::Range, Some(index)) = (violation.what, violation.index) {
+        return coordinate(index, values);
+    }
     let mut text = beyond(violation.what, violation.index, "would be", values, units);
     let fraction = violation.at.to_f64();
     let time = fraction * f64::from(ticks) / units.tick_rate_hz;
@@ -68,9 +71,40 @@ pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Unit
     text
 }
 
+/// Describes a coordinate of a move that its number type cannot hold well enough. For an angle `limit` is where
+/// its rounding becomes too large.
+fn coordinate<N: Transmit>(index: u8, [value, limit]: [N; 2]) -> String {
+    match index {
+        2 => format!(
+            "alpha would be {} rad, the most that the number type holds to 1e-4 rad is {} rad",
+            short(value.to_f64()),
+            short(limit.to_f64())
+        ),
+        0 => "x is beyond the range of the number type".into(),
+        _ => "y is beyond the range of the number type".into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn too_many_turns_are_a_matter_of_alpha() {
+        let found = Violation {
+            what: Bounded::Range,
+            index: Some(2),
+            at: 0.0f32,
+            value: 1696.67,
+            limit: 1677.72,
+            ramp: false,
+            shortest: None,
+        };
+        assert_eq!(
+            violation(&found, 100, &Units::si(100.0)),
+            "alpha would be 1697 rad, the most that the number type holds to 1e-4 rad is 1678 rad"
+        );
+    }
 
     #[test]
     fn a_violation_names_what_which_when_value_limit_and_the_way_out() {

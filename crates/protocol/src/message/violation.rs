@@ -5,6 +5,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::status::Status;
+use trirrr_core::units::Units;
 
 /// A quantity that has a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -46,6 +47,29 @@ pub struct Violation<N: Number> {
     pub ramp: bool,
     /// The shortest duration in ticks that would pass, where the move is merely too fast.
     pub shortest: Option<u32>,
+}
+
+impl<N: Number> Violation<N> {
+    /// Returns the same violation in SI units; its values are in `units`.
+    pub fn in_si(&self, units: &Units) -> Violation<f64> {
+        let unit = match self.what {
+            Bounded::Reach => units.length_m(),
+            Bounded::Rate => units.rate_rad_s(),
+            Bounded::Acceleration => units.rate_rad_s() * units.rate_rad_s(),
+            Bounded::Torque => units.torque_nm(),
+            Bounded::Power => units.power_w(),
+            Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => 1.0,
+        };
+        Violation {
+            what: self.what,
+            index: self.index,
+            at: self.at.to_f64(),
+            value: self.value.to_f64() * unit,
+            limit: self.limit.to_f64() * unit,
+            ramp: self.ramp,
+            shortest: self.shortest,
+        }
+    }
 }
 
 /// A latched fault.

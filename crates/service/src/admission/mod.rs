@@ -150,6 +150,17 @@ impl<M: Model<N: Enclose>> Admission<M> {
     /// many turns that its error exceeds 1e-4 rad. The violation names the coordinate. The violation for a
     /// duration of zero ticks names none.
     pub fn offer(&mut self, offered: &Move<M::N>) {
+        // Bounds of many turns would be as wide as their rounding: where turns are exact, only the rest counts.
+        let turns = offered.from.angle;
+        let without = |pose: &Pose<M::N>| Pose {
+            angle: <M::N>::without_turns(pose.angle, turns),
+            ..*pose
+        };
+        let offered = &Move {
+            from: without(&offered.from),
+            to: without(&offered.to),
+            ..*offered
+        };
         let ends = Ends {
             from: offered.from,
             to: offered.to,

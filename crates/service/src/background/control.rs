@@ -129,8 +129,8 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         pose: &Pose<N>,
         ticks: u32,
     ) -> Result<JointMove<N>, Refusal<N>> {
-        let numbers = [pose.position.x, pose.position.y, N::radians(pose.angle)];
-        if !numbers.iter().all(|number| number.is_finite()) {
+        let (x, y) = (pose.position.x, pose.position.y);
+        if !(x.is_finite() && y.is_finite() && N::angle_is_finite(pose.angle)) {
             return Err(Refusal::NotFinite);
         }
         if ticks == 0 {

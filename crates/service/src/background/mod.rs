@@ -2,6 +2,8 @@
 
 mod control;
 mod moves;
+
+pub use moves::{check_offer, longest_move};
 mod parts;
 mod receive;
 

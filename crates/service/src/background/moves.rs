@@ -18,10 +18,8 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         self.offered.0.capacity().saturating_sub(waiting).min(255) as u8
     }
 
-    /// The longest move in ticks: as many as fit the queue are counted modulo 2^31 together.
     fn longest(&self) -> u32 {
-        let moves = self.offered.0.capacity() as u32 + 1;
-        (1 << 31) / moves.max(1) - 1
+        longest_move(self.offered.0.capacity())
     }
 
     /// Takes a move to be judged.
@@ -33,17 +31,10 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         }
         // Not known for the moment in which the tick drops its queue.
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
-        if !is_finite(offered) {
-            return Err(Refusal::NotFinite);
-        }
+        check_offer(offered, self.longest())?;
         if offered.number != self.status.next {
             return Err(Refusal::MoveNumber {
                 expected: self.status.next,
-            });
-        }
-        if offered.ticks == 0 || offered.ticks > self.longest() {
-            return Err(Refusal::Duration {
-                longest: self.longest(),
             });
         }
         if offered.from != end.pose {
@@ -51,9 +42,6 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         }
         if offered.start_velocity != <[N; 3]>::from(end.velocity) {
             return Err(Refusal::StartVelocity);
-        }
-        if !Tool::is_one(offered) {
-            return Err(Refusal::Tool);
         }
         if self.room() == 0 || !self.offered.0.send(*offered) {
             return Err(Refusal::QueueFull);
@@ -140,6 +128,30 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     }
 }
 
+/// Returns the longest move in ticks for a queue of `capacity` moves: as many as fit are counted modulo
+/// 2^31 together.
+pub const fn longest_move(capacity: usize) -> u32 {
+    (1 << 31) / (capacity as u32 + 1) - 1
+}
+
+/// Checks what a service asks of an offered move whatever its state, before the admission: finite values,
+/// a duration of 1 to `longest` ticks, a tool that is one.
+///
+/// # Errors
+/// [`Refusal::NotFinite`], [`Refusal::Duration`], [`Refusal::Tool`].
+pub fn check_offer<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refusal<N>> {
+    if !is_finite(offered) {
+        return Err(Refusal::NotFinite);
+    }
+    if offered.ticks == 0 || offered.ticks > longest {
+        return Err(Refusal::Duration { longest });
+    }
+    match Tool::is_one(offered) {
+        true => Ok(()),
+        false => Err(Refusal::Tool),
+    }
+}
+
 /// The move as the tick plays it.
 fn segment<N: Number>(offered: &Move<N>, period: N::Factor) -> Segment<N> {
     let (from, to, ticks) = (offered.from, offered.to, offered.ticks);
@@ -153,9 +165,7 @@ fn segment<N: Number>(offered: &Move<N>, period: N::Factor) -> Segment<N> {
 
 fn is_finite<N: Number>(offered: &Move<N>) -> bool {
     let pose = |pose: &Pose<N>| {
-        pose.position.x.is_finite()
-            && pose.position.y.is_finite()
-            && N::radians(pose.angle).is_finite()
+        pose.position.x.is_finite() && pose.position.y.is_finite() && N::angle_is_finite(pose.angle)
     };
     let all = |values: &[N; 3]| values.iter().all(|value| value.is_finite());
     pose(&offered.from)

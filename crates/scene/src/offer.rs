@@ -1,9 +1,10 @@
-//! Moves of a scene's job, as a client offers them.
+//! Moves of a scene's job, as a client offers them to a service.
 
+use crate::Scene;
+use crate::job::JobMove;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{Move, Transmit};
-use trirrr_scene::{self as scene, Scene};
 
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<Move<N>> {
@@ -17,7 +18,7 @@ pub fn pose<N: Transmit>(pose: &Pose<f64>) -> Pose<N> {
     Pose::from_f64(pose.position.x, pose.position.y, pose.angle)
 }
 
-fn offer<N: Transmit>(each: &scene::JobMove, number: u32) -> Move<N> {
+fn offer<N: Transmit>(each: &JobMove, number: u32) -> Move<N> {
     let (power, speed) = match each.tool {
         Some(tool) => (tool.power, tool.speed_m_s),
         None => (0.0, 0.0),

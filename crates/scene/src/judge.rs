@@ -1,0 +1,108 @@
+//! Judges the moves of a job as the service of the scene would: with its own check of an offer and its own
+//! admission, in the number type, units and model of the scene.
+
+use crate::range::{RangeError, units};
+use crate::{NumberType, Scene, in_number_type, offer};
+use thiserror::Error;
+use trirrr_core::limits::Limits;
+use trirrr_core::machine::BuildError;
+use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::units::Units;
+use trirrr_protocol::message::{Move, Refusal, Violation};
+use trirrr_service::admission::{Admission, Verdict};
+use trirrr_service::{ServiceNumber, check_offer, longest_move};
+
+/// Moves for which every service of a board and of a host has room, at the most.
+const CAPACITY: usize = 16;
+
+/// Reason why a service does not play a move. Values are in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Objection {
+    /// A value is beyond the range of the number type.
+    NotFinite,
+    /// The duration is no tick, or more than these ticks.
+    Duration(u32),
+    /// The tool's power or speed makes no sense in the number type.
+    Tool,
+    /// The move breaks a limit, or cannot be proven to keep it.
+    Limit(Violation<f64>),
+}
+
+/// Reason why no move can be judged.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub(crate) enum Unjudged {
+    /// The machine or a limit is no value of the number type.
+    #[error(transparent)]
+    Machine(#[from] BuildError),
+    /// The machine and its job fit no units of the number type.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+/// Judges each move of `scene` in `number`, wherever the moves before it end. `None` stands for a move that
+/// is played.
+///
+/// # Errors
+/// [`Unjudged`].
+pub(crate) fn judge(scene: &Scene, number: NumberType) -> Result<Vec<Option<Objection>>, Unjudged> {
+    in_number_type!(number, N => judge_in::<N>(scene))
+}
+
+fn judge_in<N: ServiceNumber>(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
+    let units = units::<N>(scene)?;
+    let moves = offer::moves::<N>(scene, &units);
+    let job = OfferedJob {
+        scene,
+        units: &units,
+        moves: &moves,
+    };
+    Ok(scene.model().visit::<N, _>(job)?)
+}
+
+/// Moves of a scene's job in the number type `N`.
+struct OfferedJob<'a, N: ServiceNumber> {
+    scene: &'a Scene,
+    units: &'a Units,
+    moves: &'a [Move<N>],
+}
+
+impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
+    type Output = Result<Vec<Option<Objection>>, BuildError>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        let Self {
+            scene,
+            units,
+            moves,
+        } = self;
+        let mut admission = Admission::<M>::build(
+            &units.parameters(&scene.parameters),
+            Limits::build(&units.limits(&scene.limits))?,
+            scene.ramp_ticks(),
+            units.time(scene.period_s()),
+        )?;
+        let judge = |offered| objection(&mut admission, offered, units);
+        Ok(moves.iter().map(judge).collect())
+    }
+}
+
+fn objection<M: Model<N: ServiceNumber>>(
+    admission: &mut Admission<M>,
+    offered: &Move<M::N>,
+    units: &Units,
+) -> Option<Objection> {
+    match check_offer(offered, longest_move(CAPACITY)) {
+        Ok(()) => {}
+        Err(Refusal::Duration { longest }) => return Some(Objection::Duration(longest)),
+        Err(Refusal::Tool) => return Some(Objection::Tool),
+        Err(_) => return Some(Objection::NotFinite),
+    }
+    admission.offer(offered);
+    loop {
+        match admission.step() {
+            Verdict::Undecided => {}
+            Verdict::Refused(violation) => return Some(Objection::Limit(violation.in_si(units))),
+            Verdict::Admitted | Verdict::Nothing => return None,
+        }
+    }
+}
