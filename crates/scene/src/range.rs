@@ -28,6 +28,9 @@ const RANGE: f64 = Fixed::RANGE;
 /// Bound that a coordinate stays below.
 const NEAR: f64 = 2.75;
 
+/// Turns that an angle holds.
+const MOST_TURNS: f64 = (1_u64 << 31) as f64;
+
 /// Bound of a quantity that a stage only adds to others or subtracts.
 const WIDE: f64 = 2.0 * RANGE;
 
@@ -60,6 +63,7 @@ macro_rules! quantities {
 
 quantities! {
     COORDINATE, "the largest coordinate", "m", [1, 0, 0], NEAR;
+    ALPHA, "alpha", "rad", [0, 0, 0], MOST_TURNS * std::f64::consts::TAU;
     REACH, "the reach of the longest leg", "m", [1, 0, 0], RANGE;
     RADIUS, "the platform's radius", "m", [1, 0, 0], RANGE / 4.0;
     MOMENT_ARM, "a moment arm about a platform joint times a distal link", "m^2", [2, 0, 0], RANGE;
@@ -375,6 +379,7 @@ pub fn units_of_setpoints<'s>(
     for setpoint in setpoints {
         measured.note(Of::COORDINATE, setpoint.pose.position.x);
         measured.note(Of::COORDINATE, setpoint.pose.position.y);
+        measured.note(Of::ALPHA, setpoint.pose.angle);
         if let Some(Ok(motion)) = tick.as_ref().map(|tick| tick.evaluate(setpoint)) {
             measured.motion(setpoint, &motion);
         }
@@ -405,6 +410,8 @@ pub fn units_of_scene(scene: &Scene) -> Result<Units, RangeError> {
         ];
         let angular = [Of::ANGULAR_SHAPE, Of::RATE, Of::ACCELERATION];
         let turn = each.to.angle - each.from.angle;
+        measured.note(Of::ALPHA, each.from.angle);
+        measured.note(Of::ALPHA, each.to.angle);
         measured.curve(linear, t, h.x, [v0.x, v1.x]);
         measured.curve(linear, t, h.y, [v0.y, v1.y]);
         measured.curve(angular, t, turn, [v0.z, v1.z]);

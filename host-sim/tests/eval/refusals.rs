@@ -150,3 +150,24 @@ fn bytes_that_are_no_text_spoil_their_row_only() {
     assert!(rows[1][1].starts_with("invalid: ax_1 = "), "{}", rows[1][1]);
     assert!(rows[1][1].ends_with("is not a number"));
 }
+
+/// Beyond 2^31 turns an angle of fixed point would saturate without a word.
+#[test]
+fn fixed_point_refuses_an_angle_of_more_turns_than_it_counts() {
+    let header = format!("{MACHINE_HEADER},{STATE_HEADER}");
+    let alpha = header.split(',').position(|name| name == "alpha").unwrap();
+    let good = format!("{MACHINE},{STATE}");
+    let rows = ["1e10", "1.4e10", "1e308"].map(|value| {
+        let mut fields: Vec<&str> = good.split(',').collect();
+        fields[alpha] = value;
+        fields.join(",")
+    });
+    let cases = format!("{header}\n{}\n", rows.join("\n"));
+    let (_, rows) = table(NumberType::Fixed, cases.as_bytes());
+    let statuses: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
+    assert!(!statuses[0].contains("alpha"), "{statuses:?}");
+    for status in &statuses[1..] {
+        assert!(status.contains("alpha is 1."), "{status}");
+        assert!(status.contains("rad; in fixed point it may be"), "{status}");
+    }
+}
