@@ -34,6 +34,17 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
+            "reader and machine near limits",
+            "test",
+            &[
+                "--test",
+                "reader_and_machine",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "ten million ticks",
             "test",
             &["--release", "--test", "soak", "--", "--ignored"],
