@@ -8,9 +8,9 @@
 //! port ────> receive(message, now)
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it. [`transport`]
-//! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it. [`job`]
-//! turns a scene's job into moves, [`records`] turns telemetry into records, and [`describe`] says
-//! in words and SI units what a machine reports.
+//! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
+//! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records, and
+//! [`describe`] says in words and SI units what a machine reports.
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
