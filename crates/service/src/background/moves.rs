@@ -31,18 +31,20 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         }
         // Not known for the moment in which the tick drops its queue.
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
-        check_offer(offered, self.longest())?;
+        check_finite(offered)?;
         if offered.number != self.status.next {
             return Err(Refusal::MoveNumber {
                 expected: self.status.next,
             });
         }
+        check_duration(offered, self.longest())?;
         if offered.from != end.pose {
             return Err(Refusal::StartPose);
         }
         if offered.start_velocity != <[N; 3]>::from(end.velocity) {
             return Err(Refusal::StartVelocity);
         }
+        check_tool(offered)?;
         if self.room() == 0 || !self.offered.0.send(*offered) {
             return Err(Refusal::QueueFull);
         }
@@ -140,12 +142,19 @@ pub const fn longest_move(capacity: usize) -> u32 {
 /// # Errors
 /// [`Refusal::NotFinite`], [`Refusal::Duration`], [`Refusal::Tool`].
 pub fn check_offer<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refusal<N>> {
-    if !is_finite(offered) {
-        return Err(Refusal::NotFinite);
+    check_finite(offered)?;
+    check_duration(offered, longest)?;
+    check_tool(offered)
+}
+
+fn check_duration<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refusal<N>> {
+    match offered.ticks {
+        ticks if ticks != 0 && ticks <= longest => Ok(()),
+        _ => Err(Refusal::Duration { longest }),
     }
-    if offered.ticks == 0 || offered.ticks > longest {
-        return Err(Refusal::Duration { longest });
-    }
+}
+
+fn check_tool<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
     match Tool::is_one(offered) {
         true => Ok(()),
         false => Err(Refusal::Tool),
@@ -163,15 +172,16 @@ fn segment<N: Number>(offered: &Move<N>, period: N::Factor) -> Segment<N> {
     Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
 }
 
-fn is_finite<N: Number>(offered: &Move<N>) -> bool {
+fn check_finite<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
     let pose = |pose: &Pose<N>| {
         pose.position.x.is_finite() && pose.position.y.is_finite() && N::angle_is_finite(pose.angle)
     };
     let all = |values: &[N; 3]| values.iter().all(|value| value.is_finite());
-    pose(&offered.from)
+    let finite = pose(&offered.from)
         && pose(&offered.to)
         && all(&offered.start_velocity)
         && all(&offered.end_velocity)
         && offered.tool_power.is_finite()
-        && offered.tool_speed.is_finite()
+        && offered.tool_speed.is_finite();
+    finite.then_some(()).ok_or(Refusal::NotFinite)
 }
