@@ -17,7 +17,7 @@ use trirrr_service::{
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
-const MOVES: usize = 16 + 1;
+const MOVES: usize = offer::CAPACITY + 1;
 
 /// Places of the queue for telemetry samples, which the owner fetches after every tick. One place
 /// stays empty.

@@ -2,7 +2,7 @@
 //! admission, in the number type, units and model of the scene.
 
 use crate::range::{RangeError, units};
-use crate::{NumberType, Scene, in_number_type, offer};
+use crate::{Scene, in_number_type, offer};
 use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::BuildError;
@@ -11,9 +11,6 @@ use trirrr_core::units::Units;
 use trirrr_protocol::message::{Move, Refusal, Violation};
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::{ServiceNumber, check_offer, longest_move};
-
-/// Moves for which every service of a board and of a host has room, at the most.
-const CAPACITY: usize = 16;
 
 /// Reason why a service does not play a move. Values are in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,13 +36,13 @@ pub(crate) enum Unjudged {
     Range(#[from] RangeError),
 }
 
-/// Judges each move of `scene` in `number`, wherever the moves before it end. `None` stands for a move that
+/// Judges each move of `scene`, wherever the moves before it end. `None` stands for a move that
 /// is played.
 ///
 /// # Errors
 /// [`Unjudged`].
-pub(crate) fn judge(scene: &Scene, number: NumberType) -> Result<Vec<Option<Objection>>, Unjudged> {
-    in_number_type!(number, N => judge_in::<N>(scene))
+pub(crate) fn judge(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
+    in_number_type!(scene.number, N => judge_in::<N>(scene))
 }
 
 fn judge_in<N: ServiceNumber>(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
@@ -91,7 +88,7 @@ fn objection<M: Model<N: ServiceNumber>>(
     offered: &Move<M::N>,
     units: &Units,
 ) -> Option<Objection> {
-    match check_offer(offered, longest_move(CAPACITY)) {
+    match check_offer(offered, longest_move(offer::CAPACITY)) {
         Ok(()) => {}
         Err(Refusal::Duration { longest }) => return Some(Objection::Duration(longest)),
         Err(Refusal::Tool) => return Some(Objection::Tool),

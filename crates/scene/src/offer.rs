@@ -6,6 +6,9 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{Move, Transmit};
 
+/// Moves for which the service of a host has room; that of a board has no more. The longest move follows from it.
+pub const CAPACITY: usize = 16;
+
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<Move<N>> {
     let job = scene.job.in_units(units);

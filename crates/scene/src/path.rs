@@ -58,7 +58,7 @@ pub(crate) fn check_job(
     let moves = || placed.job.moves.iter().zip(&placed.moves);
     let mut allowed = vec![is_allowed(&placed.job.start, &placed.start)];
     allowed.extend(moves().map(|(each, place)| is_allowed(&each.to, &place.to)));
-    let objections = match judge(scene, scene.number) {
+    let objections = match judge(scene) {
         Ok(objections) => objections,
         Err(Unjudged::Machine(error)) => return Err(error),
         // The job has to be good before its units can be chosen.

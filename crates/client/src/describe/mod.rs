@@ -59,16 +59,17 @@ impl Units {
 
     /// Returns one unit of `what` in SI, and the name of the SI unit.
     fn of_bounded(&self, what: Bounded) -> (f64, &'static str) {
-        let (length, time, mass) = (self.length_m, self.time_s, self.mass_kg);
-        let torque = mass * length * length / (time * time);
-        match what {
-            Bounded::Reach => (length, " m"),
-            Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => (1.0, ""),
-            Bounded::Rate => (1.0 / time, " rad/s"),
-            Bounded::Acceleration => (1.0 / (time * time), " rad/s^2"),
-            Bounded::Torque => (torque, " N m"),
-            Bounded::Power => (torque / time, " W"),
-        }
+        let [length, time, mass] = what.dimension();
+        let unit = self.length_m.powi(length) * self.time_s.powi(time) * self.mass_kg.powi(mass);
+        let name = match what {
+            Bounded::Reach => " m",
+            Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => "",
+            Bounded::Rate => " rad/s",
+            Bounded::Acceleration => " rad/s^2",
+            Bounded::Torque => " N m",
+            Bounded::Power => " W",
+        };
+        (unit, name)
     }
 
     fn quantity(&self, what: Bounded, value: f64, digits: usize) -> String {

@@ -28,6 +28,20 @@ pub enum Bounded {
     Range,
 }
 
+impl Bounded {
+    /// Returns the exponents of length, time and mass of its values.
+    pub fn dimension(self) -> [i32; 3] {
+        match self {
+            Self::Reach => [1, 0, 0],
+            Self::SerialDistance | Self::ParallelDistance | Self::Range => [0, 0, 0],
+            Self::Rate => [0, -1, 0],
+            Self::Acceleration => [0, -2, 0],
+            Self::Torque => [2, -2, 1],
+            Self::Power => [2, -3, 1],
+        }
+    }
+}
+
 /// A move breaks a limit: the first violation on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
@@ -52,14 +66,8 @@ pub struct Violation<N: Number> {
 impl<N: Number> Violation<N> {
     /// Returns the same violation in SI units; its values are in `units`.
     pub fn in_si(&self, units: &Units) -> Violation<f64> {
-        let unit = match self.what {
-            Bounded::Reach => units.length_m(),
-            Bounded::Rate => units.rate_rad_s(),
-            Bounded::Acceleration => units.rate_rad_s() * units.rate_rad_s(),
-            Bounded::Torque => units.torque_nm(),
-            Bounded::Power => units.power_w(),
-            Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => 1.0,
-        };
+        let [length, time, mass] = self.what.dimension();
+        let unit = units.of(length, time, mass);
         Violation {
             what: self.what,
             index: self.index,
