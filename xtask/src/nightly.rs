@@ -45,6 +45,11 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "tolerances of two thousand machines",
+            "test",
+            &["--test", "tolerances", "--", "--ignored", "--nocapture"],
+        ),
+        Step::on_host(
             "ten million ticks",
             "test",
             &["--release", "--test", "soak", "--", "--ignored"],

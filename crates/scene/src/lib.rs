@@ -32,6 +32,7 @@ pub mod record;
 mod scene;
 mod service;
 mod settings;
+mod tolerances;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};
@@ -43,6 +44,7 @@ pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;
 pub use settings::settings;
+pub use tolerances::{BodyTolerances, Tolerances};
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;

@@ -11,6 +11,7 @@ use crate::path::check_job;
 use crate::plant::{PlacedPlant, Plant, read_plant};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
+use crate::tolerances::{Tolerances, read_tolerances};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -62,6 +63,8 @@ pub struct Scene {
     pub job: Job,
     /// Simulation of the real machine, if the scene describes one.
     pub plant: Option<Plant>,
+    /// Tolerances of the machine, if the scene gives any.
+    pub tolerances: Option<Tolerances>,
 }
 
 /// The number types of the pipeline. A scene may name any; whoever runs it says if it cannot.
@@ -213,6 +216,7 @@ fn read_scene(
     };
     let drives = read_drives(root);
     let parameters = read_parameters(root, drives.flatten());
+    let tolerances = read_tolerances(root, parameters.as_ref());
     let limits = read_limits(root);
     let service = read_service(root, rate);
     let plant = read_plant(root, drives, rate);
@@ -245,6 +249,7 @@ fn read_scene(
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         plant,
+        tolerances: tolerances?,
     };
     let places = Places {
         legs: Place {

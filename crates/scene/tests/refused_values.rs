@@ -318,3 +318,94 @@ fn torques_that_are_left_out_and_asked_for() {
     assert!(found[0].reason.starts_with("a [[drive]] of kind \"bldc\""), "{found:#?}");
     assert!(found[1].reason.starts_with("[plant.controller] feed_forward"), "{found:#?}");
 }
+
+/// A table of tolerances at the end of the thesis scene.
+fn with_tolerances(table: &str) -> String {
+    format!("{THESIS}\n[tolerances]\n{table}\n")
+}
+
+#[test]
+fn tolerances_that_no_machine_can_have() {
+    for (table, key, value, reason) in [
+        (
+            "distal_m = -1e-4",
+            "distal_m",
+            "-1e-4",
+            "must not be negative (m)",
+        ),
+        (
+            "distal_m = nan",
+            "distal_m",
+            "nan",
+            "must be a finite number (m)",
+        ),
+        (
+            "distal_m = 0.2",
+            "distal_m",
+            "0.2",
+            "must be less than the length of the distal link of leg 1, 0.2 (m): give the half-width",
+        ),
+        (
+            "proximal_m = [1e-4, 1e-4, 0.3]",
+            "proximal_m",
+            "[1e-4, 1e-4, 0.3]",
+            "less than the length of the proximal link of leg 3, 0.2 (m)",
+        ),
+        (
+            "base_m = 0.4",
+            "base_m",
+            "0.4",
+            "less than the reach of leg 1, 0.4 (m)",
+        ),
+        (
+            "joint_m = 1",
+            "joint_m",
+            "1",
+            "less than the reach of leg 1, 0.4 (m)",
+        ),
+        (
+            "motor_angle_rad = 4",
+            "motor_angle_rad",
+            "4",
+            "must be from 0 to 3.14159",
+        ),
+        (
+            "rotor_inertia_fraction = 1",
+            "rotor_inertia_fraction",
+            "1",
+            "must be at least 0 and less than 1",
+        ),
+        (
+            "platform = { mass_fraction = 1.5 }",
+            "platform.mass_fraction",
+            "1.5",
+            "must be at least 0 and less than 1",
+        ),
+        (
+            "links = { com_m = 0.5 }",
+            "links",
+            "{ com_m = 0.5 }",
+            "com_m = 0.5 must be less than the reach of the longest leg, 0.4 (m)",
+        ),
+        (
+            "wrench = { force_n = -1 }",
+            "wrench.force_n",
+            "-1",
+            "must not be negative (N)",
+        ),
+        (
+            "distal_mm = 0.1",
+            "distal_mm",
+            "0.1",
+            "unknown key; did you mean `distal_m`?",
+        ),
+    ] {
+        let found = problems(&with_tolerances(table));
+        let [only] = found.as_slice() else {
+            panic!("one problem expected of {table}: {found:#?}");
+        };
+        assert_eq!(only.key, format!("tolerances.{key}"), "{table}");
+        assert_eq!(only.value.as_deref(), Some(value), "{table}");
+        assert!(only.reason.contains(reason), "{:?} in {only:?}", reason);
+    }
+}

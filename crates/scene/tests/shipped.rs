@@ -6,7 +6,7 @@ use trirrr_core::inverse::Position;
 use trirrr_core::machine::{Elbow, Geometry, LinkParameters};
 use trirrr_core::number::Number;
 use trirrr_core::singularity::Distances;
-use trirrr_scene::{DriveKind, JobPlayer, NumberType, Scene, Tool};
+use trirrr_scene::{BodyTolerances, DriveKind, JobPlayer, NumberType, Scene, Tool};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
@@ -239,4 +239,33 @@ fn every_job_stays_well_away_from_singularity_in_f32_too() {
         assert!((serial - serial_f32).abs() < 1e-3, "{}", scene.name);
         assert!((parallel - parallel_f32).abs() < 1e-3, "{}", scene.name);
     }
+}
+
+#[test]
+fn tolerances_are_read_and_a_step_of_the_drive_is_known() {
+    let plotter = shipped("plotter");
+    let tolerances = plotter.tolerances.expect("tolerances");
+    assert_eq!(tolerances.distal_m, [1e-4; 3]);
+    assert_eq!(tolerances.joint_m, [5e-5; 3]);
+    assert_eq!(tolerances.links, BodyTolerances::default());
+    // 200 steps of 16 microsteps behind a gear of 5: 16,000 a turn.
+    let half = std::f64::consts::PI / 16_000.0;
+    for motor in plotter.motor_resolution_rad() {
+        assert!((motor - half).abs() < 1e-18, "{motor}");
+    }
+    let vertical = shipped("vertical");
+    let tolerances = vertical.tolerances.expect("tolerances");
+    assert_eq!(tolerances.platform.mass_fraction, 0.01);
+    assert_eq!((tolerances.force_n, tolerances.torque_nm), (0.2, 0.005));
+    assert_eq!(
+        vertical.motor_resolution_rad(),
+        [0.0; 3],
+        "no encoder is described"
+    );
+    let encoder = shipped("plant-vertical");
+    let (drives, plant) = (encoder.drives.unwrap(), encoder.plant.as_ref().unwrap());
+    let counts = f64::from(plant.encoder_counts_per_rev.unwrap()) * drives[0].gear_ratio;
+    let half = std::f64::consts::PI / counts;
+    assert!((encoder.motor_resolution_rad()[0] - half).abs() < 1e-18);
+    assert_eq!(shipped("thesis").tolerances, None);
 }

@@ -4,9 +4,11 @@
 mod catalogue;
 mod machine;
 mod plant;
+mod tolerances;
 mod traces;
 
 pub use plant::PlantTraces;
+pub use tolerances::ToleranceTraces;
 pub use traces::Traces;
 
 use std::io;

@@ -29,6 +29,10 @@ pub struct RunArgs {
     /// Number type to compute in [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
+    /// After the run, bound the error at the tool and the torques for every machine within the
+    /// scene's [tolerances]: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures
+    #[arg(long)]
+    pub tolerances: bool,
 }
 
 impl Default for RunArgs {
@@ -39,6 +43,7 @@ impl Default for RunArgs {
             fast: false,
             out: None,
             scalar: None,
+            tolerances: false,
         }
     }
 }

@@ -6,6 +6,7 @@ mod plant;
 mod play;
 mod progress;
 mod summary;
+mod tolerances;
 
 pub use args::RunArgs;
 pub use plant::Simulated;
@@ -87,28 +88,33 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         // Every line names the file already.
         CliError::Refused(error.to_string())
     })?;
+    // First: a scene that is refused leaves no files.
+    let analysis = match args.tolerances {
+        true => Some(tolerances::prepare(&args.scene, &scene)?),
+        false => None,
+    };
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
     let scalar = args.scalar.unwrap_or(scene.number);
     let report = simulate(&scene, scalar, !args.fast, &folder, stop)?;
-    match summary::print(&mut io::stdout().lock(), &args.scene, &scene, &report) {
-        // Who closes standard output early does not want the summary.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(CliError::Failed(format!("standard output: {error}")));
-        }
-        _ => {}
+    let mut out = io::stdout().lock();
+    printed(summary::print(&mut out, &args.scene, &scene, &report))?;
+    if report.end != JobEnd::Complete {
+        return Ok(report.end);
     }
-    let Some(simulated) = report.plant.filter(|_| report.end == JobEnd::Complete) else {
+    if let Some(analysis) = analysis {
+        let bounded = tolerances::bound(&scene, analysis, &folder, stop)?;
+        printed(bounded.print(&mut out))?;
+        if bounded.is_stopped() {
+            return Ok(JobEnd::Stopped);
+        }
+    }
+    let Some(simulated) = report.plant else {
         return Ok(report.end);
     };
-    match plant::print(&mut io::stdout().lock(), &simulated) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(CliError::Failed(format!("standard output: {error}")));
-        }
-        _ => {}
-    }
+    printed(plant::print(&mut out, &simulated))?;
     match simulated.outcome.end {
         trirrr_plant::PlantEnd::Complete => Ok(report.end),
         trirrr_plant::PlantEnd::Interrupted { .. } => Ok(JobEnd::Stopped),
@@ -118,6 +124,16 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         trirrr_plant::PlantEnd::Failed(reason) => {
             Err(CliError::Failed(format!("the plant: {reason}")))
         }
+    }
+}
+
+/// Who closes standard output early does not want the summary; any other error counts.
+fn printed(result: io::Result<()>) -> Result<(), CliError> {
+    match result {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
     }
 }
 

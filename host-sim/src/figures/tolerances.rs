@@ -1,0 +1,112 @@
+//! Figures of tolerances: the bound of the error at the tool, and the band of each torque.
+
+use super::FigureError;
+use std::io;
+use std::path::{Path, PathBuf};
+use trirrr_figures::decimate::Decimator;
+use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_tolerances::TimeSpan;
+
+/// Intervals of a move that are likely.
+const USUAL_INTERVALS: u64 = 32;
+const TORQUES: [&str; 3] = ["torque 1", "torque 2", "torque 3"];
+
+/// Bounds of a job, thinned out in bounded memory, as far as they are proven without a gap.
+pub struct ToleranceTraces {
+    /// Distance, dx, dy, dalpha.
+    errors: Decimator<4>,
+    /// Least and greatest torque of each motor, in a scene that computes torques.
+    torques: Option<Decimator<6>>,
+    /// Start of the first interval without a bound, s.
+    gap: Option<f64>,
+}
+
+impl ToleranceTraces {
+    /// For a job of `moves` moves of a scene with or without `torque`.
+    pub fn new(moves: usize, torque: bool) -> Self {
+        let points = 2 * USUAL_INTERVALS * moves as u64;
+        Self {
+            errors: Decimator::new(points),
+            torques: torque.then(|| Decimator::new(points)),
+            gap: None,
+        }
+    }
+
+    /// Adds the next interval. A curve across a gap would be a guess, so that nothing is added after one.
+    pub fn push(&mut self, span: &TimeSpan) {
+        let is_whole = span.tool.is_some() && (self.torques.is_none() || span.torques.is_some());
+        if !is_whole {
+            self.gap.get_or_insert(span.start_s);
+        }
+        let (Some(tool), None) = (&span.tool, self.gap) else {
+            return;
+        };
+        let [dx, dy, dalpha] = tool.sizes();
+        for t in [span.start_s, span.end_s] {
+            self.errors.push(t, [tool.distance_m(), dx, dy, dalpha]);
+            if let (Some(torques), Some([[a, b], [c, d], [e, f]])) =
+                (&mut self.torques, span.torques)
+            {
+                torques.push(t, [a, b, c, d, e, f]);
+            }
+        }
+    }
+
+    /// Draws everything into `folder`, which must exist; the files written.
+    ///
+    /// # Errors
+    /// The file that could not be written, and why.
+    pub fn write_all(self, folder: &Path, name: &str) -> Result<Vec<PathBuf>, FigureError> {
+        let heading = match self.gap {
+            Some(t) => format!("{name} until t = {t} s, where no bound is proven"),
+            None => name.into(),
+        };
+        let errors = self.errors.finish();
+        let curve = |index: usize, label: &'static str| curve(&errors, index, label);
+        let panel = |quantity, unit, from_zero, curves| Panel {
+            quantity,
+            unit,
+            from_zero,
+            curves,
+        };
+        let position = vec![curve(0, "distance"), curve(1, "x"), curve(2, "y")];
+        let mut figures = vec![(
+            "tolerances.svg",
+            "bound of the error at the tool",
+            vec![
+                panel("position", "m", true, position),
+                panel("orientation", "rad", true, vec![curve(3, "\u{3b1}")]),
+            ],
+        )];
+        if let Some(torques) = self.torques {
+            let points = torques.finish();
+            let band = |(motor, quantity): (usize, &&'static str)| {
+                let (least, greatest) = (2 * motor, 2 * motor + 1);
+                let curves = [(least, "least"), (greatest, "greatest")];
+                let curves = curves.map(|(index, label)| self::curve(&points, index, label));
+                panel(quantity, "N m", false, curves.into())
+            };
+            let panels = TORQUES.iter().enumerate().map(band).collect();
+            figures.push(("torque_band.svg", "bounds of the motors' torques", panels));
+        }
+        let write = |(file, title, panels): (&str, &str, Vec<Panel>)| {
+            let path = folder.join(file);
+            draw(&format!("{heading}: {title}"), &panels)
+                .map_err(|error| io::Error::other(error.to_string()))
+                .and_then(|svg| std::fs::write(&path, svg))
+                .map(|()| path.clone())
+                .map_err(|source| FigureError { path, source })
+        };
+        figures.into_iter().map(write).collect()
+    }
+}
+
+fn curve<const K: usize>(points: &[(f64, [f64; K])], index: usize, label: &'static str) -> Curve {
+    Curve {
+        label: label.into(),
+        points: points
+            .iter()
+            .map(|(t, values)| (*t, values[index]))
+            .collect(),
+    }
+}
