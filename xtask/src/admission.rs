@@ -9,11 +9,12 @@ use crate::repository::SceneFile;
 use crate::{parallel, qemu};
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use trirrr_scene::Scene;
 
 /// The core that admission is counted on, and the number type.
-const CORE: &str = "m4f";
-const SCALAR: &str = "f32";
+pub(crate) const CORE: &str = "m4f";
+pub(crate) const SCALAR: &str = "f32";
 
 /// The image's own code as that of the firmware's background.
 const FOR_SIZE: &str = r#"profile.device.package.trirrr-insns.opt-level="z""#;
@@ -55,12 +56,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     options.settle("admission", rows, true)
 }
 
-fn measure(file: &SceneFile, core: &Core) -> Result<[AdmissionRow; 2]> {
+/// Builds the image: as in the firmware, whose background is compiled for size (`[profile.device]`).
+pub(crate) fn image(file: &SceneFile, core: &Core) -> Result<PathBuf> {
     let image = Image::insns("admit", file, SCALAR, core.target);
-    // As in the firmware, whose background is compiled for size: `[profile.device]`.
-    let built = image.build_as("", |cargo| {
+    image.build_as("", |cargo| {
         cargo.args(["--config", FOR_SIZE]);
-    })?;
+    })
+}
+
+fn measure(file: &SceneFile, core: &Core) -> Result<[AdmissionRow; 2]> {
+    let built = image(file, core)?;
     let printed = qemu::run(core, &built)?;
     let moves = parse(&printed, core.units_per_instruction).with_context(|| file.name.clone())?;
     let count = Scene::read(&file.path)?.job.moves.len();
@@ -97,16 +102,16 @@ fn measure(file: &SceneFile, core: &Core) -> Result<[AdmissionRow; 2]> {
 
 /// The judgement of one move, in instructions.
 #[derive(Debug, PartialEq)]
-struct Judged {
-    intervals: u32,
-    total: f64,
+pub(crate) struct Judged {
+    pub(crate) intervals: u32,
+    pub(crate) total: f64,
     longest: f64,
     admitted: bool,
 }
 
 /// Reads `move INTERVALS TOTAL LONGEST VERDICT`, counts being in units of which an instruction takes
 /// `units`.
-fn parse(printed: &str, units: f64) -> Result<Vec<Judged>> {
+pub(crate) fn parse(printed: &str, units: f64) -> Result<Vec<Judged>> {
     let line = |line: &str| -> Result<Judged> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::PathBuf;
 
 /// Largest relative change of a figure that need not be looked at.
-const TOLERANCE: f64 = 0.02;
+pub(crate) const TOLERANCE: f64 = 0.02;
 
 /// Options of every chore that measures scenes.
 #[derive(clap::Args)]
@@ -87,6 +87,11 @@ pub(crate) trait BudgetRow: Serialize + DeserializeOwned {
     /// The row's fields by name; `null` is what the row does not have.
     fn fields(&self) -> Value {
         serde_json::to_value(self).expect("a row is plain data")
+    }
+
+    /// Largest relative change of the row's figures that need not be looked at.
+    fn tolerance(&self) -> f64 {
+        TOLERANCE
     }
 
     /// Names what was measured, such as `m4f f32 thesis`.
@@ -202,11 +207,11 @@ fn compare<Row: BudgetRow>(budget: &[Row], row: &Row) -> Vec<String> {
             continue;
         };
         let change = 100.0 * (now - then) / then;
-        if now > then * (1.0 + TOLERANCE) {
+        if now > then * (1.0 + row.tolerance()) {
             complaints.push(format!(
                 "{key}: {name} grew from {then} to {now} ({change:+.1} %)"
             ));
-        } else if now < then * (1.0 - TOLERANCE) {
+        } else if now < then * (1.0 - row.tolerance()) {
             complaints.push(format!(
                 "{key}: {name} shrank from {then} to {now} ({change:+.1} %): refresh the figures"
             ));

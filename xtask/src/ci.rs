@@ -164,13 +164,15 @@ fn releases(packages: &[Package]) -> Vec<Step> {
 }
 
 /// Figures of images against those that are checked in.
-fn figures() -> [Step; 3] {
+fn figures() -> [Step; 4] {
     [
         Step::cargo("instructions per tick", &["xtask", "insns", "--check"]),
         Step::cargo(
             "instructions per admission",
             &["xtask", "admission", "--check"],
         ),
+        // Traces the images of the two steps above.
+        Step::cargo("modelled cycles", &["xtask", "cycles", "--check"]),
         // Builds the firmware too, for both boards, and checks that it can boot.
         Step::cargo("sizes", &["xtask", "size", "--check"]),
     ]

@@ -1,47 +1,78 @@
 //! `cargo xtask footprints`: the table of scenes against flash, RAM, stack and instructions per tick in
-//! `docs/footprints.md`, from the figures that are checked in.
+//! `docs/footprints.md`, and those of `docs/cycles.md`, from the figures that are checked in.
 
 use crate::boards::FIRMWARE_TARGET;
 use crate::budget::{BudgetRow, checked_in};
+use crate::cycles::document;
 use crate::insns;
 use crate::repository::{root, scenes_named};
 use crate::size;
 use anyhow::{Context, Result};
 use std::fs;
-use std::path::PathBuf;
 use trirrr_image::generate::{kind, of_scene};
 use trirrr_scene::Scene;
 
 #[derive(clap::Args)]
 pub(crate) struct FootprintsArgs {
-    /// Write the table into docs/footprints.md
+    /// Write the tables into docs/footprints.md and docs/cycles.md
     #[arg(long)]
     bless: bool,
 }
 
-const BEGIN: &str = "<!-- cargo xtask footprints -->\n";
-const END: &str = "<!-- end -->\n";
-
-fn file() -> PathBuf {
-    root().join("docs/footprints.md")
+/// A table in a document, between marks.
+struct Place {
+    file: &'static str,
+    begin: &'static str,
+    table: fn() -> Result<String>,
 }
 
+const PLACES: [Place; 4] = [
+    Place {
+        file: "docs/footprints.md",
+        begin: "<!-- cargo xtask footprints -->\n",
+        table,
+    },
+    Place {
+        file: "docs/cycles.md",
+        begin: "<!-- cargo xtask footprints: cycles of the tick -->\n",
+        table: document::ticks,
+    },
+    Place {
+        file: "docs/cycles.md",
+        begin: "<!-- cargo xtask footprints: cycles of the service -->\n",
+        table: document::service,
+    },
+    Place {
+        file: "docs/cycles.md",
+        begin: "<!-- cargo xtask footprints: cycles by class -->\n",
+        table: document::classes,
+    },
+];
+
+const END: &str = "<!-- end -->\n";
+
 pub(crate) fn run(arguments: &FootprintsArgs) -> Result<()> {
-    let table = table()?;
-    print!("{table}");
-    if arguments.bless {
-        let text = fs::read_to_string(file())?;
-        let (before, after) = around(&text).context("docs/footprints.md has no place for it")?;
-        fs::write(file(), format!("{before}{BEGIN}{table}{END}{after}"))?;
+    for place in PLACES {
+        let table = (place.table)()?;
+        println!("{table}");
+        if arguments.bless {
+            let file = root().join(place.file);
+            let text = fs::read_to_string(&file)?;
+            fs::write(file, place.with(&text, &table)?)?;
+        }
     }
     Ok(())
 }
 
-/// Returns the text before the table and behind it; none if a mark of the table is missing.
-fn around(text: &str) -> Option<(&str, &str)> {
-    let (before, rest) = text.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some((before, after))
+impl Place {
+    /// `text` with `table` between the marks.
+    fn with(&self, text: &str, table: &str) -> Result<String> {
+        let Self { file, begin, .. } = self;
+        let parts = text.split_once(begin);
+        let parts = parts.and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
+        let (before, after) = parts.with_context(|| format!("{file} has no place for it"))?;
+        Ok(format!("{before}{begin}{table}{END}{after}"))
+    }
 }
 
 fn table() -> Result<String> {
@@ -90,14 +121,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_document_has_the_figures_that_are_checked_in() {
-        let text = fs::read_to_string(file()).expect("the document");
-        let (before, after) = around(&text).expect("a place for the table");
-        let now = table().expect("all figures");
-        assert_eq!(
-            text,
-            format!("{before}{BEGIN}{now}{END}{after}"),
-            "cargo xtask footprints --bless"
-        );
+    fn the_documents_have_the_figures_that_are_checked_in() {
+        for place in PLACES {
+            let text = fs::read_to_string(root().join(place.file)).expect("the document");
+            let now = (place.table)().expect("all figures");
+            let expected = place.with(&text, &now).expect("a place for the table");
+            assert_eq!(text, expected, "cargo xtask footprints --bless");
+        }
     }
 }

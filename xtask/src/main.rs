@@ -7,6 +7,7 @@ mod callgraph;
 mod ci;
 mod client;
 mod cores;
+mod cycles;
 mod elf;
 mod emulate;
 mod footprints;
@@ -42,6 +43,8 @@ enum Chore {
     Insns(insns::InsnsArgs),
     /// Count the instructions of the admission of every move of a scene's job, under QEMU
     Admission(budget::Options),
+    /// Model the cycles of the tick, the service and the admission on boards, from traces under QEMU
+    Cycles(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(budget::Options),
     /// Build the firmware for the RP2040, check that it can boot, print its size
@@ -50,7 +53,7 @@ enum Chore {
     Emulate(emulate::EmulateArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
-    /// Print the table of scenes against flash, RAM and instructions, from the figures checked in
+    /// Print the tables of docs/footprints.md and docs/cycles.md, from the figures checked in
     Footprints(footprints::FootprintsArgs),
     /// Fuzz the decoder and the service's commands
     Fuzz(fuzz::FuzzArgs),
@@ -68,6 +71,7 @@ fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
         Chore::Insns(arguments) => insns::run(&arguments),
         Chore::Admission(options) => admission::run(&options),
+        Chore::Cycles(options) => cycles::run(&options),
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
         Chore::Rp2040 => rp2040::run(),

@@ -1,44 +1,44 @@
 //! Effects of a Thumb instruction on the stack and on calls.
 
 /// Numbers of core registers.
-pub(super) type Register = u8;
-pub(super) const SP: Register = 13;
-pub(super) const LR: Register = 14;
-pub(super) const PC: Register = 15;
+pub(crate) type Register = u8;
+pub(crate) const SP: Register = 13;
+pub(crate) const LR: Register = 14;
+pub(crate) const PC: Register = 15;
 
 /// Core registers: bit n is register n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Registers(pub(super) u16);
+pub(crate) struct Registers(pub(super) u16);
 
 impl Registers {
-    pub(super) const NONE: Self = Self(0);
+    pub(crate) const NONE: Self = Self(0);
 
-    pub(super) fn one(register: Register) -> Self {
+    pub(crate) fn one(register: Register) -> Self {
         Self(1 << register)
     }
 
-    pub(super) fn contains(self, register: Register) -> bool {
+    pub(crate) fn contains(self, register: Register) -> bool {
         self.0 & (1 << register) != 0
     }
 
-    pub(super) fn with(self, register: Register) -> Self {
+    pub(crate) fn with(self, register: Register) -> Self {
         Self(self.0 | 1 << register)
     }
 
     /// The lowest of them, if there are any.
-    pub(super) fn first(self) -> Register {
+    pub(crate) fn first(self) -> Register {
         self.0.trailing_zeros() as Register
     }
 
     /// Bytes of all of them on the stack.
-    pub(super) fn bytes(self) -> i32 {
+    pub(crate) fn bytes(self) -> i32 {
         4 * self.0.count_ones() as i32
     }
 }
 
 /// Way in which the program goes on after an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flow {
+pub(crate) enum Flow {
     Next,
     Branch(u32),
     /// There or on.
@@ -66,7 +66,7 @@ pub(super) enum Flow {
 
 /// Change of the stack pointer by an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stack {
+pub(crate) enum Stack {
     Same,
     /// Bytes that are taken; negative: that are given back.
     Takes(i32),
@@ -78,7 +78,7 @@ pub(super) enum Stack {
 
 /// New value of a register, where that may be a constant or a place on the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     /// Nothing that is followed.
     Other,
     Constant(u32),
@@ -100,23 +100,23 @@ pub(super) enum Value {
 
 /// An instruction, as far as it matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Instruction {
+pub(crate) struct Instruction {
     /// Bytes: 2 or 4.
-    pub(super) length: u32,
-    pub(super) flow: Flow,
-    pub(super) stack: Stack,
+    pub(crate) length: u32,
+    pub(crate) flow: Flow,
+    pub(crate) stack: Stack,
     /// The registers that it changes, without sp and pc.
-    pub(super) writes: Registers,
+    pub(crate) writes: Registers,
     /// Value that the instruction gives to the one register that it writes.
-    pub(super) value: Value,
+    pub(crate) value: Value,
     /// True if the instruction depends on a condition and still changes the flags that conditions test.
     /// (Most instructions of 16 bits that depend on no condition change them, too.)
-    pub(super) compares: bool,
+    pub(crate) compares: bool,
 }
 
 impl Instruction {
     /// One that is nothing but a change of these registers.
-    pub(super) fn writing(length: u32, writes: Registers) -> Self {
+    pub(crate) fn writing(length: u32, writes: Registers) -> Self {
         Self {
             length,
             flow: Flow::Next,
@@ -127,32 +127,32 @@ impl Instruction {
         }
     }
 
-    pub(super) fn plain(length: u32) -> Self {
+    pub(crate) fn plain(length: u32) -> Self {
         Self::writing(length, Registers::NONE)
     }
 
-    pub(super) fn going(length: u32, flow: Flow) -> Self {
+    pub(crate) fn going(length: u32, flow: Flow) -> Self {
         Self {
             flow,
             ..Self::plain(length)
         }
     }
 
-    pub(super) fn comparing(length: u32) -> Self {
+    pub(crate) fn comparing(length: u32) -> Self {
         Self {
             compares: true,
             ..Self::plain(length)
         }
     }
 
-    pub(super) fn taking(length: u32, bytes: i32) -> Self {
+    pub(crate) fn taking(length: u32, bytes: i32) -> Self {
         Self {
             stack: Stack::Takes(bytes),
             ..Self::plain(length)
         }
     }
 
-    pub(super) fn giving(length: u32, register: Register, value: Value) -> Self {
+    pub(crate) fn giving(length: u32, register: Register, value: Value) -> Self {
         Self {
             value,
             ..Self::writing(length, Registers::one(register))

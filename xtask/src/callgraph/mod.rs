@@ -27,13 +27,13 @@ mod condition;
 #[cfg(test)]
 mod encodings;
 mod graph;
-mod instruction;
+pub(crate) mod instruction;
 mod memory;
-mod program;
+pub(crate) mod program;
 mod state;
 #[cfg(test)]
 mod tests;
-mod thumb;
+pub(crate) mod thumb;
 mod walk;
 mod wide;
 

@@ -15,38 +15,38 @@ const OUTLINED: &str = "OUTLINED_FUNCTION_";
 
 /// Code from its entry to where the next begins.
 #[derive(Clone, Debug)]
-pub(super) struct Function {
-    pub(super) end: u32,
+pub(crate) struct Function {
+    pub(crate) end: u32,
     /// As in the source; functions that are the same may share their code.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
 }
 
 impl Function {
     /// A piece of other functions, which keeps to no calling convention.
-    pub(super) fn is_outlined(&self) -> bool {
+    pub(crate) fn is_outlined(&self) -> bool {
         self.names.iter().any(|name| name.starts_with(OUTLINED))
     }
 }
 
 /// A program for a Cortex-M.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Program {
+pub(crate) struct Program {
     /// By address.
-    pub(super) functions: BTreeMap<u32, Function>,
+    pub(crate) functions: BTreeMap<u32, Function>,
     /// Data that does not change: addresses and bytes.
-    pub(super) constants: Vec<(u32, Vec<u8>)>,
+    pub(crate) constants: Vec<(u32, Vec<u8>)>,
     /// Addresses where code begins (true) and where data between it begins (false).
-    pub(super) marks: BTreeMap<u32, bool>,
+    pub(crate) marks: BTreeMap<u32, bool>,
     /// The entries of the vector table, from the first stack pointer on.
-    pub(super) vectors: Vec<u32>,
+    pub(crate) vectors: Vec<u32>,
     /// Address range in which the stack must stay, if the linker script gives one.
-    pub(super) stack: Option<Range<u32>>,
+    pub(crate) stack: Option<Range<u32>>,
     /// It passes floats in the registers of a floating-point unit.
-    pub(super) has_floats: bool,
+    pub(crate) has_floats: bool,
 }
 
 impl Program {
-    pub(super) fn read(elf: &Elf) -> Result<Self> {
+    pub(crate) fn read(elf: &Elf) -> Result<Self> {
         let flags = elf.elf_header().e_flags(Endianness::Little);
         let mut program = Self {
             has_floats: flags.0 & EF_ARM_ABI_FLOAT_HARD != 0,
@@ -67,7 +67,6 @@ impl Program {
                 program.vectors = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
             }
         }
-        ensure!(!program.vectors.is_empty(), "no vector table");
         let (mut bottom, mut top) = (None, None);
         for symbol in elf.symbols() {
             let (name, address) = (symbol.name()?, u32::try_from(symbol.address())?);
@@ -116,13 +115,22 @@ impl Program {
         function.names.push(name);
     }
 
-    pub(super) fn stack(&self) -> Result<Range<u32>> {
+    /// The address of the function called `name`.
+    pub(crate) fn named(&self, name: &str) -> Option<u32> {
+        let is_named = |function: &&Function| function.names.iter().any(|other| other == name);
+        let mut functions = self.functions.iter();
+        functions
+            .find(|(_, function)| is_named(function))
+            .map(|(address, _)| *address)
+    }
+
+    pub(crate) fn stack(&self) -> Result<Range<u32>> {
         let stack = self.stack.clone();
         stack.context("no _stack_start and _stack_end")
     }
 
     /// Returns the function at `address` and the offset in it, as text.
-    pub(super) fn place(&self, address: u32) -> String {
+    pub(crate) fn place(&self, address: u32) -> String {
         match self.functions.range(..=address).next_back() {
             Some((start, function)) if *start == address => function.names[0].clone(),
             Some((start, function)) if address < function.end => {
@@ -137,7 +145,7 @@ impl Program {
     }
 
     /// Returns true if there is code at `address`, and not data between it.
-    pub(super) fn is_code(&self, address: u32) -> bool {
+    pub(crate) fn is_code(&self, address: u32) -> bool {
         let mark = self.marks.range(..=address).next_back();
         mark.is_some_and(|(_, is_code)| *is_code)
     }
@@ -150,20 +158,20 @@ impl Program {
         })
     }
 
-    pub(super) fn byte(&self, address: u32) -> Option<u32> {
+    pub(crate) fn byte(&self, address: u32) -> Option<u32> {
         self.bytes(address).map(|[byte]| byte.into())
     }
 
-    pub(super) fn halfword(&self, address: u32) -> Option<u16> {
+    pub(crate) fn halfword(&self, address: u32) -> Option<u16> {
         self.bytes(address).map(u16::from_le_bytes)
     }
 
-    pub(super) fn word(&self, address: u32) -> Option<u32> {
+    pub(crate) fn word(&self, address: u32) -> Option<u32> {
         self.bytes(address).map(u32::from_le_bytes)
     }
 
     /// The instruction here.
-    pub(super) fn instruction(&self, address: u32) -> Result<Instruction> {
+    pub(crate) fn instruction(&self, address: u32) -> Result<Instruction> {
         let place = || self.place(address);
         ensure!(self.is_code(address), "{}: no code", place());
         let first = self.halfword(address).with_context(place)?;

@@ -5,7 +5,7 @@ use super::wide;
 
 /// Decodes the instruction at `address`, whose halfwords are `first` and, where there is one more,
 /// `second`. None: it is none that a program for these cores has.
-pub(super) fn decode(address: u32, first: u16, second: Option<u16>) -> Option<Instruction> {
+pub(crate) fn decode(address: u32, first: u16, second: Option<u16>) -> Option<Instruction> {
     match first >> 11 {
         0b11101..=0b11111 => wide::decode(address, first, second?),
         _ => narrow(address, first),
@@ -13,12 +13,12 @@ pub(super) fn decode(address: u32, first: u16, second: Option<u16>) -> Option<In
 }
 
 /// `bits` of them from `word` at `shift`.
-pub(super) fn field(word: u16, shift: u32, bits: u32) -> u16 {
+pub(crate) fn field(word: u16, shift: u32, bits: u32) -> u16 {
     (word >> shift) & ((1 << bits) - 1)
 }
 
 /// The same as a register's number.
-pub(super) fn register(word: u16, shift: u32) -> Register {
+pub(crate) fn register(word: u16, shift: u32) -> Register {
     field(word, shift, 4) as Register
 }
 
@@ -28,18 +28,18 @@ fn low(word: u16, shift: u32) -> Register {
 }
 
 /// The lower `bits` of `value`, with their sign.
-pub(super) fn signed(value: u32, bits: u32) -> i32 {
+pub(crate) fn signed(value: u32, bits: u32) -> i32 {
     let unused = 32 - bits;
     ((value << unused) as i32) >> unused
 }
 
 /// Returns what an instruction at `address` sees as pc, plus `offset`, for a branch.
-pub(super) fn ahead(address: u32, offset: i32) -> u32 {
+pub(crate) fn ahead(address: u32, offset: i32) -> u32 {
     address.wrapping_add(4).wrapping_add_signed(offset)
 }
 
 /// The same where it is aligned, for what it loads.
-pub(super) fn beside(address: u32, offset: i32) -> u32 {
+pub(crate) fn beside(address: u32, offset: i32) -> u32 {
     (address.wrapping_add(4) & !3).wrapping_add_signed(offset)
 }
 

@@ -24,6 +24,7 @@ fn judge_all(limits: &LimitParameters) {
         admission.offer(&offered(index, 0));
         let (mut total, mut longest, mut intervals) = (0, 0, 0);
         loop {
+            counter::announce();
             let before = counter::now();
             let undecided = step(&mut admission);
             let count = counter::elapsed(before, counter::now());

@@ -89,6 +89,7 @@ pub(crate) fn run() -> ! {
                 let solve = count_solve(black_box(empty_solve), dyad, &end, &mut links);
                 println!("empty {evaluate} {set} {solve}");
             }
+            counter::announce();
             let set = count_set(black_box(set), &segment, index, &mut setpoint);
             let evaluate = count_evaluate(black_box(evaluate), &tick, &setpoint, &mut outcome);
             match outcome.status {

@@ -93,6 +93,7 @@ fn home(ticking: &mut Ticking, host: &mut Host) {
     host.done(Command::Home);
     loop {
         ticking.closed = switches.closed(&ticking.foreground.output().motors);
+        counter::announce();
         let counted = count(black_box(tick), ticking);
         if let Some(by) = ticking.foreground.shift() {
             switches.shift(by);
@@ -138,6 +139,7 @@ pub(crate) fn run() -> ! {
     host.feed();
     host.done(Command::Start);
     loop {
+        counter::announce();
         let counted = count(black_box(tick), &mut ticking);
         if ticking.foreground.state() == State::Idle {
             break;
@@ -165,6 +167,7 @@ pub(crate) fn run() -> ! {
     host.done(Command::Start);
     let mut since = 0;
     loop {
+        counter::announce();
         let counted = count(black_box(tick), &mut ticking);
         if ticking.foreground.state() == State::Idle {
             break;
