@@ -57,13 +57,13 @@ impl<N: Number> Distances<N> {
     /// Distance of the machine from its parallel singularity.
     #[inline]
     pub fn parallel(&self, position: &Position<N>) -> N {
-        self.parallel_of(position.legs.each_ref())
+        self.signed_parallel_of(position.legs.each_ref()).abs()
     }
 
-    /// [`parallel`](Self::parallel) of three separate legs.
+    /// [`parallel`](Self::parallel) of three separate legs, with the sign of det A.
     #[inline]
-    pub fn parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
-        det_a_of(legs).scaled(self.parallel).abs()
+    pub fn signed_parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
+        det_a_of(legs).scaled(self.parallel)
     }
 }
 

@@ -1,12 +1,15 @@
 """Homing before a job, with a machine that is told what to say; faults in words."""
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
 
 from trirrr import words
 from trirrr.exchange import Refused
 from trirrr.jobs import Job, Step
-from trirrr.messages import Acting, Bounded, Command, DriveFault, Fault, FaultCode, Refusal, State
+from trirrr.messages import (
+    Acting, Bounded, Command, DriveFault, Fault, FaultCode, LeastDuration, Refusal, State, Violation,
+)
 from trirrr.stream import JobFailed, Stream
 
 #: A machine in units of its own: 0.5 m, 0.25 s, 2 kg.
@@ -164,6 +167,28 @@ class Words(unittest.TestCase):
         ]:
             fault = Fault(FaultCode.Limit(what), index, 0.5, 0.25, 9)
             self.assertEqual(words.fault(fault, IDENTITY), f"{text} (tick 9)")
+
+    def test_a_violation_says_whether_it_is_certain(self):
+        shortest = LeastDuration(enough=640, too_short=639)
+        # A torque of 4 units, each 8 N m, 25 ticks of 100 Hz into the move.
+        found = Violation(
+            what=Bounded.Torque(), index=1, at=0.25, value=4.0, error=0.5, limit=3.0,
+            certain=True, ramp=True, shortest=shortest,
+        )
+        self.assertEqual(
+            words.violation(found, 100, IDENTITY),
+            "torque of motor 2 would be 32 N m (from 28 to 36) in a hold or a resume there, the most allowed is "
+            "24 N m, 0.25 s into the move; 640 ticks (6.4 s) would be long enough, 639 are too few",
+        )
+        near = replace(found, certain=False, error=2.0, ramp=False, shortest=LeastDuration(640, 0))
+        text = words.violation(near, 100, IDENTITY)
+        self.assertIn("is not proven to keep its limit: it would be 32 N m (from 16 to 48), the most", text)
+        self.assertTrue(text.endswith("long enough, fewer are not proven to be"), text)
+        unknown = replace(near, what=Bounded.ParallelDistance(), index=None, error=None, shortest=None)
+        self.assertEqual(
+            words.violation(unknown, 100, IDENTITY),
+            "distance from the parallel singularity has no bounds there, the least allowed is 3, 0.25 s into the move",
+        )
 
     def test_drives_and_boards_are_named(self):
         reported = Fault(FaultCode.Drive(DriveFault.Reported()), 1, 33.0, 0.0, 5)

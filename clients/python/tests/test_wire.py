@@ -7,7 +7,7 @@ from pathlib import Path
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, Refusal, Reply,
-    Request, Setpoint, Start, State, Telemetry, Verdict, Violation,
+    LeastDuration, Request, Setpoint, Start, State, Telemetry, Verdict, Violation,
 )
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
@@ -63,7 +63,8 @@ EXAMPLES = {
     "out-of-sequence": (F32, Message, Message.Reply(
         sequence=305, reply=Reply.Refused(Refusal.Sequence(expected=303)))),
     "not-admitted": (F32, Message, Message.Event(Event.Verdict(Verdict(number=2, violation=Violation(
-        what=Bounded.Torque(), index=1, at=0.5, value=1.25, limit=1.0, ramp=True, shortest=640,
+        what=Bounded.Torque(), index=1, at=0.5, value=1.25, error=0.125, limit=1.0, certain=True,
+        ramp=True, shortest=LeastDuration(enough=640, too_short=639),
     ))))),
     "telemetry": (F32, Message, Message.Telemetry(Telemetry(
         tick=100_000,

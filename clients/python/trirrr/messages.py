@@ -182,15 +182,23 @@ Quantity = Enum(
     ParallelDistance=None,
 )
 
+LeastDuration = Struct(
+    "LeastDuration",
+    enough=U32,
+    too_short=U32,
+)
+
 Violation = Struct(
     "Violation",
     what=Bounded,
     index=Optional(BYTE),
     at=N,
     value=N,
+    error=Optional(N),
     limit=N,
+    certain=BOOL,
     ramp=BOOL,
-    shortest=Optional(U32),
+    shortest=Optional(LeastDuration),
 )
 
 Refusal = Enum(

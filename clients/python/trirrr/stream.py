@@ -222,7 +222,9 @@ class Stream:
             index = (status.refused.number - self._base) % _MODULUS
             if index < len(self._moves):
                 self._command(Command.Stop())
-                raise JobFailed(f"move {index + 1} is not admitted: {status.refused.violation}")
+                ticks = self._moves[index].ticks
+                why = words.violation(status.refused.violation, ticks, self.exchange.identity)
+                raise JobFailed(f"move {index + 1} is not admitted: {why}")
         taken = (status.next - self._base) % _MODULUS
         done = (status.done - self._base) % _MODULUS
         if taken > len(self._moves):

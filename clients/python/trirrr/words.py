@@ -1,4 +1,4 @@
-"""Faults in words and SI units."""
+"""Faults and violations in words and SI units."""
 
 from __future__ import annotations
 
@@ -54,12 +54,47 @@ def fault(found: Any, identity: Any) -> str:
     return f"{text} (tick {found.tick})"
 
 
-def _limit(what: str, found: Any, identity: Any) -> str:
+def violation(found: Any, ticks: int, identity: Any) -> str:
+    """The limit that a move of ``ticks`` would break, or is not proven to keep."""
+    what = found.what.name
+    if what == "Range":
+        coordinate = {0: "x", 1: "y", 2: "alpha"}.get(found.index, "a result")
+        return f"{coordinate} is not in the range of the number type"
+    subject, unit, si = _subject(what, found.index, identity)
+    value, limit = found.value * unit, found.limit * unit
+    if found.error is None:
+        text = "has no bounds there"
+    else:
+        error = found.error * unit
+        text = f"{value:.6g}{si} (from {max(value - error, 0.0):.6g} to {value + error:.6g})"
+        text = f"would be {text}" if found.certain else f"is not proven to keep its limit: it would be {text}"
+    if found.ramp:
+        text += " in a hold or a resume there"
+    text = f"{subject} {text}, the {_bound(what, value, limit)} allowed is {limit:.6g}{si}"
+    text += f", {found.at * ticks / identity.tick_rate_hz:.4g} s into the move"
+    if found.shortest is None:
+        return text
+    enough, too_short = found.shortest.enough, found.shortest.too_short
+    text += f"; {enough} ticks ({enough / identity.tick_rate_hz:.4g} s) would be long enough"
+    return f"{text}, {too_short} are too few" if too_short else f"{text}, fewer are not proven to be"
+
+
+def _subject(what: str, index: int | None, identity: Any) -> tuple[str, float, str]:
+    """Name of the quantity, one unit of it in SI, name of the SI unit."""
     subject, part, (length, time, mass), si = _BOUNDED[what]
-    if found.index is not None:
-        subject += f" of {part} {found.index + 1}"
+    if index is not None:
+        subject += f" of {part} {index + 1}"
+    return subject, identity.length_m**length * identity.time_s**time * identity.mass_kg**mass, si
+
+
+def _bound(what: str, value: float, limit: float) -> str:
+    # A leg can be too short as well as too long.
+    return "least" if what.endswith("Distance") or (what == "Reach" and value < limit) else "most"
+
+
+def _limit(what: str, found: Any, identity: Any) -> str:
+    subject, unit, si = _subject(what, found.index, identity)
     if what == "Range":
         return f"a result was beyond the {subject}"
-    unit = identity.length_m**length * identity.time_s**time * identity.mass_kg**mass
-    bound = "least" if what.endswith("Distance") else "most"
-    return f"{subject} was {found.value * unit:.6g}{si}, the {bound} allowed is {found.limit * unit:.4g}{si}"
+    value, limit = found.value * unit, found.limit * unit
+    return f"{subject} was {value:.6g}{si}, the {_bound(what, value, limit)} allowed is {limit:.4g}{si}"

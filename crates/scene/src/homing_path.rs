@@ -4,6 +4,7 @@
 use crate::Scene;
 use crate::homing::PlacedHoming;
 use crate::read::{Document, Place};
+use crate::words::short;
 use core::f64::consts::{PI, TAU};
 use trirrr_core::forward::{Forward, Track, Tracker};
 use trirrr_core::machine::Geometry;
@@ -184,11 +185,4 @@ impl Chain<'_> {
 fn wrapped(angle: f64) -> f64 {
     let (sin, cos) = <f64 as Arithmetic>::sin_cos(angle);
     <f64 as Arithmetic>::atan2(sin, cos)
-}
-
-/// A number to four significant digits, without trailing zeros.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    let text = format!("{rounded:?}");
-    text.strip_suffix(".0").map(Into::into).unwrap_or(text)
 }

@@ -33,6 +33,7 @@ mod scene;
 mod service;
 mod settings;
 mod tolerances;
+pub mod words;
 
 pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
 pub use error::{Problem, SceneError};

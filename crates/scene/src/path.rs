@@ -5,6 +5,7 @@ use crate::job::{JobMove, PlacedJob};
 use crate::judge::{Objection, Unjudged, judge};
 use crate::player::segment;
 use crate::read::{Document, Place};
+use crate::words::{self, short};
 use crate::{NumberType, Scene};
 use nalgebra::Vector2;
 use trirrr_core::inverse::Position;
@@ -14,7 +15,6 @@ use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
-use trirrr_protocol::message::{Bounded, Violation};
 
 /// Means to measure a pose with.
 struct Workspace<'p> {
@@ -102,56 +102,12 @@ impl Workspace<'_> {
         let mut reason = format!(
             "{}: {}",
             instant(time_s, &pose),
-            self.broken(violation, &pose)
+            words::violation(violation)
         );
-        if let Some(shortest) = violation.shortest {
-            let shortest_s = short(f64::from(shortest) * period_s);
-            reason += &format!("; {shortest} ticks ({shortest_s} s) would be long enough");
+        if let Some(shortest) = &violation.shortest {
+            reason += &format!("; {}", words::long_enough(shortest, period_s.recip()));
         }
         reason
-    }
-
-    /// Describes what a move breaks at `pose`.
-    fn broken(&self, violation: &Violation<f64>, pose: &Pose<f64>) -> String {
-        let index = usize::from(violation.index.unwrap_or(0));
-        let (value, limit) = (short(violation.value), short(violation.limit));
-        let (name, unit) = match violation.what {
-            Bounded::Reach => {
-                return format!(
-                    "unreachable: leg {} would span {value} m, its bound is {limit} m",
-                    index + 1
-                );
-            }
-            Bounded::SerialDistance => return self.serial(index, violation.value, pose),
-            Bounded::ParallelDistance if violation.limit == 0.0 => {
-                return "crosses a parallel singularity, det A changes its sign".into();
-            }
-            Bounded::ParallelDistance => {
-                return format!(
-                    "parallel singularity: distance {value}, the least allowed is {limit}"
-                );
-            }
-            Bounded::Range if violation.index == Some(2) => {
-                let (value, limit) = (short(violation.value), short(violation.limit));
-                return format!(
-                    "alpha of {value} rad: beyond {limit} rad {} rounds an angle by more than 1e-4 rad",
-                    self.number
-                );
-            }
-            Bounded::Range => return format!("a result beyond the range of {}", self.number),
-            Bounded::Rate => ("rate", "rad/s"),
-            Bounded::Acceleration => ("acceleration", "rad/s^2"),
-            Bounded::Torque => ("torque", "N m"),
-            Bounded::Power => ("power", "W"),
-        };
-        let during = match violation.ramp {
-            true => " in a hold or a resume there",
-            false => "",
-        };
-        format!(
-            "{name} of motor {} would be {value} {unit}{during}, the most allowed is {limit} {unit}",
-            index + 1
-        )
     }
 
     /// Checks that a pose is allowed.
@@ -249,11 +205,4 @@ fn instant(time_s: f64, pose: &Pose<f64>) -> String {
         short(pose.position.y),
         short(pose.angle)
     )
-}
-
-/// A number to four significant digits, without trailing zeros.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    let text = format!("{rounded:?}");
-    text.strip_suffix(".0").map(Into::into).unwrap_or(text)
 }

@@ -10,6 +10,7 @@ use trirrr_client::transport::Address;
 use trirrr_protocol::message::Identity;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::words::short;
 
 /// Contents of the summary.
 pub(super) struct Summary<'a> {
@@ -75,8 +76,8 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         }
         if let Some(longest) = summary.longest.filter(|longest| *longest > 0) {
             let longest = 1e6 * f64::from(longest) / f64::from(board.timer_hz.max(1));
-            let period = describe::short(1e6 / identity.tick_rate_hz);
-            let longest = describe::short(longest);
+            let period = short(1e6 / identity.tick_rate_hz);
+            let longest = short(longest);
             line(
                 "ticks",
                 &format!("the longest took {longest} of {period} us"),

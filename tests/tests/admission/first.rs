@@ -100,7 +100,9 @@ fn a_motors_limit_is_named_where_it_is_first_broken() {
             assert_eq!(violation.what, kind.what, "{label}");
             assert_eq!(violation.index, Some(motor as u8), "{label}");
             assert_eq!(violation.limit, limits[motor], "{label}");
-            assert!(violation.value > violation.limit, "{label}");
+            let error = violation.error.expect("bounds");
+            assert!(violation.certain, "{label}");
+            assert!(violation.value - error > violation.limit, "{label}");
 
             // First beyond the limit, and first near it, by the samples.
             let mut beyond = None;

@@ -114,7 +114,7 @@ fn durations_from_one_tick_to_years() {
         .expect_err("too fast");
     assert!(
         fast.shortest
-            .is_some_and(|ticks| (10..500).contains(&ticks)),
+            .is_some_and(|found| (10..500).contains(&found.enough)),
         "{fast:?}"
     );
     assert_eq!(

@@ -1,6 +1,7 @@
 //! Admission against dense samples of the tick itself: what is admitted keeps its limits at every
 //! instant, what is refused does not, and what is said about it is so.
 
+mod certain;
 mod dense;
 mod first;
 mod input;

@@ -4,7 +4,7 @@ use crate::dense::{Density, extremes};
 use crate::judge::{Setting, judge};
 use crate::moves::{Draw, machines, random_move, within_a_turn};
 use trirrr_core::limits::LimitParameters;
-use trirrr_protocol::message::{Bounded, Move};
+use trirrr_protocol::message::{Bounded, LeastDuration, Move};
 
 const DENSITY: Density = Density {
     samples: 500,
@@ -56,11 +56,15 @@ fn lasting(offered: &Move<f64>, ticks: u32) -> Move<f64> {
 
 #[test]
 fn from_rest_to_rest_it_is_the_shortest_of_all() {
-    let (mut some, mut none) = (0, 0);
+    let (mut some, mut none, mut exact) = (0, 0, 0);
     for (setting, offered) in too_fast(21, true).take(60) {
         let violation = judge(&setting, &offered).verdict.expect_err("too fast");
         let label = format!("{violation:?} {setting:?} {offered:?}");
-        let Some(shortest) = violation.shortest else {
+        let Some(LeastDuration {
+            enough: shortest,
+            too_short,
+        }) = violation.shortest
+        else {
             // What the machine cannot even hold still, or no duration in reach is slow enough for.
             let slow = lasting(&offered, offered.ticks * 200);
             let excess = extremes(&setting, &slow, DENSITY).excess(&setting);
@@ -69,7 +73,12 @@ fn from_rest_to_rest_it_is_the_shortest_of_all() {
             continue;
         };
         some += 1;
+        let excess =
+            |ticks| extremes(&setting, &lasting(&offered, ticks), DENSITY).excess(&setting);
         assert!(shortest > offered.ticks, "{label}");
+        assert!((offered.ticks..shortest).contains(&too_short), "{label}");
+        assert!(excess(too_short) > 0.0, "{label}");
+        exact += u32::from(too_short + 1 == shortest);
         assert_eq!(
             judge(&setting, &lasting(&offered, shortest)).verdict,
             Ok(()),
@@ -83,8 +92,6 @@ fn from_rest_to_rest_it_is_the_shortest_of_all() {
         );
         // By the samples alone: one hundredth shorter is too fast.
         let shorter = shortest - shortest / 100 - 1;
-        let excess =
-            |ticks| extremes(&setting, &lasting(&offered, ticks), DENSITY).excess(&setting);
         assert!(excess(shortest) <= 0.0, "{label}");
         assert!(shorter < offered.ticks || excess(shorter) > 0.0, "{label}");
         // And every longer one passes.
@@ -100,7 +107,9 @@ fn from_rest_to_rest_it_is_the_shortest_of_all() {
             );
         }
     }
+    println!("{exact} of {some} durations are exact");
     assert!(some > 20 && none > 3, "{some} {none}");
+    assert!(exact * 10 > some * 9, "{exact} of {some}");
 }
 
 #[test]
@@ -108,7 +117,10 @@ fn with_end_velocities_it_passes_and_one_tick_less_does_not() {
     let (mut some, mut none) = (0, 0);
     for (setting, offered) in too_fast(22, false).take(60) {
         let violation = judge(&setting, &offered).verdict.expect_err("too fast");
-        let Some(shortest) = violation.shortest else {
+        let Some(LeastDuration {
+            enough: shortest, ..
+        }) = violation.shortest
+        else {
             none += 1;
             for times in [2, 5, 20] {
                 let slow = lasting(&offered, offered.ticks * times);
@@ -155,7 +167,7 @@ fn it_scales_as_the_formulas_say() {
     let found = extremes(&setting, &offered, dense);
     let shortest = |setting: &Setting| {
         let violation = judge(setting, &offered).verdict.expect_err("too fast");
-        (violation.what, violation.shortest)
+        (violation.what, violation.shortest.map(|found| found.enough))
     };
     let greatest = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
     setting.limits.rate_rad_s = Some([greatest(found.rate) / 4.321; 3]);

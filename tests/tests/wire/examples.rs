@@ -8,8 +8,9 @@ use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NAME_CAPACITY,
-    PROTOCOL, Refusal, Reply, Request, Start, State, Telemetry, Transmit, Verdict, Violation,
+    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, LeastDuration, Message, Move,
+    NAME_CAPACITY, PROTOCOL, Refusal, Reply, Request, Start, State, Telemetry, Transmit, Verdict,
+    Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -185,8 +186,8 @@ fn the_example_frames_are_the_messages() {
         ),
         section(
             "not-admitted",
-            "Move 2 would need 1.25 N m of motor 1, which may give 1 N m, at a half of its way; in \
-             640 ticks it would pass.",
+            "Move 2 would need 1.125 to 1.375 N m of motor 2, which may give 1 N m, at a half of its way; \
+             640 ticks pass, 639 are too few.",
             &Message::<f32>::Event(Event::Verdict(Verdict {
                 number: 2,
                 violation: Some(Violation {
@@ -194,9 +195,14 @@ fn the_example_frames_are_the_messages() {
                     index: Some(1),
                     at: 0.5f32,
                     value: 1.25,
+                    error: Some(0.125),
                     limit: 1.0,
-                    shortest: Some(640),
+                    certain: true,
                     ramp: true,
+                    shortest: Some(LeastDuration {
+                        enough: 640,
+                        too_short: 639,
+                    }),
                 }),
             })),
         ),

@@ -1,8 +1,8 @@
 //! Latched faults.
 
-use super::limit::beyond;
-use super::{Units, short};
+use super::Units;
 use trirrr_protocol::message::{DriveFault, Fault, FaultCode, Transmit};
+use trirrr_scene::words::{short, was_beyond};
 
 /// Describes the failure of a drive. `value` is that of the fault.
 fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
@@ -35,8 +35,9 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
     };
     let text = match fault.code {
         FaultCode::Limit(what) => {
-            let values = [fault.value, fault.limit];
-            beyond(what, fault.index, "was", values, units)
+            let unit = units.of_bounded(what);
+            let [value, limit] = [fault.value, fault.limit].map(|value| value.to_f64() * unit);
+            was_beyond(what, fault.index, value, limit)
         }
         FaultCode::Unreachable => leg("out of reach"),
         FaultCode::SerialSingular => leg("stretched or folded"),

@@ -2,16 +2,14 @@
 
 pub mod board;
 mod fault;
-mod limit;
 mod refusal;
 
 pub use fault::fault;
-pub use limit::violation;
 pub use refusal::refusal;
 
-use limit::subject;
-use trirrr_protocol::message::{Acting, Bounded, Identity, State};
+use trirrr_protocol::message::{Acting, Bounded, Identity, State, Transmit, Violation};
 use trirrr_scene::Scene;
+use trirrr_scene::words::{self, short};
 
 /// Units of a machine's messages, and the rate of its ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,43 +55,27 @@ impl Units {
         }
     }
 
-    /// Returns one unit of `what` in SI, and the name of the SI unit.
-    fn of_bounded(&self, what: Bounded) -> (f64, &'static str) {
+    /// Returns one unit of `what` in SI.
+    fn of_bounded(&self, what: Bounded) -> f64 {
         let [length, time, mass] = what.dimension();
-        let unit = self.length_m.powi(length) * self.time_s.powi(time) * self.mass_kg.powi(mass);
-        let name = match what {
-            Bounded::Reach => " m",
-            Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => "",
-            Bounded::Rate => " rad/s",
-            Bounded::Acceleration => " rad/s^2",
-            Bounded::Torque => " N m",
-            Bounded::Power => " W",
-        };
-        (unit, name)
-    }
-
-    fn quantity(&self, what: Bounded, value: f64, digits: usize) -> String {
-        let (unit, name) = self.of_bounded(what);
-        format!("{}{name}", rounded(value * unit, digits))
-    }
-
-    /// `640 ticks (1.28 s)`.
-    fn ticks(&self, ticks: u32) -> String {
-        let seconds = short(f64::from(ticks) / self.tick_rate_hz);
-        format!("{ticks} ticks ({seconds} s)")
+        self.length_m.powi(length) * self.time_s.powi(time) * self.mass_kg.powi(mass)
     }
 }
 
-/// Formats a number with four significant digits, without trailing zeros.
-pub fn short(value: f64) -> String {
-    rounded(value, 4)
-}
-
-fn rounded(value: f64, digits: usize) -> String {
-    let decimals = digits.saturating_sub(1);
-    let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);
-    let text = format!("{rounded:?}");
-    text.strip_suffix(".0").map(Into::into).unwrap_or(text)
+/// Describes the limit that a move of `ticks` would break or is not proven to keep, and the time within the
+/// move.
+pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Units) -> String {
+    let found = violation.scaled(units.of_bounded(violation.what));
+    let mut text = words::violation(&found);
+    // The range of a coordinate is no matter of an instant.
+    if found.what != Bounded::Range || found.index.is_none() {
+        let time = found.at * f64::from(ticks) / units.tick_rate_hz;
+        text += &format!(", {} s into the move", short(time));
+    }
+    if let Some(shortest) = &found.shortest {
+        text += &format!("; {}", words::long_enough(shortest, units.tick_rate_hz));
+    }
+    text
 }
 
 /// Describes the state, and the cause that keeps the machine from normal speed.
@@ -117,7 +99,7 @@ pub fn state(state: State, acting: Acting) -> String {
         Acting::Stop => "stop",
         Acting::Silence => "host silent",
         Acting::QueueDry => "waiting for moves",
-        Acting::Limit(what) => return format!("{state} ({})", subject(what, None)),
+        Acting::Limit(what) => return format!("{state} ({})", words::subject(what, None)),
     };
     format!("{state} ({acting})")
 }
@@ -125,25 +107,59 @@ pub fn state(state: State, acting: Acting) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trirrr_protocol::message::LeastDuration;
 
     #[test]
-    fn values_are_turned_into_si_units() {
+    fn a_violation_is_told_in_si_units_and_seconds() {
         let units = Units {
             length_m: 0.5,
             time_s: 0.1,
             mass_kg: 2.0,
             tick_rate_hz: 1000.0,
         };
+        let found = |what| Violation {
+            what,
+            index: Some(1),
+            at: 0.25,
+            value: 2.0f32,
+            error: Some(0.0),
+            limit: 1.0,
+            certain: true,
+            ramp: false,
+            shortest: Some(LeastDuration {
+                enough: 640,
+                too_short: 639,
+            }),
+        };
         for (what, text) in [
-            (Bounded::Reach, "1 m"),
-            (Bounded::SerialDistance, "2"),
-            (Bounded::Rate, "20 rad/s"),
-            (Bounded::Acceleration, "200 rad/s^2"),
+            (
+                Bounded::Reach,
+                "span of leg 2 would be 1 m, the most allowed is 0.5 m",
+            ),
+            (
+                Bounded::Rate,
+                "rate of motor 2 would be 20 rad/s, the most allowed is 10 rad/s",
+            ),
+            (
+                Bounded::Acceleration,
+                "acceleration of motor 2 would be 200 rad/s^2, the most allowed is 100 rad/s^2",
+            ),
             // 2 kg 0.25 m^2 / 0.01 s^2 = 50 N m.
-            (Bounded::Torque, "100 N m"),
-            (Bounded::Power, "1000 W"),
+            (
+                Bounded::Torque,
+                "torque of motor 2 would be 100 N m, the most allowed is 50 N m",
+            ),
+            (
+                Bounded::Power,
+                "power of motor 2 would be 1000 W, the most allowed is 500 W",
+            ),
         ] {
-            assert_eq!(units.quantity(what, 2.0, 4), text);
+            let after =
+                "0.1 s into the move; 640 ticks (0.64 s) would be long enough, 639 are too few";
+            assert_eq!(
+                violation(&found(what), 400, &units),
+                format!("{text}, {after}")
+            );
         }
     }
 }

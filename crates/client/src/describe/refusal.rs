@@ -1,7 +1,6 @@
 //! Refusals of commands.
 
-use super::limit::violation;
-use super::{Units, state};
+use super::{Units, state, violation};
 use trirrr_protocol::message::{Acting, Refusal, Transmit};
 
 /// Describes the reason why a command was not executed. `ticks` is the duration of the move that was

@@ -32,7 +32,7 @@ pub use report::{
     Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
 };
 pub use state::{Acting, State};
-pub use violation::{Bounded, DriveFault, Fault, FaultCode, Violation};
+pub use violation::{Bounded, DriveFault, Fault, FaultCode, LeastDuration, Violation};
 
 use postcard_schema::Schema;
 use serde::Serialize;

@@ -68,9 +68,14 @@ fn messages_survive_the_line() {
             index: Some(2),
             at: 0.5,
             value: 3.0,
+            error: Some(0.5),
             limit: 2.0,
+            certain: true,
             ramp: false,
-            shortest: Some(150),
+            shortest: Some(LeastDuration {
+                enough: 150,
+                too_short: 149,
+            }),
         })),
     });
 }

@@ -42,7 +42,10 @@ impl Bounded {
     }
 }
 
-/// A move breaks a limit: the first violation on its way.
+/// Why a move is refused: the first limit on its way that it breaks, or that nothing proves it to keep.
+///
+/// The move is judged by bounds: at each instant of a short interval the true value lies within `error` of
+/// `value`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -53,27 +56,48 @@ pub struct Violation<N: Number> {
     pub index: Option<u8>,
     /// When: fraction of the move's duration, 0 to 1.
     pub at: N,
-    /// The value.
+    /// The value in the middle of the interval.
     pub value: N,
+    /// Bound of the distance of the true value from `value`, rounding included; none where nothing is known.
+    pub error: Option<N>,
     /// The bound.
     pub limit: N,
+    /// True if all values within `error` of `value` break the bound. False if none is proven to break it, and
+    /// not all are proven to keep it.
+    pub certain: bool,
     /// True if only a hold, a stop or a resume there breaks the bound. Normal speed keeps it.
     pub ramp: bool,
-    /// The shortest duration in ticks that would pass, where the move is merely too fast.
-    pub shortest: Option<u32>,
+    /// The shortest duration that would pass, where the move is merely too fast.
+    pub shortest: Option<LeastDuration>,
+}
+
+/// The shortest duration that would pass, in ticks, and how sure that is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct LeastDuration {
+    /// It passes; one tick less does not.
+    pub enough: u32,
+    /// The longest of the durations that were tried and break a limit for certain; 0 if there was none. From
+    /// rest to rest all shorter ones break it, too. Between the two no duration is proven to do either.
+    pub too_short: u32,
 }
 
 impl<N: Number> Violation<N> {
     /// Returns the same violation in SI units; its values are in `units`.
     pub fn in_si(&self, units: &Units) -> Violation<f64> {
         let [length, time, mass] = self.what.dimension();
-        let unit = units.of(length, time, mass);
+        self.scaled(units.of(length, time, mass))
+    }
+
+    /// Returns the same violation in SI units; one unit of its values is `unit` there.
+    pub fn scaled(&self, unit: f64) -> Violation<f64> {
         Violation {
             what: self.what,
             index: self.index,
             at: self.at.to_f64(),
             value: self.value.to_f64() * unit,
+            error: self.error.map(|error| error.to_f64() * unit),
             limit: self.limit.to_f64() * unit,
+            certain: self.certain,
             ramp: self.ramp,
             shortest: self.shortest,
         }

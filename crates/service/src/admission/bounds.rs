@@ -14,7 +14,7 @@
 //! Acceleration and torque are affine in (u^2, u'), so their extremes over 0 <= u <= 1 and
 //! |u'| <= r are those at the corners; the power is a cubic of u between two ramps.
 
-use super::Breach;
+use super::breach::{Breach, Extent, greater};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
 use trirrr_core::limits::Limits;
@@ -67,68 +67,48 @@ impl<N: Enclose> MotorBounds<N> {
         let squared = speed * speed;
         let rate = scaled(self.rate, speed);
         let limit = |limits: Option<[Float<N>; 3]>| limits.map(|limits| limits[index]);
-        let (what, value, limit, ramp) = 'broken: {
-            if let Some(limit) = limit(limits.rate) {
-                let value = rate.magnitude();
-                if !(value <= limit) {
-                    break 'broken (Bounded::Rate, value, limit, false);
-                }
+        let keep = |what, size: Extent<Float<N>>, limit, ramp| {
+            // What is not a number is beyond its limit.
+            if size.greatest <= limit {
+                Ok(())
+            } else {
+                Err(Breach::above(what, index, &size, limit, ramp))
             }
-            if let Some(limit) = limit(limits.acceleration) {
-                let what = Bounded::Acceleration;
-                let steady = scaled(self.acceleration, squared);
-                let value = steady.magnitude();
-                if !(value <= limit) {
-                    break 'broken (what, value, limit, false);
-                }
-                let value = either_ramp(steady, scaled(self.ramp_acceleration, speed));
-                if !(value <= limit) {
-                    break 'broken (what, value, limit, true);
-                }
-            }
-            let Some(torque) = self.torque.as_ref().filter(|_| M::TORQUES) else {
-                return Ok(());
-            };
-            let at_rest = torque.at_rest;
-            let steady = at_rest + scaled(torque.dynamic, squared);
-            let ramp = scaled(torque.ramp, speed);
-            let greatest = greater(either_ramp(steady, ramp), either_ramp(at_rest, ramp));
-            if let Some(limit) = limit(limits.torque) {
-                let what = Bounded::Torque;
-                let value = greater(steady.magnitude(), at_rest.magnitude());
-                if !(value <= limit) {
-                    break 'broken (what, value, limit, false);
-                }
-                if !(greatest <= limit) {
-                    break 'broken (what, greatest, limit, true);
-                }
-            }
-            if let Some(limit) = limit(limits.power) {
-                let what = Bounded::Power;
-                let value = (rate * steady).magnitude();
-                if !(value <= limit) {
-                    break 'broken (what, value, limit, false);
-                }
-                // The product of the largest rate and the largest torque settles most cases.
-                if !(rate.magnitude() * greatest <= limit) {
-                    let value = greater(
-                        greatest_power(rate, at_rest + ramp, steady + ramp),
-                        greatest_power(rate, at_rest - ramp, steady - ramp),
-                    );
-                    if !(value <= limit) {
-                        break 'broken (what, value, limit, true);
-                    }
-                }
-            }
+        };
+        if let Some(limit) = limit(limits.rate) {
+            keep(Bounded::Rate, rate.extent(), limit, false)?;
+        }
+        if let Some(limit) = limit(limits.acceleration) {
+            let steady = scaled(self.acceleration, squared);
+            let size = either_ramp(steady, scaled(self.ramp_acceleration, speed));
+            keep(Bounded::Acceleration, steady.extent(), limit, false)?;
+            keep(Bounded::Acceleration, size, limit, true)?;
+        }
+        let Some(torque) = self.torque.as_ref().filter(|_| M::TORQUES) else {
             return Ok(());
         };
-        Err(Breach {
-            what,
-            index: Some(index as u8),
-            value,
-            limit,
-            ramp,
-        })
+        let at_rest = torque.at_rest;
+        let steady = at_rest + scaled(torque.dynamic, squared);
+        let ramp = scaled(torque.ramp, speed);
+        let greatest = either_ramp(steady, ramp).or(either_ramp(at_rest, ramp));
+        if let Some(limit) = limit(limits.torque) {
+            let size = steady.extent().or(at_rest.extent());
+            keep(Bounded::Torque, size, limit, false)?;
+            keep(Bounded::Torque, greatest, limit, true)?;
+        }
+        if let Some(limit) = limit(limits.power) {
+            keep(Bounded::Power, (rate * steady).extent(), limit, false)?;
+            // The product of the largest rate and the largest torque settles most cases.
+            if !(rate.magnitude() * greatest.greatest <= limit) {
+                let size = greatest_power(rate, at_rest + ramp, steady + ramp).or(greatest_power(
+                    rate,
+                    at_rest - ramp,
+                    steady - ramp,
+                ));
+                keep(Bounded::Power, size, limit, true)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -144,28 +124,39 @@ fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N>
 
 /// Largest size on a ramp up or down.
 #[inline(never)]
-fn either_ramp<N: Enclose>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Float<N> {
-    greater((steady + ramp).magnitude(), (steady - ramp).magnitude())
+fn either_ramp<N: Enclose>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Extent<Float<N>> {
+    (steady + ramp).extent().or((steady - ramp).extent())
 }
 
 /// Largest size of w u (a (1 - u^2) + c u^2) for 0 <= u <= 1: the power on a ramp with the torque
 /// `a` at its slow end and `c` at its fast end.
 ///
 /// It is linear in the two products w a and w c, so its greatest size is at corners of the
-/// rectangle that they lie in.
-fn greatest_power<N: Enclose>(w: TaylorModel<N>, a: TaylorModel<N>, c: TaylorModel<N>) -> Float<N> {
+/// rectangle that they lie in. It changes by less than the two do together.
+fn greatest_power<N: Enclose>(
+    w: TaylorModel<N>,
+    a: TaylorModel<N>,
+    c: TaylorModel<N>,
+) -> Extent<Float<N>> {
+    let (slow, fast) = (w * a, w * c);
     let ends = |model: TaylorModel<N>| {
         let radius = model.radius();
         [model.constant - radius, model.constant + radius]
     };
-    let (slow, fast) = (ends(w * a), ends(w * c));
     let mut greatest = <Float<N>>::ZERO;
-    for slow in slow {
-        for fast in fast {
+    for slow in ends(slow) {
+        for fast in ends(fast) {
             greatest = greater(greatest, peak(slow, fast));
         }
     }
-    greatest
+    let value = peak(slow.constant, fast.constant);
+    let rounding = N::roundoff(greatest + greatest);
+    let eight = (rounding + rounding) + (rounding + rounding);
+    Extent {
+        least: value - (slow.radius() + fast.radius() + eight),
+        value,
+        greatest,
+    }
 }
 
 /// Largest size of u (slow + (fast - slow) u^2) for 0 <= u <= 1: at u = 1, or where the derivative
@@ -184,9 +175,4 @@ fn peak<N: Arithmetic>(slow: N, fast: N) -> N {
     }
     let at = slow.div(drop).sqrt();
     greater(fast.abs(), slow.abs() * at * N::ratio(2, 3))
-}
-
-/// The greater of the two; what is not a number counts as greater.
-fn greater<N: Arithmetic>(a: N, b: N) -> N {
-    if a <= b { b } else { a }
 }

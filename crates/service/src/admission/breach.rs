@@ -5,28 +5,88 @@ use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move, Violation};
 
-/// A limit that is broken, or cannot be told from broken.
+/// Bounds of the size of a quantity over an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent<N> {
+    /// It is nowhere less.
+    pub(super) least: N,
+    /// In the middle of the interval.
+    pub(super) value: N,
+    /// It is nowhere more.
+    pub(super) greatest: N,
+}
+
+impl<N: Arithmetic> Extent<N> {
+    /// Returns the bounds of the greatest of two quantities.
+    #[inline(never)]
+    pub(super) fn or(self, other: Self) -> Self {
+        Self {
+            least: greater(self.least, other.least),
+            value: greater(self.value, other.value),
+            greatest: greater(self.greatest, other.greatest),
+        }
+    }
+
+    /// Returns a bound of the distance from the value.
+    fn error(&self) -> N {
+        greater(self.greatest - self.value, self.value - self.least)
+    }
+}
+
+/// The greater of the two; what is not a number counts as greater.
+pub(super) fn greater<N: Arithmetic>(a: N, b: N) -> N {
+    if a <= b { b } else { a }
+}
+
+/// A limit that is broken, or that is not certain to be kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Breach<N> {
     pub(super) what: Bounded,
     /// Leg, motor or coordinate, from 0.
     pub(super) index: Option<u8>,
-    /// The bound that was found: never on the good side of the limit.
     pub(super) value: N,
+    /// Bound of the distance of the true value from `value`.
+    pub(super) error: N,
     pub(super) limit: N,
     /// True if only a change of the speed along the path leads to the breach.
     pub(super) ramp: bool,
+    /// True if the limit is broken all over the interval.
+    pub(super) certain: bool,
 }
 
 impl<N: Number> Breach<N> {
-    /// A distance of at least `value`.
-    pub(super) fn distance(what: Bounded, leg: Option<usize>, value: N, limit: N) -> Self {
+    /// A size of motor `index` that is not certain to be at most `limit`.
+    pub(super) fn above(
+        what: Bounded,
+        index: usize,
+        size: &Extent<N>,
+        limit: N,
+        ramp: bool,
+    ) -> Self {
+        let (value, error) = (size.value, size.error());
+        Self {
+            what,
+            index: Some(index as u8),
+            value,
+            error,
+            limit,
+            ramp,
+            certain: value - error > limit,
+        }
+    }
+
+    /// A distance that is not certain to be positive and at least `limit`.
+    pub(super) fn below(what: Bounded, leg: Option<usize>, size: &Extent<N>, limit: N) -> Self {
+        let (value, error) = (size.value, size.error());
+        let greatest = value + error;
         Self {
             what,
             index: leg.map(|leg| leg as u8),
-            value: if value > N::ZERO { value } else { N::ZERO },
+            value,
+            error,
             limit,
             ramp: false,
+            certain: greatest < limit || greatest <= N::ZERO,
         }
     }
 
@@ -35,8 +95,10 @@ impl<N: Number> Breach<N> {
             what: Bounded::Range,
             index: None,
             value: N::ZERO,
+            error: N::ONE.div(N::ZERO),
             limit: N::ZERO,
             ramp: false,
+            certain: false,
         }
     }
 
@@ -53,12 +115,19 @@ impl<N: Number> Breach<N> {
 
     /// In the type of the tick.
     pub(super) fn violation<M: Enclose<Bound = N>>(&self, at: N) -> Violation<M> {
+        // The type of the tick may round the value and the error itself, and may end below them.
+        let conversion = M::conversion(self.value.abs() + self.error);
+        let value = M::from_bound(self.value);
+        let error = M::from_bound(self.error + (conversion + conversion));
+        let known = value.is_finite() && error.is_finite();
         Violation {
             what: self.what,
             index: self.index,
             at: M::from_bound(at),
-            value: M::from_bound(self.value),
+            value: if known { value } else { M::ZERO },
+            error: known.then_some(error),
             limit: M::from_bound(self.limit),
+            certain: self.certain,
             ramp: self.ramp,
             shortest: None,
         }
@@ -67,14 +136,16 @@ impl<N: Number> Breach<N> {
 
 /// Returns the breach that makes `offered` no move at all, if there is one.
 pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
+    let (zero, one) = (<N::Bound>::ZERO, <N::Bound>::ONE);
     let breach = |index, value, limit| Breach {
         what: Bounded::Range,
         index,
         value,
+        error: zero,
         limit,
         ramp: false,
+        certain: true,
     };
-    let (zero, one) = (<N::Bound>::ZERO, <N::Bound>::ONE);
     if offered.ticks == 0 {
         return Some(breach(None, zero, one));
     }

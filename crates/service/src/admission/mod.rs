@@ -13,7 +13,9 @@
 //! the interval is done with; where they do not it is halved; where it cannot be halved any more,
 //! the move is refused. What is admitted is so for certain: no tick of it, and no instant between
 //! ticks, goes beyond a limit. What is refused breaks a limit, or comes nearer to it than the bounds
-//! of the shortest interval tell apart; `docs/admission.md` has how near that is.
+//! of the shortest interval tell apart; `docs/admission.md` has how near that is. The refusal says
+//! which: where an interval cannot be halved any more, the rest of the move is looked at, instant by
+//! instant, for a limit that is broken for certain.
 //!
 //! The intervals are taken in the order of time, so that what is named is the first violation.
 //!
@@ -23,7 +25,8 @@
 //! duration named is the shortest that passes this very check. With a velocity at an end, which
 //! stays as it is, the path changes with the duration: the duration named passes the check, one
 //! tick less does not, and no longer ones were needed to find it; a shorter one between may exist.
-//! Where durations up to many times the offered one do not pass, none is named.
+//! Where durations up to many times the offered one do not pass, none is named. With the duration goes the
+//! longest one that was found to break a limit for certain: between the two nothing is proven.
 //!
 //! [`Admission::offer`] takes the move, [`Admission::step`] does one interval of work.
 
@@ -39,7 +42,6 @@ pub use enclose::Enclose;
 pub use path::Path;
 pub use taylor::{AngleModel, TaylorModel};
 
-use breach::Breach;
 use nalgebra::Vector3;
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
@@ -65,7 +67,7 @@ enum Work<N: Enclose> {
     Check {
         offered: Ends<N>,
         segment: Segment<TaylorModel<N>>,
-        scan: Scan,
+        scan: Scan<N::Bound>,
     },
     /// It is refused; the shortest duration that would pass is looked for.
     Search {
@@ -85,7 +87,7 @@ pub enum Verdict<N: Enclose> {
     Undecided,
     /// It can be played.
     Admitted,
-    /// It breaks a limit.
+    /// It breaks a limit, or is not proven to keep it.
     Refused(Violation<N>),
 }
 
@@ -194,10 +196,10 @@ impl<M: Model<N: Enclose>> Admission<M> {
             } => match scan.step(&self.path, segment) {
                 Scanned::Undecided => {}
                 Scanned::Passed => self.work = Work::Judged(Verdict::Admitted),
-                Scanned::Failed(breach) => {
-                    let violation = breach.violation(scan.at());
+                Scanned::Failed { breach, at } => {
+                    let violation = breach.violation(at);
                     self.work = if breach.is_of_speed() {
-                        let search = Search::new(*offered);
+                        let search = Search::new(*offered, breach.certain);
                         Work::Search { violation, search }
                     } else {
                         Work::Judged(Verdict::Refused(violation))

@@ -1,7 +1,7 @@
 //! One interval of a move, measured: the very stages of the tick, run on Taylor models.
 
-use super::Breach;
 use super::bounds::{MotorBounds, TorqueBounds};
+use super::breach::{Breach, Extent, greater};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
 use nalgebra::{Vector2, Vector3};
@@ -75,14 +75,16 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         })
     }
 
-    /// Checks that every limit is kept for certain during the interval `s`. The error is the broken limit.
+    /// Checks that every limit is kept for certain during the interval `s`. The error is the first that is not.
+    /// `side` is the sign of det A, which may not change on the way; none where it is not known yet.
     pub(super) fn check(
         &self,
         segment: &Segment<TaylorModel<N>>,
         s: TaylorModel<N>,
+        side: &mut Option<bool>,
     ) -> Result<(), Breach<Float<N>>> {
         let mut motors = [MotorBounds::UNMEASURED; 3];
-        self.measure(segment, s, &mut motors)?;
+        self.measure(segment, s, side, &mut motors)?;
         for (index, motor) in motors.iter().enumerate() {
             motor.check::<M>(index, &self.limits, <Float<N>>::ONE)?;
         }
@@ -96,6 +98,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         &self,
         segment: &Segment<TaylorModel<N>>,
         s: TaylorModel<N>,
+        side: &mut Option<bool>,
         motors: &mut [MotorBounds<N>; 3],
     ) -> Result<(), Breach<Float<N>>> {
         let mut setpoint = segment.at_fraction(s);
@@ -103,7 +106,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         let mut legs = [unsolved(); 3];
         self.solve(&setpoint, &rotation, &mut legs)
             .map_err(|status| self.breach(status, &setpoint, &rotation))?;
-        self.keeps_distance(&legs)?;
+        self.keeps_distance(&legs, side)?;
         for (motor, leg) in motors.iter_mut().zip(&legs) {
             motor.rate = leg.rates.proximal;
             motor.acceleration = leg.accelerations.proximal;
@@ -146,32 +149,35 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     fn keeps_distance(
         &self,
         legs: &[LegMotion<TaylorModel<N>>; 3],
+        side: &mut Option<bool>,
     ) -> Result<(), Breach<Float<N>>> {
         let least = self.limits.serial_distance;
         for (index, leg) in legs.iter().enumerate() {
-            let value = self
-                .distances
-                .serial_of(index, &leg.position)
-                .least_magnitude();
-            if !(value >= least) {
-                let leg = Some(index);
-                return Err(Breach::distance(Bounded::SerialDistance, leg, value, least));
+            let size = self.distances.serial_of(index, &leg.position).extent();
+            if !(size.least >= least) {
+                let what = Bounded::SerialDistance;
+                return Err(Breach::below(what, Some(index), &size, least));
             }
         }
         let least = self.limits.parallel_distance;
         let [leg1, leg2, leg3] = legs;
         let legs = [&leg1.position, &leg2.position, &leg3.position];
-        let value = self.distances.parallel_of(legs).least_magnitude();
-        // Certainly not zero: a change of sign of det A is a crossing.
-        if !(value >= least && value > <Float<N>>::ZERO) {
-            return Err(Breach::distance(
-                Bounded::ParallelDistance,
-                None,
-                value,
-                least,
-            ));
+        let signed = self.distances.signed_parallel_of(legs);
+        let zero = <Float<N>>::ZERO;
+        let mut size = signed.extent();
+        if size.least >= least && size.least > zero {
+            let positive = signed > TaylorModel::ZERO;
+            if *side.get_or_insert(positive) == positive {
+                return Ok(());
+            }
+            // It has been zero on the way.
+            size = Extent {
+                least: zero,
+                value: zero,
+                greatest: zero,
+            };
         }
-        Ok(())
+        Err(Breach::below(Bounded::ParallelDistance, None, &size, least))
     }
 
     /// Three times the dynamics: at normal speed, starting from rest with the ramp's rate, which is
@@ -248,31 +254,37 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                 let (shortest, longest) = geometry.dyad().reach();
                 let (shortest, longest) = (shortest.constant, longest.constant);
                 // The span that is on the wrong side, or may be, of the nearer of the two bounds.
-                let far = squared.constant + squared.radius();
-                let near = squared.constant - squared.radius();
+                let zero = <Float<N>>::ZERO;
+                let root = |square: Float<N>| greater(zero, square).sqrt();
+                let size = Extent {
+                    least: root(squared.constant - squared.radius()),
+                    value: root(squared.constant),
+                    greatest: root(squared.constant + squared.radius()),
+                };
                 let stretched = !(squared.constant
                     <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
-                let (value, limit) = if stretched {
-                    (far.sqrt(), longest)
-                } else if near > <Float<N>>::ZERO {
-                    (near.sqrt(), shortest)
+                let (limit, beyond) = if stretched {
+                    (longest, size.least - longest)
                 } else {
-                    (<Float<N>>::ZERO, shortest)
+                    (shortest, shortest - size.greatest)
                 };
+                // The roots and the reach itself are rounded.
+                let rounding = N::roundoff(longest + longest);
                 Breach {
-                    what: Bounded::Reach,
-                    index: Some(leg as u8),
-                    value,
-                    limit,
-                    ramp: false,
+                    certain: beyond > (rounding + rounding) + (rounding + rounding),
+                    ..Breach::above(Bounded::Reach, leg, &size, limit, false)
                 }
             }
-            Status::ParallelSingular => Breach::distance(
-                Bounded::ParallelDistance,
-                None,
-                <Float<N>>::ZERO,
-                self.limits.parallel_distance,
-            ),
+            // det A cannot be told from zero, in the number type of the tick.
+            Status::ParallelSingular => {
+                let size = Extent {
+                    least: <Float<N>>::ZERO,
+                    value: <Float<N>>::ZERO,
+                    greatest: <Float<N>>::ONE,
+                };
+                let least = self.limits.parallel_distance;
+                Breach::below(Bounded::ParallelDistance, None, &size, least)
+            }
             Status::OutOfRange => Breach::out_of_range(),
         }
     }

@@ -1,8 +1,8 @@
 //! The way through a move, interval by interval.
 
-use super::Breach;
+use super::breach::Breach;
 use super::path::Path;
-use super::taylor::{Float, TaylorModel};
+use super::taylor::TaylorModel;
 use crate::admission::Enclose;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
@@ -19,14 +19,30 @@ const FINEST: u32 = 20;
 /// bounds tell, all along, would otherwise take 2^16 of them.
 const MOST: u32 = 4096;
 
+/// Instants, evenly spread over the rest of the move, that are looked at for a limit that is broken for certain.
+const SPREAD: u32 = 64;
+
 /// Place that a check has reached. Intervals are [k, k + 1] / 2^level of the move, in the order of
 /// time. The next is as long as its place among the dyadic ones allows, and is halved as needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scan {
+pub(super) struct Scan<N> {
     coarsest: u32,
     level: u32,
     index: u32,
     measured: u32,
+    /// The sign of det A so far.
+    side: Option<bool>,
+    /// A limit that is not certain to be kept.
+    doubt: Option<Doubt<N>>,
+}
+
+/// A limit that is not certain to be kept in the interval where the scan stands. The move is refused. The rest
+/// of it is looked at for a limit that is broken for certain, at single instants: bounds are narrowest there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Doubt<N> {
+    breach: Breach<N>,
+    /// Number of the next instant.
+    look: u32,
 }
 
 /// Progress or outcome of a check.
@@ -36,11 +52,11 @@ pub(super) enum Scanned<N> {
     Undecided,
     /// Every limit is kept for certain.
     Passed,
-    /// The interval where it stands breaks a limit.
-    Failed(Breach<N>),
+    /// A limit is broken, or not certain to be kept, from the fraction `at` of the move on.
+    Failed { breach: Breach<N>, at: N },
 }
 
-impl Scan {
+impl<N: Arithmetic> Scan<N> {
     pub(super) fn new() -> Self {
         Self::at_level(COARSEST)
     }
@@ -52,21 +68,26 @@ impl Scan {
             level,
             index: 0,
             measured: 0,
+            side: None,
+            doubt: None,
         }
     }
 
     /// The start of the interval, as a fraction of the move.
-    pub(super) fn at<N: Arithmetic>(&self) -> N {
+    fn at(&self) -> N {
         N::ratio(self.index, 1 << self.level)
     }
 
-    /// The interval.
-    pub(super) fn interval<N: Enclose>(&self) -> TaylorModel<N> {
+    /// The middle of the interval, and half its length.
+    fn middle(&self) -> [N; 2] {
         let halves = 2 << self.level;
-        TaylorModel::span(
-            <Float<N>>::ratio(2 * self.index + 1, halves),
-            <Float<N>>::ratio(1, halves),
-        )
+        [N::ratio(2 * self.index + 1, halves), N::ratio(1, halves)]
+    }
+
+    /// The interval.
+    pub(super) fn interval<T: Enclose<Bound = N>>(&self) -> TaylorModel<T> {
+        let [middle, half] = self.middle();
+        TaylorModel::span(middle, half)
     }
 
     /// Steps to the next interval; whether there is none.
@@ -79,29 +100,89 @@ impl Scan {
         self.index == 1 << self.level
     }
 
-    /// Measures one interval of `segment`.
-    pub(super) fn step<N: Enclose, M: Model<N = N>>(
+    /// Measures one interval of `segment`, or one instant once the move cannot pass any more.
+    pub(super) fn step<T: Enclose<Bound = N>, M: Model<N = T>>(
         &mut self,
         path: &Path<M>,
-        segment: &Segment<TaylorModel<N>>,
-    ) -> Scanned<Float<N>> {
+        segment: &Segment<TaylorModel<T>>,
+    ) -> Scanned<N> {
+        if let Some(doubt) = self.doubt {
+            return self.look(doubt, path, segment);
+        }
         self.measured += 1;
-        match path.check(segment, self.interval()) {
+        let interval = self.interval();
+        match path.check(segment, interval, &mut self.side) {
             Ok(()) => {
                 if self.advance() {
-                    Scanned::Passed
-                } else {
-                    Scanned::Undecided
+                    return Scanned::Passed;
                 }
             }
-            Err(breach) => {
-                if self.level == FINEST || self.measured >= MOST {
-                    return Scanned::Failed(breach);
-                }
+            Err(breach) if breach.certain => {
+                return Scanned::Failed {
+                    breach,
+                    at: self.at(),
+                };
+            }
+            Err(breach) if self.level == FINEST || self.measured >= MOST => {
+                self.doubt = Some(Doubt { breach, look: 0 });
+            }
+            Err(_) => {
                 self.level += 1;
                 self.index *= 2;
+            }
+        }
+        Scanned::Undecided
+    }
+
+    /// Looks at one instant for a limit that is broken for certain.
+    fn look<T: Enclose<Bound = N>, M: Model<N = T>>(
+        &mut self,
+        doubt: Doubt<N>,
+        path: &Path<M>,
+        segment: &Segment<TaylorModel<T>>,
+    ) -> Scanned<N> {
+        let Doubt { breach, look } = doubt;
+        let Some(at) = self.instant(look) else {
+            return Scanned::Failed {
+                breach,
+                at: self.at(),
+            };
+        };
+        // Beyond the end by its rounding.
+        let at = if at > N::ONE { N::ONE } else { at };
+        match path.check(segment, TaylorModel::point(at), &mut self.side) {
+            Err(breach) if breach.certain => {
+                // det A has changed its sign before this instant: where the doubt is.
+                let crossed = breach.value == N::ZERO && breach.error == N::ZERO;
+                let at = if crossed { self.at() } else { at };
+                Scanned::Failed { breach, at }
+            }
+            _ => {
+                self.doubt = Some(Doubt {
+                    breach,
+                    look: look + 1,
+                });
                 Scanned::Undecided
             }
         }
+    }
+
+    /// Returns the `look`-th instant: first further and further from the middle of the interval, which is
+    /// mostly where a limit is just reached, then all over the rest of the move. None after the last.
+    fn instant(&self, look: u32) -> Option<N> {
+        let [middle, _] = self.middle();
+        let rest = N::ONE - middle;
+        let part = match look {
+            0 => N::ZERO,
+            1..=FINEST => N::ratio(1, 1 << (FINEST + 1 - look)),
+            _ => {
+                let spread = look - FINEST;
+                if spread > SPREAD {
+                    return None;
+                }
+                N::ratio(2 * spread - 1, 2 * SPREAD)
+            }
+        };
+        Some(middle + rest * part)
     }
 }

@@ -9,6 +9,7 @@ use crate::admission::Enclose;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
+use trirrr_protocol::message::LeastDuration;
 
 /// Intervals in which the offered move is measured for a first guess: 2^this.
 const SURVEY: u32 = 6;
@@ -25,7 +26,7 @@ const MOST_UPWARDS: u32 = 15;
 pub(super) struct Search<N: Enclose> {
     offered: Ends<N>,
     segment: Segment<TaylorModel<N>>,
-    scan: Scan,
+    scan: Scan<Float<N>>,
     stage: Stage<Float<N>>,
 }
 
@@ -33,7 +34,11 @@ pub(super) struct Search<N: Enclose> {
 enum Stage<N> {
     /// Looks for the speed, in parts of the offered move's, that would keep the limits of every
     /// interval.
-    Survey { speed: N },
+    Survey {
+        speed: N,
+        /// As in a trial.
+        too_short: u32,
+    },
     /// Tries durations by the full check.
     Try(Trial),
 }
@@ -43,6 +48,8 @@ enum Stage<N> {
 struct Trial {
     /// The longest that is known to fail, below `passed`.
     failed: u32,
+    /// The longest that breaks a limit for certain; 0 if there is none yet.
+    too_short: u32,
     /// The shortest that is known to pass.
     passed: Option<u32>,
     /// Under check.
@@ -57,30 +64,33 @@ struct Trial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
     NotYet,
-    /// The shortest duration in ticks; none if none was found.
-    Shortest(Option<u32>),
+    /// The shortest duration; none if none was found.
+    Shortest(Option<LeastDuration>),
 }
 
 impl<N: Enclose> Search<N> {
-    pub(super) fn new(offered: Ends<N>) -> Self {
+    /// For a move that fails, for certain or not.
+    pub(super) fn new(offered: Ends<N>, certain: bool) -> Self {
         Self {
             segment: offered.segment(offered.ticks),
-            offered,
             scan: Scan::at_level(SURVEY),
             stage: Stage::Survey {
                 speed: <Float<N>>::ONE,
+                too_short: if certain { offered.ticks } else { 0 },
             },
+            offered,
         }
     }
 
     /// Measures one interval.
     pub(super) fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Found {
         match &mut self.stage {
-            Stage::Survey { speed } => {
+            Stage::Survey { speed, too_short } => {
                 // What is not certain about reach or singularities is left to the trials.
                 let mut motors = [MotorBounds::UNMEASURED; 3];
                 let interval = self.scan.interval();
-                if path.measure(&self.segment, interval, &mut motors).is_ok() {
+                let measured = path.measure(&self.segment, interval, &mut None, &mut motors);
+                if measured.is_ok() {
                     let keeps = |speed: Float<N>| {
                         motors.iter().enumerate().all(|(index, motor)| {
                             motor.check::<M>(index, &path.limits, speed).is_ok()
@@ -96,6 +106,7 @@ impl<N: Enclose> Search<N> {
                 let guess = self.offered.slower(*speed);
                 self.stage = Stage::Try(Trial {
                     failed: self.offered.ticks,
+                    too_short: *too_short,
                     passed: None,
                     tried: guess,
                     step: (guess / 64).max(1),
@@ -109,19 +120,19 @@ impl<N: Enclose> Search<N> {
                     let next = trial.after_pass();
                     self.go_on(next)
                 }
-                Scanned::Failed(breach) => {
+                Scanned::Failed { breach, .. } => {
                     // From rest to rest no duration changes where the path leads.
                     if self.offered.rest_to_rest && !breach.is_of_speed() {
                         return Found::Shortest(None);
                     }
-                    let next = trial.after_failure();
+                    let next = trial.after_failure(breach.certain);
                     self.go_on(next)
                 }
             },
         }
     }
 
-    fn go_on(&mut self, next: Result<u32, Option<u32>>) -> Found {
+    fn go_on(&mut self, next: Result<u32, Option<LeastDuration>>) -> Found {
         match next {
             Ok(ticks) => self.restart(ticks),
             Err(shortest) => Found::Shortest(shortest),
@@ -160,13 +171,16 @@ impl<N: Enclose> Ends<N> {
 
 impl Trial {
     /// The next to try, or the answer.
-    fn after_pass(&mut self) -> Result<u32, Option<u32>> {
+    fn after_pass(&mut self) -> Result<u32, Option<LeastDuration>> {
         self.passed = Some(self.tried);
         self.between(self.tried)
     }
 
-    fn after_failure(&mut self) -> Result<u32, Option<u32>> {
+    fn after_failure(&mut self, certain: bool) -> Result<u32, Option<LeastDuration>> {
         self.failed = self.tried;
+        if certain {
+            self.too_short = self.too_short.max(self.tried);
+        }
         if let Some(passed) = self.passed {
             // The way down overshot: from here on the range is halved.
             self.step = u32::MAX;
@@ -182,10 +196,13 @@ impl Trial {
     }
 
     /// Between the longest that fails and the shortest that passes.
-    fn between(&mut self, passed: u32) -> Result<u32, Option<u32>> {
+    fn between(&mut self, passed: u32) -> Result<u32, Option<LeastDuration>> {
         let range = passed - self.failed;
         if range <= 1 {
-            return Err(Some(passed));
+            return Err(Some(LeastDuration {
+                enough: passed,
+                too_short: self.too_short,
+            }));
         }
         let step = self.step.min(range / 2);
         self.step = self.step.saturating_mul(2);

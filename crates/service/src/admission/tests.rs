@@ -4,7 +4,7 @@ use super::*;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
-use trirrr_protocol::message::Bounded;
+use trirrr_protocol::message::{Bounded, LeastDuration};
 
 fn thesis_move(ticks: u32) -> Move<f32> {
     Move {
@@ -64,10 +64,11 @@ fn a_refusal_names_a_duration_that_is_admitted() {
     assert_eq!(violation.what, Bounded::Torque);
     assert_eq!((violation.index, violation.at), (Some(2), 0.0));
     assert!((violation.value - 0.02975).abs() < 1e-4, "{violation:?}");
-    let shortest = violation.shortest.expect("slower would do");
-    let offered = thesis_move(shortest);
+    let LeastDuration { enough, too_short } = violation.shortest.expect("slower would do");
+    assert!(violation.certain && (100..enough).contains(&too_short));
+    let offered = thesis_move(enough);
     assert_eq!(judged(&mut admission, &offered), Verdict::Admitted);
-    let offered = thesis_move(shortest - 1);
+    let offered = thesis_move(enough - 1);
     assert!(matches!(
         judged(&mut admission, &offered),
         Verdict::Refused(_)

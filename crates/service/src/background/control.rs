@@ -199,7 +199,9 @@ fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> R
         index,
         at: N::ONE,
         value,
+        error: Some(N::ZERO),
         limit,
+        certain: true,
         ramp: false,
         shortest: None,
     })
@@ -221,7 +223,9 @@ fn too_fast<N: Number>(broken: LimitBreach<N>, ramp: bool) -> Refusal<N> {
         index: broken.index,
         at,
         value: broken.value,
+        error: Some(N::ZERO),
         limit: broken.limit,
+        certain: true,
         ramp: ramp && what == Bounded::Acceleration,
         shortest: None,
     })

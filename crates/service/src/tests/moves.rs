@@ -278,7 +278,7 @@ fn a_refused_move_takes_those_behind_it_along() {
         Refusal::MoveNumber { expected: 1 }
     );
     // What it says would pass, passes.
-    let shortest = violation.shortest.unwrap();
+    let shortest = violation.shortest.unwrap().enough;
     bench.done(Command::Move(rest(1, b, a, shortest)));
     bench.judge();
     assert_eq!(bench.status().admitted, 2);

@@ -24,6 +24,7 @@ mod number;
 pub use angle::AngleModel;
 
 use crate::admission::Enclose;
+use crate::admission::breach::Extent;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use trirrr_core::number::Arithmetic;
@@ -97,6 +98,16 @@ impl<N: Enclose> TaylorModel<N> {
     #[inline(never)]
     pub fn least_magnitude(self) -> Float<N> {
         self.constant.abs() - self.radius()
+    }
+
+    /// Bounds of the size.
+    #[inline(never)]
+    pub(super) fn extent(self) -> Extent<Float<N>> {
+        Extent {
+            least: self.least_magnitude(),
+            value: self.constant.abs(),
+            greatest: self.magnitude(),
+        }
     }
 
     /// Nothing is known.
