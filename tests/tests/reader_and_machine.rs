@@ -209,6 +209,6 @@ fn too_many_turns_for_a_float_are_a_matter_of_alpha() {
     let text = scene(&case, NumberType::F32, "");
     let error = Scene::parse(&text, "turned").expect_err("270 turns in f32");
     let said = error.to_string();
-    assert!(said.contains("alpha of 1697 rad"), "{said}");
+    assert!(said.contains("alpha would be 1697 rad"), "{said}");
     assert!(!said.contains("leg"), "{said}");
 }

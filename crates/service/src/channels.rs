@@ -8,7 +8,8 @@ use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::service::Service;
 use super::settings::Settings;
-use crate::admission::{Admission, Enclose};
+use crate::admission::Enclose;
+use core::borrow::Borrow;
 use core::fmt;
 use heapless::spsc::Queue;
 use trirrr_core::machine::BuildError;
@@ -115,23 +116,19 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
         pose: Pose<N>,
         settings: Settings<N>,
     ) -> Result<(Foreground<'_, S>, Background<'_, S>), ServiceError> {
-        let Coefficients {
-            tick,
-            limits,
-            distances,
-            path,
-        } = scene.coefficients(&settings)?;
-        let position = tick.geometry().position(&pose);
-        let angles = tick
-            .geometry()
-            .motor_angles(&position.map_err(ServiceError::Pose)?);
+        let coefficients = scene.coefficients(&settings)?;
+        let Coefficients { tick, limits, .. } = coefficients.borrow();
+        let geometry = tick.geometry();
+        let position = geometry.position(&pose).map_err(ServiceError::Pose)?;
         let stand = Stand {
-            geometry: *tick.geometry(),
-            limits,
-            distances,
+            angles: geometry.motor_angles(&position),
             pose,
         };
-        let setup = Setup { tick, limits, pose };
+        let setup = Setup {
+            tick: *tick,
+            limits: *limits,
+            pose,
+        };
 
         let (moves_in, moves_out) = self.moves.split();
         let (offered_in, offered_out) = self.offered.split();
@@ -145,7 +142,7 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
         let shared = &self.shared;
         let foreground = Foreground::new(
             setup,
-            angles,
+            stand.angles,
             scene.homing(),
             &settings,
             foreground::ForegroundEnds {
@@ -161,9 +158,8 @@ impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
         );
         let background = Background::new(
             scene,
+            coefficients,
             stand,
-            angles,
-            Admission::over(path),
             settings,
             background::BackgroundEnds {
                 moves: Sender::new(moves_in),

@@ -6,7 +6,7 @@ use crate::moves::{Draw, in_type, machines, offer, within_a_turn};
 use trirrr_service::admission::Enclose;
 
 const DENSITY: Density = Density {
-    samples: 400,
+    samples: 200,
     every_speed: true,
 };
 
@@ -44,10 +44,10 @@ fn study<N: Enclose>(count: usize, unproven: u32) {
 
 #[test]
 fn what_is_certain_is_so_f64() {
-    study::<f64>(400, 1);
+    study::<f64>(200, 1);
 }
 
 #[test]
 fn what_is_certain_is_so_f32() {
-    study::<f32>(400, 10);
+    study::<f32>(200, 10);
 }

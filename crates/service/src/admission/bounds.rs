@@ -66,46 +66,51 @@ impl<N: Enclose> MotorBounds<N> {
     ) -> Result<(), Breach<Float<N>>> {
         let squared = speed * speed;
         let rate = scaled(self.rate, speed);
-        let limit = |limits: Option<[Float<N>; 3]>| limits.map(|limits| limits[index]);
-        let keep = |what, size: Extent<Float<N>>, limit, ramp| {
-            // What is not a number is beyond its limit.
-            if size.greatest <= limit {
-                Ok(())
-            } else {
-                Err(Breach::above(what, index, &size, limit, ramp))
-            }
-        };
-        if let Some(limit) = limit(limits.rate) {
-            keep(Bounded::Rate, rate.extent(), limit, false)?;
-        }
-        if let Some(limit) = limit(limits.acceleration) {
-            let steady = scaled(self.acceleration, squared);
-            let size = either_ramp(steady, scaled(self.ramp_acceleration, speed));
-            keep(Bounded::Acceleration, steady.extent(), limit, false)?;
-            keep(Bounded::Acceleration, size, limit, true)?;
-        }
-        let Some(torque) = self.torque.as_ref().filter(|_| M::TORQUES) else {
-            return Ok(());
-        };
-        let at_rest = torque.at_rest;
-        let steady = at_rest + scaled(torque.dynamic, squared);
-        let ramp = scaled(torque.ramp, speed);
-        let greatest = either_ramp(steady, ramp).or(either_ramp(at_rest, ramp));
-        if let Some(limit) = limit(limits.torque) {
-            let size = steady.extent().or(at_rest.extent());
-            keep(Bounded::Torque, size, limit, false)?;
-            keep(Bounded::Torque, greatest, limit, true)?;
-        }
-        if let Some(limit) = limit(limits.power) {
-            keep(Bounded::Power, (rate * steady).extent(), limit, false)?;
-            // The product of the largest rate and the largest torque settles most cases.
-            if !(rate.magnitude() * greatest.greatest <= limit) {
-                let size = greatest_power(rate, at_rest + ramp, steady + ramp).or(greatest_power(
-                    rate,
-                    at_rest - ramp,
-                    steady - ramp,
-                ));
-                keep(Bounded::Power, size, limit, true)?;
+        let all = [
+            (Bounded::Rate, &limits.rate),
+            (Bounded::Acceleration, &limits.acceleration),
+            (Bounded::Torque, &limits.torque),
+            (Bounded::Power, &limits.power),
+        ];
+        for (what, limits) in all {
+            let Some(limit) = limits.map(|limits| limits[index]) else {
+                continue;
+            };
+            let torque = self.torque.as_ref().filter(|_| M::TORQUES);
+            let torque = torque.map(|torque| {
+                let steady = torque.at_rest + scaled(torque.dynamic, squared);
+                (torque.at_rest, steady, scaled(torque.ramp, speed))
+            });
+            let (steady, ramp) = match (what, torque) {
+                (Bounded::Acceleration, _) => {
+                    let steady = scaled(self.acceleration, squared);
+                    let ramp = scaled(self.ramp_acceleration, speed);
+                    (steady.extent(), either_ramp(steady, ramp))
+                }
+                (Bounded::Torque, Some((at_rest, steady, ramp))) => (
+                    steady.extent().or(at_rest.extent()),
+                    either_ramp(steady, ramp).or(either_ramp(at_rest, ramp)),
+                ),
+                (Bounded::Power, Some((at_rest, steady, ramp))) => {
+                    let size = (rate * steady).extent();
+                    let torque = either_ramp(steady, ramp).or(either_ramp(at_rest, ramp));
+                    // The product of the largest rate and the largest torque settles most cases.
+                    let settled = rate.magnitude() * torque.greatest <= limit;
+                    let on_ramp = |ramp| greatest_power(rate, at_rest + ramp, steady + ramp);
+                    let ramps = match settled {
+                        true => size,
+                        false => on_ramp(ramp).or(on_ramp(-ramp)),
+                    };
+                    (size, ramps)
+                }
+                (Bounded::Rate, _) => (rate.extent(), rate.extent()),
+                _ => continue,
+            };
+            for (size, ramp) in [(steady, false), (ramp, true)] {
+                // What is not a number is beyond its limit.
+                if !(size.greatest <= limit) {
+                    return Err(Breach::above(what, index, &size, limit, ramp));
+                }
             }
         }
         Ok(())

@@ -56,6 +56,7 @@ pub(super) struct Breach<N> {
 
 impl<N: Number> Breach<N> {
     /// A size of motor `index` that is not certain to be at most `limit`.
+    #[inline(never)]
     pub(super) fn above(
         what: Bounded,
         index: usize,
@@ -76,6 +77,7 @@ impl<N: Number> Breach<N> {
     }
 
     /// A distance that is not certain to be positive and at least `limit`.
+    #[inline(never)]
     pub(super) fn below(what: Bounded, leg: Option<usize>, size: &Extent<N>, limit: N) -> Self {
         let (value, error) = (size.value, size.error());
         let greatest = value + error;
@@ -114,6 +116,7 @@ impl<N: Number> Breach<N> {
     }
 
     /// In the type of the tick.
+    #[inline(never)]
     pub(super) fn violation<M: Enclose<Bound = N>>(&self, at: N) -> Violation<M> {
         // The type of the tick may round the value and the error itself, and may end below them.
         let conversion = M::conversion(self.value.abs() + self.error);

@@ -55,8 +55,12 @@ use trirrr_protocol::message::{Move, Violation};
 /// Judges one move at a time. The parameters are those of the tick that will play the moves.
 pub struct Admission<M: Model<N: Enclose>> {
     path: Path<M>,
-    work: Work<M::N>,
+    judgement: Judgement<M::N>,
 }
+
+/// The judgement of a move, without the coefficients, which may be constants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Judgement<N: Enclose>(Work<N>);
 
 /// Work that is under way.
 #[derive(Clone, Copy, Debug)]
@@ -141,7 +145,7 @@ impl<M: Model<N: Enclose>> Admission<M> {
     pub fn over(path: Path<M>) -> Self {
         Self {
             path,
-            work: Work::None,
+            judgement: Judgement::new(),
         }
     }
 
@@ -152,10 +156,31 @@ impl<M: Model<N: Enclose>> Admission<M> {
     /// many turns that its error exceeds 1e-4 rad. The violation names the coordinate. The violation for a
     /// duration of zero ticks names none.
     pub fn offer(&mut self, offered: &Move<M::N>) {
+        self.judgement.offer(&self.path, offered);
+    }
+
+    /// Does a bounded amount of work: measures one interval.
+    pub fn step(&mut self) -> Verdict<M::N> {
+        self.judgement.step(&self.path)
+    }
+
+    /// Returns the state of the judgement, without any work on it.
+    pub fn verdict(&self) -> Verdict<M::N> {
+        self.judgement.verdict()
+    }
+}
+
+impl<N: Enclose> Judgement<N> {
+    pub(crate) const fn new() -> Self {
+        Self(Work::None)
+    }
+
+    /// As [`Admission::offer`].
+    pub(crate) fn offer<M: Model<N = N>>(&mut self, path: &Path<M>, offered: &Move<N>) {
         // Bounds of many turns would be as wide as their rounding: where turns are exact, only the rest counts.
         let turns = offered.from.angle;
-        let without = |pose: &Pose<M::N>| Pose {
-            angle: <M::N>::without_turns(pose.angle, turns),
+        let without = |pose: &Pose<N>| Pose {
+            angle: N::without_turns(pose.angle, turns),
             ..*pose
         };
         let offered = &Move {
@@ -170,11 +195,11 @@ impl<M: Model<N: Enclose>> Admission<M> {
             end_velocity: offered.end_velocity,
             rest_to_rest: offered.is_rest_to_rest(),
             ticks: offered.ticks,
-            period: self.path.period,
+            period: path.period,
         };
-        self.work = match breach::of_input(offered) {
+        self.0 = match breach::of_input(offered) {
             Some(breach) => Work::Judged(Verdict::Refused(
-                breach.violation(<<M::N as Enclose>::Bound>::ZERO),
+                breach.violation(<N as Enclose>::Bound::ZERO),
             )),
             None => Work::Check {
                 offered: ends,
@@ -184,21 +209,21 @@ impl<M: Model<N: Enclose>> Admission<M> {
         };
     }
 
-    /// Does a bounded amount of work: measures one interval.
-    pub fn step(&mut self) -> Verdict<M::N> {
-        match &mut self.work {
+    /// As [`Admission::step`].
+    pub(crate) fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Verdict<N> {
+        match &mut self.0 {
             Work::None => return Verdict::Nothing,
             Work::Judged(verdict) => return *verdict,
             Work::Check {
                 offered,
                 segment,
                 scan,
-            } => match scan.step(&self.path, segment) {
+            } => match scan.step(path, segment) {
                 Scanned::Undecided => {}
-                Scanned::Passed => self.work = Work::Judged(Verdict::Admitted),
+                Scanned::Passed => self.0 = Work::Judged(Verdict::Admitted),
                 Scanned::Failed { breach, at } => {
                     let violation = breach.violation(at);
-                    self.work = if breach.is_of_speed() {
+                    self.0 = if breach.is_of_speed() {
                         let search = Search::new(*offered, breach.certain);
                         Work::Search { violation, search }
                     } else {
@@ -206,23 +231,22 @@ impl<M: Model<N: Enclose>> Admission<M> {
                     };
                 }
             },
-            Work::Search { violation, search } => match search.step(&self.path) {
+            Work::Search { violation, search } => match search.step(path) {
                 Found::NotYet => {}
                 Found::Shortest(shortest) => {
                     let violation = Violation {
                         shortest,
                         ..*violation
                     };
-                    self.work = Work::Judged(Verdict::Refused(violation));
+                    self.0 = Work::Judged(Verdict::Refused(violation));
                 }
             },
         }
         self.verdict()
     }
 
-    /// Returns the state of the judgement, without any work on it.
-    pub fn verdict(&self) -> Verdict<M::N> {
-        match &self.work {
+    fn verdict(&self) -> Verdict<N> {
+        match &self.0 {
             Work::None => Verdict::Nothing,
             Work::Judged(verdict) => *verdict,
             Work::Check { .. } | Work::Search { .. } => Verdict::Undecided,

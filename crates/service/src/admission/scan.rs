@@ -36,8 +36,9 @@ pub(super) struct Scan<N> {
     doubt: Option<Doubt<N>>,
 }
 
-/// A limit that is not certain to be kept in the interval where the scan stands. The move is refused. The rest
-/// of it is looked at for a limit that is broken for certain, at single instants: bounds are narrowest there.
+/// A limit that is broken, or not certain to be kept, in the interval where the scan stands. The move is refused.
+/// From there on it is looked at for a limit that is broken for certain, at single instants: bounds are narrowest
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Doubt<N> {
     breach: Breach<N>,
@@ -78,16 +79,10 @@ impl<N: Arithmetic> Scan<N> {
         N::ratio(self.index, 1 << self.level)
     }
 
-    /// The middle of the interval, and half its length.
-    fn middle(&self) -> [N; 2] {
-        let halves = 2 << self.level;
-        [N::ratio(2 * self.index + 1, halves), N::ratio(1, halves)]
-    }
-
     /// The interval.
     pub(super) fn interval<T: Enclose<Bound = N>>(&self) -> TaylorModel<T> {
-        let [middle, half] = self.middle();
-        TaylorModel::span(middle, half)
+        let halves = 2 << self.level;
+        TaylorModel::span(N::ratio(2 * self.index + 1, halves), N::ratio(1, halves))
     }
 
     /// Steps to the next interval; whether there is none.
@@ -117,13 +112,7 @@ impl<N: Arithmetic> Scan<N> {
                     return Scanned::Passed;
                 }
             }
-            Err(breach) if breach.certain => {
-                return Scanned::Failed {
-                    breach,
-                    at: self.at(),
-                };
-            }
-            Err(breach) if self.level == FINEST || self.measured >= MOST => {
+            Err(breach) if breach.certain || self.level == FINEST || self.measured >= MOST => {
                 self.doubt = Some(Doubt { breach, look: 0 });
             }
             Err(_) => {
@@ -167,11 +156,11 @@ impl<N: Arithmetic> Scan<N> {
         }
     }
 
-    /// Returns the `look`-th instant: first further and further from the middle of the interval, which is
+    /// Returns the `look`-th instant: first further and further from the start of the interval, which is
     /// mostly where a limit is just reached, then all over the rest of the move. None after the last.
     fn instant(&self, look: u32) -> Option<N> {
-        let [middle, _] = self.middle();
-        let rest = N::ONE - middle;
+        let start = self.at();
+        let rest = N::ONE - start;
         let part = match look {
             0 => N::ZERO,
             1..=FINEST => N::ratio(1, 1 << (FINEST + 1 - look)),
@@ -183,6 +172,6 @@ impl<N: Arithmetic> Scan<N> {
                 N::ratio(2 * spread - 1, 2 * SPREAD)
             }
         };
-        Some(middle + rest * part)
+        Some(start + rest * part)
     }
 }

@@ -7,6 +7,8 @@ use super::super::handoff::{Order, Recover};
 use super::super::scene::Scene;
 use super::Background;
 use crate::admission::Enclose;
+use crate::coefficients::Coefficients;
+use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, Pose};
@@ -95,7 +97,7 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         if !matches!(self.status.state, State::Unhomed | State::Cleared) {
             self.require_idle()?;
         }
-        let limits = &self.limits;
+        let limits = &self.coefficients.borrow().limits;
         guard::within(Bounded::Rate, &limits.rate, plan.rates)
             .and_then(|()| {
                 let accelerations = plan.accelerations;
@@ -136,12 +138,14 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         if ticks == 0 {
             return Err(Refusal::Duration { longest: u32::MAX });
         }
-        let position = self.geometry.position(pose).map_err(no_motion)?;
+        let Coefficients { tick, limits, .. } = self.coefficients.borrow();
+        let geometry = tick.geometry();
+        let position = geometry.position(pose).map_err(no_motion)?;
         self.keeps_clear(&position)?;
-        let angles = self.geometry.motor_angles(&position);
+        let angles = geometry.motor_angles(&position);
         let path = JointMove::new(from, angles, ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();
-        guard::within(Bounded::Rate, &self.limits.rate, rates)
+        guard::within(Bounded::Rate, &limits.rate, rates)
             .and_then(|()| {
                 // A stop on the way adds the ramp's own: the rate over the ramp's duration.
                 let ramp = u32::from(self.settings.ramp_ticks.max(1));
@@ -149,7 +153,7 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
                 let [a, b, c] = rates.map(|rate| rate.scaled(slope));
                 let [x, y, z] = accelerations;
                 let sums = [x + a, y + b, z + c];
-                guard::within(Bounded::Acceleration, &self.limits.acceleration, sums)
+                guard::within(Bounded::Acceleration, &limits.acceleration, sums)
             })
             .map_err(|broken| too_fast(broken, true))?;
         Ok(path)
@@ -167,17 +171,17 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
 
     /// Refuses a recovery that ends nearer to a singularity than the limits allow.
     fn keeps_clear(&self, position: &Position<N>) -> Result<(), Refusal<N>> {
-        let least = self.limits.serial_distance;
-        for (leg, distance) in self.distances.serial(position).into_iter().enumerate() {
+        let Coefficients {
+            limits, distances, ..
+        } = self.coefficients.borrow();
+        let least = limits.serial_distance;
+        for (leg, distance) in distances.serial(position).into_iter().enumerate() {
             if !(distance >= least) {
                 let leg = Some(leg as u8);
                 return Err(ends_at(Bounded::SerialDistance, leg, distance, least));
             }
         }
-        let (distance, least) = (
-            self.distances.parallel(position),
-            self.limits.parallel_distance,
-        );
+        let (distance, least) = (distances.parallel(position), limits.parallel_distance);
         if !(distance >= least) || !(distance > N::ZERO) {
             return Err(ends_at(Bounded::ParallelDistance, None, distance, least));
         }
@@ -186,6 +190,7 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
 }
 
 /// Returns the refusal of a recovery to a pose without a motion.
+#[inline(never)]
 fn no_motion<N: Number>(status: Status) -> Refusal<N> {
     let (code, leg) = FaultCode::of(status);
     let what = code.bounded().unwrap_or(Bounded::Range);
@@ -193,6 +198,7 @@ fn no_motion<N: Number>(status: Status) -> Refusal<N> {
 }
 
 /// Returns the refusal of a recovery that breaks a limit at its end.
+#[inline(never)]
 fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> Refusal<N> {
     Refusal::Recovery(Violation {
         what,
@@ -208,6 +214,7 @@ fn ends_at<N: Number>(what: Bounded, index: Option<u8>, value: N, limit: N) -> R
 }
 
 /// Returns the refusal for joint rates or accelerations; `ramp`: those of a stop are in them.
+#[inline(never)]
 fn too_fast<N: Number>(broken: LimitBreach<N>, ramp: bool) -> Refusal<N> {
     let what = match broken.code {
         FaultCode::Limit(what) => what,

@@ -11,14 +11,11 @@ use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickRepo
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use crate::admission::{Admission, Enclose};
+use crate::admission::{Enclose, Judgement};
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
-use trirrr_core::limits::Limits;
-use trirrr_core::machine::Geometry;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_core::singularity::Distances;
 use trirrr_protocol::message::{
     Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry,
 };
@@ -27,10 +24,8 @@ use trirrr_protocol::message::{
 pub struct Background<'q, S: Scene> {
     scene: S,
     settings: Settings<S::N>,
-    geometry: Geometry<S::N>,
-    limits: Limits<S::N>,
-    distances: Distances<S::N>,
-    admission: Admission<S::Model>,
+    coefficients: S::Coefficients,
+    judgement: Judgement<S::N>,
 
     moves: Sender<'q, QueuedMove<S::N>>,
     recoveries: Sender<'q, Recover<S::N>>,
@@ -92,11 +87,9 @@ fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3]) -> Setpoint<N> {
     }
 }
 
-/// Parts of a [`Setup`] that the background needs.
+/// Pose of the platform at the start, and the angles of the motors there.
 pub(super) struct Stand<N: Number> {
-    pub(super) geometry: Geometry<N>,
-    pub(super) limits: Limits<N>,
-    pub(super) distances: Distances<N>,
+    pub(super) angles: [N::Angle; 3],
     pub(super) pose: Pose<N>,
 }
 
@@ -117,9 +110,8 @@ pub(super) struct BackgroundEnds<'q, N: Number, U> {
 impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
     pub(super) fn new(
         scene: S,
+        coefficients: S::Coefficients,
         stand: Stand<N>,
-        angles: [N::Angle; 3],
-        admission: Admission<S::Model>,
         settings: Settings<N>,
         ends: BackgroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Put<'q>>,
     ) -> Self {
@@ -130,10 +122,8 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
         Self {
             scene,
             settings,
-            geometry: stand.geometry,
-            limits: stand.limits,
-            distances: stand.distances,
-            admission,
+            coefficients,
+            judgement: Judgement::new(),
             moves: ends.moves,
             recoveries: ends.recoveries,
             orders: ends.orders,
@@ -165,7 +155,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
             generation: 0,
             begun: 0,
             played: 0,
-            angles,
+            angles: stand.angles,
             orders_sent: 0,
             orders_taken: 0,
             ahead: Ahead::NOTHING,

@@ -6,6 +6,7 @@ use super::super::tool::Tool;
 use super::{Background, ends};
 use crate::admission;
 use crate::admission::Enclose;
+use core::borrow::Borrow;
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
@@ -61,11 +62,12 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
             return false;
         };
         if !self.checking {
-            self.admission.offer(offered);
+            let path = &self.coefficients.borrow().path;
+            self.judgement.offer(path, offered);
             self.checking = true;
             return true;
         }
-        match self.admission.step() {
+        match self.judgement.step(&self.coefficients.borrow().path) {
             admission::Verdict::Undecided => true,
             admission::Verdict::Admitted => {
                 if self.moves.has_room() {

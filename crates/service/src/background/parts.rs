@@ -4,7 +4,7 @@ use super::super::coefficients::Coefficients;
 use super::super::handoff::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
-use crate::admission::{Admission, Enclose};
+use crate::admission::{Enclose, Judgement};
 use trirrr_core::forward::Forward;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Refusal, Replacement, State};
@@ -45,9 +45,9 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
             return Err(Refusal::Busy);
         }
         self.order(Order::Adopt, State::Idle)?;
-        self.scene.adopt(parameters, limits);
-        (self.geometry, self.limits) = (geometry, built.limits);
-        (self.distances, self.admission) = (built.distances, Admission::over(built.path));
+        self.scene
+            .adopt(parameters, limits, built, &mut self.coefficients);
+        self.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));
         Ok(())
     }

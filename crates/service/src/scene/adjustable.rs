@@ -46,6 +46,7 @@ impl<N: Enclose, M: Model<N = N>> Scene for Adjustable<M> {
     type Replacement = Section;
     type Part = Section;
     type Homing = NoHoming;
+    type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
         let period = N::factor_to_f64(settings.period);
@@ -92,7 +93,13 @@ impl<N: Enclose, M: Model<N = N>> Scene for Adjustable<M> {
         Ok((units.parameters(&parameters), units.limits(&limits)))
     }
 
-    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
-        (self.parameters, self.limits) = (parameters, limits);
+    fn adopt(
+        &mut self,
+        parameters: Parameters,
+        limits: LimitParameters,
+        built: Coefficients<M>,
+        kept: &mut Coefficients<M>,
+    ) {
+        (self.parameters, self.limits, *kept) = (parameters, limits, built);
     }
 }

@@ -40,10 +40,11 @@ impl<'a, N: Enclose, M: Model<N = N>> Scene for Compiled<'a, M> {
     type Replacement = Unread;
     type Part = Written<'a>;
     type Homing = NoHoming;
+    type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]
-    fn coefficients(&self, _: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
-        Ok(*self.coefficients)
+    fn coefficients(&self, _: &Settings<N>) -> Result<&'a Coefficients<M>, BuildError> {
+        Ok(self.coefficients)
     }
 
     fn part(&self, name: SectionName, _: &Units) -> Option<Written<'a>> {
@@ -70,5 +71,12 @@ impl<'a, N: Enclose, M: Model<N = N>> Scene for Compiled<'a, M> {
         Err(Refusal::NotAdjustable)
     }
 
-    fn adopt(&mut self, _: Parameters, _: LimitParameters) {}
+    fn adopt(
+        &mut self,
+        _: Parameters,
+        _: LimitParameters,
+        _: Coefficients<M>,
+        _: &mut &'a Coefficients<M>,
+    ) {
+    }
 }

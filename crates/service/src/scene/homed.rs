@@ -27,8 +27,9 @@ impl<'a, N: Enclose, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type Replacement = S::Replacement;
     type Part = S::Part;
     type Homing = Option<Cycle<'a, N>>;
+    type Coefficients = S::Coefficients;
 
-    fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<S::Model>, BuildError> {
+    fn coefficients(&self, settings: &Settings<N>) -> Result<S::Coefficients, BuildError> {
         self.scene.coefficients(settings)
     }
 
@@ -61,7 +62,13 @@ impl<'a, N: Enclose, S: Scene<N = N>> Scene for WithHoming<'a, S> {
         self.scene.changed(section, units)
     }
 
-    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters) {
-        self.scene.adopt(parameters, limits);
+    fn adopt(
+        &mut self,
+        parameters: Parameters,
+        limits: LimitParameters,
+        built: Coefficients<S::Model>,
+        kept: &mut S::Coefficients,
+    ) {
+        self.scene.adopt(parameters, limits, built, kept);
     }
 }

@@ -19,6 +19,7 @@ use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::homing::{Homing, Plan};
 use crate::settings::Settings;
+use core::borrow::Borrow;
 use postcard_schema::Schema;
 use serde::Serialize;
 use trirrr_core::limits::{LimitParameters, Limits};
@@ -62,14 +63,14 @@ pub trait Scene {
     /// Homing of the machine; [`NoHoming`](crate::NoHoming) without any.
     type Homing: Homing<Self::N>;
 
+    /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
+    type Coefficients: Borrow<Coefficients<Self::Model>>;
+
     /// Returns the coefficients at the start.
     ///
     /// # Errors
     /// Machine or limit that cannot be built.
-    fn coefficients(
-        &self,
-        settings: &Settings<Self::N>,
-    ) -> Result<Coefficients<Self::Model>, BuildError>;
+    fn coefficients(&self, settings: &Settings<Self::N>) -> Result<Self::Coefficients, BuildError>;
 
     /// Returns the part `name` in SI units; the machine is in `units`. `None` if there is no such leg.
     fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
@@ -90,8 +91,14 @@ pub trait Scene {
         units: &Units,
     ) -> Result<(Parameters, LimitParameters), Refusal<Self::N>>;
 
-    /// Replaces the scene.
-    fn adopt(&mut self, parameters: Parameters, limits: LimitParameters);
+    /// Replaces the scene, and `kept` by the coefficients `built` from it.
+    fn adopt(
+        &mut self,
+        parameters: Parameters,
+        limits: LimitParameters,
+        built: Coefficients<Self::Model>,
+        kept: &mut Self::Coefficients,
+    );
 }
 
 /// Returns the refusal for a scene that cannot be built.
