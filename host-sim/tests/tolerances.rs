@@ -144,6 +144,13 @@ fn a_scene_without_torques_has_no_torque_columns() {
     assert!(columns.iter().all(|column| !column.starts_with("tau")));
     assert!(rows.len() >= 6 * 8, "8 intervals for each of 6 moves");
     assert!(!folder.path().join("torque_band.svg").exists());
+    let manual = include_str!("../../docs/tolerances.md");
+    let (_, shown) = manual.split_once("```text\n").expect("an example");
+    let (shown, _) = shown.split_once("```").expect("an end");
+    assert!(
+        summary.contains(shown),
+        "the manual shows\n{shown}but\n{summary}"
+    );
     // Half a microstep is added to the backlash.
     assert!(
         summary.contains("motor angle               +- 0.001096 rad"),

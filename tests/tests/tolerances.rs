@@ -263,9 +263,11 @@ impl Tally {
         let spans: Vec<TimeSpan> = analysis.spans().collect();
         let half_widths = uncertain.half_widths();
         let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &uncertain.seed);
-        let middle = &spans[random.random_range(0..spans.len())];
-        let t = (middle.start_s + middle.end_s) / 2.0;
-        let t = t.clamp(0.02, 0.98);
+        let any = &spans[random.random_range(0..spans.len())];
+        // Anywhere in it, and not so near to the ends of the move that differences in time would leave it.
+        let t = random
+            .random_range(any.start_s..=any.end_s)
+            .clamp(0.02, 0.98);
         let holds = |span: &&TimeSpan| span.start_s <= t && t <= span.end_s;
         let span = spans
             .iter()

@@ -103,8 +103,9 @@ impl ToolError {
     ///
     /// An error of length d has at least d cos(pi / 2 n) along the nearest of n directions over half a turn.
     fn greatest(&self) -> (f64, [f64; 2]) {
+        let turned = |part: f64| <f64 as Arithmetic>::sin_cos(PI * part / f64::from(DIRECTIONS));
         let along = |index: u32| {
-            let (sin, cos) = (PI * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
+            let (sin, cos) = turned(f64::from(index));
             let [x, y] = [cos, sin].map(BoxModel::from_f64);
             let size = (self.error.x * x + self.error.y * y).magnitude();
             (size, [cos, sin])
@@ -115,10 +116,8 @@ impl ToolError {
                 (0.0, [1.0, 0.0]),
                 |most, next| if next.0 > most.0 { next } else { most },
             );
-        (
-            size / (PI / f64::from(2 * DIRECTIONS)).cos() * (1.0 + 1e-15),
-            direction,
-        )
+        let (_, cos) = turned(0.5);
+        (size / cos * (1.0 + 1e-15), direction)
     }
 
     fn remainder(&self) -> f64 {

@@ -220,6 +220,19 @@ mod tests {
     }
 
     #[test]
+    fn tolerances_are_not_in_an_image() {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        let scene = Scene::read(scenes.join("vertical.toml")).expect("a shipped scene is good");
+        assert!(scene.tolerances.is_some());
+        let exact = Scene {
+            tolerances: None,
+            ..scene.clone()
+        };
+        let source = |scene: &Scene| source(scene, "f32").expect("SI units");
+        assert_eq!(source(&scene), source(&exact));
+    }
+
+    #[test]
     fn moves_are_written_with_every_digit_and_their_kind() {
         let text = shipped("thesis.toml");
         // pi/20 and pi/15, as they are read back.
