@@ -12,6 +12,7 @@ use trirrr_scene::{JobPlayer, Scene};
 /// Checksum over every tick of the job in the number type called `scalar`.
 pub(crate) fn checksum(scene: &Scene, scalar: &str) -> Result<u64> {
     match scalar {
+        "f64" => with_number::<f64>(scene),
         "f32" => with_number::<f32>(scene),
         "fixed" => with_number::<Fixed>(scene),
         "micromath" => with_number::<Coarse>(scene),

@@ -2,7 +2,7 @@
 
 use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use super::panel::range;
-use super::style::{CURVES, FRAME, GRID, INK};
+use super::style::{CURVES, FRAME, GRID, INK, faded};
 use plotters::prelude::RGBColor;
 
 /// One curve or cloud of points in one colour.
@@ -29,7 +29,7 @@ pub struct Point {
 pub struct Front {
     /// Legend entry; none if empty.
     pub label: String,
-    /// `true` draws the front in ink, `false` in grey.
+    /// `true` draws the front thick, over a tint of all that it beats; `false` draws it thin and grey.
     pub strong: bool,
     /// Its corners, from left to right.
     pub points: Vec<(f64, f64)>,
@@ -47,7 +47,7 @@ pub struct LogLog<'a> {
     pub series: &'a [Series],
     /// Meanings of the shapes of the points, in order; empty if there is one shape.
     pub marks: &'a [&'a str],
-    /// Pareto fronts, drawn dashed behind the points.
+    /// Pareto fronts, drawn behind the points.
     pub fronts: &'a [Front],
 }
 
@@ -56,6 +56,9 @@ const HEIGHT: f64 = 520.0;
 const TOP: f64 = 52.0;
 const BOTTOM: f64 = 64.0;
 const LEFT: f64 = 84.0;
+
+/// Strength of the tint of what a front beats.
+const TINT: f64 = 0.07;
 
 /// The points of `points` that no other one beats in both coordinates, from left to right.
 pub fn pareto_front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
@@ -86,6 +89,9 @@ pub fn draw(figure: &LogLog<'_>) -> Drawn {
     page(WIDTH, TOP + HEIGHT + BOTTOM, |canvas| {
         let middle = (WIDTH / 2.0, 26.0);
         canvas.text(figure.title, middle, Size::Title, CENTRED, INK)?;
+        for front in figure.fronts.iter().filter(|front| front.strong) {
+            frame.tint(canvas, front)?;
+        }
         frame.draw(canvas, figure)?;
         for front in figure.fronts {
             frame.front(canvas, front)?;
@@ -182,16 +188,30 @@ impl DecadeFrame {
         canvas.upright(figure.y, (18.0, TOP + HEIGHT / 2.0), Size::Label, INK)
     }
 
-    /// Draws the staircase; the front beats each point above and to the right of the staircase.
-    fn front(&self, canvas: &Canvas<'_>, front: &Front) -> Draw {
+    /// The staircase from the frame's top to its right end. The front beats each point above and to the right.
+    fn staircase(&self, front: &Front) -> Vec<(f64, f64)> {
         let places: Vec<_> = front.points.iter().map(|&point| self.at(point)).collect();
-        let colour = front.colour();
-        for pair in places.windows(2) {
-            let corner = (pair[1].0, pair[0].1);
-            canvas.dashed(pair[0], corner, colour)?;
-            canvas.dashed(corner, pair[1], colour)?;
+        let mut path: Vec<_> = places.first().map(|(x, _)| (*x, TOP)).into_iter().collect();
+        for (nth, place) in places.iter().enumerate() {
+            path.push(*place);
+            let next = places.get(nth + 1).map_or(self.right, |(x, _)| *x);
+            path.push((next, place.1));
         }
-        Ok(())
+        path
+    }
+
+    fn tint(&self, canvas: &Canvas<'_>, front: &Front) -> Draw {
+        let mut area = self.staircase(front);
+        if area.is_empty() {
+            return Ok(());
+        }
+        area.push((self.right, TOP));
+        canvas.polygon(&area, faded(INK, TINT))
+    }
+
+    fn front(&self, canvas: &Canvas<'_>, front: &Front) -> Draw {
+        let (colour, width) = front.stroke();
+        canvas.line(&self.staircase(front), colour, width)
     }
 
     /// Beside the frame, where it covers nothing: colours, then shapes, then fronts.
@@ -213,7 +233,8 @@ impl DecadeFrame {
         }
         y += 12.0;
         for front in figure.fronts.iter().filter(|front| !front.label.is_empty()) {
-            canvas.dashed((x - 4.0, y), (x + 18.0, y), front.colour())?;
+            let (colour, width) = front.stroke();
+            canvas.line(&[(x - 4.0, y), (x + 18.0, y)], colour, width)?;
             text(y, &front.label)?;
             y += 22.0;
         }
@@ -222,8 +243,11 @@ impl DecadeFrame {
 }
 
 impl Front {
-    fn colour(&self) -> RGBColor {
-        if self.strong { INK } else { FRAME }
+    fn stroke(&self) -> (RGBColor, f64) {
+        match self.strong {
+            true => (INK, 2.4),
+            false => (FRAME, 1.2),
+        }
     }
 }
 
@@ -303,7 +327,18 @@ mod tests {
         assert_eq!(frame.at((1e4, 1e-6)), (700.0, TOP));
         let svg = draw(&figure).unwrap();
         // Two points are squares; the shapes of the legend are a disc and a square.
-        assert_eq!(svg.matches("<polygon").count(), 2 + 1);
+        // The polygon before them tints what the front beats.
+        assert_eq!(svg.matches("<polygon").count(), 1 + 2 + 1);
+        // From the frame's top by both corners to its right end.
+        let [first, last] = [(30.0, 2e-7), (4000.0, 3e-16)].map(|point| frame.at(point));
+        let expected = [
+            (first.0, TOP),
+            first,
+            (last.0, first.1),
+            last,
+            (700.0, last.1),
+        ];
+        assert_eq!(frame.staircase(&figure.fronts[0]), expected);
         for text in ["1e-16", "1e4", "a series", "another", "front"] {
             assert!(svg.contains(text), "{text}");
         }

@@ -16,7 +16,12 @@ use std::{env, fs};
 use trirrr_scene::{NumberType, Scene};
 
 /// Number types of images: name in scenes and tables, and Rust type.
-pub const SCALARS: &[(&str, &str)] = &[("f32", "f32"), ("fixed", FIXED), ("micromath", COARSE)];
+pub const SCALARS: &[(&str, &str)] = &[
+    ("f64", "f64"),
+    ("f32", "f32"),
+    ("fixed", FIXED),
+    ("micromath", COARSE),
+];
 
 /// Rust type of the number type whose scenes have units of their own.
 const FIXED: &str = "trirrr_core::number::Fixed";

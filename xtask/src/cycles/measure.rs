@@ -137,11 +137,12 @@ pub(super) fn measure(core: &Core, image: &Path, calls: &Calls, mean: f64) -> Re
                 );
             }
             traced.instructions.entry(call).or_default().push(length);
+            let operations = code.operations(executed)?;
             for meter in &mut traced.meters {
                 if function == 0 && meter.memory == Memory::ColdFlash {
                     meter.processor.empty_caches();
                 }
-                let classes = meter.processor.run(executed, &mut code)?;
+                let classes = meter.processor.run(executed, &operations);
                 meter.samples.entry(call).or_default().push(classes);
             }
             Ok(())

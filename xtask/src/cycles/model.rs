@@ -121,22 +121,21 @@ impl Processor {
     }
 
     /// Cycles of a call, from its first instruction to the end of its last.
-    pub(super) fn run(&mut self, executed: &[Executed], code: &mut Code) -> Result<Classes> {
+    pub(super) fn run(&mut self, executed: &[Executed], operations: &[Operation]) -> Classes {
         let mut classes = Classes::default();
-        for (nth, this) in executed.iter().enumerate() {
-            let operation = code.operation(this.address())?;
+        for (nth, (this, operation)) in executed.iter().zip(operations).enumerate() {
             let behind = this.address() + operation.instruction.length;
             // The last one returns.
             let next = executed.get(nth + 1);
             let leaves = next.is_none_or(|next| next.address() != behind);
-            classes += self.step(this, operation, leaves);
+            classes += self.step(this, *operation, leaves);
         }
         // What the divider still has to do belongs to this call.
         let rest = self.divider_free.saturating_sub(self.now);
         classes.divide += rest;
         self.now += rest;
         self.previous = None;
-        Ok(classes)
+        classes
     }
 
     fn step(&mut self, executed: &Executed, operation: Operation, leaves: bool) -> Classes {
@@ -244,6 +243,12 @@ impl<'a> Code<'a> {
             program,
             decoded: HashMap::new(),
         }
+    }
+
+    /// The instructions that were executed.
+    pub(super) fn operations(&mut self, executed: &[Executed]) -> Result<Vec<Operation>> {
+        let operations = executed.iter().map(|this| self.operation(this.address()));
+        operations.collect()
     }
 
     fn operation(&mut self, address: u32) -> Result<Operation> {

@@ -46,9 +46,16 @@ fn program(instructions: &[&[u16]]) -> (Program, Vec<Executed>) {
 
 fn classes(timing: Timing, flash: Option<Flash>, instructions: &[&[u16]]) -> Classes {
     let (program, executed) = program(instructions);
-    let mut processor = Processor::new(timing, flash.map(FlashState::new));
-    let classes = processor.run(&executed, &mut Code::new(&program));
-    classes.expect("known instructions")
+    run(
+        Processor::new(timing, flash.map(FlashState::new)),
+        &program,
+        &executed,
+    )
+}
+
+fn run(mut processor: Processor, program: &Program, executed: &[Executed]) -> Classes {
+    let operations = Code::new(program).operations(executed);
+    processor.run(executed, &operations.expect("known instructions"))
 }
 
 fn cycles(timing: Timing, instructions: &[&[u16]]) -> u64 {
@@ -138,10 +145,7 @@ fn a_branch_that_is_taken_fills_the_pipeline_again() {
     // beq to 4, taken: the instruction at 2 is not executed. 1 + 2, 1 + 2.
     let (program, mut executed) = program(&[BEQ, NOP, BX_LR]);
     executed.remove(1);
-    let mut taken = Processor::new(CORTEX_M4, None);
-    let taken = taken
-        .run(&executed, &mut Code::new(&program))
-        .expect("known");
+    let taken = run(Processor::new(CORTEX_M4, None), &program, &executed);
     assert_eq!((taken.total(), taken.branch), (6, 6));
     // Not taken: 1, 1, 1 + 2.
     assert_eq!(cycles(CORTEX_M4, &[BEQ, NOP, BX_LR]), 5);
@@ -185,16 +189,13 @@ fn an_instruction_whose_condition_does_not_hold_takes_one_cycle() {
     let (program, mut executed) = program(&[it, LDR_R0_R1, BX_LR]);
     // In the block: condition eq, mask 1000. It does not hold.
     executed[1].status = 0b10 << 10;
-    let run = |executed: &[Executed]| {
-        let mut processor = Processor::new(CORTEX_M4, None);
-        let classes = processor.run(executed, &mut Code::new(&program));
-        classes.expect("known").total()
-    };
+    let cycles =
+        |executed: &[Executed]| run(Processor::new(CORTEX_M4, None), &program, executed).total();
     // 1 + 1 + 3
-    assert_eq!(run(&executed), 5);
+    assert_eq!(cycles(&executed), 5);
     // Z: 1 + 2 + 3
     executed[1].status |= 1 << 30;
-    assert_eq!(run(&executed), 6);
+    assert_eq!(cycles(&executed), 6);
 }
 
 /// As the F405's, without caches.

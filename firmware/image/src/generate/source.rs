@@ -22,6 +22,7 @@ use trirrr_service::{ServiceNumber, Settings};
 /// A quantity that does not fit the number type; a number type that no image is built for.
 pub fn source(scene: &Scene, scalar: &str) -> Result<String, Box<dyn Error>> {
     match scalar {
+        "f64" => source_in::<f64>(scene, scalar),
         "f32" => source_in::<f32>(scene, scalar),
         FIXED => source_in::<Fixed>(scene, scalar),
         COARSE => source_in::<Coarse>(scene, scalar),

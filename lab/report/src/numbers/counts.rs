@@ -3,6 +3,7 @@
 
 use crate::error::ReportError;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 const CHECKED_IN: &str = include_str!("../../../../xtask/budgets/insns.json");
 
@@ -20,15 +21,21 @@ pub(crate) struct InstructionCount {
     pub(crate) max: f64,
 }
 
+/// A checked-in file of figures.
 #[derive(Deserialize)]
-struct Budget {
-    rows: Vec<InstructionCount>,
+struct Budget<Row> {
+    rows: Vec<Row>,
 }
 
 /// All counts.
 pub(crate) fn checked_in() -> Result<Vec<InstructionCount>, ReportError> {
-    let budget: Budget = serde_json::from_str(CHECKED_IN)
-        .map_err(|error| ReportError::Failed(format!("xtask/budgets/insns.json: {error}")))?;
+    rows("xtask/budgets/insns.json", CHECKED_IN)
+}
+
+/// The rows of `file`, whose contents are `text`.
+pub(crate) fn rows<Row: DeserializeOwned>(file: &str, text: &str) -> Result<Vec<Row>, ReportError> {
+    let budget: Budget<Row> = serde_json::from_str(text)
+        .map_err(|error| ReportError::Failed(format!("{file}: {error}")))?;
     Ok(budget.rows)
 }
 
@@ -49,10 +56,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_two_scenes_are_counted_for_f32_and_micromath_on_every_core() {
+    fn the_two_scenes_are_counted_for_every_number_type_on_every_core() {
         let counts = checked_in().unwrap();
         for core in CORES {
-            for scalar in ["f32", "micromath"] {
+            for scalar in ["f64", "f32", "fixed", "micromath"] {
                 for scene in ["thesis", "thesis-links"] {
                     let count = find(&counts, core, scalar, scene).unwrap();
                     assert!(0.0 < count.min && count.min <= count.mean && count.mean <= count.max);

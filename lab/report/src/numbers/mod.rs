@@ -1,6 +1,7 @@
 //! Section "numbers": error against run time, for every number type.
 
 mod counts;
+mod cycles;
 mod error;
 mod time;
 mod tool;
@@ -11,6 +12,7 @@ use super::scenes::shipped;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
 use counts::{CORES, InstructionCount};
+use cycles::{BOARDS, ModelledCycles};
 use error::{Errors, SceneErrors, Stage};
 use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
@@ -40,6 +42,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
         measure::<Coarse>(NumberType::Micromath, &scenes, &instants)?,
     ];
     let counts = counts::checked_in()?;
+    let cycles = cycles::checked_in()?;
 
     page.heading(2, "Numbers: error against run time");
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
@@ -85,6 +88,10 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     let instructions = instructions(&measured, &counts);
     page.csv("instructions.csv", &counts_table(&counts))?;
     page.block("numbers-instructions", true, &instructions.markdown());
+    page.heading(3, "Modelled cycles per tick with its setpoint");
+    page.paragraph("Mean over ticks of the job, in flash, and in brackets microseconds.");
+    let modelled = modelled(&measured, &cycles);
+    page.block("numbers-cycles", true, &modelled.markdown());
     page.heading(3, "Nanoseconds per tick on this machine");
     let times = by_type(&["massless", "with links"], &measured, |each| {
         each.nanoseconds.map(|time| format!("{time:.0}")).to_vec()
@@ -96,37 +103,41 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
         let errors = each.of_scene(&scenes, scene)?;
         Some(errors.stages[3].worst_relative)
     };
-    let mean = |each: &TypeFindings, core: usize, scene| {
-        let count = counts::find(&counts, CORES[core], &each.scalar.to_string(), scene)?;
-        Some(count.mean)
+    let microseconds = |each: &TypeFindings, board: usize, scene| {
+        let (core, _) = BOARDS[board];
+        let tick = cycles::find(&cycles, core, &each.scalar.to_string(), scene)?;
+        Some(tick.us_mean)
     };
+    let boards = BOARDS.map(|(_, name)| name);
     for (scene, file, title) in [
         (TIMED[0], "numbers-massless.svg", "massless links"),
         (TIMED[1], "numbers-links.svg", "links with masses"),
     ] {
         let cloud = Cloud {
-            caption: &format!("Torque error against instructions per tick, {title}"),
+            caption: &format!("Torque error against microseconds per tick, {title}"),
             title: &format!("Torque error against run time, {title}"),
-            x: "instructions per tick, mean",
+            x: MICROSECONDS,
             y: TORQUE_ERROR,
-            marks: &CORES,
-            front: "of each core",
+            marks: &boards,
+            front: "of each board",
         };
-        let point =
-            |each: &TypeFindings, core| Some((mean(each, core, scene)?, torque(each, scene)?));
+        let point = |each: &TypeFindings, board| {
+            Some((microseconds(each, board, scene)?, torque(each, scene)?))
+        };
         cloud.write(page, file, &measured, point)?;
     }
     let tool = Cloud {
-        caption: "Error at the tool against instructions per tick",
+        caption: "Error at the tool against microseconds per tick",
         title: "Error at the tool against run time, massless links",
-        x: "instructions per tick, mean",
+        x: MICROSECONDS,
         y: "worst error of the tool's place (\u{b5}m)",
-        marks: &CORES,
-        front: "of each core",
+        marks: &boards,
+        front: "of each board",
     };
-    tool.write(page, "numbers-tool.svg", &measured, |each, core| {
+    tool.write(page, "numbers-tool.svg", &measured, |each, board| {
         let errors = each.of_scene(&scenes, TIMED[0])?;
-        Some((mean(each, core, TIMED[0])?, errors.tool[0].worst * 1e6))
+        let time = microseconds(each, board, TIMED[0])?;
+        Some((time, errors.tool[0].worst * 1e6))
     })?;
     let host = Cloud {
         caption: "Torque error against nanoseconds per tick on this machine",
@@ -221,19 +232,33 @@ fn by_type(
 }
 
 fn instructions(measured: &[TypeFindings], counts: &[InstructionCount]) -> Table {
-    let mut table = Table::new(&[&["number type", "scene"], CORES.as_slice()].concat());
+    by_type_and_scene(measured, &CORES, |core, scalar, scene| {
+        let count = counts::find(counts, CORES[core], scalar, scene)?;
+        Some(format!("{:.0} ({:.0})", count.mean, count.max))
+    })
+}
+
+fn modelled(measured: &[TypeFindings], cycles: &[ModelledCycles]) -> Table {
+    let names = BOARDS.map(|(_, name)| name);
+    by_type_and_scene(measured, &names, |board, scalar, scene| {
+        let tick = cycles::find(cycles, BOARDS[board].0, scalar, scene)?;
+        Some(format!("{:.0} ({:.2})", tick.mean, tick.us_mean))
+    })
+}
+
+/// A table with a row for each number type in each of the timed scenes; a dash is what nothing was measured of.
+fn by_type_and_scene(
+    measured: &[TypeFindings],
+    columns: &[&str],
+    cell: impl Fn(usize, &str, &str) -> Option<String>,
+) -> Table {
+    let mut table = Table::new(&[&["number type", "scene"], columns].concat());
     for scene in TIMED {
         for each in measured {
             let name = each.scalar.to_string();
-            let cells: Vec<String> = CORES
-                .iter()
-                .filter_map(|core| counts::find(counts, core, &name, scene))
-                .map(|count| format!("{:.0} ({:.0})", count.mean, count.max))
-                .collect();
-            // f64 runs on the host only.
-            if cells.len() == CORES.len() {
-                table.row([name, scene.to_owned()].into_iter().chain(cells));
-            }
+            let cells = 0..columns.len();
+            let cells = cells.map(|column| cell(column, &name, scene).unwrap_or("-".into()));
+            table.row([name.clone(), scene.to_owned()].into_iter().chain(cells));
         }
     }
     table
@@ -288,6 +313,9 @@ fn counts_table(counts: &[InstructionCount]) -> Table {
     }
     table
 }
+
+/// Horizontal axis of a figure of boards.
+const MICROSECONDS: &str = "\u{b5}s per tick with its setpoint, modelled, in flash";
 
 /// Vertical axis of a figure of torques.
 const TORQUE_ERROR: &str = "worst torque error / largest torque";
