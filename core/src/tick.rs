@@ -114,7 +114,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
             rates,
             accelerations,
         };
-        let load = self.model.load(index, &leg.dyad, &motion);
+        let load = self.model.load(index, &motion);
         let fits = match M::TORQUES {
             true => motion.fits() && load.fits(),
             false => motion.joints_fit(),
@@ -136,10 +136,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         setpoint: &Setpoint<N>,
         rotation: &Rotation<N>,
     ) -> Result<[N; 3], Status> {
-        let load = |leg: usize| {
-            let dyad = &self.geometry.legs[leg].dyad;
-            self.model.load(leg, dyad, &legs[leg])
-        };
+        let load = |leg: usize| self.model.load(leg, &legs[leg]);
         let loads = [load(0), load(1), load(2)];
         let forces = self.model.forces(legs, &loads, setpoint, rotation)?;
         Ok(forces.torques(legs, &loads))

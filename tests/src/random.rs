@@ -52,10 +52,61 @@ pub fn case() -> impl Strategy<Value = Case> {
     let size = (-3.0..2.0).prop_map(|exponent: f64| 10f64.powf(exponent));
     (size, state(), [leg(), leg(), leg()], loads())
         .prop_map(|(size, state, legs, loads)| assemble(size, &state, &legs, &loads))
-        .prop_filter("too near to a singularity", |case| {
-            let (serial, parallel) = distances(&case.parameters, &case.setpoint.pose);
-            serial.iter().all(|&distance| distance > LEAST_DISTANCE) && parallel > LEAST_DISTANCE
+        .prop_filter("too near to a singularity", is_clear)
+}
+
+fn is_clear(case: &Case) -> bool {
+    let (serial, parallel) = distances(&case.parameters, &case.setpoint.pose);
+    serial.iter().all(|&distance| distance > LEAST_DISTANCE) && parallel > LEAST_DISTANCE
+}
+
+/// The link of a leg that is much shorter than the other one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shorter {
+    /// The link at the motor.
+    Proximal,
+    /// The link at the platform.
+    Distal,
+}
+
+/// Like [`case`] at size 1; in one to three legs one link is shorter than the other by a factor of
+/// 10^`decades`.
+pub fn unequal_case(
+    shorter: Shorter,
+    decades: core::ops::Range<f64>,
+) -> impl Strategy<Value = Case> {
+    let part = decades.prop_map(|decades: f64| 10f64.powf(-decades));
+    let which = (any::<bool>(), any::<bool>());
+    (state(), [leg(), leg(), leg()], loads(), part, which)
+        .prop_map(move |(state, mut legs, loads, part, which)| {
+            for (leg, unequal) in legs.iter_mut().zip([which.0, which.1, true]) {
+                match (unequal, shorter) {
+                    (false, _) => {}
+                    (true, Shorter::Proximal) => leg.proximal = leg.distal * part,
+                    (true, Shorter::Distal) => leg.distal = leg.proximal * part,
+                }
+            }
+            assemble(1.0, &state, &legs, &loads)
         })
+        .prop_filter("too near to a singularity", is_clear)
+}
+
+/// Like [`case`] at size 1, with leg 1 of equal links folded onto its base joint but for an angle of
+/// 10^-`decades`, and with or without masses of links.
+pub fn folded_case(
+    decades: core::ops::Range<f64>,
+    with_links: bool,
+) -> impl Strategy<Value = Case> {
+    let open = (decades, any::<bool>());
+    (state(), [leg(), leg(), leg()], loads(), open).prop_map(
+        move |(state, mut legs, mut loads, (decades, left))| {
+            let angle = PI - 10f64.powf(-decades);
+            legs[0].distal = legs[0].proximal;
+            legs[0].elbow = if left { -angle } else { angle };
+            loads.links = with_links;
+            assemble(1.0, &state, &legs, &loads)
+        },
+    )
 }
 
 /// A leg about a machine of size 1 and mass 1.

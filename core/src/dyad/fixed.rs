@@ -23,12 +23,6 @@ impl DyadKernel for Fixed {
         intersect_circles(triangle, d)
     }
 
-    #[inline(always)]
-    fn half_difference(a: Self, b: Self) -> Self {
-        // Both lie between 0 and 4, so that their difference does not wrap.
-        Self(a.0.wrapping_sub(b.0) >> 1)
-    }
-
     /// A result that wraps is at least 2 long: 8 less twice 2.75 less 1/2.
     #[inline(always)]
     fn span(place: Self, base: Self, arm: Self) -> Self {
@@ -50,9 +44,12 @@ fn intersect_circles(
 ) -> Result<DyadPosition<Fixed>, OutOfReach> {
     let square = |raw: i32| signed(raw, raw) as u64;
     let x = square(d.x.0) + square(d.y.0);
-    let (stretched, folded) = (triangle.stretched_sq.0 as u64, triangle.folded_sq.0 as u64);
-    if x >= stretched || x <= folded {
-        return Err(if x == stretched || x == folded {
+    // d^2 is at most 32, 2^63 here. A span that wraps is out of reach either way.
+    let excess = (x as i64).wrapping_sub(triangle.folded_sq.0);
+    let twice_dot = excess.wrapping_sub(triangle.twice_product.0);
+    let missing = triangle.twice_product.0.wrapping_sub(twice_dot);
+    if missing <= 0 || excess <= 0 {
+        return Err(if missing == 0 || excess == 0 {
             OutOfReach::Singular
         } else {
             OutOfReach::Unreachable
@@ -60,8 +57,8 @@ fn intersect_circles(
     }
 
     // 4 S^2 = u v = z 2^(12 - 2 half) with 1/4 <= z < 1, z in 2^-32.
-    let (u, u_shift) = normalised(stretched - x);
-    let (v, v_shift) = normalised(x - folded);
+    let (u, u_shift) = normalised(missing as u64);
+    let (v, v_shift) = normalised(excess as u64);
     let product = (unsigned(u, v) >> 32) as u32;
     let shift = u_shift + v_shift;
     let (z, half) = match (shift & 1, product >> 31) {
@@ -82,7 +79,7 @@ fn intersect_circles(
     // those that 2^-58 has and 2^-29 has not.
     let (w, w_shift) = normalised(x);
     let (j, odd) = ((w_shift >> 1) & 31, w_shift & 1);
-    let two_k = x.wrapping_add(triangle.difference_of_squares.0 as u64);
+    let two_k = excess.wrapping_sub(triangle.twice_shortfall.0) as u64;
     let k = joined((two_k >> 32) as u32, two_k as u32, j) as i32;
     let s = (root >> (half.saturating_sub(j + 1) & 31)) as i32;
     let up = j.wrapping_sub(1) & 31;
@@ -114,6 +111,6 @@ fn intersect_circles(
             // The mask changes nothing, but tells the compiler that the shift is a near one.
             shift: 33u32.wrapping_sub(half) as i32 & 31,
         },
-        base_sq: Fixed(rounded::<29>(x as i64)),
+        r1_dot_r2: Fixed(rounded::<30>(twice_dot)),
     })
 }

@@ -4,14 +4,18 @@
 //! on (+1 for the left):
 //!
 //! ```text
-//! k   = (x + l1^2 - l2^2) / 2
-//! S^2 = ((l1 + l2)^2 - x) (x - (l1 - l2)^2) / 4            twice the area of A B C, squared
-//! r1  = (k d + sigma S E d) / x                             A -> B
+//! y       = x - (l1 - l2)^2                             0 folded, 4 l1 l2 stretched
+//! 4 S^2   = y (4 l1 l2 - y)                             S: twice the area of A B C
+//! 2 k     = y - 2 l1 (l2 - l1)                          k = d . r1
+//! r1      = (k d + sigma S E d) / x                     A -> B
 //! r1 x r2 = -sigma S,  r2 = d - r1
+//! r1 . r2 = y / 2 - l1 l2
 //! ```
 //!
 //! S^2 is formed from its factors: near a flat triangle the expanded form x l1^2 - k^2 loses every
-//! digit.
+//! digit. All follow from y, whose error is one of d; the other constants have the size of l1 l2 or
+//! l1 (l2 - l1). So a short link at A loses no digits beside a long one at C. A short link at C keeps
+//! the absolute error of the long one at A.
 
 use crate::arithmetic::{RoundsEachStep, WideArithmetic, dot};
 use crate::to_source;
@@ -29,12 +33,6 @@ pub trait DyadKernel: WideArithmetic {
         triangle: &Triangle<Self>,
         d: Vector2<Self>,
     ) -> Result<DyadPosition<Self>, OutOfReach>;
-
-    /// (a - b) / 2 for squares of lengths, neither negative.
-    #[inline(always)]
-    fn half_difference(a: Self, b: Self) -> Self {
-        Self::HALF * (a - b)
-    }
 
     /// (place - base) + arm. The two places are exact inputs and are subtracted first, so that a
     /// large common offset cancels before any rounding. The arm is at most 1/2 long where values
@@ -54,20 +52,20 @@ pub trait DyadKernel: WideArithmetic {
 /// Coefficients of the triangle A B C, built from two lengths and the side of B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle<N: WideArithmetic> {
-    /// (l1 + l2)^2
-    pub(super) stretched_sq: N::Sum,
     /// (l1 - l2)^2
     pub(super) folded_sq: N::Sum,
-    /// l1^2 - l2^2
-    pub(super) difference_of_squares: N::Sum,
+    /// 2 l1 l2
+    pub(super) twice_product: N::Sum,
+    /// 2 l1 (l2 - l1)
+    pub(super) twice_shortfall: N::Sum,
     /// sigma
     pub(super) branch: N,
 }
 
 to_source!([N: WideArithmetic] Triangle [N] in trirrr_core::dyad {
-    stretched_sq: N::Sum,
     folded_sq: N::Sum,
-    difference_of_squares: N::Sum,
+    twice_product: N::Sum,
+    twice_shortfall: N::Sum,
     branch: N,
 });
 
@@ -82,8 +80,8 @@ pub struct DyadPosition<N: WideArithmetic> {
     pub r1_cross_r2: N,
     /// 1 / (r1 x r2).
     pub inverse_cross: N::Factor,
-    /// d^2.
-    pub base_sq: N,
+    /// r1 . r2 = l1 l2 cos(theta2 - theta1).
+    pub r1_dot_r2: N,
 }
 
 /// Refusal of two circles that do not cross: the end joints are too far apart or too close, or the
@@ -105,9 +103,9 @@ impl<N: WideArithmetic> Triangle<N> {
     /// whose corner B lies to the left of d for `branch` = +1, to the right for -1.
     pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
         Self {
-            stretched_sq: N::sum_from_f64((l1 + l2) * (l1 + l2)),
             folded_sq: N::sum_from_f64((l1 - l2) * (l1 - l2)),
-            difference_of_squares: N::sum_from_f64((l1 - l2) * (l1 + l2)),
+            twice_product: N::sum_from_f64(2.0 * (l1 * l2)),
+            twice_shortfall: N::sum_from_f64(2.0 * l1 * (l2 - l1)),
             branch: N::from_f64(branch),
         }
     }
@@ -115,7 +113,10 @@ impl<N: WideArithmetic> Triangle<N> {
     /// The shortest and the longest d.
     pub fn reach(&self) -> (N, N) {
         let root = |square| N::round(square).sqrt();
-        (root(self.folded_sq), root(self.stretched_sq))
+        (
+            root(self.folded_sq),
+            root(self.folded_sq + self.twice_product + self.twice_product),
+        )
     }
 }
 
@@ -127,7 +128,9 @@ impl<N: RoundsEachStep> DyadKernel for N {
         d: Vector2<N>,
     ) -> Result<DyadPosition<N>, OutOfReach> {
         let base_sq = dot(d, d);
-        let four_s_sq = (triangle.stretched_sq - base_sq) * (base_sq - triangle.folded_sq);
+        let excess = base_sq - triangle.folded_sq;
+        let twice_dot = excess - triangle.twice_product;
+        let four_s_sq = excess * (triangle.twice_product - twice_dot);
         // Not a number compares as false and is refused as well.
         if !(four_s_sq > N::ZERO) {
             return Err(if four_s_sq == N::ZERO {
@@ -137,7 +140,7 @@ impl<N: RoundsEachStep> DyadKernel for N {
             });
         }
         let two_sigma_s = triangle.branch * four_s_sq.sqrt();
-        let two_k = base_sq + triangle.difference_of_squares;
+        let two_k = excess - triangle.twice_shortfall;
         // 1 / (2 d^2): the halves of k and S are taken here, once.
         let half_inverse = N::HALF.div(base_sq);
         let along = two_k * half_inverse;
@@ -151,7 +154,7 @@ impl<N: RoundsEachStep> DyadKernel for N {
             r2: d - r1,
             r1_cross_r2: -(N::HALF * two_sigma_s),
             inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
-            base_sq,
+            r1_dot_r2: N::HALF * twice_dot,
         })
     }
 }

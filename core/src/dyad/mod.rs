@@ -28,8 +28,6 @@ use nalgebra::Vector2;
 pub struct Rrr<N: WideArithmetic> {
     /// A, B and C.
     triangle: Triangle<N>,
-    /// l1^2 + l2^2
-    sum_of_squares: N,
     /// l1
     l1: N::Length,
     /// l1^2
@@ -40,7 +38,6 @@ pub struct Rrr<N: WideArithmetic> {
 
 to_source!([N: WideArithmetic] Rrr [N] in trirrr_core::dyad {
     triangle: Triangle<N>,
-    sum_of_squares: N,
     l1: N::Length,
     l1_sq: N,
     l2_sq: N,
@@ -70,7 +67,6 @@ impl<N: DyadKernel> Rrr<N> {
     pub fn new(l1: f64, l2: f64, branch: f64) -> Self {
         Self {
             triangle: Triangle::new(l1, l2, branch),
-            sum_of_squares: N::from_f64(l1 * l1 + l2 * l2),
             l1: N::length_from_f64(l1),
             l1_sq: N::from_f64(l1 * l1),
             l2_sq: N::from_f64(l2 * l2),
@@ -87,12 +83,6 @@ impl<N: DyadKernel> Rrr<N> {
     #[inline(always)]
     pub fn proximal_angle(&self, at: &DyadPosition<N>) -> N::Angle {
         N::direction(at.r1.x, at.r1.y, &self.l1)
-    }
-
-    /// r1 . r2 = (d^2 - l1^2 - l2^2) / 2 = l1 l2 cos(theta2 - theta1).
-    #[inline(always)]
-    pub fn r1_dot_r2(&self, at: &DyadPosition<N>) -> N {
-        N::half_difference(at.base_sq, self.sum_of_squares)
     }
 
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).
@@ -116,9 +106,8 @@ impl<N: DyadKernel> Rrr<N> {
         // products with r1 and r2 are formed from l1^2, l2^2 and r1.r2, which saves forming b.
         let w1 = rates.proximal * rates.proximal;
         let w2 = rates.distal * rates.distal;
-        let r1_dot_r2 = self.r1_dot_r2(at);
-        let r2_dot_b = sum_dot(at.r2, a) + N::sum_ab_plus_cd(w1, r1_dot_r2, w2, self.l2_sq);
-        let r1_dot_b = sum_dot(at.r1, a) + N::sum_ab_plus_cd(w1, self.l1_sq, w2, r1_dot_r2);
+        let r2_dot_b = sum_dot(at.r2, a) + N::sum_ab_plus_cd(w1, at.r1_dot_r2, w2, self.l2_sq);
+        let r1_dot_b = sum_dot(at.r1, a) + N::sum_ab_plus_cd(w1, self.l1_sq, w2, at.r1_dot_r2);
         Accelerations {
             proximal: N::round_scaled(r2_dot_b, at.inverse_cross),
             distal: -N::round_scaled(r1_dot_b, at.inverse_cross),
@@ -160,7 +149,7 @@ mod tests {
             assert!((at.r1 - expected).abs().max() < 1e-15, "{:?}", at.r1);
             assert!((at.r1 + at.r2 - Vector2::new(5.0, 0.0)).abs().max() < 1e-15);
             assert!((at.r1_cross_r2 + side * 12.0).abs() < 1e-14);
-            assert!(dyad.r1_dot_r2(&at).abs() < 1e-14);
+            assert!(at.r1_dot_r2.abs() < 1e-14);
         }
     }
 

@@ -12,7 +12,6 @@ mod kind;
 
 pub use kind::{LinksKind, ModelKind, ModelVisitor, PayloadKind};
 
-use crate::dyad::Rrr;
 use crate::inverse::{LegMotion, Position, Rotation};
 use crate::machine::Parameters;
 use crate::number::Number;
@@ -44,13 +43,8 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
-    /// Returns the load that the links of leg `leg`, 0 to 2, put on the motors. `dyad` are the links.
-    fn load(
-        &self,
-        leg: usize,
-        dyad: &Rrr<Self::N>,
-        motion: &LegMotion<Self::N>,
-    ) -> LegLoad<Self::N>;
+    /// Returns the load that the links of leg `leg`, 0 to 2, put on the motors.
+    fn load(&self, leg: usize, motion: &LegMotion<Self::N>) -> LegLoad<Self::N>;
 
     /// Solves for the forces along the distal links. The angle of `setpoint` is resolved in `rotation`.
     ///
@@ -88,7 +82,7 @@ impl<N: Number> Model for Kinematic<N> {
     }
 
     #[inline(always)]
-    fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
+    fn load(&self, _: usize, _: &LegMotion<N>) -> LegLoad<N> {
         LegLoad::NONE
     }
 
@@ -143,8 +137,8 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     }
 
     #[inline(always)]
-    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
-        self.links.load(leg, dyad, motion)
+    fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
+        self.links.load(leg, motion)
     }
 
     #[inline(always)]

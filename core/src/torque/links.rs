@@ -1,7 +1,6 @@
 //! Loads that the legs' own masses add. The scene chooses the kind by type: with [`Massless`] links
 //! an image holds no link code.
 
-use crate::dyad::Rrr;
 use crate::inverse::LegMotion;
 use crate::machine::{LegParameters, Parameters};
 use crate::model::LinksKind;
@@ -48,8 +47,8 @@ pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
-    /// The load of leg `leg`, 0 to 2, whose links are `dyad`.
-    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N>;
+    /// The load of leg `leg`, 0 to 2.
+    fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N>;
 }
 
 /// Links without mass, motors without rotor inertia.
@@ -67,7 +66,7 @@ impl<N: Number> Links<N> for Massless {
     }
 
     #[inline(always)]
-    fn load(&self, _: usize, _: &Rrr<N>, _: &LegMotion<N>) -> LegLoad<N> {
+    fn load(&self, _: usize, _: &LegMotion<N>) -> LegLoad<N> {
         LegLoad::NONE
     }
 }
@@ -94,7 +93,7 @@ impl<N: Number> Links<N> for Rotors<N> {
     }
 
     #[inline(always)]
-    fn load(&self, leg: usize, _: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
+    fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
         LegLoad {
             at_motor: Some(self.inertia[leg] * motion.accelerations.proximal),
             distal_over_l2_sq: None,
@@ -164,14 +163,9 @@ impl<N: Number> MassiveLeg<N> {
     /// Q2 = J2 acc2 + (m2 c2 / l2) ((r1.r2) acc1 + D rate1^2 - g.E r2)
     /// ```
     #[inline(always)]
-    pub fn load<G: Gravity<N>>(
-        &self,
-        dyad: &Rrr<N>,
-        motion: &LegMotion<N>,
-        gravity: &G,
-    ) -> LegLoad<N> {
+    pub fn load<G: Gravity<N>>(&self, motion: &LegMotion<N>, gravity: &G) -> LegLoad<N> {
         let (at, rates, acc) = (&motion.position.links, &motion.rates, &motion.accelerations);
-        let r1_dot_r2 = dyad.r1_dot_r2(at);
+        let r1_dot_r2 = at.r1_dot_r2;
 
         let centripetal = rates.distal * rates.distal;
         let reaction = N::ab_minus_cd(r1_dot_r2, acc.distal, at.r1_cross_r2, centripetal);
@@ -212,8 +206,8 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
     }
 
     #[inline(always)]
-    fn load(&self, leg: usize, dyad: &Rrr<N>, motion: &LegMotion<N>) -> LegLoad<N> {
-        self.legs[leg].load(dyad, motion, &self.gravity)
+    fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
+        self.legs[leg].load(motion, &self.gravity)
     }
 }
 

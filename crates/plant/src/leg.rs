@@ -96,7 +96,7 @@ impl LegCoefficients {
             r2,
             cross: links.r1_cross_r2,
             inverse,
-            dot: self.dyad.r1_dot_r2(&links),
+            dot: links.r1_dot_r2,
             k1,
             k2,
             rates: [product(&k1, &v), product(&k2, &v)],

@@ -198,7 +198,6 @@ impl UncertainMachine {
             let (rate, angular) = motors[leg];
             let of_c = acceleration.xy() + perpendicular(c) * acceleration.z - c * centripetal;
             let of_b = perpendicular(r1) * angular - r1 * (rate * rate);
-            let base = r1 + r2;
             LegMotion {
                 position: LegPosition {
                     platform_joint: c,
@@ -207,7 +206,7 @@ impl UncertainMachine {
                         r2,
                         r1_cross_r2: crosses[leg],
                         inverse_cross: inverse_crosses[leg],
-                        base_sq: dot(base, base),
+                        r1_dot_r2: dot(r1, r2),
                     },
                 },
                 rates: Rates {
@@ -301,7 +300,7 @@ impl Coefficients<'_> {
         let l2 = self.of_leg(leg.distal_m, index, OfLeg::Distal);
         // The torques read the lengths alone; the triangle belongs to the inverse kinematics.
         let triangle = Triangle::new(leg.proximal_m, leg.distal_m, leg.elbow.sign());
-        let dyad = Rrr::from_coefficients(triangle, l1 * l1 + l2 * l2, l1, l1 * l1, l2 * l2);
+        let dyad = Rrr::from_coefficients(triangle, l1, l1 * l1, l2 * l2);
         Leg::from_coefficients(nominal.base(), nominal.joint(), dyad)
     }
 

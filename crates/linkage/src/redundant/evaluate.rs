@@ -111,9 +111,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         let moved = self.each(|index, leg| {
             let (motion, a) = leg.motion(index, setpoint, &rotation, &sliders[index])?;
             let gravity = self.gravity - a;
-            let load = leg
-                .inertia
-                .load(leg.leg.dyad(), &motion, &InPlane::new(gravity));
+            let load = leg.inertia.load(&motion, &InPlane::new(gravity));
             Ok((motion, load, gravity))
         })?;
         let legs = moved.each_ref().map(|moved| moved.0);

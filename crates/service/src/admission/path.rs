@@ -301,7 +301,7 @@ fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
                 r2: zero,
                 r1_cross_r2: TaylorModel::ZERO,
                 inverse_cross: TaylorModel::ZERO,
-                base_sq: TaylorModel::ZERO,
+                r1_dot_r2: TaylorModel::ZERO,
             },
         },
         rates: Rates {
