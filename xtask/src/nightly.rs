@@ -50,6 +50,19 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "tolerances", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
+            "assembly modes next to double roots",
+            "test",
+            &[
+                "-p",
+                "trirrr-core",
+                "--lib",
+                "complete_lists",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "ten million ticks",
             "test",
             &["--release", "--test", "soak", "--", "--ignored"],

@@ -94,6 +94,8 @@
 //! ```
 
 mod assembly;
+#[cfg(test)]
+mod exact;
 mod isolate;
 mod modes;
 mod newton;

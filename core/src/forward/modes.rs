@@ -26,7 +26,8 @@ pub struct Assembly<N: Number> {
 /// Completeness of a list of assembly modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
-    /// Every real root is simple, and its pose is in the list.
+    /// Every real root is simple, and its pose is in the list. This holds for the lengths and angles as the
+    /// number type has them, whatever the rounding of the elbows.
     Complete,
     /// At least one entry is [`double`](Assembly::double); all others are in the list.
     Double,

@@ -24,6 +24,9 @@ pub(super) struct Polynomial<N> {
     meet: [[N; 2]; 3],
     /// |e_i| + |b_i|, roughly: where m_i is rounded.
     reach: [N; 2],
+    /// Two roundings of it, times m_1 x m_2, bound what the rounding of the joints' places and of the
+    /// lengths does to f where f is nearly zero.
+    inputs: N,
 }
 
 /// (1 + t^2)^3 f on an arc.
@@ -102,6 +105,16 @@ impl<N: Number> Polynomial<N> {
         let scale = N::ONE.div(greatest.fold(N::ZERO, greater));
         let (e, b) = (e.map(|v| v * scale), b.map(|v| v * scale));
         let [l0, l1, l2] = l.map(|l| l * scale);
+        // An elbow is rounded as the sum of base and link, the link thrice before that, by sine and
+        // product; the platform's joint once.
+        let place = |leg: usize| {
+            let leg = &forward.legs[leg];
+            (N::HALF * (extent(leg.base) + extent(leg.joint)) + leg.l1 + leg.l1) * scale
+        };
+        // df = 2 (m_1 x m_2) ((p x m_2) (l_1 dl_1 - l_0 dl_0 - r2_1 . dm_1) + (m_1 x p) (...)), and
+        // the products of p are at most l_0 l_i. A half more for the powers of 1 + t^2.
+        let moved = place(0) + place(0) + place(1) + place(2) + l0 + l1 + l2;
+        let inputs = (N::ONE + N::ONE + N::HALF) * (l0 * l1 * l2 * moved);
         let meet = |a: N, b: N| [(a + b) * (a + b), (a - b) * (a - b)];
         Self {
             meet: [meet(l0, l1), meet(l0, l2), meet(l1, l2)],
@@ -109,6 +122,7 @@ impl<N: Number> Polynomial<N> {
             b,
             difference: [(l1 - l0) * (l1 + l0), (l2 - l0) * (l2 + l0)],
             l0_sq: l0 * l0,
+            inputs,
             reach: [extent(e[0]) + extent(b[0]), extent(e[1]) + extent(b[1])],
         }
     }
@@ -240,6 +254,7 @@ impl<N: Number> Polynomial<N> {
                 + a.size * b.size * (c.error + four_u * c.size);
             bound += factor.abs() * products;
         }
+        bound += two_u * (area.size * self.inputs);
         // Over the binomials 1, 6, 15, 20, 15, 6, 1.
         let over = |binomial: f64| N::from_f64(1.0 / binomial);
         let (sixth, fifteenth, twentieth) = (over(6.0), over(15.0), over(20.0));

@@ -34,6 +34,20 @@ impl Closed {
         })
     }
 
+    /// The machine and its angles, rounded to `f32`.
+    pub(super) fn in_f32(mut self) -> Self {
+        let rounded = |x: f64| f64::from(x as f32);
+        for leg in &mut self.parameters.legs {
+            leg.base_m = leg.base_m.map(rounded);
+            leg.proximal_m = rounded(leg.proximal_m);
+            leg.distal_m = rounded(leg.distal_m);
+            leg.joint_radius_m = rounded(leg.joint_radius_m);
+            leg.joint_angle_rad = rounded(leg.joint_angle_rad);
+        }
+        self.angles = self.angles.map(rounded);
+        self
+    }
+
     pub(super) fn pose(&self) -> Pose<f64> {
         Pose::from_f64(self.pose[0], self.pose[1], self.pose[2])
     }
@@ -101,6 +115,29 @@ pub(super) fn any() -> impl Strategy<Value = Closed> {
             closed([x, y, alpha], legs)
         },
     )
+}
+
+/// Machines whose pose is nearly a parallel singularity: the distal lines of the three legs miss one
+/// point by an angle of 1e-7 to 1e-2 rad. All numbers are those of an `f32`.
+pub(super) fn nearly_double() -> impl Strategy<Value = Closed> {
+    let meet = (-2.0..2.0f64, -2.0..2.0f64);
+    let off = (-7.0..-2.0f64, proptest::bool::ANY);
+    (any(), meet, off).prop_map(|(case, meet, (decades, left))| {
+        let [x, y, alpha] = case.pose;
+        let off = 10f64.powf(decades) * if left { -1.0 } else { 1.0 };
+        let mut index = 0;
+        let legs = case.parameters.legs.map(|leg| {
+            let joint =
+                Vector2::new(x, y) + turned(leg.joint_radius_m, leg.joint_angle_rad + alpha);
+            let theta2 = (meet.1 - joint.y).atan2(meet.0 - joint.x);
+            let theta1 = case.angles[index];
+            index += 1;
+            let theta2 = if index == 3 { theta2 + off } else { theta2 };
+            let (h, lambda) = (leg.joint_radius_m, leg.joint_angle_rad);
+            [leg.proximal_m, leg.distal_m, h, lambda, theta1, theta2]
+        });
+        closed(case.pose, legs).in_f32()
+    })
 }
 
 /// Counts the modes by walking `cells` platform angles round the circle. D is an intersection of

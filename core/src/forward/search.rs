@@ -129,7 +129,9 @@ impl<'a, N: Number> PoseSearch<'a, N> {
                 self.found.modes[before].double = true;
                 Completeness::Double
             }
-            (1, true) | (2, false) | (3, true) => Completeness::Complete,
+            (1, true) | (2, false) | (3, true) if self.are_certain(before, width) => {
+                Completeness::Complete
+            }
             _ => Completeness::Undecided,
         };
         if self.found.completeness != Completeness::Undecided
@@ -138,6 +140,16 @@ impl<'a, N: Number> PoseSearch<'a, N> {
             self.found.completeness = completeness;
         }
         Ok(())
+    }
+
+    /// Returns `true` if the modes from number `first` on, found on an arc of `width`, are there whatever
+    /// the rounding of the joints' places is, and are alone. A pose moves by that rounding over its
+    /// distance from the parallel singularity, and has to stay nearer to where it was than to the
+    /// singularity. A neighbour is about as far as the singularity: not on a narrower arc.
+    fn are_certain(&self, first: usize, width: N) -> bool {
+        self.found.modes()[first..]
+            .iter()
+            .all(|mode| mode.distance * mode.distance > self.closed && mode.distance > width)
     }
 
     /// The points B_i - R h_i.
@@ -243,7 +255,8 @@ impl<'a, N: Number> PoseSearch<'a, N> {
         };
         (0..2).all(|branch| {
             let [a, b, c] = [&low, &between, &high].map(|at| at[branch]);
-            let dip = (a - (b + b) + c).abs() + self.closed;
+            // A place is off by up to ten times as much as the circles' centres are, at a sine of 0.1.
+            let dip = (a - (b + b) + c).abs() + self.nearly_closed() + self.closed + self.closed;
             let side = if b < N::ZERO { -N::ONE } else { N::ONE };
             [a, b, c].iter().all(|&error| error * side > dip)
         })

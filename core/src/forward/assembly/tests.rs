@@ -1,5 +1,6 @@
 use super::*;
-use crate::forward::random::{Closed, any, closed, deterministic, scan, turned};
+use crate::forward::exact;
+use crate::forward::random::{Closed, any, closed, deterministic, nearly_double, scan, turned};
 use crate::machine::{Geometry, Parameters, example};
 use crate::number::{Arithmetic, Number};
 use crate::singularity;
@@ -338,5 +339,58 @@ fn finds_them_in_f32() {
             assert_eq!(found.modes().len(), exact.modes().len(), "{case:?}");
         }
     });
-    assert!(undecided.get() < 50, "{undecided:?}");
+    assert!(undecided.get() < 200, "{undecided:?}");
+}
+
+/// The modes in `N`, and the share of `cases` whose list is complete. A complete list has as many modes
+/// as the exact machine.
+fn share_complete<N: Number>(
+    cases: u32,
+    strategy: impl proptest::strategy::Strategy<Value = Closed>,
+) -> f64 {
+    let (complete, wrong) = (Cell::new(0), Cell::new(0));
+    deterministic(cases, strategy, |case| {
+        let geometry = Geometry::<N>::build(&case.parameters).unwrap();
+        let forward = Forward::build(&case.parameters, &geometry);
+        let found = forward
+            .assemblies(&case.angles.map(N::angle_from_f64))
+            .unwrap();
+        if found.completeness == Completeness::Complete {
+            complete.set(complete.get() + 1);
+            wrong.set(wrong.get() + usize::from(found.modes().len() != exact::modes(&case)));
+        }
+    });
+    assert_eq!(wrong.get(), 0, "wrong counts of {cases}");
+    f64::from(complete.get()) / f64::from(cases)
+}
+
+/// Machines whose pose is nearly a parallel singularity, and any: in `f32` the rounding of the elbows hides
+/// which of the former have modes that meet.
+#[test]
+fn complete_lists_next_to_double_roots_are_complete() {
+    let shares = shares_complete(2500);
+    let least = [0.01, 0.96, 0.99, 0.999];
+    let decided = shares
+        .iter()
+        .zip(least)
+        .all(|(&share, least)| share > least);
+    assert!(decided, "{shares:?}");
+}
+
+#[test]
+#[ignore = "a minute unless optimised; cargo xtask nightly runs it"]
+fn complete_lists_next_to_many_double_roots_are_complete() {
+    std::println!("{:?}", shares_complete(20_000));
+}
+
+/// In `f32` next to double roots and anywhere, in `f64` next to them and anywhere.
+fn shares_complete(cases: u32) -> [f64; 4] {
+    use proptest::strategy::Strategy;
+    let ordinary = || any().prop_map(Closed::in_f32);
+    [
+        share_complete::<f32>(cases, nearly_double()),
+        share_complete::<f32>(cases, ordinary()),
+        share_complete::<f64>(cases / 2, nearly_double()),
+        share_complete::<f64>(cases / 2, ordinary()),
+    ]
 }
