@@ -18,5 +18,6 @@ pub mod linkage;
 pub mod realtime;
 pub mod recording;
 pub mod report;
+pub mod results;
 pub mod run;
 pub mod stream;

@@ -1,6 +1,7 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
 use crate::failure::CliError;
+use crate::results::ResultFolder;
 use clap::Args;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub struct LinkageArgs {
     /// Steps over the motion [default: the file's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub steps: Option<u32>,
-    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// Folder for what is written, made if missing; results of an earlier command go
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -45,11 +46,16 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
         None => Path::new("out").join(&linkage.name),
     };
     let track = track(&linkage);
+    let mut results = ResultFolder::create(&folder, "linkage")?;
+    // No position is a result too: those of an earlier linkage must not stand for it.
+    results.begin()?;
     let files = if track.positions.is_empty() {
         Vec::new()
     } else {
         write(&linkage, &track, &folder).map_err(|error| CliError::Failed(error.to_string()))?
     };
+    let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
+    results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
     let mut text = header(&args.file.display().to_string(), &linkage);
     text.push_str(&summary(&linkage, &track, &files));
     match io::Write::write_all(&mut io::stdout().lock(), text.as_bytes()) {
@@ -59,8 +65,5 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
         }
         _ => {}
     }
-    match &track.stop {
-        Some(stop) => Err(CliError::Failed(stopped(&linkage, stop))),
-        None => Ok(()),
-    }
+    why.map_or(Ok(()), |why| Err(CliError::Failed(why)))
 }

@@ -1,6 +1,7 @@
 //! `trirrr report`: errors, run times and extremes, by the crate `trirrr-report`.
 
 use crate::failure::CliError;
+use crate::results::ResultFolder;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
@@ -40,7 +41,10 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
         [] => &ReportSection::ALL,
         some => some,
     };
+    let mut results = ResultFolder::create(&args.out, "report")?;
+    results.begin()?;
     let report = write(sections, &args.out)?;
+    results.end(&report.files, Ok(()))?;
     for file in &report.files {
         println!("{}", file.display());
     }

@@ -5,6 +5,7 @@ mod args;
 pub use args::EvalArgs;
 
 use crate::failure::CliError;
+use crate::results::replace;
 use csv::ByteRecord;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
@@ -43,10 +44,9 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
         None => evaluate(scalar, &name, input, &mut io::stdout().lock()),
         Some(out) => {
             refuse_same_file(&args.cases, out)?;
-            let file = File::create(out).map_err(|error| {
-                CliError::Failed(format!("{}: cannot be written: {error}", out.display()))
-            })?;
-            evaluate(scalar, &name, input, &mut BufWriter::new(file))
+            replace(out, |file| {
+                evaluate(scalar, &name, input, &mut BufWriter::new(file))
+            })
         }
     }?;
     // Standard error may be closed; the results are out.

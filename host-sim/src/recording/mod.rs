@@ -7,6 +7,7 @@ pub use peaks::{At, MotorPeaks, Peaks};
 use crate::failure::CliError;
 use crate::figures;
 use crate::figures::Traces;
+use crate::results::ResultFolder;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use trirrr_scene::record::{Record, tick_columns};
 
 /// Writes the records of one job.
 pub struct Recorder {
-    folder: PathBuf,
+    results: ResultFolder,
     path: PathBuf,
     table: BufWriter<File>,
     /// The scene computes torques.
@@ -37,20 +38,19 @@ pub struct Recorded {
 }
 
 impl Recorder {
-    /// Begins `ticks.csv` in `folder`, which is made if it is missing, for a job of `ticks` records.
-    /// A scene without `torque` gets neither columns nor figures of torques and powers.
+    /// Prepares `ticks.csv` in the folder of `results` for a job of `ticks` records; the first record
+    /// begins the results. A scene without `torque` gets neither columns nor figures of torques and
+    /// powers.
     ///
     /// # Errors
     /// Failed: the table cannot be written.
-    pub fn create(folder: &Path, ticks: u64, torque: bool) -> Result<Self, CliError> {
-        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-        let path = folder.join("ticks.csv");
-        let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
+    pub fn create(mut results: ResultFolder, ticks: u64, torque: bool) -> Result<Self, CliError> {
+        let (path, file) = results.table("ticks.csv")?;
         let mut table = BufWriter::new(file);
         let columns: Vec<&str> = tick_columns(torque).collect();
         writeln!(table, "{}", columns.join(",")).map_err(|error| unwritable(&path, &error))?;
         Ok(Self {
-            folder: folder.into(),
+            results,
             path,
             table,
             torque,
@@ -67,6 +67,7 @@ impl Recorder {
     /// Failed: the table cannot be written.
     pub fn record(&mut self, record: &Record) -> Result<(), CliError> {
         use std::fmt::Write as _;
+        self.results.begin()?;
         self.line.clear();
         for (column, value) in record.tick_row(self.torque).enumerate() {
             let comma = if column > 0 { "," } else { "" };
@@ -91,12 +92,26 @@ impl Recorder {
         self.rows
     }
 
-    /// Ends the table and draws the figures. `name` begins their titles. The titles of a job that is not
-    /// complete say when the job ended.
+    /// Ends the table and draws the figures; without a record there are no files. `name` begins the
+    /// titles. The titles of a job that is not complete say when the job ended.
+    ///
+    /// Returns the folder too, for the results of others and its [end](ResultFolder::end).
     ///
     /// # Errors
     /// Failed: a file cannot be written.
-    pub fn finish(mut self, name: &str, is_complete: bool) -> Result<Recorded, CliError> {
+    pub fn finish(
+        mut self,
+        name: &str,
+        is_complete: bool,
+    ) -> Result<(Recorded, ResultFolder), CliError> {
+        if !self.results.has_begun() {
+            let nothing = Recorded {
+                rows: 0,
+                peaks: None,
+                files: Vec::new(),
+            };
+            return Ok((nothing, self.results));
+        }
         self.table
             .flush()
             .map_err(|error| unwritable(&self.path, &error))?;
@@ -104,13 +119,14 @@ impl Recorder {
             Some(last) if !is_complete => format!("{name} until t = {} s", last.t),
             _ => name.into(),
         };
-        let figures = figures::write_all(&self.folder, &heading, self.traces)
+        let figures = figures::write_all(self.results.path(), &heading, self.traces)
             .map_err(|error| unwritable(&error.path, &error.source))?;
-        Ok(Recorded {
+        let recorded = Recorded {
             rows: self.rows,
             peaks: self.peaks,
             files: std::iter::once(self.path).chain(figures).collect(),
-        })
+        };
+        Ok((recorded, self.results))
     }
 }
 

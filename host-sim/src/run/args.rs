@@ -22,7 +22,7 @@ pub struct RunArgs {
     /// Compute as fast as it goes instead of in real time
     #[arg(long)]
     pub fast: bool,
-    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// Folder for what is written, made if missing; results of an earlier run go with the first tick
     /// [default: out/NAME, after the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

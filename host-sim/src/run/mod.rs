@@ -15,6 +15,7 @@ use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::realtime::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
+use crate::results::ResultFolder;
 use plant::PlantRecorder;
 use play::play;
 use progress::ProgressDisplay;
@@ -52,6 +53,20 @@ pub enum JobEnd {
     Fault(String),
 }
 
+impl JobEnd {
+    /// Reason why the job is not complete.
+    fn reason(&self) -> Option<String> {
+        match self {
+            JobEnd::Complete => None,
+            JobEnd::Stopped => Some(STOPPED.into()),
+            JobEnd::Refused(why) | JobEnd::Fault(why) => Some(why.clone()),
+        }
+    }
+}
+
+/// Reason of a run that the user ended.
+const STOPPED: &str = "stopped by the user";
+
 /// Result of a run, besides the files.
 #[derive(Clone, Debug)]
 pub struct RunReport {
@@ -75,6 +90,19 @@ pub struct RunReport {
     pub files: Vec<PathBuf>,
     /// Result of the plant, if the scene has one.
     pub plant: Option<Simulated>,
+}
+
+impl RunReport {
+    /// Reason why the results are not complete.
+    fn reason(&self) -> Option<String> {
+        self.end.reason().or_else(|| self.plant.as_ref()?.reason())
+    }
+
+    /// Files of the job and of the plant.
+    fn all_files(&self) -> Vec<PathBuf> {
+        let of_plant = self.plant.iter().flat_map(|plant| &plant.files);
+        self.files.iter().chain(of_plant).cloned().collect()
+    }
 }
 
 /// `trirrr run`: reads the scene, runs it, prints the summary. `stop` ends it early.
@@ -105,7 +133,14 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         return Ok(report.end);
     }
     if let Some(analysis) = analysis {
+        let results = ResultFolder::reopen(&folder, "run");
+        let mut files = report.all_files();
+        results.end(&files, Err("the tolerances are under way"))?;
         let bounded = tolerances::bound(&scene, analysis, &folder, stop)?;
+        files.extend_from_slice(bounded.files());
+        let why = bounded.is_stopped().then(|| STOPPED.into());
+        let why = why.or_else(|| report.reason());
+        results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
         printed(bounded.print(&mut out))?;
         if bounded.is_stopped() {
             return Ok(JobEnd::Stopped);
@@ -115,15 +150,10 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         return Ok(report.end);
     };
     printed(plant::print(&mut out, &simulated))?;
-    match simulated.outcome.end {
-        trirrr_plant::PlantEnd::Complete => Ok(report.end),
-        trirrr_plant::PlantEnd::Interrupted { .. } => Ok(JobEnd::Stopped),
-        trirrr_plant::PlantEnd::Ended(ending) => {
-            Err(CliError::Failed(format!("the plant {ending}")))
-        }
-        trirrr_plant::PlantEnd::Failed(reason) => {
-            Err(CliError::Failed(format!("the plant: {reason}")))
-        }
+    match (&simulated.outcome.end, simulated.reason()) {
+        (trirrr_plant::PlantEnd::Interrupted { .. }, _) => Ok(JobEnd::Stopped),
+        (_, Some(reason)) => Err(CliError::Failed(reason)),
+        (_, None) => Ok(report.end),
     }
 }
 
@@ -169,12 +199,12 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();
-    // First: a plant that is refused leaves no files.
+    let mut results = ResultFolder::create(folder, "run")?;
     let plant = match &scene.plant {
-        Some(_) => Some(PlantRecorder::create(scene, &line, folder)?),
+        Some(_) => Some(PlantRecorder::create(scene, &line, &mut results)?),
         None => None,
     };
-    let recorder = Recorder::create(folder, setpoints, scene.torque)?;
+    let recorder = Recorder::create(results, setpoints, scene.torque)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
         samples: Samples::new(&*pipeline, units),
@@ -203,9 +233,11 @@ fn simulate_in<N: ServiceNumber + Countable>(
     })?;
     let is_complete = played.end == JobEnd::Complete;
     let (recorder, plant) = recorded?;
-    let Recorded { rows, peaks, files } = recorder.finish(&scene.name, is_complete)?;
+    let (Recorded { rows, peaks, files }, results) = recorder.finish(&scene.name, is_complete)?;
+    let plant = plant.filter(|_| results.has_begun());
     let plant = plant.map(|plant| plant.finish(&scene.name, stop));
-    Ok(RunReport {
+    let plant = plant.transpose()?;
+    let report = RunReport {
         end: played.end,
         records: rows,
         setpoints,
@@ -215,8 +247,11 @@ fn simulate_in<N: ServiceNumber + Countable>(
         peaks,
         scalar,
         files,
-        plant: plant.transpose()?,
-    })
+        plant,
+    };
+    let why = report.reason();
+    results.end(&report.all_files(), why.as_deref().map_or(Ok(()), Err))?;
+    Ok(report)
 }
 
 /// Consumers of the ticks: the record, and the plant. They have a thread of their own, so that a slow

@@ -4,9 +4,10 @@ use super::summary::{digits, line, seconds};
 use crate::failure::CliError;
 use crate::figures::PlantTraces;
 use crate::recording::unwritable;
+use crate::results::ResultFolder;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
@@ -28,6 +29,18 @@ pub struct Simulated {
     pub files: Vec<PathBuf>,
 }
 
+impl Simulated {
+    /// Reason why the plant did not come to the end of the job.
+    pub(super) fn reason(&self) -> Option<String> {
+        match &self.outcome.end {
+            PlantEnd::Complete => None,
+            PlantEnd::Interrupted { .. } => Some(super::STOPPED.into()),
+            PlantEnd::Ended(ending) => Some(format!("the plant {ending}")),
+            PlantEnd::Failed(reason) => Some(format!("the plant: {reason}")),
+        }
+    }
+}
+
 /// Rows that wait for the disk: enough for runs of ordinary length, whose speed is measured.
 const WAITING: usize = 1 << 16;
 
@@ -39,18 +52,22 @@ pub(super) struct PlantRecorder<'l, N: Number> {
 }
 
 impl<'l, N: Countable> PlantRecorder<'l, N> {
-    /// Builds the plant of `scene`; `plant.csv` and figures go into `folder`, which is made if it is
-    /// missing. `line` joins the two halves of stepper drives.
+    /// Builds the plant of `scene`; `plant.csv` and figures go into the folder of `results`. `line`
+    /// joins the two halves of stepper drives.
     ///
     /// # Errors
     /// Refused: what the scene asks for. Failed: a file cannot be made.
-    pub(super) fn create(scene: &Scene, line: &'l Line, folder: &Path) -> Result<Self, CliError> {
+    pub(super) fn create(
+        scene: &Scene,
+        line: &'l Line,
+        results: &mut ResultFolder,
+    ) -> Result<Self, CliError> {
         let run = PlantRun::build(scene, line)
             .map_err(|refusal| CliError::Refused(format!("scene {}: {refusal}", scene.name)))?;
         Ok(Self {
             run,
             rows: Vec::new(),
-            table: PlantTable::create(scene, folder)?,
+            table: PlantTable::create(scene, results)?,
         })
     }
 }
@@ -107,17 +124,15 @@ struct PlantTable {
 }
 
 impl PlantTable {
-    fn create(scene: &Scene, folder: &Path) -> Result<Self, CliError> {
-        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-        let path = folder.join("plant.csv");
-        let file = File::create(&path).map_err(|error| unwritable(&path, &error))?;
+    fn create(scene: &Scene, results: &mut ResultFolder) -> Result<Self, CliError> {
+        let (path, file) = results.table("plant.csv")?;
         let mut file = BufWriter::new(file);
         let written = writeln!(file, "{}", COLUMNS.join(","));
         let record_s = scene.plant.as_ref().map_or(1e-3, |plant| plant.record_s);
         let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
         let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
         Ok(Self {
-            folder: folder.into(),
+            folder: results.path().into(),
             path,
             file,
             written,

@@ -158,6 +158,11 @@ fn write_budget(
 }
 
 impl Bounded<'_> {
+    /// Returns the files written.
+    pub(super) fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
     /// Returns `true` if the user ended the analysis.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped

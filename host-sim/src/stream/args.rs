@@ -27,7 +27,7 @@ pub struct StreamArgs {
     /// Rate of a serial port
     #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
     pub baud: u32,
-    /// Folder for what is written, made if missing; files of an earlier run are replaced
+    /// Folder for what is written, made if missing; results of an earlier run go with the first sample
     /// [default: out/NAME, after the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

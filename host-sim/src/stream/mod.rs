@@ -12,6 +12,7 @@ pub use session::StreamEnd;
 
 use crate::failure::CliError;
 use crate::recording::Recorder;
+use crate::results::ResultFolder;
 use display::Display;
 use port::Port;
 use session::Session;
@@ -81,7 +82,8 @@ fn stream<N: ServiceNumber>(
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
-    let recorder = Recorder::create(&folder, ticks / u64::from(every) + 1, scene.torque)?;
+    let results = ResultFolder::create(&folder, "stream")?;
+    let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
     let mut session = Session {
         client: to_start(
             args,
@@ -114,7 +116,13 @@ fn stream<N: ServiceNumber>(
     } = session;
     display.finish();
     let is_complete = matches!(result, Ok(StreamEnd::Complete));
-    let recorded = recorder.finish(&scene.name, is_complete)?;
+    let (recorded, results) = recorder.finish(&scene.name, is_complete)?;
+    let why = match &result {
+        Ok(StreamEnd::Complete) => None,
+        Ok(StreamEnd::Stopped) => Some("stopped by the user".into()),
+        Err(error) => Some(error.to_string()),
+    };
+    results.end(&recorded.files, why.as_deref().map_or(Ok(()), Err))?;
     summary::print(&summary::Summary {
         file: &args.scene,
         scene,

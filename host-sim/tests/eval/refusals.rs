@@ -171,3 +171,68 @@ fn fixed_point_refuses_an_angle_of_more_turns_than_it_counts() {
         assert!(status.contains("rad; in fixed point it may be"), "{status}");
     }
 }
+
+/// Whatever column is large, positive or negative: a row has either no result in fixed point, or the one
+/// that f64 has. A value that saturates would be off by its own size.
+#[test]
+fn fixed_point_holds_every_column_or_refuses_the_row() {
+    let header = format!("{MACHINE_HEADER},{STATE_HEADER},gx,gy,Wx,Wy,Wa");
+    let moving = "0.21,0.22,0.157,0.1,-0.2,0.3,0.42,0.36,0.314";
+    let good = format!("{MACHINE},{moving},0.1,-9.81,0.5,-0.4,0.03");
+    let fields: Vec<&str> = good.split(',').collect();
+    let mut lines = Vec::new();
+    for column in 0..fields.len() {
+        for exponent in [0, 1, 2, 3, 4, 6, 8, 9, 10, 12, 20, 40, 100, 200, 300] {
+            for digits in ["1.7", "-3.1", "6.3"] {
+                let value = format!("{digits}e{exponent}");
+                let mut row = fields.clone();
+                row[column] = &value;
+                lines.push(row.join(","));
+            }
+        }
+    }
+    let cases = format!("{header}\n{}\n", lines.join("\n"));
+    let (_, fixed) = table(NumberType::Fixed, cases.as_bytes());
+    let (_, exact) = table(NumberType::F64, cases.as_bytes());
+    let number = |row: &[String], column: usize| -> f64 { row[column].parse().unwrap() };
+    let mut compared = 0;
+    for ((line, fixed), exact) in lines.iter().zip(&fixed).zip(&exact) {
+        if fixed[1] != "ok" {
+            continue;
+        }
+        assert_eq!(exact[1], "ok", "{line}");
+        compared += 1;
+        // The three motors of each result; det A stands alone.
+        let groups = [2, 5, 8, 11, 14, 17, 20, 24, 27].map(|first| first..first + 3);
+        for (index, group) in groups.into_iter().enumerate() {
+            let largest = match index {
+                0 | 1 => 1.0,
+                _ => group.clone().fold(0.0, |largest: f64, column| {
+                    largest.max(number(exact, column).abs())
+                }),
+            };
+            // A torque is held in units that fit the accelerations, a power in theirs and those of rates.
+            let greatest = |columns: core::ops::Range<usize>| {
+                columns.fold(0.0, |most: f64, column| {
+                    most.max(number(exact, column).abs())
+                })
+            };
+            let coarse = match index {
+                7 => 1e-9 * greatest(14..20),
+                8 => 1e-9 * greatest(14..20) * greatest(8..14),
+                _ => 0.0,
+            };
+            for column in group {
+                let mut error = number(fixed, column) - number(exact, column);
+                if index < 2 {
+                    error = error.sin();
+                }
+                assert!(
+                    error.abs() <= 0.02 * largest + coarse,
+                    "{line}: {fixed:?} {exact:?}"
+                );
+            }
+        }
+    }
+    assert!((300..lines.len()).contains(&compared), "{compared}");
+}
