@@ -62,7 +62,7 @@ fn f32_agrees() {
     assert_eq!((found.out_of_reach, found.unfit), (0, 0));
     let beyond = found.worst.0[3].beyond;
     assert!((1..=10).contains(&beyond), "{beyond}");
-    let brackets = [(0.7, 1.0), (0.7, 1.0), (0.8, 1.0), (2.2, 3.0)];
+    let brackets = [(0.7, 1.0), (0.6, 0.9), (0.8, 1.0), (2.2, 3.0)];
     found.worst.assert_within("f32, random machines", brackets);
 }
 
