@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
 use trirrr_core::singularity::{Distances, det_a};
+use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::Move;
 use trirrr_service::admission::Enclose;
@@ -15,7 +16,7 @@ use trirrr_service::admission::Enclose;
 pub(crate) struct Density {
     /// Intervals; both ends of each are evaluated.
     pub(crate) samples: u32,
-    /// Speeds between rest and normal at each: one that changes from sample to sample, or many.
+    /// Speeds between rest and normal at each: those of the greatest powers, or many.
     pub(crate) every_speed: bool,
 }
 
@@ -24,6 +25,8 @@ pub(crate) struct Density {
 pub(crate) struct Extremes {
     /// Within reach, and det A never changes its sign.
     pub(crate) possible: bool,
+    /// Within the range of the number type, on every ramp.
+    pub(crate) in_range: bool,
     pub(crate) serial: [f64; 3],
     pub(crate) parallel: f64,
     pub(crate) rate: [f64; 3],
@@ -35,6 +38,7 @@ pub(crate) struct Extremes {
 impl Extremes {
     const NONE: Self = Self {
         possible: true,
+        in_range: true,
         serial: [f64::INFINITY; 3],
         parallel: f64::INFINITY,
         rate: [0.0; 3],
@@ -45,6 +49,7 @@ impl Extremes {
 
     fn join(&mut self, other: &Self) {
         self.possible &= other.possible;
+        self.in_range &= other.in_range;
         self.parallel = self.parallel.min(other.parallel);
         for leg in 0..3 {
             self.serial[leg] = self.serial[leg].min(other.serial[leg]);
@@ -176,9 +181,13 @@ fn with<N: Enclose, M: Model<N = N>>(
                 acceleration: setpoint.acceleration * (u * u)
                     + setpoint.velocity.map(|v| v.scaled(slope)),
             };
-            let Ok(motion) = tick.evaluate(&scaled) else {
-                at.possible = false;
-                return;
+            let motion = match tick.evaluate(&scaled) {
+                Ok(motion) => motion,
+                Err(status) => {
+                    at.possible = false;
+                    at.in_range &= status != Status::OutOfRange;
+                    return [0.0; 3];
+                }
             };
             for (leg, motor) in motion.motors.iter().enumerate() {
                 let raise = |greatest: &mut f64, value: f64| *greatest = greatest.max(value.abs());
@@ -187,10 +196,20 @@ fn with<N: Enclose, M: Model<N = N>>(
                 raise(&mut at.torque[leg], motor.torque.to_f64());
                 raise(&mut at.power[leg], (motor.torque * motor.rate).to_f64());
             }
+            motion.motors.map(|motor| motor.torque.to_f64())
         };
         evaluate(1.0, 0.0);
         for slope in [ramp, -ramp] {
-            evaluate(1.0, slope);
+            let fast = evaluate(1.0, slope);
+            let slow = evaluate(0.0, slope);
+            // On a ramp the power at the speed u is w u (slow (1 - u^2) + fast u^2), with w the rate at
+            // normal speed: greatest where slow = 3 (slow - fast) u^2, if not at the end.
+            for (slow, fast) in slow.into_iter().zip(fast) {
+                let squared = slow / (3.0 * (slow - fast));
+                if (0.0..1.0).contains(&squared) {
+                    evaluate(squared.sqrt(), slope);
+                }
+            }
         }
         if density.every_speed {
             for speed in 0..100 {
@@ -198,11 +217,6 @@ fn with<N: Enclose, M: Model<N = N>>(
                     evaluate(f64::from(speed) / 100.0, slope);
                 }
             }
-        } else {
-            let between = f64::from(sample * 37 % 101) / 101.0;
-            evaluate(0.0, ramp);
-            evaluate(0.0, -ramp);
-            evaluate(between, if sample % 2 == 0 { ramp } else { -ramp });
         }
         match tick.geometry().position(&setpoint.pose) {
             Ok(position) => {

@@ -7,6 +7,7 @@ mod first;
 mod input;
 mod judge;
 mod moves;
+mod rounding;
 mod scenes;
 mod shortest;
 mod singular;

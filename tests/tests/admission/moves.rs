@@ -3,12 +3,14 @@
 use crate::dense::{Density, extremes};
 use crate::judge::Setting;
 use core::f64::consts::TAU;
+use nalgebra::Vector3;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use trirrr_core::limits::LimitParameters;
+use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
+use trirrr_scene::{Job, JobMove, Scene};
 use trirrr_tests::random::{Case, case};
 
 /// A move on a machine with limits.
@@ -118,6 +120,80 @@ pub(crate) fn in_type<N: Number>(offered: &Move<f64>) -> Move<N> {
         ticks: offered.ticks,
         tool_power: N::from_f64(offered.tool_power),
         tool_speed: N::from_f64(offered.tool_speed),
+    }
+}
+
+/// The very move as numbers.
+pub(crate) fn in_f64<N: Number>(offered: &Move<N>) -> Move<f64> {
+    let pose = |pose: &Pose<N>| Pose {
+        position: pose.position.map(N::to_f64),
+        angle: N::angle_to_f64(pose.angle),
+    };
+    Move {
+        number: offered.number,
+        from: pose(&offered.from),
+        to: pose(&offered.to),
+        start_velocity: offered.start_velocity.map(N::to_f64),
+        end_velocity: offered.end_velocity.map(N::to_f64),
+        ticks: offered.ticks,
+        tool_power: offered.tool_power.to_f64(),
+        tool_speed: offered.tool_speed.to_f64(),
+    }
+}
+
+impl Offer {
+    /// The offer in units in which `N` holds its machine, limits and move, as a scene with this job would run in
+    /// them, with limits that are numbers of `N`; `None` where there are none.
+    pub(crate) fn in_type<N: Number>(&self, thesis: &Scene) -> Option<(Setting, Move<N>)> {
+        let Self { setting, offered } = self;
+        let velocity = |velocity: [f64; 3]| Vector3::from(velocity);
+        let only = JobMove {
+            from: offered.from,
+            to: offered.to,
+            start_velocity: velocity(offered.start_velocity),
+            end_velocity: velocity(offered.end_velocity),
+            duration_ticks: offered.ticks,
+            tool: None,
+        };
+        let scene = Scene {
+            parameters: setting.parameters,
+            limits: setting.limits,
+            tick_rate_hz: 1.0 / setting.period_s,
+            job: Job {
+                start: offered.from,
+                moves: vec![only],
+            },
+            ..thesis.clone()
+        };
+        let units = trirrr_scene::units::<N>(&scene).ok()?;
+        let mut limits = units.limits(&setting.limits);
+        let number = |value: &mut f64| *value = N::from_f64(*value).to_f64();
+        for values in [
+            &mut limits.rate_rad_s,
+            &mut limits.acceleration_rad_s2,
+            &mut limits.torque_nm,
+            &mut limits.power_w,
+        ] {
+            values.iter_mut().flatten().for_each(number);
+        }
+        number(&mut limits.serial_distance_min);
+        number(&mut limits.parallel_distance_min);
+        Limits::<N>::build(&limits).ok()?;
+        let only = &scene.job.in_units(&units).moves[0];
+        let offered = Move {
+            from: only.from,
+            to: only.to,
+            start_velocity: only.start_velocity.into(),
+            end_velocity: only.end_velocity.into(),
+            ..*offered
+        };
+        let setting = Setting {
+            parameters: units.parameters(&setting.parameters),
+            limits,
+            period_s: units.time(setting.period_s),
+            ..*setting
+        };
+        Some((setting, in_type(&offered)))
     }
 }
 

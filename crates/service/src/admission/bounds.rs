@@ -15,7 +15,8 @@
 //! |u'| <= r are those at the corners; the power is a cubic of u between two ramps.
 
 use super::breach::{Breach, Extent, greater};
-use super::taylor::{Float, TaylorModel};
+use super::enclose::Centre;
+use super::taylor::{Float, Middle, TaylorModel};
 use crate::admission::Enclose;
 use trirrr_core::limits::Limits;
 use trirrr_core::model::Model;
@@ -121,7 +122,7 @@ impl<N: Enclose> MotorBounds<N> {
 #[inline(never)]
 fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
     TaylorModel {
-        constant: model.constant * factor,
+        constant: model.constant * <Middle<N>>::exactly(factor),
         linear: model.linear * factor,
         error: model.error * factor,
     }
@@ -144,17 +145,13 @@ fn greatest_power<N: Enclose>(
     c: TaylorModel<N>,
 ) -> Extent<Float<N>> {
     let (slow, fast) = (w * a, w * c);
-    let ends = |model: TaylorModel<N>| {
-        let radius = model.radius();
-        [model.constant - radius, model.constant + radius]
-    };
     let mut greatest = <Float<N>>::ZERO;
-    for slow in ends(slow) {
-        for fast in ends(fast) {
+    for slow in slow.ends() {
+        for fast in fast.ends() {
             greatest = greater(greatest, peak(slow, fast));
         }
     }
-    let value = peak(slow.constant, fast.constant);
+    let value = peak(slow.middle(), fast.middle());
     let rounding = N::roundoff(greatest + greatest);
     let eight = (rounding + rounding) + (rounding + rounding);
     Extent {

@@ -12,7 +12,8 @@
 //! their result is a bound, rounding of the number type included. Where the bounds keep the limits
 //! the interval is done with; where they do not it is halved; where it cannot be halved any more,
 //! the move is refused. What is admitted is so for certain: no tick of it, and no instant between
-//! ticks, goes beyond a limit. What is refused breaks a limit, or comes nearer to it than the bounds
+//! ticks, goes beyond a limit. (In binary32 that is certain of the true motion; a value of the tick is off by its own
+//! rounding, of which the bounds hold a part.) What is refused breaks a limit, or comes nearer to it than the bounds
 //! of the shortest interval tell apart; `docs/admission.md` has how near that is. The refusal says
 //! which: where an interval cannot be halved any more, the rest of the move is looked at, instant by
 //! instant, for a limit that is broken for certain.
@@ -37,10 +38,12 @@ mod path;
 mod scan;
 mod shortest;
 mod taylor;
+mod two_word;
 
-pub use enclose::Enclose;
+pub use enclose::{Centre, Enclose};
 pub use path::Path;
 pub use taylor::{AngleModel, TaylorModel};
+pub use two_word::TwoWord;
 
 use nalgebra::Vector3;
 use scan::{Scan, Scanned};

@@ -57,7 +57,9 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         ramp_ticks: u16,
         period_s: f64,
     ) -> Result<Self, BuildError> {
-        let ramp = <Float<N>>::from_f64(1.0 / (f64::from(ramp_ticks.max(1)) * period_s));
+        // The tick's own: a service is given no other, and a reader of scenes has to judge as a service does.
+        let period_s = N::factor_to_f64(N::factor_from_f64(period_s));
+        let ramp = 1.0 / (f64::from(ramp_ticks.max(1)) * period_s);
         let loads = [
             parameters.gravity_m_s2.x,
             parameters.gravity_m_s2.y,
@@ -70,7 +72,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             distances: Distances::build(parameters),
             limits,
             period: <Float<N>>::from_f64(period_s),
-            ramp: TaylorModel::near(ramp),
+            ramp: TaylorModel::from_f64(ramp),
             loaded: loads.iter().any(|&load| load != 0.0),
         })
     }
@@ -252,16 +254,16 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                 let d = (setpoint.pose.position - geometry.base()) + c;
                 let squared = dot(d, d);
                 let (shortest, longest) = geometry.dyad().reach();
-                let (shortest, longest) = (shortest.constant, longest.constant);
+                let (shortest, longest) = (shortest.middle(), longest.middle());
                 // The span that is on the wrong side, or may be, of the nearer of the two bounds.
                 let zero = <Float<N>>::ZERO;
                 let root = |square: Float<N>| greater(zero, square).sqrt();
                 let size = Extent {
-                    least: root(squared.constant - squared.radius()),
-                    value: root(squared.constant),
-                    greatest: root(squared.constant + squared.radius()),
+                    least: root(squared.middle() - squared.radius()),
+                    value: root(squared.middle()),
+                    greatest: root(squared.middle() + squared.radius()),
                 };
-                let stretched = !(squared.constant
+                let stretched = !(squared.middle()
                     <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
                 let (limit, beyond) = if stretched {
                     (longest, size.least - longest)

@@ -1,6 +1,6 @@
 //! Angles over an interval.
 
-use super::{Float, Roundoffs};
+use super::{Float, TaylorModel};
 use crate::admission::Enclose;
 use core::ops::{Add, Neg, Sub};
 use trirrr_core::number::Arithmetic;
@@ -9,45 +9,31 @@ use trirrr_core::to_source;
 /// An angle over an interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleModel<N: Enclose> {
-    pub(super) constant: <Float<N> as Arithmetic>::Angle,
-    /// In radians.
-    pub(super) linear: Float<N>,
-    /// In radians.
-    pub(super) error: Float<N>,
+    pub(super) radians: TaylorModel<N>,
 }
 
-to_source!([N: Enclose] AngleModel [N] in trirrr_service::admission {
-    constant: <Float<N> as Arithmetic>::Angle,
-    linear: Float<N>,
-    error: Float<N>,
-});
+to_source!([N: Enclose] AngleModel [N] in trirrr_service::admission { radians: TaylorModel<N> });
 
 impl<N: Enclose> AngleModel<N> {
     /// An angle of the tick, the same at all times.
     pub fn of(angle: N::Angle) -> Self {
-        let constant = N::angle_bound(angle);
-        let conversion = N::conversion(<Float<N>>::radians(constant).abs());
-        Self {
-            constant,
-            linear: <Float<N>>::ZERO,
+        let radians = <Float<N>>::radians(N::angle_bound(angle));
+        let conversion = N::conversion(radians.abs());
+        let radians = TaylorModel {
             error: conversion + conversion,
-        }
+            ..TaylorModel::point(radians)
+        };
+        Self { radians }
     }
 }
 
 impl<N: Enclose> Add for AngleModel<N> {
     type Output = Self;
 
-    #[inline(never)]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
-        let constant = self.constant + other.constant;
-        let linear = self.linear + other.linear;
-        let error = self.error + other.error;
-        let size = <Float<N>>::radians(constant).abs() + linear.abs() + (error + error);
         Self {
-            constant,
-            linear,
-            error: error + Roundoffs::Two.of::<N>(size),
+            radians: self.radians + other.radians,
         }
     }
 }
@@ -55,12 +41,10 @@ impl<N: Enclose> Add for AngleModel<N> {
 impl<N: Enclose> Neg for AngleModel<N> {
     type Output = Self;
 
-    #[inline(never)]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self {
-            constant: -self.constant,
-            linear: -self.linear,
-            error: self.error,
+            radians: -self.radians,
         }
     }
 }
@@ -68,8 +52,10 @@ impl<N: Enclose> Neg for AngleModel<N> {
 impl<N: Enclose> Sub for AngleModel<N> {
     type Output = Self;
 
-    #[inline(never)]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self + -other
+        Self {
+            radians: self.radians - other.radians,
+        }
     }
 }

@@ -15,6 +15,14 @@
 //! for the model's own three numbers, and for the operation of the tick that the model stands for.
 //! So the enclosure holds for what a tick in `N` returns, not only for the exact value.
 //!
+//! binary32 is another matter. The sum of all that a tick may round is hundreds of times what it does round: the
+//! models take no notice that errors cancel, or that one error enters a result in several ways. Many moves near a
+//! limit would be refused for that alone. So the constant of a model of `f32` is a
+//! [`TwoWord`](crate::admission::TwoWord) number, whose own rounding hardly counts. What the slope and `error` round
+//! counts in full. Of what the tick rounds a part counts, at least a 32nd for each operation. The enclosure then
+//! holds the true motion for certain, with the move's own numbers, the tick's period, and the machine's coefficients
+//! before they are rounded. A tick's value lies within it but for its rounding error. The guard in the tick looks at each value.
+//!
 //! Comparisons are true only where they are certain: true for every t. That is what the guards of
 //! the pipeline need, for there a comparison that is false means "refuse".
 
@@ -25,6 +33,7 @@ pub use angle::AngleModel;
 
 use crate::admission::Enclose;
 use crate::admission::breach::Extent;
+use crate::admission::enclose::Centre;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use trirrr_core::number::Arithmetic;
@@ -33,11 +42,14 @@ use trirrr_core::to_source;
 /// The float that the numbers of a model of `N` are.
 pub(super) type Float<N> = <N as Enclose>::Bound;
 
+/// The number that the middle of a model of `N` is.
+pub(super) type Middle<N> = <N as Enclose>::Centre;
+
 /// A quantity of the type `N` over an interval of time.
 #[derive(Clone, Copy, Debug)]
 pub struct TaylorModel<N: Enclose> {
     /// Value in the middle of the interval, without the error.
-    pub(crate) constant: Float<N>,
+    pub(crate) constant: Middle<N>,
     /// Change from the middle of the interval to its end, as far as it is linear.
     pub(crate) linear: Float<N>,
     /// Bound of everything else; not negative.
@@ -45,7 +57,7 @@ pub struct TaylorModel<N: Enclose> {
 }
 
 to_source!([N: Enclose] TaylorModel [N] in trirrr_service::admission {
-    constant: Float<N>,
+    constant: Middle<N>,
     linear: Float<N>,
     error: Float<N>,
 });
@@ -67,7 +79,7 @@ impl<N: Enclose> TaylorModel<N> {
     /// The same at all times.
     pub fn point(value: Float<N>) -> Self {
         Self {
-            constant: value,
+            constant: <Middle<N>>::exactly(value),
             linear: <Float<N>>::ZERO,
             error: <Float<N>>::ZERO,
         }
@@ -76,10 +88,16 @@ impl<N: Enclose> TaylorModel<N> {
     /// Everything from `middle - half_width` to `middle + half_width`, linear in time.
     pub fn span(middle: Float<N>, half_width: Float<N>) -> Self {
         Self {
-            constant: middle,
+            constant: <Middle<N>>::exactly(middle),
             linear: half_width,
             error: <Float<N>>::ZERO,
         }
+    }
+
+    /// The value in the middle of the interval, as a bound.
+    #[inline(always)]
+    pub(in crate::admission) fn middle(self) -> Float<N> {
+        self.constant.nearest()
     }
 
     /// Largest deviation from the value in the middle of the interval.
@@ -88,16 +106,26 @@ impl<N: Enclose> TaylorModel<N> {
         self.linear.abs() + self.error
     }
 
+    /// Least and greatest value.
+    #[inline(never)]
+    pub(in crate::admission) fn ends(self) -> [Float<N>; 2] {
+        let (middle, radius) = (self.middle(), self.radius());
+        let radius = radius + <Middle<N>>::lost(middle.abs() + radius);
+        [middle - radius, middle + radius]
+    }
+
     /// Largest size.
     #[inline(never)]
     pub fn magnitude(self) -> Float<N> {
-        self.constant.abs() + self.radius()
+        let (size, radius) = (self.middle().abs(), self.radius());
+        size + (radius + <Middle<N>>::lost(size + radius))
     }
 
     /// Least size; negative where the quantity may change its sign.
     #[inline(never)]
     pub fn least_magnitude(self) -> Float<N> {
-        self.constant.abs() - self.radius()
+        let (size, radius) = (self.middle().abs(), self.radius());
+        size - (radius + <Middle<N>>::lost(size + radius))
     }
 
     /// Bounds of the size.
@@ -105,7 +133,7 @@ impl<N: Enclose> TaylorModel<N> {
     pub(super) fn extent(self) -> Extent<Float<N>> {
         Extent {
             least: self.least_magnitude(),
-            value: self.constant.abs(),
+            value: self.middle().abs(),
             greatest: self.magnitude(),
         }
     }
@@ -119,20 +147,13 @@ impl<N: Enclose> TaylorModel<N> {
         }
     }
 
-    /// With what rounding adds: `count` roundoffs of `size`, which bounds the sum of the sizes of
-    /// all terms, and twice as many of the error, which was itself computed in a few operations.
+    /// With what rounding adds: `count` roundoffs of the terms, and twice as many of the error, which was
+    /// itself computed in a few operations.
     #[inline(always)]
-    fn rounded(
-        constant: Float<N>,
-        linear: Float<N>,
-        error: Float<N>,
-        size: Float<N>,
-        count: Roundoffs,
-    ) -> Self {
+    fn rounded(self, terms: Terms<N>, count: Roundoffs) -> Self {
         Self {
-            constant,
-            linear,
-            error: error + count.of::<N>(size + (error + error)),
+            error: terms.rounded(self.error, count),
+            ..self
         }
     }
 
@@ -140,28 +161,57 @@ impl<N: Enclose> TaylorModel<N> {
     /// 1 / x = 1 / c - d / c^2 + d^2 / (c^2 x), the last term of the sign of c.
     #[inline(never)]
     fn inverse(self) -> Self {
-        let radius = self.radius();
-        let least =
-            self.constant.abs() - (radius + Roundoffs::Eight.of::<N>(self.constant.abs() + radius));
+        let (size, radius) = (self.middle().abs(), self.radius());
+        let least = size - (radius + Roundoffs::Eight.of::<N>(size + radius));
         if !(least > <Float<N>>::ZERO) {
             return Self::unknown();
         }
-        let inverse = <Float<N>>::ONE.div(self.constant);
-        let squared = inverse * inverse;
+        let inverse = <Middle<N>>::ONE.div(self.constant);
+        let near = inverse.nearest();
+        let squared = near * near;
         let half_rest = <Float<N>>::HALF * (squared * (radius * radius).div(least));
-        let rest_towards = if self.constant > <Float<N>>::ZERO {
+        let rest_towards = if near > <Float<N>>::ZERO {
             half_rest
         } else {
             -half_rest
         };
         let linear = -(self.linear * squared);
-        Self::rounded(
-            inverse + rest_towards,
+        let model = Self {
+            constant: inverse + <Middle<N>>::exactly(rest_towards),
             linear,
-            squared * self.error + half_rest,
-            inverse.abs() + linear.abs() + half_rest,
-            Roundoffs::Eight,
-        )
+            error: squared * self.error + half_rest,
+        };
+        let terms = Terms {
+            total: near.abs() + linear.abs() + half_rest,
+            width: linear.abs() + half_rest,
+        };
+        model.rounded(terms, Roundoffs::Eight)
+    }
+}
+
+/// Bounds of the sizes of the terms of a result, without the error.
+struct Terms<N: Enclose> {
+    /// All of them.
+    total: Float<N>,
+    /// Those that are not of the centre alone.
+    width: Float<N>,
+}
+
+impl<N: Enclose> Terms<N> {
+    /// Of a model with nothing but its constant and linear parts.
+    #[inline(always)]
+    fn of(constant: Float<N>, linear: Float<N>) -> Self {
+        Self {
+            total: constant.abs() + linear.abs(),
+            width: linear.abs(),
+        }
+    }
+
+    /// `error` with what rounding adds to it.
+    #[inline(always)]
+    fn rounded(self, error: Float<N>, count: Roundoffs) -> Float<N> {
+        let size = N::rounded_size(self.total, self.width);
+        error + count.of::<N>(size + (error + error))
     }
 }
 
@@ -199,15 +249,12 @@ impl<N: Enclose> Add for TaylorModel<N> {
 
     #[inline(never)]
     fn add(self, other: Self) -> Self {
-        let constant = self.constant + other.constant;
-        let linear = self.linear + other.linear;
-        Self::rounded(
-            constant,
-            linear,
-            self.error + other.error,
-            constant.abs() + linear.abs(),
-            Roundoffs::Two,
-        )
+        let sum = Self {
+            constant: self.constant + other.constant,
+            linear: self.linear + other.linear,
+            error: self.error + other.error,
+        };
+        sum.rounded(Terms::of(sum.middle(), sum.linear), Roundoffs::Two)
     }
 }
 
@@ -233,22 +280,25 @@ impl<N: Enclose> Sub for TaylorModel<N> {
     }
 }
 
-/// A product whose rounding is not counted yet, with a bound of the size of its terms.
+/// A product whose rounding is not counted yet, with its terms.
 #[inline(always)]
-fn product<N: Enclose>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Float<N>) {
+fn product<N: Enclose>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Terms<N>) {
     // The term in t^2 lies between 0 and its value at the ends: half of it is known.
     let half_square = <Float<N>>::HALF * (a.linear * b.linear);
-    let (size_a, size_b) = (
-        a.constant.abs() + a.linear.abs(),
-        b.constant.abs() + b.linear.abs(),
-    );
+    let (middle_a, middle_b) = (a.middle(), b.middle());
+    let (linear_a, linear_b) = (a.linear.abs(), b.linear.abs());
+    let (size_a, size_b) = (middle_a.abs() + linear_a, middle_b.abs() + linear_b);
     let model = TaylorModel {
-        constant: a.constant * b.constant + half_square,
-        linear: <Float<N>>::ab_plus_cd(a.constant, b.linear, a.linear, b.constant),
+        constant: a.constant * b.constant + <Middle<N>>::exactly(half_square),
+        linear: <Float<N>>::ab_plus_cd(middle_a, b.linear, a.linear, middle_b),
         error: half_square.abs()
             + <Float<N>>::ab_plus_cd(size_a + a.error, b.error, size_b, a.error),
     };
-    (model, size_a * size_b)
+    let terms = Terms {
+        total: size_a * size_b,
+        width: size_a * linear_b + linear_a * size_b,
+    };
+    (model, terms)
 }
 
 impl<N: Enclose> Mul for TaylorModel<N> {
@@ -256,14 +306,8 @@ impl<N: Enclose> Mul for TaylorModel<N> {
 
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
-        let (model, size) = product(self, other);
-        Self::rounded(
-            model.constant,
-            model.linear,
-            model.error,
-            size,
-            Roundoffs::Three,
-        )
+        let (model, terms) = product(self, other);
+        model.rounded(terms, Roundoffs::Three)
     }
 }
 
@@ -293,12 +337,10 @@ impl<N: Enclose> PartialOrd for TaylorModel<N> {
     #[inline(never)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let difference = *self - *other;
-        let radius = difference.radius();
-        if difference.constant > radius {
-            Some(Ordering::Greater)
-        } else if -difference.constant > radius {
-            Some(Ordering::Less)
-        } else if difference.constant == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
+        let middle = difference.middle();
+        if difference.least_magnitude() > <Float<N>>::ZERO {
+            middle.partial_cmp(&<Float<N>>::ZERO)
+        } else if middle == <Float<N>>::ZERO && difference.radius() == <Float<N>>::ZERO {
             Some(Ordering::Equal)
         } else {
             None

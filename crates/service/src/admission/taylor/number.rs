@@ -1,7 +1,8 @@
 //! Taylor models as numbers of the pipeline.
 
-use super::{AngleModel, Float, Roundoffs, TaylorModel, product};
+use super::{AngleModel, Float, Middle, Roundoffs, TaylorModel, Terms, product};
 use crate::admission::Enclose;
+use crate::admission::enclose::Centre;
 use trirrr_core::number::{Arithmetic, RoundsEachStep};
 
 impl<N: Enclose> RoundsEachStep for TaylorModel<N> {}
@@ -10,29 +11,34 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     type Angle = AngleModel<N>;
 
     const ZERO: Self = Self {
-        constant: <Float<N>>::ZERO,
+        constant: <Middle<N>>::ZERO,
         linear: <Float<N>>::ZERO,
         error: <Float<N>>::ZERO,
     };
     const ONE: Self = Self {
-        constant: <Float<N>>::ONE,
+        constant: <Middle<N>>::ONE,
         linear: <Float<N>>::ZERO,
         error: <Float<N>>::ZERO,
     };
     const HALF: Self = Self {
-        constant: <Float<N>>::HALF,
+        constant: <Middle<N>>::HALF,
         linear: <Float<N>>::ZERO,
         error: <Float<N>>::ZERO,
     };
     const UNIT_ROUNDOFF: Self = Self {
-        constant: <Float<N>>::UNIT_ROUNDOFF,
+        constant: <Middle<N>>::UNIT_ROUNDOFF,
         linear: <Float<N>>::ZERO,
         error: <Float<N>>::ZERO,
     };
 
-    /// The tick's own coefficient, as far as the bound's type knows it.
+    /// The coefficient, with what the tick makes of it.
     fn from_f64(x: f64) -> Self {
-        Self::near(<Float<N>>::from_f64(x))
+        let constant = <Middle<N>>::from_f64(x);
+        Self {
+            constant,
+            error: N::coefficient(constant.nearest().abs()),
+            ..Self::ZERO
+        }
     }
 
     /// The constant part.
@@ -41,16 +47,16 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     }
 
     fn angle_from_f64(radians: f64) -> Self::Angle {
-        AngleModel {
-            constant: <Float<N>>::angle_from_f64(radians),
-            linear: <Float<N>>::ZERO,
-            error: <Float<N>>::ZERO,
-        }
+        let radians = Self {
+            constant: <Middle<N>>::from_f64(radians),
+            ..Self::ZERO
+        };
+        AngleModel { radians }
     }
 
     /// The constant part.
     fn angle_to_f64(angle: Self::Angle) -> f64 {
-        <Float<N>>::angle_to_f64(angle.constant)
+        angle.radians.to_f64()
     }
 
     fn half_turn() -> Self::Angle {
@@ -59,42 +65,43 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
 
     #[inline(never)]
     fn angle(radians: Self) -> Self::Angle {
-        AngleModel {
-            constant: <Float<N>>::angle(radians.constant),
-            linear: radians.linear,
-            error: radians.error + Roundoffs::Two.of::<N>(radians.magnitude()),
-        }
+        let radius = radians.radius();
+        let size = N::rounded_size(radians.middle().abs() + radius, radius);
+        let radians = Self {
+            error: radians.error + Roundoffs::Two.of::<N>(size),
+            ..radians
+        };
+        AngleModel { radians }
     }
 
     #[inline(never)]
     fn radians(angle: Self::Angle) -> Self {
-        let constant = <Float<N>>::radians(angle.constant);
-        let size = constant.abs() + angle.linear.abs();
-        Self::rounded(constant, angle.linear, angle.error, size, Roundoffs::Two)
+        let model = angle.radians;
+        model.rounded(Terms::of(model.middle(), model.linear), Roundoffs::Two)
     }
 
     #[inline(never)]
     fn ratio(numerator: u32, denominator: u32) -> Self {
-        let ratio = <Float<N>>::ratio(numerator, denominator);
-        Self::rounded(
-            ratio,
-            <Float<N>>::ZERO,
-            <Float<N>>::ZERO,
-            ratio,
-            Roundoffs::Two,
-        )
+        let model = Self {
+            constant: <Middle<N>>::ratio(numerator, denominator),
+            ..Self::ZERO
+        };
+        model.rounded(Terms::of(model.middle(), model.linear), Roundoffs::Two)
     }
 
     #[inline(never)]
     fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        let ((ab, size_ab), (cd, size_cd)) = (product(a, b), product(c, d));
-        Self::rounded(
-            ab.constant + cd.constant,
-            ab.linear + cd.linear,
-            ab.error + cd.error,
-            size_ab + size_cd,
-            Roundoffs::Five,
-        )
+        let ((ab, terms_ab), (cd, terms_cd)) = (product(a, b), product(c, d));
+        let model = Self {
+            constant: ab.constant + cd.constant,
+            linear: ab.linear + cd.linear,
+            error: ab.error + cd.error,
+        };
+        let terms = Terms {
+            total: terms_ab.total + terms_cd.total,
+            width: terms_ab.width + terms_cd.width,
+        };
+        model.rounded(terms, Roundoffs::Five)
     }
 
     #[inline(never)]
@@ -112,62 +119,62 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     /// r / (s + (c - r) / s), and 2 / (2 - p) <= 1 + p for p = r / c.
     #[inline(never)]
     fn sqrt(self) -> Self {
-        let radius = self.radius();
-        let root = self.constant.sqrt();
-        if !(self.constant > <Float<N>>::ZERO) || !(self.constant >= radius) {
-            return if self.constant == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
+        let (middle, radius) = (self.middle(), self.radius());
+        if !(middle > <Float<N>>::ZERO) || !(self.least_magnitude() >= <Float<N>>::ZERO) {
+            return if middle == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
                 self
             } else {
                 Self::unknown()
             };
         }
-        let half_inverse = <Float<N>>::HALF.div(root);
+        let root = self.constant.sqrt();
+        let near = root.nearest();
+        let half_inverse = <Float<N>>::HALF.div(near);
         let part = radius * half_inverse;
-        let proportion = <Float<N>>::ONE + radius.div(self.constant);
+        let proportion = <Float<N>>::ONE + radius.div(middle);
         let size = part * proportion;
         let half_rest = <Float<N>>::HALF * (half_inverse * (size * size));
         let linear = self.linear * half_inverse;
-        Self::rounded(
-            root - half_rest,
+        let model = Self {
+            constant: root - <Middle<N>>::exactly(half_rest),
             linear,
-            self.error * half_inverse + half_rest,
-            root + linear.abs() + half_rest,
-            Roundoffs::Eight,
-        )
+            error: self.error * half_inverse + half_rest,
+        };
+        let terms = Terms {
+            total: near + linear.abs() + half_rest,
+            width: linear.abs() + half_rest,
+        };
+        model.rounded(terms, Roundoffs::Eight)
     }
 
     /// A straddling sign gives the range from 0 to the largest size.
     #[inline(never)]
     fn abs(self) -> Self {
         if self.least_magnitude() >= <Float<N>>::ZERO {
-            if self.constant < <Float<N>>::ZERO {
+            if self.middle() < <Float<N>>::ZERO {
                 -self
             } else {
                 self
             }
         } else {
             let half = <Float<N>>::HALF * self.magnitude();
-            Self::rounded(half, <Float<N>>::ZERO, half, half, Roundoffs::Two)
+            let model = Self {
+                error: half,
+                ..Self::point(half)
+            };
+            model.rounded(Terms::of(half, <Float<N>>::ZERO), Roundoffs::Two)
         }
     }
 
-    /// By Taylor's formula to the second order, with the third derivative at most 1.
     #[inline(never)]
     fn sin_cos(angle: Self::Angle) -> (Self, Self) {
-        let (sin, cos) = <Float<N>>::sin_cos(angle.constant);
-        let radius = angle.linear.abs() + angle.error;
-        let second = <Float<N>>::HALF * (radius * radius);
-        let third = second * radius * <Float<N>>::ratio(1, 3);
-        let model = |value: Float<N>, slope: Float<N>| {
-            let linear = slope * angle.linear;
-            // Of the second-order term, value t^2 linear^2 / 2 is known up to the error of the
-            // angle; it is left whole in the error, for half of it would save little.
-            let error =
-                <Float<N>>::ab_plus_cd(value.abs(), second, slope.abs(), angle.error) + third;
-            let size = value.abs() + linear.abs();
-            Self::rounded(value, linear, error, size, Roundoffs::Eight)
-        };
-        (model(sin, cos), model(cos, -sin))
+        let angle = angle.radians;
+        let (sin, cos) = <Middle<N>>::sin_cos(<Middle<N>>::angle(angle.constant));
+        let size = angle.middle().abs();
+        let angle_error =
+            angle.error + <Middle<N>>::lost(<Float<N>>::UNIT_ROUNDOFF * (size + size));
+        let model = |value, slope| near_angle(value, slope, angle.linear, angle_error);
+        (model(sin, cos.nearest()), model(cos, -sin.nearest()))
     }
 
     /// Continuous over the interval, so beyond +-pi where the vector passes the negative x axis. The
@@ -175,32 +182,58 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     /// 1 / rho^2: what is not linear is below d^2 / (2 rho^2) for a step of length d.
     #[inline(never)]
     fn atan2(y: Self, x: Self) -> Self::Angle {
-        let length_sq = <Float<N>>::ab_plus_cd(x.constant, x.constant, y.constant, y.constant);
+        let (middle_x, middle_y) = (x.middle(), y.middle());
+        let length_sq = <Float<N>>::ab_plus_cd(middle_x, middle_x, middle_y, middle_y);
         let length = length_sq.sqrt();
         let step = x.radius() + y.radius();
         let least = length - step;
+        let constant = <Middle<N>>::radians(<Middle<N>>::atan2(y.constant, x.constant));
         if !(least > Roundoffs::Eight.of::<N>(length + step)) {
-            return AngleModel {
-                constant: <Float<N>>::atan2(y.constant, x.constant),
-                linear: <Float<N>>::ZERO,
-                error: <Float<N>>::ONE.div(<Float<N>>::ZERO),
+            let radians = Self {
+                constant,
+                ..Self::unknown()
             };
+            return AngleModel { radians };
         }
-        let across = <Float<N>>::ab_minus_cd(x.constant, y.linear, y.constant, x.linear);
+        let across = <Float<N>>::ab_minus_cd(middle_x, y.linear, middle_y, x.linear);
         let relative = step.div(least);
-        let constant = <Float<N>>::atan2(y.constant, x.constant);
         let linear = across.div(length_sq);
         let error = <Float<N>>::HALF * (relative * relative) + (x.error + y.error).div(length);
-        let size = <Float<N>>::radians(constant).abs() + relative + error;
-        AngleModel {
+        let width = relative + error;
+        let size = constant.nearest().abs() + relative + error;
+        let radians = Self {
             constant,
             linear,
-            error: error + Roundoffs::Eight.of::<N>(size),
-        }
+            error: error + Roundoffs::Eight.of::<N>(N::rounded_size(size, width)),
+        };
+        AngleModel { radians }
     }
 
     #[inline(always)]
     fn is_finite(self) -> bool {
-        (self.constant + self.linear + self.error).is_finite()
+        (self.middle() + self.linear + self.error).is_finite()
     }
+}
+
+/// A sine or cosine with `value` and `slope` at the middle of an angle: by Taylor's formula to the second order,
+/// with the third derivative at most 1.
+#[inline(never)]
+fn near_angle<N: Enclose>(
+    value: Middle<N>,
+    slope: Float<N>,
+    linear: Float<N>,
+    error: Float<N>,
+) -> TaylorModel<N> {
+    let radius = linear.abs() + error;
+    let second = <Float<N>>::HALF * (radius * radius);
+    let third = second * radius * <Float<N>>::ratio(1, 3);
+    let near = value.nearest();
+    let model = TaylorModel {
+        constant: value,
+        linear: slope * linear,
+        // Of the second-order term, value t^2 linear^2 / 2 is known up to the error of the
+        // angle; it is left whole in the error, for half of it would save little.
+        error: <Float<N>>::ab_plus_cd(near.abs(), second, slope.abs(), error) + third,
+    };
+    model.rounded(Terms::of(near, model.linear), Roundoffs::Eight)
 }
