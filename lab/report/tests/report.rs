@@ -6,7 +6,11 @@ use tempfile::TempDir;
 use trirrr_report::{ReportSection, docs, write};
 
 /// Figures whose every coordinate is an error or a count.
-const FIGURES: [&str; 3] = [
+const FIGURES: [&str; 7] = [
+    "edges-links.svg",
+    "edges-serial.svg",
+    "edges-base.svg",
+    "edges-parallel.svg",
     "numbers-massless.svg",
     "numbers-links.svg",
     "numbers-tool.svg",

@@ -141,6 +141,16 @@ pub(crate) fn all() -> Result<Vec<ExtremeCase>, ReportError> {
     Ok(cases)
 }
 
+/// The thesis's machine with link masses.
+pub(super) fn thesis_links() -> Result<Parameters, ReportError> {
+    match shipped()?.get(1) {
+        Some(scene) => Ok(scene.parameters),
+        None => Err(ReportError::Failed(
+            "the report's scenes are missing".into(),
+        )),
+    }
+}
+
 /// The cases of the reference file.
 fn reference() -> Result<Vec<ExtremeCase>, ReportError> {
     let group = |name: &str| match name {
@@ -193,7 +203,7 @@ fn at_rest(x: f64, y: f64, alpha: f64) -> CaseMotion {
     })
 }
 
-fn polar(length: f64, angle: f64) -> Vector2<f64> {
+pub(super) fn polar(length: f64, angle: f64) -> Vector2<f64> {
     Vector2::new(angle.cos(), angle.sin()) * length
 }
 

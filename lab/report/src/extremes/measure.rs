@@ -24,6 +24,9 @@ pub(crate) enum CaseOutcome {
         forward: f64,
         /// Name of the result with the worst error.
         worst: String,
+        /// Worst error of an angle, rad, or of a rate, an acceleration or a torque over the largest of
+        /// the three motors.
+        relative: f64,
         /// Largest gap of the loops with the computed angles of both links, in units in the last
         /// place of the machine's size.
         closure: f64,
@@ -80,7 +83,13 @@ fn compare(case: &ExtremeCase, record: &Record, rounding: Rounding) -> CaseOutco
     }
     let truth = motors(&inputs);
     let explained = explained(case, &rounding);
-    let (mut forward, mut worst) = (0.0, String::new());
+    let (mut forward, mut relative, mut worst): (f64, f64, _) = (0.0, 0.0, String::new());
+    let largest = [0, 1, 2, 3].map(|stage| match stage {
+        0 => 1.0,
+        _ => (0..3).fold(0.0, |largest: f64, leg| {
+            largest.max(truth[leg][stage].value().abs())
+        }),
+    });
     let listed = names().into_iter().zip(explained);
     for (name, explained) in listed {
         let (Some(leg), Some(stage)) = (
@@ -102,6 +111,9 @@ fn compare(case: &ExtremeCase, record: &Record, rounding: Rounding) -> CaseOutco
             0.0 => 0.0,
             error => error / explained,
         };
+        if error != 0.0 {
+            relative = relative.max(error.abs() / largest[stage]);
+        }
         // What is not a number must not pass for small.
         let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
         if ratio > forward {
@@ -112,6 +124,7 @@ fn compare(case: &ExtremeCase, record: &Record, rounding: Rounding) -> CaseOutco
     CaseOutcome::Motion {
         forward,
         worst,
+        relative,
         closure: closure(&inputs, record, &rounding),
     }
 }

@@ -1,6 +1,7 @@
 //! Section "extremes": what becomes of the tick where machines, moves and poses are extreme.
 
 mod cases;
+mod curves;
 mod measure;
 
 use super::page::Page;
@@ -46,7 +47,8 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
         cases.len()
     ));
     page.block("extremes", true, &summary(&cases, &columns).markdown());
-    page.csv("extremes.csv", &every_case(&cases, &columns))
+    page.csv("extremes.csv", &every_case(&cases, &columns))?;
+    curves::write(page, &cases::thesis_links()?)
 }
 
 /// Contents of one cell of the summary: counts, and the worst of each measure.
@@ -139,6 +141,7 @@ fn every_case(cases: &[ExtremeCase], columns: &[Column]) -> Table {
                     forward,
                     worst,
                     closure,
+                    ..
                 } => (
                     "ok".to_owned(),
                     [

@@ -99,9 +99,13 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     page.block("numbers-nanoseconds", false, &times);
 
     page.heading(3, "Error against run time");
-    let torque = |each: &TypeFindings, scene| {
-        let errors = each.of_scene(&scenes, scene)?;
-        Some(errors.stages[3].worst_relative)
+    let torque = |each: &TypeFindings, scene: &str| {
+        // As in the tables: over all scenes with such links.
+        let stage = match scene == TIMED[0] {
+            true => Stage::TorqueMassless,
+            false => Stage::TorqueWithLinks,
+        };
+        Some(each.of_stage(&scenes, stage).worst_relative)
     };
     let microseconds = |each: &TypeFindings, board: usize, scene| {
         let (core, _) = BOARDS[board];
@@ -135,9 +139,9 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
         front: "of each board",
     };
     tool.write(page, "numbers-tool.svg", &measured, |each, board| {
-        let errors = each.of_scene(&scenes, TIMED[0])?;
+        let [place, _] = each.of_tool();
         let time = microseconds(each, board, TIMED[0])?;
-        Some((time, errors.tool[0].worst * 1e6))
+        Some((time, place.worst * 1e6))
     })?;
     let host = Cloud {
         caption: "Torque error against nanoseconds per tick on this machine",
@@ -195,11 +199,6 @@ impl TypeFindings {
             parts.fold(Errors::default(), Errors::with)
         };
         [of(0), of(1)]
-    }
-
-    fn of_scene(&self, scenes: &[Scene], name: &str) -> Option<&SceneErrors> {
-        let index = scenes.iter().position(|scene| scene.name == name)?;
-        self.errors.get(index)
     }
 }
 
