@@ -44,6 +44,20 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo(
+            "a thousand machines that fall",
+            &[
+                "test",
+                "--release",
+                "-p",
+                "trirrr-plant",
+                "--test",
+                "plant",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::on_host(
             "tolerances of two thousand machines",
             "test",

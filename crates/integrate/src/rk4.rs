@@ -51,8 +51,8 @@ impl<const N: usize> Stepper<N> for Rk4 {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> Result<(), Failure<S::Refusal>> {
-        tally.derivatives += 4;
-        step_by(self.step_s, end, dense, |h, dense| {
+        step_by(self.step_s, end, dense, tally, |h, dense, tally| {
+            tally.derivatives += 4;
             advance(system, h, dense)
         })
     }

@@ -61,8 +61,8 @@ impl<const N: usize> Stepper<N> for SemiImplicitEuler {
         dense: &mut Dense<N>,
         tally: &mut Tally,
     ) -> Result<(), Failure<S::Refusal>> {
-        tally.derivatives += 1;
-        step_by(self.step_s, end, dense, |h, dense| {
+        step_by(self.step_s, end, dense, tally, |h, dense, tally| {
+            tally.derivatives += 1;
             self.advance(system, h, dense)
         })
     }

@@ -42,19 +42,27 @@ pub(crate) trait Stepper<const N: usize> {
 }
 
 /// One step of fixed length, as [`Stepper::step`] takes it: `advance` goes a given time ahead from the
-/// start of `dense`, to its end.
+/// start of `dense`, to its end. Where the equations refuse that, the step is halved.
 #[inline]
 pub(crate) fn step_by<const N: usize, R: Debug + Display>(
     step_s: f64,
     end: f64,
     dense: &mut Dense<N>,
-    advance: impl FnOnce(f64, &mut Dense<N>) -> Result<(), R>,
+    tally: &mut Tally,
+    mut advance: impl FnMut(f64, &mut Dense<N>, &mut Tally) -> Result<(), R>,
 ) -> Result<(), Failure<R>> {
-    dense.t0 = dense.t1;
+    let t = dense.t1;
+    dense.t0 = t;
     dense.y0 = dense.y1;
-    let (h, last) = fixed_step(step_s, dense.t0, end);
-    advance(h, dense).map_err(|cause| Failure::Refused { t: dense.t0, cause })?;
-    dense.t1 = if last { end } else { dense.t0 + h };
+    let (mut h, mut last) = fixed_step(step_s, t, end);
+    while let Err(cause) = advance(h, dense, tally) {
+        (h, last) = (0.5 * h, false);
+        tally.rejected += 1;
+        if h < shortest_step(t, end) {
+            return Err(Failure::Refused { t, cause });
+        }
+    }
+    dense.t1 = if last { end } else { t + h };
     Ok(())
 }
 

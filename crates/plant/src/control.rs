@@ -4,17 +4,18 @@ use crate::mechanics::Mechanics;
 use crate::motor::{MotorModel, Winding, wrapped};
 use crate::path::JobPath;
 use crate::refusal::Refusal;
+use crate::scalar::Scalar;
 use trirrr_drives::bldc::DriveLimit;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_scene::{Controller, Scene};
 
 /// Measurement of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct Measured<T = f64> {
     /// Angle at the joint, rad, in -pi to pi.
-    pub angle: f64,
+    pub angle: T,
     /// Rate at the joint, rad/s.
-    pub rate: f64,
+    pub rate: T,
 }
 
 /// Commands of the drives at a sample.
@@ -116,8 +117,9 @@ impl Continuous {
             let q = [pose.position.x, pose.position.y, pose.angle];
             let legs = self
                 .mechanics
-                .legs(q, setpoint.velocity.into())
-                .map_err(Refusal::Setpoint)?;
+                .configuration(None, q, setpoint.velocity.into())
+                .map_err(Refusal::Setpoint)?
+                .legs;
             return Ok([0, 1, 2].map(|leg| JointReference {
                 angle: self.mechanics.motor_angle(leg, &legs[leg]),
                 rate: legs[leg].rates[0],
@@ -134,29 +136,34 @@ impl Continuous {
 
     /// Torque wanted of motor `index`, before any limit.
     #[inline]
-    fn torque(&self, index: usize, reference: &JointReference, measured: &Measured) -> f64 {
+    fn torque<T: Scalar>(
+        &self,
+        index: usize,
+        reference: &JointReference,
+        measured: &Measured<T>,
+    ) -> T {
         let controller = &self.controller;
-        controller.kp_nm_rad[index] * wrapped(reference.angle - measured.angle)
-            + controller.kd_nm_s_rad[index] * (reference.rate - measured.rate)
-            + reference.torque
+        wrapped(T::from(reference.angle) - measured.angle) * controller.kp_nm_rad[index]
+            + (T::from(reference.rate) - measured.rate) * controller.kd_nm_s_rad[index]
+            + T::from(reference.torque)
     }
 
     /// Command of motor `index`, by the formula of the limits that act.
     #[inline]
-    pub fn command(
+    pub fn command<T: Scalar>(
         &self,
         index: usize,
         motor: &MotorModel,
         reference: &JointReference,
-        measured: &Measured,
-    ) -> f64 {
+        measured: &Measured<T>,
+    ) -> T {
         let torque = self.torque(index, reference, measured);
         let MotorModel::Bldc(winding) = motor else {
             return torque;
         };
         let limited = &self.limited[index];
         match limited.voltage {
-            Some(sign) => sign * winding.supply,
+            Some(sign) => T::from(sign * winding.supply),
             None => voltage(winding, limited, torque, measured.rate),
         }
     }
@@ -214,10 +221,10 @@ impl Continuous {
 
 /// u = R i + N Ke w with the current limited, the voltage not.
 #[inline]
-fn voltage(winding: &Winding, limited: &Limited, torque: f64, rate: f64) -> f64 {
+fn voltage<T: Scalar>(winding: &Winding, limited: &Limited, torque: T, rate: T) -> T {
     let current = match limited.current {
-        Some(sign) => sign * winding.current_limit,
-        None => torque / winding.torque_constant,
+        Some(sign) => T::from(sign * winding.current_limit),
+        None => torque * (1.0 / winding.torque_constant),
     };
-    winding.resistance * current + winding.back_emf * rate
+    current * winding.resistance + rate * winding.back_emf
 }

@@ -3,27 +3,39 @@
 use crate::control::{Continuous, Measured};
 use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
 use crate::leg::LegState;
-use crate::mechanics::JointMoments;
+use crate::mechanics::{Configuration, JointMoments};
 use crate::model::{Control, Plant};
 use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
+use crate::scalar::{Dual, Scalar};
+use trirrr_integrate::Matrix;
 
 impl<const N: usize> Plant<N> {
+    /// Platform and legs in the state `y`.
+    ///
+    /// # Errors
+    /// [`Refusal::Pose`].
     #[inline(always)]
-    pub(crate) fn legs(&self, y: &[f64; N]) -> Result<[LegState; 3], Refusal> {
-        Ok(self.mechanics.legs(three(y, 0), three(y, RATES))?)
+    pub fn configuration<T: Scalar>(&self, y: &[T; N]) -> Result<Configuration<T>, Refusal> {
+        let (w, rates) = (three(y, 0), three(y, RATES));
+        Ok(self.mechanics.configuration(self.leading, w, rates)?)
     }
 
     /// Joint angle of leg `leg`, unwrapped.
     #[inline]
-    pub(crate) fn joint_angle(&self, leg: usize, state: &LegState) -> f64 {
-        let angle = self.mechanics.motor_angle(leg, state);
-        self.near[leg] + wrapped(angle - self.near[leg])
+    pub(crate) fn joint_angle<T: Scalar>(&self, leg: usize, state: &LegState<T>) -> T {
+        let near = T::from(self.near[leg]);
+        near + wrapped(self.mechanics.motor_angle(leg, state) - near)
     }
 
     /// Angle at the rotor's side of the transmission, unwrapped, and its rate.
     #[inline(always)]
-    pub(crate) fn rotor(&self, leg: usize, state: &LegState, y: &[f64; N]) -> Measured {
+    pub(crate) fn rotor<T: Scalar>(
+        &self,
+        leg: usize,
+        state: &LegState<T>,
+        y: &[T; N],
+    ) -> Measured<T> {
         if Self::ELASTIC {
             Measured {
                 angle: y[ROTORS + leg],
@@ -38,36 +50,36 @@ impl<const N: usize> Plant<N> {
     }
 
     #[inline(always)]
-    pub(crate) fn current(y: &[f64; N], leg: usize) -> f64 {
+    pub(crate) fn current<T: Scalar>(y: &[T; N], leg: usize) -> T {
         if Self::CURRENTS {
             y[Self::LAYOUT.current() + leg]
         } else {
-            0.0
+            T::from(0.0)
         }
     }
 
     /// Commands of the motors at `t` seconds.
     #[inline(always)]
-    pub(crate) fn told(
+    pub(crate) fn told<T: Scalar>(
         &self,
         t: f64,
-        legs: &[LegState; 3],
-        y: &[f64; N],
-    ) -> Result<[f64; 3], Refusal> {
+        legs: &[LegState<T>; 3],
+        y: &[T; N],
+    ) -> Result<[T; 3], Refusal> {
         match &self.control {
             Control::Continuous(continuous) => self.told_by(continuous, t, legs, y),
-            Control::Held | Control::Sampled { .. } => Ok(self.held),
+            Control::Held | Control::Sampled { .. } => Ok(self.held.map(T::from)),
         }
     }
 
     #[inline(never)]
-    fn told_by(
+    fn told_by<T: Scalar>(
         &self,
         continuous: &Continuous,
         t: f64,
-        legs: &[LegState; 3],
-        y: &[f64; N],
-    ) -> Result<[f64; 3], Refusal> {
+        legs: &[LegState<T>; 3],
+        y: &[T; N],
+    ) -> Result<[T; 3], Refusal> {
         let references = continuous.references(t)?;
         Ok([0, 1, 2].map(|leg| {
             let measured = self.rotor(leg, &legs[leg], y);
@@ -77,54 +89,59 @@ impl<const N: usize> Plant<N> {
 
     /// Torque of motor `leg` at the joint.
     #[inline(always)]
-    pub(crate) fn motor_torque(
+    pub(crate) fn motor_torque<T: Scalar>(
         &self,
         leg: usize,
-        told: f64,
-        state: &LegState,
-        y: &[f64; N],
-        rate: f64,
-    ) -> f64 {
+        told: T,
+        state: &LegState<T>,
+        y: &[T; N],
+        rate: T,
+    ) -> T {
         match &self.motors[leg] {
             MotorModel::Ideal => told,
-            MotorModel::Bldc(winding) => winding.torque_constant * Self::current(y, leg),
+            MotorModel::Bldc(winding) => Self::current(y, leg) * winding.torque_constant,
             MotorModel::Stepper(field) => {
-                let angle = self.rotor(leg, state, y).angle - self.start[leg];
+                let angle = self.rotor(leg, state, y).angle - T::from(self.start[leg]);
                 field.torque(told, angle, rate)
             }
         }
     }
 
     #[inline(always)]
-    fn friction(&self, kind: usize, leg: usize, rate: f64) -> f64 {
+    fn friction<T: Scalar>(&self, kind: usize, leg: usize, rate: T) -> T {
         match &self.joints.friction[kind] {
             Some(friction) => friction.moment(rate, self.joints.regions[kind][leg]),
-            None => 0.0,
+            None => T::from(0.0),
         }
     }
 
     /// y' at `t`.
     #[inline(always)]
-    pub(crate) fn slope(&self, t: f64, y: &[f64; N], dy: &mut [f64; N]) -> Result<(), Refusal> {
-        let legs = self.legs(y)?;
-        let told = self.told(t, &legs, y)?;
-        self.slope_under(&told, &legs, y, dy)
+    pub(crate) fn slope<T: Scalar>(
+        &self,
+        t: f64,
+        y: &[T; N],
+        dy: &mut [T; N],
+    ) -> Result<(), Refusal> {
+        let at = self.configuration(y)?;
+        let told = self.told(t, &at.legs, y)?;
+        self.slope_under(&told, &at, y, dy)
     }
 
     /// y' with the motors told `told`.
     #[inline(always)]
-    pub(crate) fn slope_under(
+    pub(crate) fn slope_under<T: Scalar>(
         &self,
-        told: &[f64; 3],
-        legs: &[LegState; 3],
-        y: &[f64; N],
-        dy: &mut [f64; N],
+        told: &[T; 3],
+        at: &Configuration<T>,
+        y: &[T; N],
+        dy: &mut [T; N],
     ) -> Result<(), Refusal> {
-        let (q, v) = (three(y, 0), three(y, RATES));
+        let spin = at.rates()[2];
         let mut moments = [JointMoments::default(); 3];
-        let (mut work, mut loss) = (0.0, 0.0);
+        let (mut work, mut loss) = (T::from(0.0), T::from(0.0));
         for leg in 0..3 {
-            let state = &legs[leg];
+            let state = &at.legs[leg];
             let [rate1, rate2] = state.rates;
             let rate = if Self::ELASTIC {
                 y[ROTOR_RATES + leg]
@@ -138,43 +155,58 @@ impl<const N: usize> Plant<N> {
                     dy[Self::LAYOUT.current() + leg] =
                         winding.current_rate(told[leg], current, rate);
                 }
-                work += told[leg] * current;
-                loss += winding.loss(current, rate);
+                work = work + told[leg] * current;
+                loss = loss + winding.loss(current, rate);
             } else {
                 if Self::CURRENTS {
-                    dy[Self::LAYOUT.current() + leg] = 0.0;
+                    dy[Self::LAYOUT.current() + leg] = T::from(0.0);
                 }
-                work += torque * rate;
+                work = work + torque * rate;
             }
             let rubbing = self.friction(0, leg, rate);
-            loss += rubbing * rate;
+            loss = loss + rubbing * rate;
             let moment = &mut moments[leg];
             if Self::ELASTIC {
                 let spring = &self.transmission[leg];
                 let twist = wrapped(y[ROTORS + leg] - self.mechanics.motor_angle(leg, state));
                 let slip = rate - rate1;
-                let damping = spring.damping_nm_s_rad * slip;
-                moment.proximal = spring.stiffness_nm_rad * twist + damping;
-                loss += damping * slip;
+                let damping = slip * spring.damping_nm_s_rad;
+                moment.proximal = twist * spring.stiffness_nm_rad + damping;
+                loss = loss + damping * slip;
                 dy[ROTORS + leg] = rate;
-                dy[ROTOR_RATES + leg] = (torque - rubbing - moment.proximal) / self.rotors[leg];
+                dy[ROTOR_RATES + leg] =
+                    (torque - rubbing - moment.proximal) * (1.0 / self.rotors[leg]);
             } else {
                 moment.proximal = torque - rubbing;
             }
-            let (bend, tilt) = (rate2 - rate1, v[2] - rate2);
+            let (bend, tilt) = (rate2 - rate1, spin - rate2);
             moment.elbow = self.friction(1, leg, bend);
             moment.platform = self.friction(2, leg, tilt);
-            loss += moment.elbow * bend + moment.platform * tilt;
+            loss = loss + moment.elbow * bend + moment.platform * tilt;
         }
-        let acceleration = self.mechanics.acceleration(q, v, legs, &moments)?;
-        dy[..3].copy_from_slice(&v);
+        let acceleration = self.mechanics.acceleration(at, &moments)?;
+        dy[..3].copy_from_slice(&y[RATES..RATES + 3]);
         dy[RATES..RATES + 3].copy_from_slice(&acceleration);
         dy[N - 2] = work;
         dy[N - 1] = loss;
         Ok(())
     }
 
-    /// (x'', y'', alpha'') at `t`.
+    /// Derivatives of y' by y: the equations in dual numbers.
+    pub(crate) fn slope_jacobian(
+        &self,
+        t: f64,
+        y: &[f64; N],
+        jacobian: &mut Matrix<N>,
+    ) -> Result<(), Refusal> {
+        let mut slopes = [Dual::from(0.0); N];
+        self.slope(t, &Dual::variables(y), &mut slopes)?;
+        *jacobian = slopes.map(|slope| slope.slopes);
+        Ok(())
+    }
+
+    /// Accelerations of the coordinates at `t`: x'', y'', alpha'' where no leg is
+    /// [leading](Self::leading).
     ///
     /// # Errors
     /// As the plant's equations.

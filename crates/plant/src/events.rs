@@ -1,24 +1,28 @@
 //! Event functions of the plant, and the changes at their zeros.
 
 use crate::friction::Region;
-use crate::layout::RATES;
+use crate::layout::{RATES, three};
 use crate::leg::{LegState, det_a};
 use crate::model::{Control, Plant};
 use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
 use crate::watch::{Cause, Ending, Watch};
 
-/// A leg this close to its serial singularity, as the sine of the angle between its links, is
-/// stretched or folded: its joint rates are a million times those of the platform.
-const STRETCHED: f64 = 1e-6;
-/// A singularity nearer than this is watched for from sample to sample.
-const NEAR: f64 = 0.05;
+/// A leg leads below this sine of the angle between its links.
+const LEADS: f64 = 0.2;
+/// It leads no longer above this one.
+const RELEASED: f64 = 0.3;
+/// Another leg leads instead where its sine is this part of the leading leg's.
+const TAKES_OVER: f64 = 0.5;
+/// A method that no step takes nearer to a leg's stretch than this sine has arrived.
+const STRETCHED: f64 = 1e-4;
 
 impl<const N: usize> Plant<N> {
     /// Returns `true` if `watch` can occur before the next sample.
     pub(crate) fn is_watched(&self, watch: Watch) -> bool {
         match watch {
-            Watch::Parallel | Watch::Serial(_) => self.near_singular,
+            Watch::Lead(leg) => self.leading != Some(leg),
+            Watch::Release => self.leading.is_some(),
             Watch::MoveEnd => match &self.control {
                 Control::Continuous(continuous) => continuous.segment_end().is_some(),
                 _ => false,
@@ -27,21 +31,78 @@ impl<const N: usize> Plant<N> {
         }
     }
 
-    /// Arms the watch for singularities until the next sample, if one is near.
-    #[inline(always)]
-    pub(crate) fn arm(&mut self, legs: &[LegState; 3]) {
-        let parallel = (det_a(legs) * self.det_a_scale).abs();
-        let serial = |leg: usize| (legs[leg].cross * self.cross_scale[leg]).abs();
-        let least = serial(0).min(serial(1)).min(serial(2)).min(parallel);
-        self.near_singular = least <= NEAR;
+    /// The leg whose two angles are the first coordinates of the state; `None` where x and y are. The
+    /// third is alpha.
+    pub fn leading(&self) -> Option<usize> {
+        self.leading
     }
 
-    /// The value of every function; not a number where the state has none.
-    pub(crate) fn watch_values(&self, t: f64, y: &[f64; N], values: &mut [f64]) {
-        let Ok(legs) = self.legs(y) else {
-            values.fill(f64::NAN);
-            return;
+    /// Changes the coordinates of the state `y` to those that suit it. Near a stretched leg,
+    /// the equations in x and y are of no use: rates of links divide by its distance.
+    ///
+    /// # Errors
+    /// [`Refusal::Pose`].
+    pub fn choose_coordinates(&mut self, y: &mut [f64; N]) -> Result<(), Refusal> {
+        let at = self.configuration(y)?;
+        let sine = |leg: usize| self.mechanics.sine(leg, &at.legs[leg]);
+        let nearest = (0..3)
+            .filter(|&leg| self.mechanics.has_inertia(leg))
+            .min_by(|&one, &other| sine(one).total_cmp(&sine(other)));
+        // Events come to these limits up to rounding.
+        let below = |leg: usize, limit: f64| sine(leg) <= limit * (1.0 + 1e-6);
+        let suits = match (nearest, self.leading) {
+            (Some(leg), None) if below(leg, LEADS) => Some(leg),
+            (Some(leg), Some(leading)) if below(leg, TAKES_OVER * sine(leading)) => Some(leg),
+            (_, Some(leading)) if sine(leading) < RELEASED * (1.0 - 1e-6) => Some(leading),
+            _ => None,
         };
+        if suits != self.leading {
+            let (w, rates) = self.mechanics.coordinates(suits, &at);
+            y[..3].copy_from_slice(&w);
+            y[RATES..RATES + 3].copy_from_slice(&rates);
+            self.leading = suits;
+        }
+        Ok(())
+    }
+
+    /// The leg at whose stretch or fold a method has arrived in the state `y`.
+    pub(crate) fn stretched(&self, y: &[f64; N]) -> Option<usize> {
+        let sines = self.mechanics.sines_squared(self.leading, three(y, 0));
+        (0..3).find(|&leg| sines[leg] <= STRETCHED * STRETCHED)
+    }
+
+    /// Square of the sine below which another leg leads.
+    fn leads_below(&self, sine: impl Fn(usize) -> f64) -> f64 {
+        let limit = self
+            .leading
+            .map_or(LEADS, |leading| TAKES_OVER * sine(leading));
+        limit * limit
+    }
+
+    /// The values of the functions that are defined beyond the reach of a leg, too: by the margins of
+    /// all legs to their reach. Not a number for the others.
+    fn watch_reach(&self, y: &[f64; N], values: &mut [f64]) {
+        let sines = self.mechanics.sines_squared(self.leading, three(y, 0));
+        for (watch, value) in self.watches.iter().zip(values) {
+            *value = match *watch {
+                Watch::Serial(leg) if self.leading != Some(leg) => sines[leg],
+                Watch::Lead(leg) => sines[leg] - self.leads_below(|leg| sines[leg].max(0.0).sqrt()),
+                _ => f64::NAN,
+            };
+        }
+    }
+
+    /// The value of every function.
+    pub(crate) fn watch_values(&self, t: f64, y: &[f64; N], values: &mut [f64]) {
+        let at = match self.configuration(y) {
+            Ok(at) => at,
+            Err(_) => {
+                self.watch_reach(y, values);
+                return;
+            }
+        };
+        let legs = at.legs;
+        let sine = |leg: usize| self.mechanics.sine(leg, &legs[leg]);
         let references = match self.references(t) {
             Some(Ok(references)) => Some(references),
             _ => None,
@@ -49,7 +110,10 @@ impl<const N: usize> Plant<N> {
         for (watch, value) in self.watches.iter().zip(values) {
             *value = match *watch {
                 Watch::Parallel => det_a(&legs) * self.det_a_scale,
-                Watch::Serial(leg) => (legs[leg].cross * self.cross_scale[leg]).abs() - STRETCHED,
+                Watch::Serial(leg) if self.leading == Some(leg) => sine(leg),
+                Watch::Serial(leg) => sine(leg) * sine(leg),
+                Watch::Lead(leg) => sine(leg) * sine(leg) - self.leads_below(sine),
+                Watch::Release => self.leading.map_or(f64::NAN, sine) - RELEASED,
                 Watch::MoveEnd => match &self.control {
                     Control::Continuous(continuous) => {
                         continuous.segment_end().map_or(f64::NAN, |end| t - end)
@@ -107,8 +171,12 @@ impl<const N: usize> Plant<N> {
     }
 
     /// Switches what `watch` switches at its zero. `true` where the run ends.
-    pub(crate) fn meet(&mut self, watch: Watch, t: f64, y: &[f64; N]) -> Result<bool, Refusal> {
+    pub(crate) fn meet(&mut self, watch: Watch, t: f64, y: &mut [f64; N]) -> Result<bool, Refusal> {
         let cause = match watch {
+            Watch::Lead(_) | Watch::Release => {
+                self.choose_coordinates(y)?;
+                None
+            }
             Watch::Parallel => Some(Cause::Parallel),
             Watch::Serial(leg) => Some(Cause::Serial(leg)),
             Watch::FollowingError(leg) => Some(Cause::FollowingError {
@@ -136,7 +204,7 @@ impl<const N: usize> Plant<N> {
                 None
             }
             Watch::Slip(leg) => {
-                let legs = self.legs(y)?;
+                let legs = self.configuration(y)?.legs;
                 self.note_slip(t, leg, &legs[leg], y);
                 None
             }
@@ -156,7 +224,7 @@ impl<const N: usize> Plant<N> {
         t: f64,
         y: &[f64; N],
     ) -> Result<(), Refusal> {
-        let legs = self.legs(y)?;
+        let legs = self.configuration(y)?.legs;
         let measured = self.rotor(leg, &legs[leg], y);
         let (Control::Continuous(continuous), MotorModel::Bldc(winding)) =
             (&mut self.control, &self.motors[leg])

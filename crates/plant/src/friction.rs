@@ -8,6 +8,8 @@
 //! creeps at a rate below w_stick as long as the load stays below c. The regions are modes, so that
 //! each formula is smooth as far as a method may look; the events at the edges switch them.
 
+use crate::scalar::Scalar;
+
 /// Friction of one joint; zero and absent are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
@@ -44,17 +46,26 @@ impl Friction {
     }
 
     /// Moment against a rotation with `rate`, by the formula of `region`.
+    ///
+    /// A method may look beyond the region's edge before the event there is located. There the formula
+    /// of sticking rises on, to the slope that it has at rest, so that iterations find their way back.
     #[inline(always)]
-    pub fn moment(&self, rate: f64, region: Region) -> f64 {
+    pub fn moment<T: Scalar>(&self, rate: T, region: Region) -> T {
         let coulomb = match region {
-            Region::Backward => -self.coulomb,
-            Region::Forward => self.coulomb,
+            Region::Backward => T::from(-self.coulomb),
+            Region::Forward => T::from(self.coulomb),
             Region::Stick => {
-                let s = rate / self.stick;
-                0.5 * self.coulomb * s * (3.0 - s * s)
+                let s = rate * (1.0 / self.stick);
+                let shape = if s.value().abs() <= 1.0 {
+                    s * (T::from(3.0) - s * s) * 0.5
+                } else {
+                    let edge = T::from(1.0_f64.copysign(s.value()));
+                    edge + (s - edge * 2.0 + T::from(1.0) / s) * 1.5
+                };
+                shape * self.coulomb
             }
         };
-        self.viscous * rate + coulomb
+        rate * self.viscous + coulomb
     }
 }
 

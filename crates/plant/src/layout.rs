@@ -2,8 +2,8 @@
 //!
 //! | part | variables | where |
 //! |---|---|---|
-//! | platform | x, y, alpha | always |
-//! | its rates | vx, vy, alpha' | always |
+//! | coordinates | x, y, alpha; near a stretched leg its two angles and alpha ([`Plant::leading`](crate::Plant::leading)) | always |
+//! | their rates | | always |
 //! | rotors behind an elastic transmission | phi_1..3, then phi'_1..3 | [`Layout::elastic`] |
 //! | winding currents | i_1..3 | [`Layout::currents`] |
 //! | records | work done by the motors' supply, losses | always, at the end |
@@ -48,6 +48,6 @@ impl Layout {
 
 /// Three values from `first` on.
 #[inline(always)]
-pub fn three<const N: usize>(y: &[f64; N], first: usize) -> [f64; 3] {
+pub fn three<T: Copy, const N: usize>(y: &[T; N], first: usize) -> [T; 3] {
     [y[first], y[first + 1], y[first + 2]]
 }

@@ -8,13 +8,14 @@
 //! |---|---|
 //! | [`mechanics`], [`leg`] | rigid bodies: torques to accelerations, energies |
 //! | [`friction`], [`motor`] | moments in the joints |
+//! | [`scalar`] | numbers of the equations, with derivatives or without |
 //! | [`layout`], [`model`], `equations`, `system` | differential equations of the whole |
 //! | [`outputs`] | quantities besides the state |
 //! | [`watch`], `events` | instants at which the equations change or the run ends |
 //! | [`control`], [`path`] | continuous controller and its setpoints |
 //! | `drives`, `driven`, `joint_control`, `steppers`, `driver` | drives as on a board, between ticks and motors |
 //! | `sampling` | measurements of the drives, and their commands |
-//! | [`run`], [`job`], [`outcome`] | a whole run |
+//! | [`run`], [`job`], [`outcome`], `ledger` | a whole run, and its energies |
 //! | [`statistics`], [`table`] | results gathered over a run |
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
@@ -31,6 +32,7 @@ pub mod friction;
 pub mod job;
 mod joint_control;
 pub mod layout;
+mod ledger;
 pub mod leg;
 mod mass_matrix;
 pub mod mechanics;
@@ -43,6 +45,7 @@ pub mod path;
 pub mod refusal;
 pub mod run;
 mod sampling;
+pub mod scalar;
 mod stability;
 pub mod statistics;
 mod steppers;
@@ -51,6 +54,6 @@ pub mod table;
 pub mod watch;
 
 pub use model::{Control, Plant, layout_of};
-pub use outcome::{Outcome, PlantEnd};
+pub use outcome::{EnergyLoss, Outcome, PlantEnd};
 pub use refusal::Refusal;
 pub use run::{PlantRun, control_of};

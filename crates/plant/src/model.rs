@@ -57,14 +57,10 @@ pub struct Plant<const N: usize> {
     pub(crate) following_error: Option<f64>,
     /// 1 / the greatest det A.
     pub(crate) det_a_scale: f64,
-    /// 1 / (l1 l2) of each leg.
-    pub(crate) cross_scale: [f64; 3],
-    /// A singularity is near enough to be watched for.
-    pub(crate) near_singular: bool,
+    /// The leg whose angles are coordinates of the state.
+    pub(crate) leading: Option<usize>,
     pub(crate) ending: Option<Ending>,
     pub(crate) statistics: Statistics,
-    /// Largest kinetic energy noted, J.
-    pub(crate) kinetic_peak: f64,
 }
 
 impl<const N: usize> Plant<N> {
@@ -111,7 +107,7 @@ impl<const N: usize> Plant<N> {
         let gears = [0, 1, 2].map(|leg| drive(leg).map_or(1.0, |drive: &Drive| drive.gear_ratio));
         let pose = scene.job.start;
         let q = [pose.position.x, pose.position.y, pose.angle];
-        let legs = mechanics.legs(q, [0.0; 3])?;
+        let legs = mechanics.configuration(None, q, [0.0; 3])?.legs;
         let start = [0, 1, 2].map(|leg| mechanics.motor_angle(leg, &legs[leg]));
         let mut state = [0.0; N];
         state[..3].copy_from_slice(&q);
@@ -121,7 +117,11 @@ impl<const N: usize> Plant<N> {
         let greatest = parameters.greatest_det_a();
         let following_error = scenario.and_then(|plant: &Scenario| plant.following_error_rad);
         let continuous = matches!(control, Control::Continuous(_));
-        let watches = watch::list(&friction, &motors, continuous, following_error.is_some());
+        let mut watches = watch::list(&friction, &motors, continuous, following_error.is_some());
+        watches.retain(|watch| match *watch {
+            Watch::Lead(leg) => mechanics.has_inertia(leg),
+            _ => true,
+        });
         let plant = Self {
             mechanics,
             motors,
@@ -149,13 +149,9 @@ impl<const N: usize> Plant<N> {
             watches,
             following_error,
             det_a_scale: if greatest > 0.0 { 1.0 / greatest } else { 0.0 },
-            cross_scale: parameters
-                .legs
-                .map(|leg| 1.0 / (leg.proximal_m * leg.distal_m)),
-            near_singular: true,
+            leading: None,
             ending: None,
             statistics: Statistics::default(),
-            kinetic_peak: 0.0,
         };
         plant
             .accelerations(0.0, &state)

@@ -7,6 +7,7 @@
 //! of one.
 
 use crate::refusal::Refusal;
+use crate::scalar::Scalar;
 use std::f64::consts::{PI, TAU};
 use trirrr_scene::{Drive, DriveKind};
 
@@ -103,25 +104,31 @@ impl MotorModel {
 impl Winding {
     /// di/dt for a voltage of `u`.
     #[inline(always)]
-    pub fn current_rate(&self, u: f64, current: f64, rate: f64) -> f64 {
-        (u - self.resistance * current - self.back_emf * rate) / self.inductance
+    pub fn current_rate<T: Scalar>(&self, u: T, current: T, rate: T) -> T {
+        (u - current * self.resistance - rate * self.back_emf) * (1.0 / self.inductance)
     }
 
     /// Losses in W: the resistance's, and what a Ke that is not Kt takes.
     #[inline(always)]
-    pub fn loss(&self, current: f64, rate: f64) -> f64 {
-        current * (self.resistance * current + (self.back_emf - self.torque_constant) * rate)
+    pub fn loss<T: Scalar>(&self, current: T, rate: T) -> T {
+        current * (current * self.resistance + rate * (self.back_emf - self.torque_constant))
     }
 }
 
 impl Field {
     /// Torque at the joint for a rotor at `angle` with `rate` and a field at `field`.
     #[inline(always)]
-    pub fn torque(&self, field: f64, angle: f64, rate: f64) -> f64 {
-        let holding = self.holding / (1.0 + rate * rate * self.inverse_corner_sq).sqrt();
-        let mut torque = holding * (self.poles * (field - angle)).sin();
+    pub fn torque<T: Scalar>(&self, field: T, angle: T, rate: T) -> T {
+        let fall = rate * rate * self.inverse_corner_sq + T::from(1.0);
+        let root = fall.value().sqrt();
+        let root = T::function(root, [(0.5 / root, fall)]);
+        let sine = |angle: T| {
+            let (sin, cos) = angle.value().sin_cos();
+            T::function(sin, [(cos, angle)])
+        };
+        let mut torque = sine((field - angle) * self.poles) * self.holding / root;
         if self.detent > 0.0 {
-            torque -= self.detent * (4.0 * self.poles * angle).sin();
+            torque = torque - sine(angle * (4.0 * self.poles)) * self.detent;
         }
         torque
     }
@@ -141,11 +148,11 @@ impl Field {
 
 /// `angle` within half a turn of 0.
 #[inline(always)]
-pub fn wrapped(angle: f64) -> f64 {
-    if angle.abs() <= PI {
+pub fn wrapped<T: Scalar>(angle: T) -> T {
+    if angle.value().abs() <= PI {
         angle
     } else {
-        angle - TAU * (angle / TAU).round()
+        angle - T::from(TAU * (angle.value() / TAU).round())
     }
 }
 

@@ -2,7 +2,9 @@
 
 use crate::statistics::Statistics;
 use crate::watch::Ending;
+use std::fmt;
 use std::time::Duration;
+use trirrr_integrate::stability::Warning;
 use trirrr_integrate::{Method, Tally};
 
 /// End of a run.
@@ -17,8 +19,37 @@ pub enum PlantEnd {
     },
     /// The plant ended it.
     Ended(Ending),
+    /// The energies do not close: what was simulated is not the machine's motion any more.
+    EnergyLost(EnergyLoss),
     /// The integration could not go on.
     Failed(String),
+}
+
+/// Energy that is missing beyond the errors that the method of integration explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyLoss {
+    /// Time at which it was noticed, s.
+    pub t: f64,
+    /// Missing energy, J.
+    pub missing: f64,
+    /// Most that the method explains, J.
+    pub allowed: f64,
+    /// Instability of the method with its step, where that is the cause.
+    pub unstable: Option<Warning>,
+}
+
+impl fmt::Display for EnergyLoss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "loses its energy: {:.3e} J are missing at t = {:.6} s, {:.3e} J are explained; ",
+            self.missing, self.t, self.allowed
+        )?;
+        match &self.unstable {
+            Some(warning) => write!(f, "{warning}"),
+            None => f.write_str("choose a smaller step or tolerance"),
+        }
+    }
 }
 
 /// Energies over a run, J.
@@ -30,18 +61,23 @@ pub struct Balance {
     pub losses: f64,
     /// Change of kinetic, potential, elastic and magnetic energy.
     pub stored: f64,
-    /// Scale of the error: the largest size of work or losses on the way, or the
-    /// largest kinetic energy where neither flows.
+    /// Scale of the error: the largest size of work, losses, kinetic energy or stored energy on the
+    /// way.
     pub scale: f64,
 }
 
 impl Balance {
-    /// Energy that is missing, relative to the energy that flowed; 0 if none did.
+    /// Energy that is missing, J.
+    pub fn missing(&self) -> f64 {
+        self.work - self.losses - self.stored
+    }
+
+    /// Energy that is missing, relative to the scale; 0 if there was none.
     pub fn error(&self) -> f64 {
         if self.scale == 0.0 {
             return 0.0;
         }
-        (self.work - self.losses - self.stored) / self.scale
+        self.missing() / self.scale
     }
 }
 

@@ -1,14 +1,19 @@
 //! Quantities of the plant besides its state: angles, torques, currents, energies.
 
-use crate::layout::{RATES, ROTOR_RATES, ROTORS, three};
+use crate::layout::{RATES, ROTOR_RATES, ROTORS};
 use crate::leg::LegState;
 use crate::model::Plant;
 use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
+use trirrr_integrate::System;
 
 /// Everything of the plant at one instant that is not in its state.
 #[derive(Clone, Copy, Debug)]
 pub struct Outputs {
+    /// x, y, alpha.
+    pub pose: [f64; 3],
+    /// Their rates.
+    pub rates: [f64; 3],
     /// The legs.
     pub legs: [LegState; 3],
     /// Joint angles theta_i1, in (-pi, pi].
@@ -31,10 +36,13 @@ impl<const N: usize> Plant<N> {
     /// # Errors
     /// As the plant's equations.
     pub fn outputs(&self, t: f64, y: &[f64; N]) -> Result<Outputs, Refusal> {
-        let legs = self.legs(y)?;
+        let at = self.configuration(y)?;
+        let legs = at.legs;
         let told = self.told(t, &legs, y)?;
         let rotors = [0, 1, 2].map(|leg| self.rotor(leg, &legs[leg], y));
         Ok(Outputs {
+            pose: at.pose(),
+            rates: at.rates(),
             angles: [0, 1, 2].map(|leg| self.mechanics.motor_angle(leg, &legs[leg])),
             rotor_angles: rotors.map(|rotor| rotor.angle),
             rotor_rates: rotors.map(|rotor| rotor.rate),
@@ -51,32 +59,69 @@ impl<const N: usize> Plant<N> {
     /// # Errors
     /// [`Refusal::Pose`].
     pub fn energy(&self, y: &[f64; N]) -> Result<f64, Refusal> {
-        let (q, v) = (three(y, 0), three(y, RATES));
-        let legs = self.mechanics.legs(q, v)?;
-        let mut energy =
-            self.mechanics.kinetic_energy(q, v, &legs) + self.mechanics.potential_energy(q, &legs);
+        Ok(self.energies(y)?.stored)
+    }
+
+    /// Kinetic energy, in J, of the machine at `y` with rates as large as their scales: what
+    /// tolerances are relative to.
+    ///
+    /// # Errors
+    /// [`Refusal::Pose`].
+    pub(crate) fn energy_unit(&self, y: &[f64; N]) -> Result<f64, Refusal> {
+        let scales = self.scales();
+        let mut unit = 0.0;
+        for rate in RATES..RATES + 3 {
+            let mut moving = *y;
+            moving[rate] = scales[rate];
+            unit += self.energies(&moving)?.kinetic;
+        }
+        Ok(unit)
+    }
+
+    /// The energies in the state `y`.
+    ///
+    /// # Errors
+    /// [`Refusal::Pose`].
+    pub(crate) fn energies(&self, y: &[f64; N]) -> Result<Energies, Refusal> {
+        let at = self.configuration(y)?;
+        let kinetic = self.mechanics.kinetic_energy(&at);
+        let mut stored = kinetic + self.mechanics.potential_energy(&at);
         for leg in 0..3 {
             if Self::ELASTIC {
                 let rate = y[ROTOR_RATES + leg];
-                let angle = self.mechanics.motor_angle(leg, &legs[leg]);
+                let angle = self.mechanics.motor_angle(leg, &at.legs[leg]);
                 let twist = wrapped(y[ROTORS + leg] - angle);
                 let stiffness = self.transmission[leg].stiffness_nm_rad;
-                energy += 0.5 * (self.rotors[leg] * rate * rate + stiffness * twist * twist);
+                stored += 0.5 * (self.rotors[leg] * rate * rate + stiffness * twist * twist);
             }
             if let MotorModel::Bldc(winding) = &self.motors[leg] {
                 let current = Self::current(y, leg);
-                energy += 0.5 * winding.inductance * current * current;
+                stored += 0.5 * winding.inductance * current * current;
             }
         }
-        Ok(energy)
+        Ok(Energies {
+            rates: at
+                .legs
+                .map(|leg| leg.rates[0].abs().max(leg.rates[1].abs())),
+            kinetic,
+            stored,
+            work: y[N - 2],
+            losses: y[N - 1],
+        })
     }
+}
 
-    /// Looks at the energies, for the size of what flows.
-    pub(crate) fn note_energy(&mut self, y: &[f64; N]) -> Result<(), Refusal> {
-        let (q, v) = (three(y, 0), three(y, RATES));
-        let legs = self.mechanics.legs(q, v)?;
-        let kinetic = self.mechanics.kinetic_energy(q, v, &legs);
-        self.kinetic_peak = self.kinetic_peak.max(kinetic);
-        Ok(())
-    }
+/// Energies of a plant at one instant, J.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Energies {
+    /// The faster link of each leg, rad/s.
+    pub(crate) rates: [f64; 3],
+    /// Of platform, links and rotors that sit on the joints.
+    pub(crate) kinetic: f64,
+    /// Kinetic, potential, magnetic and elastic.
+    pub(crate) stored: f64,
+    /// Work of the motors' supply since the start.
+    pub(crate) work: f64,
+    /// Losses since then.
+    pub(crate) losses: f64,
 }

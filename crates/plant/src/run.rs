@@ -4,18 +4,21 @@ use crate::clock::RunClock;
 use crate::control::Continuous;
 use crate::driven::Driven;
 use crate::drives::{self, samples_per_tick};
+use crate::ledger::Ledger;
 use crate::method::choose;
 use crate::model::{Control, Plant, layout_of};
-use crate::outcome::{Balance, Outcome, PlantEnd};
+use crate::outcome::{Outcome, PlantEnd};
 use crate::refusal::Refusal;
 use crate::stability;
 use crate::table::Row;
+use crate::watch::{Cause, Ending};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_core::number::Number;
 use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
-use trirrr_integrate::{self as integrate, Integrator, Method, Spectrum, System};
+use trirrr_integrate::stability::Warning;
+use trirrr_integrate::{self as integrate, Failure, Integrator, Method, Spectrum, System};
 use trirrr_scene::{Scene, Timing};
 use trirrr_service::Output;
 
@@ -93,17 +96,18 @@ struct Run<'l, N: Number, const D: usize> {
     ended: Option<PlantEnd>,
     method: (Method, Option<String>),
     warnings: Vec<String>,
+    /// The method cannot be stable with its step.
+    unstable: Option<Warning>,
     /// Largest eigenvalue at the start, 1/s.
     fastest: f64,
-    start_energy: f64,
-    /// Largest size of work or losses so far, J.
-    flow: f64,
+    ledger: Ledger,
     elapsed: Duration,
 }
 
 impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
     fn build(scene: &Scene, line: &'l Line) -> Result<Self, Refusal> {
-        let (plant, y) = Plant::<D>::build(scene, control_of(scene)?)?;
+        let (mut plant, mut y) = Plant::<D>::build(scene, control_of(scene)?)?;
+        plant.choose_coordinates(&mut y)?;
         let scenario = scene.plant.as_ref();
         let rate = plant.sample_rate();
         let driven = match rate {
@@ -127,12 +131,19 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
         let controller = scenario.and_then(|plant| plant.controller);
         stability::check(&plant, &y, &spectrum, controller.as_ref(), end)?;
         let warning = integrate::stability::warning(&spectrum, &method, plant.positions(), end);
+        let unstable = warning.filter(|warning| matches!(warning, Warning::Unstable { .. }));
         let integrator = Integrator::new(&plant, method).map_err(|unfit| Refusal::Scene {
             key: "plant.method".into(),
             reason: unfit.to_string(),
         })?;
         Ok(Self {
-            start_energy: plant.energy(&y)?,
+            ledger: Ledger::new(
+                method,
+                &plant.energies(&y)?,
+                plant.energy_unit(&y)?,
+                spectrum.radius(),
+                unstable,
+            ),
             plant,
             y,
             driven,
@@ -150,8 +161,8 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
             ended: None,
             method: (method, reason),
             warnings: warning.iter().map(ToString::to_string).collect(),
+            unstable,
             fastest: spectrum.radius(),
-            flow: 0.0,
             elapsed: Duration::ZERO,
         })
     }
@@ -165,10 +176,33 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
             match self.step(stop, sink) {
                 Ok(true) => {}
                 Ok(false) => break,
-                Err(end) => self.ended = Some(end),
+                Err(end) => self.ended = Some(self.audited(end)),
             }
         }
         self.elapsed += started.elapsed();
+    }
+
+    /// Notes the energies. Where they do not close, that is the `end` and not what the motion came to.
+    fn audited(&mut self, end: PlantEnd) -> PlantEnd {
+        // A leg at its very end has no state: the energies of the last row stand.
+        if let Ok(energies) = self.plant.energies(&self.y) {
+            self.ledger.note(&energies);
+        }
+        let singular = match &end {
+            PlantEnd::Complete => false,
+            PlantEnd::Ended(ending) => ending.cause.is_singularity(),
+            _ => return end,
+        };
+        let steps = self.integrator.tally().steps;
+        match (
+            self.ledger.check(self.clock.t, steps, singular),
+            &self.unstable,
+        ) {
+            (Some(loss), _) => PlantEnd::EnergyLost(loss),
+            // Friction takes the energy of what shakes: it closes, and the motion is not the machine's.
+            (None, Some(warning)) if singular => PlantEnd::Failed(warning.to_string()),
+            _ => end,
+        }
     }
 
     /// Takes the sample and the row that are due and integrates to the next; `false` where a tick
@@ -191,8 +225,12 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
         }
         if self.clock.records_now() {
             sink(&Row::of(&mut self.plant, t, &self.y).map_err(failed)?);
-            self.flow = self.flow.max(self.y[D - 2].abs()).max(self.y[D - 1].abs());
             self.clock.row += 1;
+            self.ledger
+                .note(&self.plant.energies(&self.y).map_err(failed)?);
+            if let Some(loss) = self.ledger.check(t, self.integrator.tally().steps, false) {
+                return Err(PlantEnd::EnergyLost(loss));
+            }
             if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
                 return Err(PlantEnd::Interrupted { t });
             }
@@ -214,7 +252,16 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
                     None => PlantEnd::Interrupted { t },
                 })
             }
-            Err(failure) => Err(PlantEnd::Failed(failure.to_string())),
+            Err(failure) => Err(match (&failure, self.plant.stretched(&self.y)) {
+                // A leg without inertia stops the platform at its full length. Where methods take no
+                // step beyond, each shorter one has brought them nearer.
+                (Failure::Refused { t, .. } | Failure::Underflow { t, .. }, Some(leg)) => {
+                    let (t, cause) = (*t, Cause::Serial(leg));
+                    self.clock.t = t;
+                    PlantEnd::Ended(Ending { t, cause })
+                }
+                _ => PlantEnd::Failed(failure.to_string()),
+            }),
         }
     }
 
@@ -251,7 +298,6 @@ impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
         self.advance(f64::INFINITY, Some(stop), sink);
         let t = self.clock.t;
         self.plant.statistics.finish(t);
-        let stored = self.plant.energy(&self.y);
         let (method, reason) = self.method.clone();
         Outcome {
             end: self.ended.take().unwrap_or(PlantEnd::Interrupted { t }),
@@ -263,16 +309,7 @@ impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
             tally: *self.integrator.tally(),
             fastest: self.fastest,
             statistics: *self.plant.statistics(),
-            balance: Balance {
-                work: self.y[D - 2],
-                losses: self.y[D - 1],
-                stored: stored.map_or(f64::NAN, |energy| energy - self.start_energy),
-                scale: if self.flow > 0.0 {
-                    self.flow
-                } else {
-                    self.plant.kinetic_peak
-                },
-            },
+            balance: *self.ledger.balance(),
             dimension: D,
         }
     }

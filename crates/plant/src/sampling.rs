@@ -27,8 +27,7 @@ impl<const N: usize> Plant<N> {
     /// [`Refusal::Pose`].
     #[inline]
     pub(crate) fn measure(&mut self, y: &[f64; N]) -> Result<Sensed, Refusal> {
-        let legs = self.legs(y)?;
-        self.arm(&legs);
+        let legs = self.configuration(y)?.legs;
         let mut measured = [Measured::default(); 3];
         let mut angles = [0.0; 3];
         for leg in 0..3 {

@@ -4,7 +4,7 @@ use crate::model::Plant;
 use crate::motor::MotorModel;
 use crate::refusal::Refusal;
 use crate::watch::Watch;
-use trirrr_integrate::{Action, Direction, System};
+use trirrr_integrate::{Action, Direction, Matrix, System};
 
 impl<const N: usize> System<N> for Plant<N> {
     type Refusal = Refusal;
@@ -14,7 +14,13 @@ impl<const N: usize> System<N> for Plant<N> {
         self.slope(t, y, dy)
     }
 
+    fn jacobian(&self, t: f64, y: &[f64; N], jacobian: &mut Matrix<N>) -> Result<(), Refusal> {
+        self.slope_jacobian(t, y, jacobian)
+    }
+
     fn scales(&self) -> [f64; N] {
+        // Of the coordinates x, y and alpha. They are a little strict for angles of a leading leg,
+        // in rad instead of parts of the machine's size.
         let mut scales = [1.0; N];
         let size = self.mechanics.size();
         for axis in [0, 1, 3, 4] {
@@ -50,8 +56,8 @@ impl<const N: usize> System<N> for Plant<N> {
     fn direction(&self, event: usize) -> Option<Direction> {
         let watch = self.watches[event];
         self.is_watched(watch).then_some(match watch {
-            Watch::Serial(_) => Direction::Falling,
-            Watch::MoveEnd | Watch::FollowingError(_) => Direction::Rising,
+            Watch::Serial(_) | Watch::Lead(_) => Direction::Falling,
+            Watch::Release | Watch::MoveEnd | Watch::FollowingError(_) => Direction::Rising,
             _ => Direction::Either,
         })
     }

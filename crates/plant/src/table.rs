@@ -1,6 +1,5 @@
 //! The table of a run, `plant.csv`.
 
-use crate::layout::{RATES, three};
 use crate::model::{Control, Plant};
 use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
@@ -64,8 +63,8 @@ impl Row {
         let pose = plant.path.at(t).pose;
         let row = Self {
             t,
-            pose: three(y, 0),
-            rates: three(y, RATES),
+            pose: outputs.pose,
+            rates: outputs.rates,
             currents: outputs.currents,
             voltages: [voltage(0), voltage(1), voltage(2)],
             angles: outputs.angles,
@@ -76,7 +75,6 @@ impl Row {
             rotors: outputs.rotor_angles,
             setpoint: [pose.position.x, pose.position.y, pose.angle],
         };
-        plant.note_energy(y)?;
         plant.statistics.tool(t, row.pose, row.setpoint);
         if let Control::Continuous(_) = &plant.control {
             for leg in 0..3 {

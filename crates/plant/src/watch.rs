@@ -11,6 +11,10 @@ pub enum Watch {
     Parallel,
     /// A leg is stretched or folded.
     Serial(usize),
+    /// A leg is so near to that that its angles become coordinates of the state.
+    Lead(usize),
+    /// The leg that leads is far from that again.
+    Release,
     /// The move under way ends.
     MoveEnd,
     /// The rate of a joint leaves or enters its stick region.
@@ -57,6 +61,13 @@ pub enum Cause {
     },
 }
 
+impl Cause {
+    /// Returns `true` for singularities of the machine.
+    pub(crate) fn is_singularity(self) -> bool {
+        matches!(self, Cause::Parallel | Cause::Serial(_))
+    }
+}
+
 impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let t = self.t;
@@ -81,6 +92,8 @@ impl fmt::Display for Watch {
         match *self {
             Watch::Parallel => f.write_str("the parallel singularity"),
             Watch::Serial(leg) => write!(f, "the stretch of leg {}", leg + 1),
+            Watch::Lead(leg) => write!(f, "the approach to the stretch of leg {}", leg + 1),
+            Watch::Release => f.write_str("the way back from the stretch of a leg"),
             Watch::MoveEnd => f.write_str("the end of a move"),
             Watch::Stick { kind, leg, .. } => {
                 write!(f, "sticking of the {} of leg {}", JOINTS[kind], leg + 1)
@@ -106,6 +119,10 @@ pub(crate) fn list(
         Watch::Serial(0),
         Watch::Serial(1),
         Watch::Serial(2),
+        Watch::Lead(0),
+        Watch::Lead(1),
+        Watch::Lead(2),
+        Watch::Release,
     ];
     for (kind, joint) in friction.iter().enumerate() {
         // Viscous friction alone has one formula at every rate.

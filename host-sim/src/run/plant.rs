@@ -36,6 +36,7 @@ impl Simulated {
             PlantEnd::Complete => None,
             PlantEnd::Interrupted { .. } => Some(super::STOPPED.into()),
             PlantEnd::Ended(ending) => Some(format!("the plant {ending}")),
+            PlantEnd::EnergyLost(loss) => Some(format!("the plant {loss}")),
             PlantEnd::Failed(reason) => Some(format!("the plant: {reason}")),
         }
     }
@@ -185,6 +186,7 @@ pub(super) fn print(out: &mut dyn Write, simulated: &Simulated) -> io::Result<()
         PlantEnd::Complete => {}
         PlantEnd::Interrupted { t } => line(out, "  stopped", &format!("at t = {t} s by Ctrl-C"))?,
         PlantEnd::Ended(ending) => line(out, "  ended", &ending.to_string())?,
+        PlantEnd::EnergyLost(loss) => line(out, "  ended", &loss.to_string())?,
         PlantEnd::Failed(reason) => line(out, "  failed", reason)?,
     }
     method(out, outcome)?;
@@ -293,7 +295,7 @@ fn limits(out: &mut dyn Write, index: usize, motor: &MotorStatistics) -> io::Res
 fn energy(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
     let balance = &outcome.balance;
     let text = format!(
-        "work {} J = stored {} J + losses {} J, closed to {} of it",
+        "work {} J = stored {} J + losses {} J, closed to {} of the largest",
         digits(balance.work),
         digits(balance.stored),
         digits(balance.losses),

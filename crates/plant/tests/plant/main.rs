@@ -6,3 +6,5 @@ mod energy;
 mod methods;
 mod reference;
 mod scenes;
+mod singularities;
+mod sweep;

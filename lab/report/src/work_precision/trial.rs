@@ -65,6 +65,7 @@ impl Trial {
         let ended = match outcome.end {
             PlantEnd::Complete => None,
             PlantEnd::Ended(ending) => Some(ending.to_string()),
+            PlantEnd::EnergyLost(loss) => Some(loss.to_string()),
             PlantEnd::Failed(cause) => Some(cause),
             PlantEnd::Interrupted { t } => Some(format!("interrupted at t = {t} s")),
         };
