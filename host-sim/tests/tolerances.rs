@@ -44,6 +44,15 @@ fn table(file: &Path) -> (Vec<String>, Vec<Vec<Option<f64>>>) {
     (columns, rows)
 }
 
+/// The values of a column.
+fn column(columns: &[String], rows: &[Vec<Option<f64>>], name: &str) -> Vec<f64> {
+    let index = columns
+        .iter()
+        .position(|column| column == name)
+        .expect(name);
+    rows.iter().filter_map(|row| row[index]).collect()
+}
+
 /// The thesis machine on a slow move, with the given tables.
 fn scene(folder: &Path, tables: &str) -> PathBuf {
     let thesis = fs::read_to_string(scene_file("thesis.toml")).unwrap();
@@ -68,6 +77,7 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
         "leg 2 motor angle + 0.0004500 rad",
         "others, sum of the sizes",
         "torque at most",
+        "most of its band by ",
         "margin",
         "tolerance_budget.csv",
         "torque_band.svg",
@@ -112,7 +122,8 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
         };
         assert!(rows.iter().any(is_held), "t = {t}");
     }
-    for row in &rows {
+    let bounds = rows;
+    for row in &bounds {
         for motor in ["1", "2", "3"] {
             let bound = |name: &str| at(row, &name.replace('#', motor));
             let size = bound("tau#_min").abs().max(bound("tau#_max").abs());
@@ -122,11 +133,41 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
         assert!(dx.max(dy) <= distance * (1.0 + 1e-12) && distance <= 1.0013 * dx.hypot(dy));
     }
     let budget = fs::read_to_string(folder.path().join("tolerance_budget.csv")).unwrap();
-    // 7 lengths and angles of each leg; masses do not move the tool.
-    assert_eq!(budget.lines().count(), 1 + 3 * 7);
-    assert!(budget.starts_with(
-        "parameter,unit,half_width,dx,dy,dalpha,along\nleg 2 motor angle,rad,0.00045,"
-    ));
+    // 14 parameters of each leg, 7 of the platform. The 7 lengths and angles of each leg move the tool and come first.
+    let rows: Vec<Vec<&str>> = budget.lines().map(|row| row.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 3 * 14 + 7);
+    assert_eq!(
+        rows[0].join(","),
+        "parameter,unit,half_width,dx,dy,dalpha,along,tau1,tau2,tau3"
+    );
+    assert_eq!(rows[1][..3], ["leg 2 motor angle", "rad", "0.00045"]);
+    let field = |row: &[&str], column: usize| -> f64 { row[column].parse().expect("a number") };
+    let size = |row: &[&str]| field(row, 6).abs();
+    assert!(
+        rows[1..22]
+            .windows(2)
+            .all(|pair| size(&pair[0]) >= size(&pair[1]))
+    );
+    assert!(rows[22..].iter().all(|row| size(row) == 0.0));
+    // The shares add up to the bounds, but for what is not linear and the change within an interval.
+    let sum = |column: usize| -> f64 { rows[1..].iter().map(|row| field(row, column).abs()).sum() };
+    let table_of = |name: &str| column(&columns, &bounds, name);
+    let distance = table_of("distance").into_iter().fold(0.0, f64::max);
+    assert!(
+        (0.9..=1.0).contains(&(sum(6) / distance)),
+        "{} {distance}",
+        sum(6)
+    );
+    for (motor, column) in (1..=3).zip(7..) {
+        let [least, greatest] = ["min", "max"].map(|end| table_of(&format!("tau{motor}_{end}")));
+        let range = least.iter().zip(&greatest).max_by(|a, b| {
+            let size = |(least, greatest): &(&f64, &f64)| least.abs().max(greatest.abs());
+            size(a).total_cmp(&size(b))
+        });
+        let (least, greatest) = range.expect("a row");
+        let part = 2.0 * sum(column) / (greatest - least);
+        assert!((0.7..=1.0).contains(&part), "motor {motor}: {part}");
+    }
 }
 
 #[test]

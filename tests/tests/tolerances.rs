@@ -10,7 +10,7 @@ use trirrr_scene::{BodyTolerances, Job, JobMove, Scene, Tolerances};
 use trirrr_tests::double_double::DoubleDouble;
 use trirrr_tests::inputs::Inputs;
 use trirrr_tests::random::{case, for_all};
-use trirrr_tolerances::{TimeSpan, ToleranceAnalysis};
+use trirrr_tolerances::{Parameter, TimeSpan, ToleranceAnalysis};
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 
@@ -138,7 +138,7 @@ impl Real {
         }
     }
 
-    /// Where the platform stands with the motors at `angles`, near `start`; `None` where Newton's method does not end.
+    /// Pose of the platform with the motors at `angles`, near `start`; `None` where Newton's method does not end.
     fn place(&self, angles: [f64; 3], start: Place) -> Option<Place> {
         let mut place = start;
         let mut is_near = false;
@@ -243,12 +243,14 @@ fn uncertain(most: f64) -> impl Strategy<Value = Uncertain> {
     )
 }
 
-/// What the samples of many machines showed.
+/// Findings of the samples of many machines.
 #[derive(Debug, Default)]
 struct Tally {
     machines: u32,
     bounded: u32,
     samples: u32,
+    /// Part of the error that a share may be off by.
+    linear: f64,
     /// Bound over greatest sample, of each case that is bounded: error of x, y and alpha; torque.
     errors: Vec<f64>,
     torques: Vec<f64>,
@@ -301,6 +303,20 @@ impl Tally {
                     .collect()
             })
             .collect();
+        // The budget is of the middle of the interval, over which the slopes change by little.
+        let budget = analysis.budget(&tool);
+        for (index, parameter) in Parameter::all().enumerate() {
+            let share = budget.iter().find(|share| share.parameter == parameter);
+            let share = share.map_or([0.0; 3], |share| [share.dx_m, share.dy_m, share.dalpha_rad]);
+            for (k, (share, size)) in share.into_iter().zip(tool.sizes()).enumerate() {
+                let off = (share - slopes[index][k]).abs();
+                let rounding = 1e-12 * uncertain.commanded(t).abs().max();
+                assert!(
+                    off <= self.linear * size + rounding,
+                    "{parameter}: {share} {off}"
+                );
+            }
+        }
         let mut samples: Vec<Vec<f64>> = Vec::new();
         for output in 0..6 {
             for sign in [1.0, -1.0] {
@@ -392,7 +408,11 @@ impl Tally {
 }
 
 fn compare(machines: u32, most: f64) -> Tally {
-    let tally = core::cell::RefCell::new(Tally::default());
+    let tally = core::cell::RefCell::new(Tally {
+        // What is not linear grows with the tolerances.
+        linear: 0.05 + 20.0 * most,
+        ..Tally::default()
+    });
     for_all(machines, uncertain(most), |each| {
         tally.borrow_mut().compare(&each)
     });

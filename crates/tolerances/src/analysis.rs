@@ -60,6 +60,8 @@ pub struct TimeSpan {
     pub rates: Option<[[f64; 2]; 3]>,
     /// Least and greatest torque of each motor, N m; `None` where no bound is proven, and in a scene without torques.
     pub torques: Option<[[f64; 2]; 3]>,
+    /// Torques over the box, of which the ranges are.
+    torque_models: Option<[BoxModel; 3]>,
     /// Size of the remainders, 1 where they are just [small](SMALL_REMAINDERS).
     remainder: f64,
 }
@@ -159,6 +161,17 @@ impl<'s> ToleranceAnalysis<'s> {
             })
     }
 
+    /// Shares of the parameters in the torque of `motor`, 0 to 2, during `span`, to first order: the change for plus one
+    /// half-width, N m. The greatest comes first; parameters without a share are left out.
+    pub fn torque_budget(&self, span: &TimeSpan, motor: usize) -> Vec<(Parameter, f64)> {
+        let shares = span.torque_models.iter().flat_map(|torques| {
+            Parameter::all().map(|parameter| (parameter, parameter.slope(&torques[motor])))
+        });
+        let mut shares: Vec<_> = shares.filter(|(_, share)| *share != 0.0).collect();
+        shares.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
+        shares
+    }
+
     /// Half-width of `parameter` in its unit.
     pub fn half_width(&self, parameter: Parameter) -> f64 {
         self.half_widths.half_width(parameter)
@@ -250,6 +263,7 @@ impl<'s> ToleranceAnalysis<'s> {
             tool: None,
             rates: None,
             torques: None,
+            torque_models: None,
             remainder: f64::INFINITY,
         };
         let Ok(commanded) = self.machine.commanded(&setpoint) else {
@@ -276,6 +290,7 @@ impl<'s> ToleranceAnalysis<'s> {
                 .ok()
                 .filter(|all| all.iter().all(|each| each.is_finite()));
             span.torques = torques.map(|all| all.map(|each| each.range()));
+            span.torque_models = torques;
             span.remainder = span
                 .remainder
                 .max(torques.map_or(f64::INFINITY, remainder_of_torques));

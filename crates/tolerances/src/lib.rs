@@ -10,6 +10,7 @@
 
 mod analysis;
 mod closure;
+mod coefficients;
 mod machine;
 pub mod model;
 mod parameter;

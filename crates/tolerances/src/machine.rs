@@ -1,22 +1,23 @@
 //! The machine that was commanded, and the machine that is there.
 
+use crate::coefficients::BoxCoefficients;
 use crate::model::BoxModel;
-use crate::parameter::{HalfWidths, OfLeg, OfPlatform, Parameter};
+use crate::parameter::HalfWidths;
 use nalgebra::{Vector2, Vector3};
-use trirrr_core::dyad::{Accelerations, DyadPosition, Rates, Rrr, Triangle};
+use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
-use trirrr_core::machine::{BuildError, Geometry, Leg, Parameters};
+use trirrr_core::machine::{BuildError, Geometry, Parameters};
 use trirrr_core::model::Dynamic;
 use trirrr_core::number::{Arithmetic, WideArithmetic, cross, dot, perpendicular};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::balance::Balance;
-use trirrr_core::torque::links::{InPlane, Massive, MassiveLeg};
+use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
 
 /// The model that has room for every machine.
-type AnyModel = Dynamic<BoxModel, Offset<BoxModel>, Massive<BoxModel, InPlane<BoxModel>>>;
+pub(crate) type AnyModel =
+    Dynamic<BoxModel, Offset<BoxModel>, Massive<BoxModel, InPlane<BoxModel>>>;
 
 /// The machine of a scene with its tolerances.
 pub(crate) struct UncertainMachine {
@@ -27,19 +28,19 @@ pub(crate) struct UncertainMachine {
 }
 
 /// By how much a leg differs from the nominal one.
-struct UncertainLeg {
+pub(crate) struct UncertainLeg {
     /// Base joint.
-    base: Vector2<BoxModel>,
+    pub(crate) base: Vector2<BoxModel>,
     /// Platform joint, in the platform's frame.
-    joint: Vector2<BoxModel>,
+    pub(crate) joint: Vector2<BoxModel>,
     /// Length of the proximal link, relative to the nominal one.
-    stretch: BoxModel,
+    pub(crate) stretch: BoxModel,
     /// Angle of the motor.
-    angle: BoxModel,
+    pub(crate) angle: BoxModel,
     /// (l2^2 - nominal l2^2) / 2.
-    half_distal_sq: BoxModel,
+    pub(crate) half_distal_sq: BoxModel,
     /// 1 / l2^2.
-    inverse_distal_sq: BoxModel,
+    pub(crate) inverse_distal_sq: BoxModel,
 }
 
 /// A leg as it is commanded.
@@ -72,7 +73,7 @@ impl UncertainMachine {
         half_widths: &HalfWidths,
     ) -> Result<Self, BuildError> {
         let nominal = Geometry::<BoxModel>::build(parameters)?;
-        let coefficients = Coefficients {
+        let coefficients = BoxCoefficients {
             parameters,
             half_widths,
         };
@@ -255,109 +256,4 @@ fn solve(rows: &[Vector3<BoxModel>; 3], right: [BoxModel; 3]) -> Vector3<BoxMode
     let determinant = a.x * b_c.x + a.y * b_c.y + a.z * b_c.z;
     let inverse = BoxModel::ONE.div(determinant);
     (b_c * right[0] + c_a * right[1] + a_b * right[2]) * inverse
-}
-
-/// Writes the coefficients over the box. The core's own `build` has them from exact parameters.
-struct Coefficients<'a> {
-    parameters: &'a Parameters,
-    half_widths: &'a HalfWidths,
-}
-
-impl Coefficients<'_> {
-    fn deviation(&self, leg: usize, of: OfLeg) -> BoxModel {
-        self.half_widths.deviation(Parameter::of_leg(leg, of), 1.0)
-    }
-
-    fn leg(&self, index: usize) -> UncertainLeg {
-        let leg = &self.parameters.legs[index];
-        let vector = |x, y| Vector2::new(self.deviation(index, x), self.deviation(index, y));
-        let stretch = Parameter::of_leg(index, OfLeg::Proximal);
-        let distal = self.deviation(index, OfLeg::Distal);
-        let l2 = self.of_leg(leg.distal_m, index, OfLeg::Distal);
-        UncertainLeg {
-            base: vector(OfLeg::BaseX, OfLeg::BaseY),
-            joint: vector(OfLeg::JointX, OfLeg::JointY),
-            stretch: self.half_widths.deviation(stretch, leg.proximal_m),
-            angle: self.deviation(index, OfLeg::MotorAngle),
-            half_distal_sq: distal * BoxModel::point(leg.distal_m)
-                + BoxModel::HALF * (distal * distal),
-            inverse_distal_sq: BoxModel::ONE.div(l2 * l2),
-        }
-    }
-
-    fn of_leg(&self, nominal: f64, leg: usize, of: OfLeg) -> BoxModel {
-        self.half_widths.around(nominal, Parameter::of_leg(leg, of))
-    }
-
-    fn of_platform(&self, nominal: f64, of: OfPlatform) -> BoxModel {
-        self.half_widths.around(nominal, Parameter::of_platform(of))
-    }
-
-    /// A leg of the core with the lengths of the box.
-    fn core_leg(&self, index: usize, nominal: &Leg<BoxModel>) -> Leg<BoxModel> {
-        let leg = &self.parameters.legs[index];
-        let l1 = self.of_leg(leg.proximal_m, index, OfLeg::Proximal);
-        let l2 = self.of_leg(leg.distal_m, index, OfLeg::Distal);
-        // The torques read the lengths alone; the triangle belongs to the inverse kinematics.
-        let triangle = Triangle::new(leg.proximal_m, leg.distal_m, leg.elbow.sign());
-        let dyad = Rrr::from_coefficients(triangle, l1, l1 * l1, l2 * l2);
-        Leg::from_coefficients(nominal.base(), nominal.joint(), dyad)
-    }
-
-    /// The links of a leg, as [`MassiveLeg::build`] has them.
-    fn links(&self, index: usize) -> MassiveLeg<BoxModel> {
-        let leg = &self.parameters.legs[index];
-        let of = |nominal: f64, of: OfLeg| self.of_leg(nominal, index, of);
-        let l1 = of(leg.proximal_m, OfLeg::Proximal);
-        let inverse_l2 = BoxModel::ONE.div(of(leg.distal_m, OfLeg::Distal));
-        let m1 = of(leg.proximal.mass_kg, OfLeg::ProximalMass);
-        let c1 = of(leg.proximal.com_m, OfLeg::ProximalCentre);
-        let i1 = of(leg.proximal.inertia_kgm2, OfLeg::ProximalInertia);
-        let m2 = of(leg.distal.mass_kg, OfLeg::DistalMass);
-        let c2 = of(leg.distal.com_m, OfLeg::DistalCentre);
-        let i2 = of(leg.distal.inertia_kgm2, OfLeg::DistalInertia);
-        let rotor = of(leg.rotor_inertia_kgm2, OfLeg::Rotor);
-        let inverse_sq = inverse_l2 * inverse_l2;
-        let coupling = m2 * c2 * inverse_l2;
-        MassiveLeg::from_coefficients(
-            m1 * (c1 * c1) + i1 + m2 * (l1 * l1) + rotor,
-            (m1 * c1).div(l1) + m2,
-            coupling,
-            (m2 * (c2 * c2) + i2) * inverse_sq,
-            coupling * inverse_sq,
-        )
-    }
-
-    fn tick(&self, nominal: &Geometry<BoxModel>) -> Tick<AnyModel> {
-        let p = self.parameters;
-        let platform = |nominal, of| self.of_platform(nominal, of);
-        let gravity = p.gravity_m_s2.map(BoxModel::point);
-        let force = p.wrench_force_n;
-        let payload = Offset::from_coefficients(
-            platform(p.platform.mass_kg, OfPlatform::Mass),
-            platform(p.platform.inertia_kgm2, OfPlatform::Inertia),
-            Vector2::new(
-                platform(p.platform.com_m.x, OfPlatform::CentreX),
-                platform(p.platform.com_m.y, OfPlatform::CentreY),
-            ),
-            gravity,
-            Vector2::new(
-                platform(force.x, OfPlatform::ForceX),
-                platform(force.y, OfPlatform::ForceY),
-            ),
-            platform(p.wrench_torque_nm, OfPlatform::Torque),
-        );
-        let l2 = self.of_leg(p.legs[0].distal_m, 0, OfLeg::Distal);
-        let balance = Balance::from_coefficients(BoxModel::ONE.div(l2 * l2), BoxModel::ZERO);
-        let links = [0, 1, 2].map(|leg| self.links(leg));
-        let legs = [0, 1, 2].map(|leg| self.core_leg(leg, &nominal.legs()[leg]));
-        Tick::from_coefficients(
-            Geometry::from_coefficients(legs),
-            Dynamic::from_coefficients(
-                balance,
-                payload,
-                Massive::from_coefficients(links, InPlane::new(gravity)),
-            ),
-        )
-    }
 }
