@@ -4,7 +4,7 @@ use crate::mechanics::Mechanics;
 use crate::motor::{MotorModel, Winding, wrapped};
 use crate::path::JobPath;
 use crate::refusal::Refusal;
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 use trirrr_drives::bldc::DriveLimit;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_scene::{Controller, Scene};
@@ -136,7 +136,7 @@ impl Continuous {
 
     /// Torque wanted of motor `index`, before any limit.
     #[inline]
-    fn torque<T: Scalar>(
+    fn torque<T: Differentiable>(
         &self,
         index: usize,
         reference: &JointReference,
@@ -150,7 +150,7 @@ impl Continuous {
 
     /// Command of motor `index`, by the formula of the limits that act.
     #[inline]
-    pub fn command<T: Scalar>(
+    pub fn command<T: Differentiable>(
         &self,
         index: usize,
         motor: &MotorModel,
@@ -221,7 +221,7 @@ impl Continuous {
 
 /// u = R i + N Ke w with the current limited, the voltage not.
 #[inline]
-fn voltage<T: Scalar>(winding: &Winding, limited: &Limited, torque: T, rate: T) -> T {
+fn voltage<T: Differentiable>(winding: &Winding, limited: &Limited, torque: T, rate: T) -> T {
     let current = match limited.current {
         Some(sign) => T::from(sign * winding.current_limit),
         None => torque * (1.0 / winding.torque_constant),

@@ -7,7 +7,7 @@ use crate::mechanics::{Configuration, JointMoments};
 use crate::model::{Control, Plant};
 use crate::motor::{MotorModel, wrapped};
 use crate::refusal::Refusal;
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Differentiable, Dual};
 use trirrr_integrate::Matrix;
 
 impl<const N: usize> Plant<N> {
@@ -16,21 +16,24 @@ impl<const N: usize> Plant<N> {
     /// # Errors
     /// [`Refusal::Pose`].
     #[inline(always)]
-    pub fn configuration<T: Scalar>(&self, y: &[T; N]) -> Result<Configuration<T>, Refusal> {
+    pub fn configuration<T: Differentiable>(
+        &self,
+        y: &[T; N],
+    ) -> Result<Configuration<T>, Refusal> {
         let (w, rates) = (three(y, 0), three(y, RATES));
         Ok(self.mechanics.configuration(self.leading, w, rates)?)
     }
 
     /// Joint angle of leg `leg`, unwrapped.
     #[inline]
-    pub(crate) fn joint_angle<T: Scalar>(&self, leg: usize, state: &LegState<T>) -> T {
+    pub(crate) fn joint_angle<T: Differentiable>(&self, leg: usize, state: &LegState<T>) -> T {
         let near = T::from(self.near[leg]);
         near + wrapped(self.mechanics.motor_angle(leg, state) - near)
     }
 
     /// Angle at the rotor's side of the transmission, unwrapped, and its rate.
     #[inline(always)]
-    pub(crate) fn rotor<T: Scalar>(
+    pub(crate) fn rotor<T: Differentiable>(
         &self,
         leg: usize,
         state: &LegState<T>,
@@ -50,7 +53,7 @@ impl<const N: usize> Plant<N> {
     }
 
     #[inline(always)]
-    pub(crate) fn current<T: Scalar>(y: &[T; N], leg: usize) -> T {
+    pub(crate) fn current<T: Differentiable>(y: &[T; N], leg: usize) -> T {
         if Self::CURRENTS {
             y[Self::LAYOUT.current() + leg]
         } else {
@@ -60,7 +63,7 @@ impl<const N: usize> Plant<N> {
 
     /// Commands of the motors at `t` seconds.
     #[inline(always)]
-    pub(crate) fn told<T: Scalar>(
+    pub(crate) fn told<T: Differentiable>(
         &self,
         t: f64,
         legs: &[LegState<T>; 3],
@@ -73,7 +76,7 @@ impl<const N: usize> Plant<N> {
     }
 
     #[inline(never)]
-    fn told_by<T: Scalar>(
+    fn told_by<T: Differentiable>(
         &self,
         continuous: &Continuous,
         t: f64,
@@ -89,7 +92,7 @@ impl<const N: usize> Plant<N> {
 
     /// Torque of motor `leg` at the joint.
     #[inline(always)]
-    pub(crate) fn motor_torque<T: Scalar>(
+    pub(crate) fn motor_torque<T: Differentiable>(
         &self,
         leg: usize,
         told: T,
@@ -108,7 +111,7 @@ impl<const N: usize> Plant<N> {
     }
 
     #[inline(always)]
-    fn friction<T: Scalar>(&self, kind: usize, leg: usize, rate: T) -> T {
+    fn friction<T: Differentiable>(&self, kind: usize, leg: usize, rate: T) -> T {
         match &self.joints.friction[kind] {
             Some(friction) => friction.moment(rate, self.joints.regions[kind][leg]),
             None => T::from(0.0),
@@ -117,7 +120,7 @@ impl<const N: usize> Plant<N> {
 
     /// y' at `t`.
     #[inline(always)]
-    pub(crate) fn slope<T: Scalar>(
+    pub(crate) fn slope<T: Differentiable>(
         &self,
         t: f64,
         y: &[T; N],
@@ -130,7 +133,7 @@ impl<const N: usize> Plant<N> {
 
     /// y' with the motors told `told`.
     #[inline(always)]
-    pub(crate) fn slope_under<T: Scalar>(
+    pub(crate) fn slope_under<T: Differentiable>(
         &self,
         told: &[T; 3],
         at: &Configuration<T>,

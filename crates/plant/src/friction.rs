@@ -8,7 +8,7 @@
 //! creeps at a rate below w_stick as long as the load stays below c. The regions are modes, so that
 //! each formula is smooth as far as a method may look; the events at the edges switch them.
 
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 
 /// Friction of one joint; zero and absent are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Friction {
     /// A method may look beyond the region's edge before the event there is located. There the formula
     /// of sticking rises on, to the slope that it has at rest, so that iterations find their way back.
     #[inline(always)]
-    pub fn moment<T: Scalar>(&self, rate: T, region: Region) -> T {
+    pub fn moment<T: Differentiable>(&self, rate: T, region: Region) -> T {
         let coulomb = match region {
             Region::Backward => T::from(-self.coulomb),
             Region::Forward => T::from(self.coulomb),

@@ -1,6 +1,6 @@
 //! One leg of the mechanics: joints, links and rates at a pose.
 
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 use nalgebra::Vector2;
 use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::machine::LegParameters;
@@ -92,13 +92,13 @@ impl LegCoefficients {
 
     /// D -> C of a platform turned by sine and cosine of alpha.
     #[inline(always)]
-    pub(crate) fn arm<T: Scalar>(&self, rotation: (T, T)) -> Vector2<T> {
+    pub(crate) fn arm<T: Differentiable>(&self, rotation: (T, T)) -> Vector2<T> {
         turned(self.joint, rotation)
     }
 
     /// A -> C for the platform's `pose`.
     #[inline(always)]
-    fn span<T: Scalar>(&self, pose: &[T; 3], c: Vector2<T>) -> Vector2<T> {
+    fn span<T: Differentiable>(&self, pose: &[T; 3], c: Vector2<T>) -> Vector2<T> {
         Vector2::new(
             (pose[0] - T::from(self.base.x)) + c.x,
             (pose[1] - T::from(self.base.y)) + c.y,
@@ -110,7 +110,7 @@ impl LegCoefficients {
     /// # Errors
     /// [`Status::Unreachable`], or [`Status::SerialSingular`] for a leg that is exactly stretched.
     #[inline(always)]
-    pub(crate) fn state<T: Scalar>(
+    pub(crate) fn state<T: Differentiable>(
         &self,
         index: usize,
         platform: &Platform<T>,
@@ -170,7 +170,7 @@ impl LegCoefficients {
     /// State of this leg where its own angles are the first two coordinates, alpha the third, and
     /// the platform that it carries. It has one at every angle, stretched and folded ones too.
     #[inline(always)]
-    pub(crate) fn leading<T: Scalar>(
+    pub(crate) fn leading<T: Differentiable>(
         &self,
         [theta1, theta2, alpha]: [T; 3],
         rates: [T; 3],
@@ -221,7 +221,7 @@ impl LegCoefficients {
 
     /// theta_i1 of the leg in `state`, in (-pi, pi].
     #[inline(always)]
-    pub(crate) fn motor_angle<T: Scalar>(&self, state: &LegState<T>) -> T {
+    pub(crate) fn motor_angle<T: Differentiable>(&self, state: &LegState<T>) -> T {
         let (x, y) = (state.r1.x, state.r1.y);
         let angle = <f64 as WideArithmetic>::direction(x.value(), y.value(), &self.l1);
         let by = 1.0 / self.l1_sq;
@@ -254,7 +254,7 @@ impl LegCoefficients {
     }
 }
 
-impl<T: Scalar> Carrier<T> {
+impl<T: Differentiable> Carrier<T> {
     /// `row`, of the rates of x, y and alpha, as one of the rates of the coordinates.
     #[inline(always)]
     pub(crate) fn carried(&self, row: &[T; 3]) -> [T; 3] {
@@ -276,27 +276,27 @@ pub fn det_a(legs: &[LegState; 3]) -> f64 {
 
 /// `a b`, summed over three.
 #[inline(always)]
-pub(crate) fn product<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
+pub(crate) fn product<T: Differentiable>(a: &[T; 3], b: &[T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-pub(crate) fn cross<T: Scalar>(a: Vector2<T>, b: Vector2<T>) -> T {
+pub(crate) fn cross<T: Differentiable>(a: Vector2<T>, b: Vector2<T>) -> T {
     a.x * b.y - a.y * b.x
 }
 
 #[inline(always)]
-pub(crate) fn dot<T: Scalar>(a: Vector2<T>, b: Vector2<T>) -> T {
+pub(crate) fn dot<T: Differentiable>(a: Vector2<T>, b: Vector2<T>) -> T {
     a.x * b.x + a.y * b.y
 }
 
 #[inline(always)]
-fn scaled<T: Scalar>(v: Vector2<T>, factor: T) -> Vector2<T> {
+fn scaled<T: Differentiable>(v: Vector2<T>, factor: T) -> Vector2<T> {
     Vector2::new(v.x * factor, v.y * factor)
 }
 
 /// `v` turned by an angle of this sine and cosine.
 #[inline(always)]
-pub(crate) fn turned<T: Scalar>(v: Vector2<f64>, (sin, cos): (T, T)) -> Vector2<T> {
+pub(crate) fn turned<T: Differentiable>(v: Vector2<f64>, (sin, cos): (T, T)) -> Vector2<T> {
     Vector2::new(cos * v.x - sin * v.y, cos * v.y + sin * v.x)
 }

@@ -1,14 +1,14 @@
 //! The symmetric mass matrix of the three coordinates.
 
 use crate::leg::{Carrier, product};
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 
 /// Rows and columns of the upper triangle, in the order of its entries.
 const UPPER: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 /// Adds the upper triangle of `a^T b`, which is part of a symmetric sum.
 #[inline(always)]
-pub(crate) fn add_symmetric<T: Scalar>(m: &mut [T; 6], a: &[T; 3], b: &[T; 3]) {
+pub(crate) fn add_symmetric<T: Differentiable>(m: &mut [T; 6], a: &[T; 3], b: &[T; 3]) {
     for (entry, (row, column)) in m.iter_mut().zip(UPPER) {
         *entry = *entry + a[row] * b[column];
     }
@@ -16,7 +16,7 @@ pub(crate) fn add_symmetric<T: Scalar>(m: &mut [T; 6], a: &[T; 3], b: &[T; 3]) {
 
 /// Mass matrix and forces of the platform, given for x, y and alpha, in other coordinates: J^T M J
 /// and J^T (right - M b).
-pub(crate) fn carried<T: Scalar>(
+pub(crate) fn carried<T: Differentiable>(
     carrier: &Carrier<T>,
     m: &[T; 6],
     right: [T; 3],
@@ -38,7 +38,7 @@ pub(crate) fn carried<T: Scalar>(
 /// Solves M a = right by Cholesky's factors without roots; `None` where M is not positive
 /// definite to within rounding.
 #[inline(always)]
-pub(crate) fn solve<T: Scalar>(m: &[T; 6], right: [T; 3]) -> Option<[T; 3]> {
+pub(crate) fn solve<T: Differentiable>(m: &[T; 6], right: [T; 3]) -> Option<[T; 3]> {
     let [xx, xy, xa, yy, ya, aa] = *m;
     let least = 16.0 * f64::EPSILON;
     let inverse_x = T::from(1.0) / xx;

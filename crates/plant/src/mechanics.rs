@@ -29,7 +29,7 @@
 use crate::leg::{LegCoefficients, LegState, Platform, dot, product, turned};
 use crate::mass_matrix::{add_symmetric, carried, solve};
 use crate::refusal::Refusal;
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 use nalgebra::Vector2;
 use trirrr_core::machine::Parameters;
 use trirrr_core::status::Status;
@@ -79,7 +79,7 @@ pub struct Configuration<T = f64> {
     pub(crate) platform: Platform<T>,
 }
 
-impl<T: Scalar> Configuration<T> {
+impl<T: Differentiable> Configuration<T> {
     /// x, y, alpha.
     pub fn pose(&self) -> [T; 3] {
         self.platform.pose
@@ -138,7 +138,7 @@ impl Mechanics {
     /// [`Status::Unreachable`], or [`Status::SerialSingular`] where a leg that does not lead is exactly
     /// stretched.
     #[inline(always)]
-    pub fn configuration<T: Scalar>(
+    pub fn configuration<T: Differentiable>(
         &self,
         leading: Option<usize>,
         w: [T; 3],
@@ -223,7 +223,7 @@ impl Mechanics {
 
     /// theta_i1 of leg `index`, in (-pi, pi].
     #[inline(always)]
-    pub fn motor_angle<T: Scalar>(&self, index: usize, leg: &LegState<T>) -> T {
+    pub fn motor_angle<T: Differentiable>(&self, index: usize, leg: &LegState<T>) -> T {
         self.legs[index].motor_angle(leg)
     }
 
@@ -232,7 +232,7 @@ impl Mechanics {
     /// # Errors
     /// [`Refusal::NoInertia`] where the mass matrix is not positive definite.
     #[inline(always)]
-    pub fn acceleration<T: Scalar>(
+    pub fn acceleration<T: Differentiable>(
         &self,
         at: &Configuration<T>,
         moments: &[JointMoments<T>; 3],

@@ -7,7 +7,7 @@
 //! of one.
 
 use crate::refusal::Refusal;
-use crate::scalar::Scalar;
+use crate::scalar::Differentiable;
 use std::f64::consts::{PI, TAU};
 use trirrr_scene::{Drive, DriveKind};
 
@@ -104,13 +104,13 @@ impl MotorModel {
 impl Winding {
     /// di/dt for a voltage of `u`.
     #[inline(always)]
-    pub fn current_rate<T: Scalar>(&self, u: T, current: T, rate: T) -> T {
+    pub fn current_rate<T: Differentiable>(&self, u: T, current: T, rate: T) -> T {
         (u - current * self.resistance - rate * self.back_emf) * (1.0 / self.inductance)
     }
 
     /// Losses in W: the resistance's, and what a Ke that is not Kt takes.
     #[inline(always)]
-    pub fn loss<T: Scalar>(&self, current: T, rate: T) -> T {
+    pub fn loss<T: Differentiable>(&self, current: T, rate: T) -> T {
         current * (current * self.resistance + rate * (self.back_emf - self.torque_constant))
     }
 }
@@ -118,7 +118,7 @@ impl Winding {
 impl Field {
     /// Torque at the joint for a rotor at `angle` with `rate` and a field at `field`.
     #[inline(always)]
-    pub fn torque<T: Scalar>(&self, field: T, angle: T, rate: T) -> T {
+    pub fn torque<T: Differentiable>(&self, field: T, angle: T, rate: T) -> T {
         let fall = rate * rate * self.inverse_corner_sq + T::from(1.0);
         let root = fall.value().sqrt();
         let root = T::function(root, [(0.5 / root, fall)]);
@@ -148,7 +148,7 @@ impl Field {
 
 /// `angle` within half a turn of 0.
 #[inline(always)]
-pub fn wrapped<T: Scalar>(angle: T) -> T {
+pub fn wrapped<T: Differentiable>(angle: T) -> T {
     if angle.value().abs() <= PI {
         angle
     } else {

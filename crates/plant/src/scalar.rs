@@ -1,13 +1,13 @@
 //! Numbers of the equations: binary64, or binary64 with derivatives.
 //!
-//! The equations are written once, over [`Scalar`]. With [`Dual`] numbers they give their own
+//! The equations are written once, over [`Differentiable`]. With [`Dual`] numbers they give their own
 //! Jacobian, exact but for rounding.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number of the equations.
-pub trait Scalar:
+pub trait Differentiable:
     Copy
     + Debug
     + Default
@@ -38,7 +38,7 @@ pub trait Scalar:
     }
 }
 
-impl Scalar for f64 {
+impl Differentiable for f64 {
     #[inline(always)]
     fn value(self) -> f64 {
         self
@@ -86,7 +86,7 @@ impl<const N: usize> Default for Dual<N> {
     }
 }
 
-impl<const N: usize> Scalar for Dual<N> {
+impl<const N: usize> Differentiable for Dual<N> {
     #[inline]
     fn value(self) -> f64 {
         self.value

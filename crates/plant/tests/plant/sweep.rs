@@ -1,4 +1,4 @@
-//! Random machines that fall and that are overloaded: where each method ends, against solves at 1e-12.
+//! Draws machines that fall and that are overloaded: where each method ends, against solves at 1e-12.
 
 use crate::scenes::attempt;
 use std::collections::BTreeMap;
@@ -8,9 +8,9 @@ use trirrr_plant::{Outcome, PlantEnd};
 use trirrr_scene::{Method, Scene};
 
 /// Uniform random numbers: the generator of Numerical Recipes, by its upper half.
-struct Random(u64);
+struct Draws(u64);
 
-impl Random {
+impl Draws {
     fn unit(&mut self) -> f64 {
         self.0 = self
             .0
@@ -30,7 +30,7 @@ impl Random {
 
 /// Text of a scene: a machine about as large as the thesis's, let go or pulled by a wrench that its motors
 /// cannot hold. None where the machine does not reach its start.
-fn scene(random: &mut Random) -> Option<Scene> {
+fn scene(random: &mut Draws) -> Option<Scene> {
     let mut text = String::new();
     let angle = random.between(0.0, std::f64::consts::TAU);
     let g = if random.one_in(3) {
@@ -141,7 +141,7 @@ fn by(scene: &Scene, method: Method) -> Outcome {
 
 /// Judgement of a run beside the end that is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Verdict {
+enum RunVerdict {
     /// It ended at the known time within 1e-6 s, or is complete as it should be.
     Right,
     /// It says that it lost its energy, or that its step is too long.
@@ -152,31 +152,31 @@ enum Verdict {
     Wrong,
 }
 
-fn judge(outcome: &Outcome, known: Option<Ending>, massless: bool) -> Verdict {
+fn judge(outcome: &Outcome, known: Option<Ending>, massless: bool) -> RunVerdict {
     match (&outcome.end, known) {
-        (PlantEnd::EnergyLost(_), _) => Verdict::SaidSo,
-        (PlantEnd::Failed(reason), _) if reason.contains("cannot be stable") => Verdict::SaidSo,
-        (PlantEnd::Failed(reason), _) if reason.contains("is too long") => Verdict::SaidSo,
-        (PlantEnd::Complete, None) => Verdict::Right,
+        (PlantEnd::EnergyLost(_), _) => RunVerdict::SaidSo,
+        (PlantEnd::Failed(reason), _) if reason.contains("cannot be stable") => RunVerdict::SaidSo,
+        (PlantEnd::Failed(reason), _) if reason.contains("is too long") => RunVerdict::SaidSo,
+        (PlantEnd::Complete, None) => RunVerdict::Right,
         (PlantEnd::Ended(ending), Some(known)) => {
             let off = (ending.t - known.t).abs();
             let fixed = outcome.method.step_s().is_some();
             let serial = matches!(known.cause, Cause::Serial(_));
             match off {
-                ..1e-6 => Verdict::Right,
-                ..1e-5 if massless && serial && fixed => Verdict::Coarse,
-                _ => Verdict::Wrong,
+                ..1e-6 => RunVerdict::Right,
+                ..1e-5 if massless && serial && fixed => RunVerdict::Coarse,
+                _ => RunVerdict::Wrong,
             }
         }
-        _ => Verdict::Wrong,
+        _ => RunVerdict::Wrong,
     }
 }
 
 /// Runs `count` machines by each method at each of `steps` and `tolerances`.
 fn sweep(count: u32, steps: &[f64], tolerances: &[f64]) {
-    let mut random = Random(5);
+    let mut random = Draws(5);
     let (mut complete, mut serial, mut parallel) = (0, 0, 0);
-    let mut found = BTreeMap::<String, BTreeMap<Verdict, u32>>::new();
+    let mut found = BTreeMap::<String, BTreeMap<RunVerdict, u32>>::new();
     let mut wrong = Vec::new();
     for case in 0..count {
         let scene = std::iter::repeat_with(|| scene(&mut random))
@@ -214,7 +214,7 @@ fn sweep(count: u32, steps: &[f64], tolerances: &[f64]) {
         for method in fixed.chain(adaptive) {
             let outcome = by(&scene, method);
             let verdict = judge(&outcome, known, massless);
-            if verdict == Verdict::Wrong {
+            if verdict == RunVerdict::Wrong {
                 let (end, error) = (&outcome.end, outcome.balance.error());
                 wrong.push(format!(
                     "case {case}, {method:?}: {end:?} for {known:?}, energy {error:.1e}"
