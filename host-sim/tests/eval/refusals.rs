@@ -180,7 +180,7 @@ fn fixed_point_holds_every_column_or_refuses_the_row() {
     let moving = "0.21,0.22,0.157,0.1,-0.2,0.3,0.42,0.36,0.314";
     let good = format!("{MACHINE},{moving},0.1,-9.81,0.5,-0.4,0.03");
     let fields: Vec<&str> = good.split(',').collect();
-    let mut lines = Vec::new();
+    let (mut lines, mut sizes) = (Vec::new(), Vec::new());
     for column in 0..fields.len() {
         for exponent in [0, 1, 2, 3, 4, 6, 8, 9, 10, 12, 20, 40, 100, 200, 300] {
             for digits in ["1.7", "-3.1", "6.3"] {
@@ -188,6 +188,7 @@ fn fixed_point_holds_every_column_or_refuses_the_row() {
                 let mut row = fields.clone();
                 row[column] = &value;
                 lines.push(row.join(","));
+                sizes.push(value.parse::<f64>().unwrap().abs());
             }
         }
     }
@@ -196,7 +197,7 @@ fn fixed_point_holds_every_column_or_refuses_the_row() {
     let (_, exact) = table(NumberType::F64, cases.as_bytes());
     let number = |row: &[String], column: usize| -> f64 { row[column].parse().unwrap() };
     let mut compared = 0;
-    for ((line, fixed), exact) in lines.iter().zip(&fixed).zip(&exact) {
+    for (((line, fixed), exact), size) in lines.iter().zip(&fixed).zip(&exact).zip(sizes) {
         if fixed[1] != "ok" {
             continue;
         }
@@ -211,15 +212,19 @@ fn fixed_point_holds_every_column_or_refuses_the_row() {
                     largest.max(number(exact, column).abs())
                 }),
             };
-            // A torque is held in units that fit the accelerations, a power in theirs and those of rates.
+            // Units of time fit the largest rate, acceleration or load, so small ones are coarse. What saturates
+            // is off by its own size.
             let greatest = |columns: core::ops::Range<usize>| {
                 columns.fold(0.0, |most: f64, column| {
                     most.max(number(exact, column).abs())
                 })
             };
+            let w = greatest(8..14).max(greatest(14..20).max(size).sqrt());
             let coarse = match index {
-                7 => 1e-9 * greatest(14..20),
-                8 => 1e-9 * greatest(14..20) * greatest(8..14),
+                2 | 3 => 1e-4 * w,
+                4 | 5 => 1e-4 * w * w,
+                7 => 1e-5 * w * w,
+                8 => 1e-5 * w * w * w,
                 _ => 0.0,
             };
             for column in group {
