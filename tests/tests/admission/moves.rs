@@ -179,6 +179,8 @@ impl Offer {
         number(&mut limits.serial_distance_min);
         number(&mut limits.parallel_distance_min);
         Limits::<N>::build(&limits).ok()?;
+        let parameters = units.parameters(&setting.parameters);
+        parameters.check::<N>().ok()?;
         let only = &scene.job.in_units(&units).moves[0];
         let offered = Move {
             from: only.from,
@@ -188,7 +190,7 @@ impl Offer {
             ..*offered
         };
         let setting = Setting {
-            parameters: units.parameters(&setting.parameters),
+            parameters,
             limits,
             period_s: units.time(setting.period_s),
             ..*setting
