@@ -15,32 +15,22 @@ use crate::setpoint::Pose;
 impl<N: Number> Forward<N> {
     /// Every pose at which the motors stand at `angles`.
     ///
+    /// The search computes in binary64 whatever `N` is: next to a double root the rounding of a shorter type
+    /// hides how many modes there are. The poses are rounded to `N`.
+    ///
     /// The work is bounded, and nothing is allocated; [`Assemblies::arcs`] counts the work. It serves
     /// at the start of a job; [`super::Tracker`] serves in every tick.
     ///
     /// # Errors
     /// [`AssemblyError`]. Angles that fit no pose are no error: the list is empty.
     pub fn assemblies(&self, angles: &[N::Angle; 3]) -> Result<Assemblies<N>, AssemblyError> {
-        let elbows = self.elbows(angles);
-        let f = Polynomial::new(self, &elbows);
-        if !f.value(N::ONE).is_finite() {
-            return Err(AssemblyError::OutOfRange);
-        }
-        let isolated = isolate(&f);
-        let mut search = PoseSearch::new(self, elbows);
-        search.found.arcs = isolated.visited;
-        // Simple roots first: a pose found on an undecided arc may be one of them.
-        for arc in isolated.arcs().iter().filter(|arc| arc.simple_root) {
-            search.add_simple_root(arc, refine(&f, arc));
-        }
-        for arc in isolated.arcs().iter().filter(|arc| !arc.simple_root) {
-            search.add_undecided(arc)?;
-        }
-        search.sort();
-        if isolated.exhausted {
-            search.found.completeness = Completeness::Undecided;
-        }
-        Ok(search.found)
+        let exact = Forward {
+            legs: self.exact,
+            size: self.size.to_f64(),
+            greatest_det_a: self.greatest_det_a.to_f64(),
+            exact: self.exact,
+        };
+        exact.search(&angles.map(N::angle_to_f64))?.rounded()
     }
 
     /// The mode of `assemblies` whose platform joints are nearest to those at `reference`,
@@ -63,6 +53,31 @@ impl<N: Number> Forward<N> {
                 ..mode
             }
         })
+    }
+}
+
+impl Forward<f64> {
+    fn search(&self, angles: &[f64; 3]) -> Result<Assemblies<f64>, AssemblyError> {
+        let elbows = self.elbows(angles);
+        let f = Polynomial::new(self, &elbows);
+        if !f.value(1.0).is_finite() {
+            return Err(AssemblyError::OutOfRange);
+        }
+        let isolated = isolate(&f);
+        let mut search = PoseSearch::new(self, elbows);
+        search.found.arcs = isolated.visited;
+        // Simple roots first: a pose found on an undecided arc may be one of them.
+        for arc in isolated.arcs().iter().filter(|arc| arc.simple_root) {
+            search.add_simple_root(arc, refine(&f, arc));
+        }
+        for arc in isolated.arcs().iter().filter(|arc| !arc.simple_root) {
+            search.add_undecided(arc)?;
+        }
+        search.sort();
+        if isolated.exhausted {
+            search.found.completeness = Completeness::Undecided;
+        }
+        Ok(search.found)
     }
 }
 

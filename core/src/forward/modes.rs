@@ -26,8 +26,7 @@ pub struct Assembly<N: Number> {
 /// Completeness of a list of assembly modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
-    /// Every real root is simple, and its pose is in the list. The rounding of the elbows
-    /// is counted in. In `f32` 14 of 20,000 machines next to a double root still lack a pair of modes.
+    /// Every real root is simple, and its pose is in the list. The rounding of the elbows is counted in.
     Complete,
     /// At least one entry is [`double`](Assembly::double); all others are in the list.
     Double,
@@ -72,6 +71,35 @@ impl<N: Number> Assemblies<N> {
     /// The modes found: at most six, an even number of them unless one is double or undecided.
     pub fn modes(&self) -> &[Assembly<N>] {
         &self.modes[..self.count]
+    }
+}
+
+impl Assemblies<f64> {
+    /// The same list in the number type `N`.
+    pub(super) fn rounded<N: Number>(&self) -> Result<Assemblies<N>, AssemblyError> {
+        let modes = self.modes.map(|mode| {
+            let [x, y] = [mode.pose.position.x, mode.pose.position.y];
+            Assembly {
+                pose: Pose::<N>::from_f64(x, y, mode.pose.angle),
+                residual: N::from_f64(mode.residual),
+                det_a: N::from_f64(mode.det_a),
+                distance: N::from_f64(mode.distance),
+                double: mode.double,
+            }
+        });
+        let fits = |mode: &Assembly<N>| {
+            let place = mode.pose.position;
+            place.x.is_finite() && place.y.is_finite() && mode.det_a.is_finite()
+        };
+        if !modes[..self.count].iter().all(fits) {
+            return Err(AssemblyError::OutOfRange);
+        }
+        Ok(Assemblies {
+            modes,
+            count: self.count,
+            completeness: self.completeness,
+            arcs: self.arcs,
+        })
     }
 }
 

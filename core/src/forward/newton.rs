@@ -12,7 +12,7 @@
 
 use crate::inverse::Rotation;
 use crate::machine::{Geometry, Parameters};
-use crate::number::{Number, cross, dot};
+use crate::number::{Arithmetic, Number, cross, dot};
 use crate::setpoint::Pose;
 use core::fmt;
 use nalgebra::{Vector2, Vector3};
@@ -25,6 +25,8 @@ pub struct Forward<N> {
     pub(super) size: N,
     /// The greatest size that det A can have.
     pub(super) greatest_det_a: N,
+    /// The legs before they are rounded to `N`, for the search for all modes.
+    pub(super) exact: [ForwardLeg<f64>; 3],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +94,15 @@ impl<N: Number> Forward<N> {
             l1: N::from_f64(parameters.legs[index].proximal_m),
             l2: N::from_f64(parameters.legs[index].distal_m),
         };
+        let exact = parameters.legs.each_ref().map(|leg| {
+            let (sin, cos) = <f64 as Arithmetic>::sin_cos(leg.joint_angle_rad);
+            ForwardLeg {
+                base: leg.base_m,
+                joint: Vector2::new(cos, sin) * leg.joint_radius_m,
+                l1: leg.proximal_m,
+                l2: leg.distal_m,
+            }
+        });
         let longest = |longest: f64, leg: &crate::machine::LegParameters| {
             longest.max(leg.proximal_m + leg.distal_m)
         };
@@ -99,6 +110,7 @@ impl<N: Number> Forward<N> {
             legs: [leg(0), leg(1), leg(2)],
             size: N::from_f64(parameters.legs.iter().fold(0.0, longest)),
             greatest_det_a: N::from_f64(parameters.greatest_det_a()),
+            exact,
         }
     }
 

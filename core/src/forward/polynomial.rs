@@ -322,6 +322,7 @@ mod tests {
             }),
             size: f64::from(single.size),
             greatest_det_a: f64::from(single.greatest_det_a),
+            exact: single.exact,
         };
         let exact = elbows.map(|elbow| elbow.map(f64::from));
         (

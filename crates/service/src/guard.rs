@@ -1,5 +1,6 @@
 //! The last look at a tick's results before they go out.
 
+use crate::admission::Enclose;
 use trirrr_core::limits::Limits;
 use trirrr_core::model::Model;
 use trirrr_core::number::Number;
@@ -28,6 +29,11 @@ impl<N: Number> LimitBreach<N> {
             limit: N::ZERO,
         }
     }
+}
+
+/// Returns the limits of the guard, for machine limits that the admission holds the motion to.
+pub(super) fn of_results<N: Enclose>(limits: &Limits<N>) -> Limits<N> {
+    limits.map(N::of_result)
 }
 
 /// Checks that the motors keep `limits` in `motion`. It leaves the distances to the singularities to the
@@ -91,4 +97,27 @@ pub(super) fn within<N: Number>(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_in_f32_have_room_for_rounding() {
+        let limits = Limits {
+            rate: Some([2.0; 3]),
+            acceleration: None,
+            torque: None,
+            power: None,
+            serial_distance: 0.0,
+            parallel_distance: 0.0,
+        };
+        assert_eq!(of_results::<f64>(&limits), limits);
+        let limits = of_results(&limits.map(|limit| limit as f32));
+        let check = |rate: f32| within(Bounded::Rate, &limits.rate, [0.0, -rate, 0.0]);
+        assert_eq!(check(2.001), Ok(()));
+        let broken = check(2.002).expect_err("beyond rounding");
+        assert_eq!((broken.index, broken.value), (Some(1), -2.002));
+    }
 }

@@ -22,6 +22,12 @@ pub trait Enclose: Number {
     fn coefficient(size: Self::Bound) -> Self::Bound {
         Self::conversion(size)
     }
+    /// Returns the bound that the results of a tick keep in a motion that keeps `limit`. The same, where the
+    /// admission proves the results themselves.
+    #[inline(always)]
+    fn of_result(limit: Self) -> Self {
+        limit
+    }
     /// The angle as a bound, to two conversions.
     fn angle_bound(angle: Self::Angle) -> <Self::Bound as Arithmetic>::Angle;
     /// The nearest value to `bound`.
@@ -128,6 +134,12 @@ impl Enclose for f32 {
     #[inline(always)]
     fn conversion(_: Self) -> Self {
         0.0
+    }
+
+    /// Rounding of a tick has taken up to 15 times its allowance, mostly some 1e-5 of the limit.
+    #[inline(always)]
+    fn of_result(limit: Self) -> Self {
+        limit + limit * (1.0 / 1024.0)
     }
 
     #[inline(always)]

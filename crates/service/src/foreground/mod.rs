@@ -121,7 +121,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         };
         Self {
             tick: setup.tick,
-            limits: setup.limits,
+            limits: guard::of_results(&setup.limits),
             slope: slope::<N>(feed.ramp(), settings.period),
             ramp: [N::count(feed.ramp()), N::count(2 * feed.ramp())],
             host_timeout_ticks: settings.host_timeout_ticks,
