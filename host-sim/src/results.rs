@@ -136,7 +136,7 @@ impl ResultFolder {
     /// result nothing is written.
     ///
     /// # Errors
-    /// Failed: [`RESULT`] cannot be written.
+    /// Failed: `result.json` cannot be written.
     pub fn end(&self, files: &[PathBuf], end: Result<(), &str>) -> Result<(), CliError> {
         if !self.has_begun {
             return Ok(());

@@ -30,7 +30,7 @@ pub struct RunArgs {
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
     /// After the run, bound the error at the tool and the torques for every machine within the
-    /// scene's [tolerances]: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures
+    /// scene's `[tolerances]`: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures
     #[arg(long)]
     pub tolerances: bool,
 }
