@@ -8,6 +8,9 @@ use crate::service::{MessageRef, SceneBackground};
 use embedded_hal_nb::serial::Write;
 use trirrr_protocol::message::Event;
 
+/// Messages between two slices, at the most: as many as samples wait.
+const MESSAGES: usize = 8;
+
 /// Half of the service that talks, with the line, the log and the watchdog's condition.
 ///
 /// `W` is the line's transmitter, `L` that of the log.
@@ -40,37 +43,47 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
                 feed_watchdog();
             }
             self.line.send(&mut self.transmitter);
-            step(&mut self.service, &mut self.line);
+            // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples
+            // are lost.
+            for _ in 0..MESSAGES {
+                if !put_next(&mut self.service, &mut self.line) {
+                    break;
+                }
+                self.line.send(&mut self.transmitter);
+            }
+            step(&mut self.service);
             log::drain(&mut self.log);
         }
     }
 }
 
-/// One slice: puts the next message on the line, checks a part of a move.
+/// Checks a part of a move.
 // A call: inlined, the board's crate would compile the whole background for speed.
 #[inline(never)]
-fn step(service: &mut SceneBackground, line: &mut Line) {
-    if line.is_free() {
-        put_next(service, line);
-    }
+fn step(service: &mut SceneBackground) {
     service.step();
 }
 
-/// Replies first, then events, then telemetry.
-fn put_next(service: &mut SceneBackground, line: &mut Line) {
+/// Puts the next message on the line if it is free: replies first, then events, then telemetry. Returns `true` if
+/// there was one.
+#[inline(never)]
+fn put_next(service: &mut SceneBackground, line: &mut Line) -> bool {
+    if !line.is_free() {
+        return false;
+    }
     if let Some((request, checksum)) = line.request() {
         line.put(&MessageRef::Reply {
             sequence: request.sequence,
             reply: &service.receive(&request, checksum),
         });
-        return;
+        return true;
     }
     service.send_next(|message| {
         if let MessageRef::Event(event) = message {
             log_event(event);
         }
         line.put(message);
-    });
+    })
 }
 
 fn log_event(event: &Event<Scalar>) {
