@@ -162,20 +162,10 @@ pub(crate) fn classes() -> Result<String> {
         for what in ["tick", "service", "slice"] {
             let key = format!("{BOARD} {scene} {what}");
             let row = rows.find(&key, Memory::Ram).context(key)?;
-            let cycles = [
-                row.mean,
-                row.float,
-                row.divide,
-                row.multiply,
-                row.integer,
-                row.load,
-                row.store,
-                row.multiple,
-                row.branch,
-                row.stall,
-            ];
-            let cycles = cycles.map(|cycles| format!("{cycles:.0}"));
-            table += &line(&[&[scene.to_owned(), what.to_owned()], cycles.as_slice()].concat());
+            let cycles = [row.mean].into_iter().chain(row.classes());
+            let cells = [scene.to_owned(), what.to_owned()].into_iter();
+            let cells = cells.chain(cycles.map(|cycles| format!("{cycles:.0}")));
+            table += &line(&cells.collect::<Vec<_>>());
         }
     }
     Ok(table)
