@@ -73,15 +73,15 @@ impl<N: Enclose> MotorBounds<N> {
             (Bounded::Torque, &limits.torque),
             (Bounded::Power, &limits.power),
         ];
+        let torque = self.torque.as_ref().filter(|_| M::TORQUES);
+        let torque = torque.map(|torque| {
+            let steady = torque.at_rest + scaled(torque.dynamic, squared);
+            (torque.at_rest, steady, scaled(torque.ramp, speed))
+        });
         for (what, limits) in all {
             let Some(limit) = limits.map(|limits| limits[index]) else {
                 continue;
             };
-            let torque = self.torque.as_ref().filter(|_| M::TORQUES);
-            let torque = torque.map(|torque| {
-                let steady = torque.at_rest + scaled(torque.dynamic, squared);
-                (torque.at_rest, steady, scaled(torque.ramp, speed))
-            });
             let (steady, ramp) = match (what, torque) {
                 (Bounded::Acceleration, _) => {
                     let steady = scaled(self.acceleration, squared);
