@@ -76,6 +76,20 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo(
+            "a table of a million rows",
+            &[
+                "test",
+                "--release",
+                "-p",
+                "trirrr-batch",
+                "--test",
+                "table",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::on_host(
             "ten million ticks",
             "test",

@@ -172,13 +172,6 @@ pub const RESULT_COLUMNS: [&str; 28] = [
     "D1", "D2", "D3", "detA", "tau1", "tau2", "tau3", "P1", "P2", "P3",
 ];
 
-/// The shortest decimal that reads back as the same binary64 number, with an exponent where that
-/// is shorter to read. A value that an f32 computed is widened exactly first, so that printing
-/// adds no rounding to it.
-pub fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,26 +249,5 @@ mod tests {
         let expected = all.into_iter().filter(|(name, _)| !is_dynamic(name));
         assert_eq!(left, expected.collect::<Vec<_>>());
         assert_eq!(left.len(), 37);
-    }
-
-    #[test]
-    fn numbers_read_back_as_the_same_bits() {
-        for value in [
-            0.1,
-            -0.0,
-            1e-300,
-            5e-324,
-            f64::MAX,
-            f64::from(0.1f32),
-            1.0 / 3.0,
-        ] {
-            let text = number(value);
-            assert_eq!(
-                text.parse::<f64>().unwrap().to_bits(),
-                value.to_bits(),
-                "{text}"
-            );
-            assert!(text.len() <= 24, "{text}");
-        }
     }
 }

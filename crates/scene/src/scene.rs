@@ -119,6 +119,11 @@ impl NumberType {
         ("micromath", Self::Micromath),
     ];
 
+    /// Returns true if every result is a binary32 number, false if binary64 is needed.
+    pub fn is_binary32(self) -> bool {
+        matches!(self, Self::F32 | Self::Micromath)
+    }
+
     /// Name in scenes and on the command line.
     pub fn name(self) -> &'static str {
         let named = Self::NAMES.iter().find(|(_, number)| *number == self);

@@ -9,19 +9,19 @@ use trirrr_scene::NumberType;
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = EVAL_COLUMNS)]
 pub struct EvalArgs {
-    /// Table of cases, CSV with a header (columns: see --help)
-    #[arg(value_name = "CASES.csv")]
+    /// Table of cases (columns: see --help): CSV with a header, or an Arrow IPC file (.arrow, .feather)
+    #[arg(value_name = "CASES.csv|CASES.arrow")]
     pub cases: PathBuf,
     /// Number type to compute in
     #[arg(long, default_value = "f64", value_parser = number_type())]
     pub scalar: NumberType,
-    /// File for the results [default: standard output]
-    #[arg(long, value_name = "RESULTS.csv")]
+    /// File for the results: CSV, or an Arrow IPC file by its ending [default: standard output, CSV]
+    #[arg(long, value_name = "RESULTS.csv|RESULTS.arrow")]
     pub out: Option<PathBuf>,
 }
 
 const EVAL_COLUMNS: &str = "\
-Columns of CASES.csv, in any order, SI units and radians; others are ignored:
+Columns of the cases, in any order, SI units and radians; others are ignored:
   case                          name of the row; its number if the column is missing
   for each leg i = 1, 2, 3:
     ax_i, ay_i                  base joint A
@@ -43,4 +43,9 @@ Columns of the results, i = 1, 2, 3 side by side:
   tau_i, P_i (named tau1, P1 and so on)
 status is `ok`, or begins with why there are no numbers: `unreachable: leg 1`,
 `serial singular: leg 2`, `parallel singular`, `out of range ...`, or `invalid: ` with column,
-value and reason. Such rows do not change the exit code.";
+value and reason. Such rows do not change the exit code.
+
+Results of f32 and micromath are binary32 numbers, those of f64 and fixed binary64 numbers. CSV has the fewest digits that
+read back as the same bits. Rows are evaluated on all cores, in any number: RAYON_NUM_THREADS says on how many.
+In an Arrow file, numbers stand in columns of floats or whole numbers, labels in columns of text or whole numbers. A null is an
+empty field. Compression by LZ4 is read.";

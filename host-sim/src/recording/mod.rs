@@ -71,7 +71,7 @@ impl Recorder {
         self.line.clear();
         for (column, value) in record.tick_row(self.torque).enumerate() {
             let comma = if column > 0 { "," } else { "" };
-            // Writing to a String does not fail. See `record::number` for the form.
+            // Writing to a String does not fail. `Debug` has the fewest digits that read back as the same bits.
             let _ = write!(self.line, "{comma}{value:?}");
         }
         self.line.push('\n');

@@ -68,6 +68,13 @@ fn the_command_writes_where_it_is_told_and_never_over_its_cases() {
         assert_ne!(output.stdout, to_stdout.stdout, "{scalar} rounds as f64");
     }
 
+    let to_arrow = eval(&["cases.csv", "--out", "results.arrow"], path);
+    assert_eq!(to_arrow.status.code(), Some(0));
+    let arrow = fs::read(path.join("results.arrow")).unwrap();
+    assert!(arrow.starts_with(b"ARROW1") && arrow.ends_with(b"ARROW1"));
+    // By its ending, not by its contents.
+    fs::copy(path.join("cases.csv"), path.join("cases.arrow")).unwrap();
+
     let over = eval(&["cases.csv", "--out", "./cases.csv"], path);
     assert_eq!(over.status.code(), Some(2));
     assert_eq!(fs::read_to_string(path.join("cases.csv")).unwrap(), cases);
@@ -75,6 +82,16 @@ fn the_command_writes_where_it_is_told_and_never_over_its_cases() {
     for (arguments, code, message) in [
         (&["missing.csv"][..], 2, "missing.csv: cannot be read"),
         (&["cases.csv", "--scalar", "f16"], 2, "f16"),
+        (
+            &["cases.csv", "--out", "results.parquet"],
+            2,
+            "--out results.parquet: .parquet files are not supported; use .csv",
+        ),
+        (
+            &["cases.arrow"],
+            2,
+            "cases.arrow: cannot be read as an Arrow IPC file",
+        ),
         (
             &["cases.csv", "--out", "no/such/folder.csv"],
             1,

@@ -16,11 +16,19 @@ fn states_and_moves_give_true_torques_in_both_number_types() {
         assert_near(torques(&rows[0]), START, tolerance);
         assert_near(torques(&rows[1]), END, tolerance);
     }
-    // What f32 computed is printed without another rounding.
-    let (_, rows) = table(NumberType::F32, state.as_bytes());
-    for field in &rows[0][2..] {
-        let value: f64 = field.parse().unwrap();
-        assert_eq!(f64::from(value as f32), value);
+    // A binary32 number is printed with the digits that tell it from other binary32 numbers.
+    for scalar in [NumberType::F32, NumberType::Micromath] {
+        let (_, rows) = table(scalar, state.as_bytes());
+        for field in &rows[0][2..] {
+            let value: f32 = field.parse().unwrap();
+            let shortest: f32 = format!("{value:e}").parse().unwrap();
+            let digits = |text: &str| text.bytes().filter(u8::is_ascii_digit).count();
+            assert_eq!(shortest, value);
+            assert!(
+                digits(field) <= digits(&format!("{value:?}")) + 1,
+                "{field}"
+            );
+        }
     }
 }
 

@@ -93,9 +93,39 @@ impl Columns {
         }
     }
 
+    /// Names and places of the columns that hold numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = (&str, usize)> {
+        let legs = self.legs.iter().flat_map(|leg| {
+            let [x, y] = &leg.base;
+            let links = [&leg.proximal, &leg.distal];
+            let joint = [&leg.joint_radius, &leg.joint_angle, &leg.elbow];
+            [x, y].into_iter().chain(links).chain(joint)
+        });
+        let loads = self.link_mass.iter().chain(self.gravity.iter().flatten());
+        let loads = loads.chain(self.wrench.iter().flatten());
+        let motion: Vec<&Column> = match &self.motion {
+            SetpointColumns::State(state) => state.iter().collect(),
+            SetpointColumns::Move(each) => each
+                .from
+                .iter()
+                .chain(&each.to)
+                .chain([&each.duration, &each.time])
+                .collect(),
+        };
+        legs.chain([&self.mass, &self.inertia])
+            .chain(loads)
+            .chain(motion)
+            .map(|column| (column.name.as_str(), column.index))
+    }
+
+    /// Place of the column of labels, if the table has one.
+    pub fn label_index(&self) -> Option<usize> {
+        self.case.as_ref().map(|column| column.index)
+    }
+
     /// Label of the case in `row`, if the table has a column for labels.
     pub fn label<'a>(&self, row: &'a ByteRecord) -> Option<&'a [u8]> {
-        row.get(self.case.as_ref()?.index)
+        row.get(self.label_index()?)
     }
 }
 

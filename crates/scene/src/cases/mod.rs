@@ -7,7 +7,7 @@ mod columns;
 mod row;
 
 pub use columns::Columns;
-pub use row::{Case, read};
+pub use row::{Case, Fields, read};
 
 /// Reads all rows of the table `text`, each with its label.
 ///

@@ -3,6 +3,7 @@
 use super::columns::{Column, Columns, LegColumns, MoveColumns, SetpointColumns};
 use csv::ByteRecord;
 use nalgebra::{Vector2, Vector3};
+use std::borrow::Cow;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, RestToRest, Setpoint};
@@ -16,15 +17,42 @@ pub struct Case<N: Number> {
     pub setpoint: Setpoint<N>,
 }
 
+/// Fields of one row of a table, by the places of their columns.
+pub trait Fields {
+    /// Number of fields.
+    fn count(&self) -> usize;
+
+    /// The field at `index` as a number. `None`: the field holds none.
+    fn number(&self, index: usize) -> Option<f64>;
+
+    /// The field at `index` as text, for messages. Empty: the field holds nothing.
+    fn text(&self, index: usize) -> Cow<'_, str>;
+}
+
+impl Fields for ByteRecord {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn number(&self, index: usize) -> Option<f64> {
+        let field = self.get(index)?.trim_ascii();
+        std::str::from_utf8(field).ok()?.parse().ok()
+    }
+
+    fn text(&self, index: usize) -> Cow<'_, str> {
+        String::from_utf8_lossy(self.get(index).unwrap_or_default().trim_ascii())
+    }
+}
+
 /// Reads a row as one case.
 ///
 /// # Errors
 /// The first column whose value cannot be used, with the value and the reason.
-pub fn read<N: Number>(columns: &Columns, row: &ByteRecord) -> Result<Case<N>, String> {
-    if row.len() != columns.width {
+pub fn read<N: Number>(columns: &Columns, row: &impl Fields) -> Result<Case<N>, String> {
+    if row.count() != columns.width {
         return Err(format!(
             "{} fields where the header has {}",
-            row.len(),
+            row.count(),
             columns.width
         ));
     }
@@ -64,7 +92,7 @@ pub fn read<N: Number>(columns: &Columns, row: &ByteRecord) -> Result<Case<N>, S
 }
 
 fn read_leg<N: Number>(
-    row: &TypedRow<'_>,
+    row: &TypedRow<'_, impl Fields>,
     columns: &LegColumns,
     link_mass: f64,
 ) -> Result<LegParameters, String> {
@@ -88,7 +116,10 @@ fn read_leg<N: Number>(
     })
 }
 
-fn read_state<N: Number>(row: &TypedRow<'_>, columns: &[Column; 9]) -> Result<Setpoint<N>, String> {
+fn read_state<N: Number>(
+    row: &TypedRow<'_, impl Fields>,
+    columns: &[Column; 9],
+) -> Result<Setpoint<N>, String> {
     let mut values = [0.0; 9];
     for (value, column) in values.iter_mut().zip(columns) {
         *value = row.number::<N>(column)?;
@@ -101,7 +132,10 @@ fn read_state<N: Number>(row: &TypedRow<'_>, columns: &[Column; 9]) -> Result<Se
     })
 }
 
-fn read_move<N: Number>(row: &TypedRow<'_>, columns: &MoveColumns) -> Result<Setpoint<N>, String> {
+fn read_move<N: Number>(
+    row: &TypedRow<'_, impl Fields>,
+    columns: &MoveColumns,
+) -> Result<Setpoint<N>, String> {
     let pose = |[x, y, alpha]: &[Column; 3]| {
         let (x, y) = (row.number::<N>(x)?, row.number::<N>(y)?);
         Ok::<_, String>(Pose::from_f64(x, y, row.number::<N>(alpha)?))
@@ -120,20 +154,15 @@ fn read_move<N: Number>(row: &TypedRow<'_>, columns: &MoveColumns) -> Result<Set
 }
 
 /// A row with the name of the number type that it has to fit.
-struct TypedRow<'a> {
-    row: &'a ByteRecord,
+struct TypedRow<'a, F> {
+    row: &'a F,
     number_type: &'static str,
 }
 
-impl TypedRow<'_> {
-    fn text(&self, column: &Column) -> String {
-        let field = self.row.get(column.index).unwrap_or_default();
-        String::from_utf8_lossy(field.trim_ascii()).into_owned()
-    }
-
+impl<F: Fields> TypedRow<'_, F> {
     /// `column = value: reason`, the value shortened.
     fn refusal(&self, column: &Column, reason: &str) -> String {
-        let text = self.text(column);
+        let text = self.row.text(column.index);
         let name = &column.name;
         match text.chars().count() {
             0 => format!("{name} is empty"),
@@ -147,10 +176,10 @@ impl TypedRow<'_> {
 
     /// A finite number, finite in `N` too.
     fn number<N: Number>(&self, column: &Column) -> Result<f64, String> {
-        let value: f64 = self
-            .text(column)
-            .parse()
-            .map_err(|_| self.refusal(column, "is not a number"))?;
+        let value = self
+            .row
+            .number(column.index)
+            .ok_or_else(|| self.refusal(column, "is not a number"))?;
         if !value.is_finite() {
             Err(self.refusal(column, "is not finite"))
         } else if !N::from_f64(value).is_finite() {

@@ -1,0 +1,29 @@
+//! Evaluates a table of machines and states, CSV or Arrow by the endings of the files, and prints rows per second.
+//!
+//! `cargo run --release -p trirrr-batch --example evaluate_table -- CASES.csv RESULTS.arrow`
+
+use std::error::Error;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+use std::time::Instant;
+use trirrr_batch::table::{Cases, TableFormat};
+use trirrr_scene::NumberType;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let files: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [cases, results] = files.as_slice() else {
+        return Err("expected a table of cases and a file for the results".into());
+    };
+    let start = Instant::now();
+    let input = File::open(cases)?;
+    let table = match TableFormat::of(cases)? {
+        TableFormat::Csv => Cases::csv(input)?,
+        TableFormat::Arrow => Cases::arrow(input)?,
+    };
+    let output = &mut BufWriter::new(File::create(results)?);
+    let counts = table.evaluate(NumberType::F64, TableFormat::of(results)?, output)?;
+    let rate = counts.rows as f64 / start.elapsed().as_secs_f64();
+    println!("{} of {} rows ok, {rate:.0} rows/s", counts.ok, counts.rows);
+    Ok(())
+}

@@ -1,0 +1,146 @@
+//! Tables of cases in, tables of results out: CSV or Arrow IPC files, in the order of the rows.
+//!
+//! A table is read in waves of chunks. All threads of rayon's current pool evaluate the rows of a wave, which is then
+//! written. Memory depends on the number of threads and on the longest row or Arrow batch, not on the number of rows.
+
+mod arrow;
+mod csv;
+mod error;
+mod format;
+mod rows;
+
+pub use error::TableError;
+pub use format::{TableFormat, UnknownFormat};
+
+use self::csv::{CsvSink, CsvSource};
+use arrow::{ArrowSink, ArrowSource};
+use rayon::prelude::*;
+use rows::{Chunk, Evaluated};
+use std::io::{self, Read, Seek, Write};
+use trirrr_scene::cases::Columns;
+use trirrr_scene::{NumberType, in_number_type};
+
+/// Chunks of a wave for each thread: no thread is idle long while another one has rows that take longer.
+const CHUNKS_PER_THREAD: usize = 4;
+
+/// Rows of a table, and those of them with a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct RowCounts {
+    /// Rows in the table.
+    pub rows: usize,
+    /// Rows with numbers.
+    pub ok: usize,
+}
+
+/// Table of cases, open for reading. `trirrr_scene::cases` has its columns.
+pub struct Cases<'a> {
+    source: Box<dyn Source + 'a>,
+    columns: Columns,
+}
+
+/// Rows of a file, in order.
+trait Source {
+    /// Reads up to `count` chunks. None are left at the end of the file.
+    fn chunks(&mut self, count: usize) -> Result<Vec<Chunk>, TableError>;
+}
+
+/// Results on their way into a file.
+trait Sink {
+    /// Encoded rows.
+    type Part: Send;
+
+    /// Encodes the rows of `chunk`, which `before` others precede. Results are binary32 or binary64 numbers.
+    fn encode(before: usize, chunk: &Evaluated, binary32: bool) -> Result<Self::Part, TableError>;
+
+    /// Writes encoded rows.
+    fn write(&mut self, part: Self::Part) -> Result<(), TableError>;
+
+    /// Writes all that stands behind the rows.
+    fn finish(self) -> Result<(), TableError>;
+}
+
+impl<'a> Cases<'a> {
+    /// Reads the header of a CSV table.
+    ///
+    /// # Errors
+    /// [`TableError::Empty`], [`TableError::Columns`], [`TableError::Unreadable`].
+    pub fn csv(input: impl Read + 'a) -> Result<Self, TableError> {
+        let mut source = CsvSource::new(input, self::csv::CHUNK);
+        let columns = Columns::find(&source.header()?).map_err(TableError::Columns)?;
+        let source = Box::new(source);
+        Ok(Self { source, columns })
+    }
+
+    /// Reads the schema of an Arrow IPC file. Numbers stand in columns of floats or of whole numbers, labels in
+    /// columns of text or of whole numbers.
+    ///
+    /// # Errors
+    /// [`TableError::NotArrow`], [`TableError::Columns`], [`TableError::ColumnType`].
+    pub fn arrow(input: impl Read + Seek + 'a) -> Result<Self, TableError> {
+        let (source, columns) = ArrowSource::open(input)?;
+        let source = Box::new(source);
+        Ok(Self { source, columns })
+    }
+
+    /// Evaluates all rows in `scalar` and writes them to `output` as `format`. Results of `f32` and `micromath` are
+    /// written as binary32 numbers, those of the other number types as binary64.
+    ///
+    /// A reader of `output` that closes its end early (a broken pipe) ends the work without an error.
+    ///
+    /// # Errors
+    /// [`TableError::Unreadable`], [`TableError::Unwritable`].
+    pub fn evaluate(
+        self,
+        scalar: NumberType,
+        format: TableFormat,
+        output: &mut dyn Write,
+    ) -> Result<RowCounts, TableError> {
+        let mut counts = RowCounts::default();
+        let done = match format {
+            TableFormat::Csv => CsvSink::begin(output)
+                .and_then(|sink| self.evaluate_into(scalar, sink, &mut counts)),
+            TableFormat::Arrow => ArrowSink::begin(output, scalar.is_binary32())
+                .and_then(|sink| self.evaluate_into(scalar, sink, &mut counts)),
+        };
+        match done {
+            Err(TableError::Unwritable(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+                Ok(counts)
+            }
+            other => other.map(|()| counts),
+        }
+    }
+
+    fn evaluate_into<S: Sink>(
+        mut self,
+        scalar: NumberType,
+        mut sink: S,
+        counts: &mut RowCounts,
+    ) -> Result<(), TableError> {
+        let columns = &self.columns;
+        let wave = CHUNKS_PER_THREAD * rayon::current_num_threads();
+        loop {
+            let chunks = self.source.chunks(wave)?;
+            if chunks.is_empty() {
+                return sink.finish();
+            }
+            let evaluate =
+                |chunk: Chunk| in_number_type!(scalar, N => chunk.evaluate::<N>(columns));
+            let evaluated: Vec<Evaluated> = chunks.into_par_iter().map(evaluate).collect();
+            // A row without a label bears its number, so that the rows before it are counted first.
+            let numbered: Vec<(usize, &Evaluated)> = evaluated
+                .iter()
+                .map(|chunk| {
+                    let before = counts.rows;
+                    counts.rows += chunk.outcomes.len();
+                    counts.ok += chunk.outcomes.iter().filter(|row| row.is_ok()).count();
+                    (before, chunk)
+                })
+                .collect();
+            let encode = |(before, chunk)| S::encode(before, chunk, scalar.is_binary32());
+            let parts: Vec<_> = numbered.into_par_iter().map(encode).collect();
+            for part in parts {
+                sink.write(part?)?;
+            }
+        }
+    }
+}
