@@ -4,7 +4,9 @@ use crate::failure::CliError;
 use crate::results::ResultFolder;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
+use std::time::Duration;
 use trirrr_report::{ReportError, ReportSection, refresh, write};
 
 /// `trirrr report`.
@@ -43,7 +45,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
     };
     let mut results = ResultFolder::create(&args.out, "report")?;
     results.begin()?;
-    let report = write(sections, &args.out)?;
+    let report = with_bar(|progress| write(sections, &args.out, progress))?;
     results.end(&report.files, Ok(()))?;
     for file in &report.files {
         println!("{}", file.display());
@@ -52,6 +54,21 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
         Some(document) => Ok(refresh(document, &report)?),
         None => Ok(()),
     }
+}
+
+/// Shows the steps of `work` as a bar on standard error, on a terminal only.
+fn with_bar<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos} of {len}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let result = work(&|done, steps| {
+        bar.set_length(steps as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    result
 }
 
 impl From<ReportError> for CliError {

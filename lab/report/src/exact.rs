@@ -1,6 +1,7 @@
 //! The exact values: every setpoint of a job and what it asks of the motors, in 31 digits, by the
 //! independent model.
 
+use rayon::prelude::*;
 use trirrr_core::machine::Parameters;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_scene::{Job, JobMove, Scene};
@@ -17,9 +18,8 @@ pub(crate) struct Instant {
 
 /// All instants of the scene's job. The scene's numbers are exact; nothing else is rounded.
 pub(crate) fn instants(scene: &Scene) -> Vec<Instant> {
-    (0..=scene.ticks())
-        .map(|tick| instant(scene, tick))
-        .collect()
+    let ticks = (0..=scene.ticks()).into_par_iter();
+    ticks.map(|tick| instant(scene, tick)).collect()
 }
 
 fn instant(scene: &Scene, tick: u32) -> Instant {

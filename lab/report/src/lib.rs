@@ -11,6 +11,7 @@ mod exact;
 mod extremes;
 mod numbers;
 mod page;
+mod progress;
 mod scenes;
 mod table;
 pub mod work_precision;
@@ -19,6 +20,7 @@ pub use error::ReportError;
 pub use page::Block;
 
 use page::{Page, unwritable};
+use progress::Progress;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -55,11 +57,20 @@ impl ReportSection {
         }
     }
 
-    fn write(self, page: &mut Page<'_>) -> Result<(), ReportError> {
+    /// Steps that [`Progress`] counts.
+    fn steps(self) -> usize {
         match self {
-            ReportSection::Numbers => numbers::write(page),
-            ReportSection::Extremes => extremes::write(page),
-            ReportSection::WorkPrecision => work_precision::write(page),
+            ReportSection::Numbers => numbers::STEPS,
+            ReportSection::Extremes => extremes::STEPS,
+            ReportSection::WorkPrecision => work_precision::STEPS,
+        }
+    }
+
+    fn write(self, page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+        match self {
+            ReportSection::Numbers => numbers::write(page, progress),
+            ReportSection::Extremes => extremes::write(page, progress),
+            ReportSection::WorkPrecision => work_precision::write(page, progress),
         }
     }
 }
@@ -85,13 +96,22 @@ pub struct Report {
 
 /// Writes `sections` into `folder`, which is made if it is missing.
 ///
+/// Errors and counts are computed by all threads of rayon's current pool. Run times are measured while nothing else is
+/// computed, or in processor time of one thread. `progress` hears how many steps are done, and of how many.
+///
 /// # Errors
 /// Failed: something cannot be written.
-pub fn write(sections: &[ReportSection], folder: &Path) -> Result<Report, ReportError> {
+pub fn write(
+    sections: &[ReportSection],
+    folder: &Path,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Report, ReportError> {
     std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
     let mut page = Page::new(folder, "Report");
+    let steps = sections.iter().map(|section| section.steps()).sum();
+    let progress = Progress::new(steps, progress);
     for section in sections {
-        section.write(&mut page)?;
+        section.write(&mut page, &progress)?;
     }
     let (blocks, files) = page.finish("report.md")?;
     Ok(Report { blocks, files })

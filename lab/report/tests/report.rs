@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tempfile::TempDir;
 use trirrr_report::{ReportSection, docs, write};
 
@@ -20,11 +21,19 @@ const FIGURES: [&str; 7] = [
 fn numerics_md_is_what_the_report_says() {
     let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let folder = TempDir::new().unwrap();
+    let most = AtomicUsize::new(0);
     let report = write(
         &[ReportSection::Numbers, ReportSection::Extremes],
         folder.path(),
+        &|done, steps| {
+            assert!(done <= steps);
+            most.fetch_max(1000 * steps + done, Ordering::Relaxed);
+        },
     )
     .unwrap();
+    // All steps are counted.
+    let most = most.into_inner();
+    assert!(most > 1000 && most / 1000 == most % 1000, "{most}");
     let document = fs::read_to_string(documents.join("numerics.md")).unwrap();
     let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
     let outdated = docs::outdated(&document, &report.blocks).unwrap();
@@ -43,7 +52,7 @@ fn numerics_md_is_what_the_report_says() {
 #[ignore = "minutes unless optimised; cargo xtask ci runs it so"]
 fn numerics_md_is_what_the_study_of_integrators_says() {
     let folder = TempDir::new().unwrap();
-    let report = write(&[ReportSection::WorkPrecision], folder.path()).unwrap();
+    let report = write(&[ReportSection::WorkPrecision], folder.path(), &|_, _| {}).unwrap();
     let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/numerics.md");
     let document = fs::read_to_string(document).unwrap();
     let outdated = docs::outdated(&document, &report.blocks).unwrap();

@@ -5,10 +5,12 @@ mod curves;
 mod measure;
 
 use super::page::Page;
+use super::progress::Progress;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
 use cases::ExtremeCase;
 use measure::{CaseOutcome, measure};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use trirrr_core::number::{Coarse, Fixed};
 
@@ -21,7 +23,7 @@ struct Column {
 fn columns(cases: &[ExtremeCase]) -> [Column; 4] {
     let column = |scalar, measure: fn(&ExtremeCase) -> CaseOutcome| Column {
         scalar,
-        outcomes: cases.iter().map(measure).collect(),
+        outcomes: cases.par_iter().map(measure).collect(),
     };
     [
         column("f64", measure::<f64>),
@@ -31,10 +33,13 @@ fn columns(cases: &[ExtremeCase]) -> [Column; 4] {
     ]
 }
 
+/// Steps of the section: all cases, and the curves.
+pub(crate) const STEPS: usize = 2;
+
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
     let cases = cases::all()?;
-    let columns = columns(&cases);
+    let columns = progress.step(columns(&cases));
     page.heading(2, "Extremes of the tick");
     page.paragraph(&format!(
         "{} cases: those of the reference file, durations of a move from 1 ms to 10,000 s, moves \
@@ -48,7 +53,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     ));
     page.block("extremes", true, &summary(&cases, &columns).markdown());
     page.csv("extremes.csv", &every_case(&cases, &columns))?;
-    curves::write(page, &cases::thesis_links()?)
+    progress.step(curves::write(page, &cases::thesis_links()?))
 }
 
 /// Contents of one cell of the summary: counts, and the worst of each measure.

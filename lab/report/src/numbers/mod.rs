@@ -8,19 +8,23 @@ mod tool;
 
 use super::exact::{self, Instant};
 use super::page::Page;
+use super::progress::Progress;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
 use counts::{CORES, InstructionCount};
 use cycles::{BOARDS, ModelledCycles};
 use error::{Errors, SceneErrors, Stage};
-use trirrr_core::number::{Coarse, Fixed, Number};
+use rayon::prelude::*;
+use trirrr_core::number::Number;
 use trirrr_figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
-use trirrr_scene::NumberType;
-use trirrr_scene::Scene;
+use trirrr_scene::{NumberType, Scene, in_number_type};
 
 /// The scenes whose ticks are counted and timed: massless links, and links with masses.
 const TIMED: [&str; 2] = ["thesis", "thesis-links"];
+
+/// Steps of the section: the exact values, four number types, and their run times.
+pub(crate) const STEPS: usize = 6;
 
 /// Findings about one number type.
 struct TypeFindings {
@@ -32,15 +36,28 @@ struct TypeFindings {
 }
 
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
     let scenes = shipped()?;
     let instants: Vec<Vec<Instant>> = scenes.iter().map(exact::instants).collect();
-    let measured = [
-        measure::<f64>(NumberType::F64, &scenes, &instants)?,
-        measure::<f32>(NumberType::F32, &scenes, &instants)?,
-        measure::<Fixed>(NumberType::Fixed, &scenes, &instants)?,
-        measure::<Coarse>(NumberType::Micromath, &scenes, &instants)?,
-    ];
+    progress.step(());
+    let errors = |scalar: &NumberType| {
+        let errors = in_number_type!(*scalar, N => measure::<N>(&scenes, &instants));
+        progress.step(errors)
+    };
+    let errors = NumberType::ALL.par_iter().map(errors);
+    let errors = errors.collect::<Result<Vec<_>, _>>()?;
+    // Nothing else runs while run times are measured.
+    let measured = NumberType::ALL.into_iter().zip(errors);
+    let measured = measured.map(|(scalar, errors)| {
+        let nanoseconds = in_number_type!(scalar, N => run_times::<N>(&scenes))?;
+        Ok(TypeFindings {
+            scalar,
+            errors,
+            nanoseconds,
+        })
+    });
+    let measured = measured.collect::<Result<Vec<_>, ReportError>>()?;
+    progress.step(());
     let counts = counts::checked_in()?;
     let cycles = cycles::checked_in()?;
 
@@ -156,26 +173,26 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     })
 }
 
+/// Errors of one number type, scene by scene.
 fn measure<N: Number>(
-    scalar: NumberType,
     scenes: &[Scene],
     instants: &[Vec<Instant>],
-) -> Result<TypeFindings, ReportError> {
-    let mut errors = Vec::with_capacity(scenes.len());
-    for (scene, instants) in scenes.iter().zip(instants) {
-        errors.push(error::measure::<N>(scene, instants)?);
-    }
+) -> Result<Vec<SceneErrors>, ReportError> {
+    let of_scenes = scenes.iter().zip(instants);
+    of_scenes
+        .map(|(scene, instants)| error::measure::<N>(scene, instants))
+        .collect()
+}
+
+/// Run times of the timed scenes, ns per tick.
+fn run_times<N: Number>(scenes: &[Scene]) -> Result<[f64; 2], ReportError> {
     let mut nanoseconds = [f64::NAN; 2];
     for (nanoseconds, name) in nanoseconds.iter_mut().zip(TIMED) {
         if let Some(scene) = scenes.iter().find(|scene| scene.name == name) {
             *nanoseconds = time::nanoseconds::<N>(scene)?;
         }
     }
-    Ok(TypeFindings {
-        scalar,
-        errors,
-        nanoseconds,
-    })
+    Ok(nanoseconds)
 }
 
 impl TypeFindings {

@@ -10,9 +10,11 @@ mod chosen;
 mod trial;
 
 use super::page::Page;
+use super::progress::Progress;
 use super::table::{Table, two_digits};
 use crate::error::ReportError;
 use cases::{CASES, Case};
+use rayon::prelude::*;
 use trial::FOLLOWED;
 pub use trial::{COMPARED_S, Trial};
 use trirrr_figures::loglog::{LogLog, Point, Series, draw};
@@ -62,9 +64,13 @@ struct CaseFindings {
     methods: Vec<Tried>,
 }
 
+/// Steps of the section: every case, and all of them as scenes have them.
+pub(crate) const STEPS: usize = CASES.len() + 1;
+
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
-    let found = CASES.iter().map(study).collect::<Result<Vec<_>, _>>()?;
+pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+    let found = CASES.par_iter().map(|case| progress.step(study(case)));
+    let found = found.collect::<Result<Vec<_>, _>>()?;
     page.heading(2, "Integrators: error against run time");
     page.paragraph(&format!(
         "Largest error of the platform's pose (m and rad, every 20 ms) against a solve by Radau IIA \
@@ -89,7 +95,7 @@ pub(super) fn write(page: &mut Page<'_>) -> Result<(), ReportError> {
     page.block(
         "work-precision-default",
         false,
-        &chosen::table()?.markdown(),
+        &progress.step(chosen::table())?.markdown(),
     );
     page.heading(3, "Error against cost");
     for found in found.iter().filter(|found| found.truth.is_ok()) {
@@ -147,10 +153,9 @@ fn study(case: &'static Case) -> Result<CaseFindings, ReportError> {
     };
     let check = by_radau(&scene, 10.0 * TRUTH)?;
     let uncertainty = check.error(&truth);
-    let mut methods = Vec::new();
-    for (name, build, range) in METHODS {
+    let methods = METHODS.par_iter().map(|(name, build, range)| {
         let mut trials = Vec::new();
-        for &parameter in range {
+        for &parameter in *range {
             let trial = Trial::run(&scene, build(parameter))?;
             let error = trial.error(&truth);
             trials.push((parameter, trial, error));
@@ -158,8 +163,9 @@ fn study(case: &'static Case) -> Result<CaseFindings, ReportError> {
                 break;
             }
         }
-        methods.push(Tried { name, trials });
-    }
+        Ok(Tried { name, trials })
+    });
+    let methods = methods.collect::<Result<_, ReportError>>()?;
     Ok(CaseFindings {
         case,
         truth: Ok((truth, uncertainty)),

@@ -1,6 +1,7 @@
 //! One run of a case by one method, and what it cost.
 
 use crate::error::ReportError;
+use cpu_time::ThreadTime;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use trirrr_drives::stepper::Line;
@@ -24,9 +25,9 @@ pub struct Trial {
     pub warnings: Vec<String>,
     /// Derivatives evaluated, those of Jacobians among them.
     pub cost: u64,
-    /// Run time.
+    /// Processor time of the thread: threads beside it do not count.
     pub elapsed: Duration,
-    /// Times faster than real time.
+    /// Times faster than real time, on an idle machine.
     pub ratio: f64,
     /// Name of the method.
     pub method: &'static str,
@@ -56,11 +57,13 @@ impl Trial {
         let mut run = PlantRun::<f64>::build(scene, &line).map_err(|error| refused(&error))?;
         let mut poses = Vec::new();
         let never = AtomicBool::new(false);
+        let started = ThreadTime::now();
         let mut sink = |row: &Row| poses.push((row.t, row.pose));
         for output in job::outputs(scene).map_err(|error| refused(&error))? {
             run.tick(&output, &mut sink);
         }
         let outcome = run.finish(&never, &mut sink);
+        let elapsed = started.elapsed();
         let ratio = outcome.ratio();
         let ended = match outcome.end {
             PlantEnd::Complete => None,
@@ -74,7 +77,7 @@ impl Trial {
             ended,
             warnings: outcome.warnings,
             cost: outcome.tally.cost(outcome.dimension),
-            elapsed: outcome.elapsed,
+            elapsed,
             ratio,
             method: outcome.method.name(),
         })
