@@ -1,0 +1,207 @@
+//! Slices of states: the bits of the tick, whatever stands beside a state.
+
+use nalgebra::{Vector2, Vector3};
+use std::collections::BTreeSet;
+use trirrr_batch::{BatchMachine, FailedRow, Float, LengthError, MotorRows, StateRows};
+use trirrr_core::machine::{LinkParameters, Parameters, example};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::status::Status;
+use trirrr_core::tick::{Motor, Tick};
+
+type Rows<F> = Vec<[F; 3]>;
+
+/// Numbers without a pattern, evenly within -1 and 1 (splitmix64).
+struct Draws(u64);
+
+impl Draws {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as i64 as f64 / 2f64.powi(63)
+    }
+
+    fn rows<F: Float>(&mut self, count: usize, middle: [f64; 3], half: [f64; 3]) -> Rows<F> {
+        let mut value = |column: usize| F::from_f64(middle[column] + half[column] * self.next());
+        (0..count).map(|_| [value(0), value(1), value(2)]).collect()
+    }
+}
+
+/// Evaluates one state by the tick of the model that is visited.
+struct Single<F: Float>(Parameters, Setpoint<F>);
+
+impl<F: Float> ModelVisitor<F> for Single<F> {
+    type Output = Result<[Motor<F>; 3], Status>;
+
+    fn visit<M: Model<N = F>>(self) -> Self::Output {
+        let tick: Tick<M> = Tick::build(&self.0).expect("a machine");
+        tick.evaluate(&self.1).map(|motion| motion.motors)
+    }
+}
+
+/// What stands in rows without results.
+const LEFT: f64 = 7.5;
+
+/// Evaluates all states at once and each by itself. Returns the statuses that occurred.
+fn compare<F: Float>(
+    parameters: &Parameters,
+    torque: bool,
+    states: [&Rows<F>; 3],
+) -> Vec<FailedRow> {
+    let [poses, velocities, accelerations] = states;
+    let mut results = [(); 4].map(|()| vec![[F::from_f64(LEFT); 3]; poses.len()]);
+    let [angles, rates, motor_accelerations, torques] = &mut results;
+    let failed = BatchMachine::<F>::build(parameters, torque)
+        .expect("a machine")
+        .evaluate(
+            StateRows {
+                poses,
+                velocities,
+                accelerations,
+            },
+            MotorRows {
+                angles,
+                rates,
+                accelerations: motor_accelerations,
+                torques,
+            },
+        )
+        .expect("equal lengths");
+    let mut failures = failed.iter();
+    for row in 0..poses.len() {
+        let [x, y, alpha] = poses[row];
+        let setpoint = Setpoint {
+            pose: Pose {
+                position: Vector2::new(x, y),
+                angle: alpha,
+            },
+            velocity: Vector3::from(velocities[row]),
+            acceleration: Vector3::from(accelerations[row]),
+        };
+        let kind = ModelKind::of(parameters, torque);
+        let bits = |values: [F; 3]| values.map(|value| value.to_f64().to_bits());
+        let found = results.each_ref().map(|rows| bits(rows[row]));
+        match kind.visit(Single(*parameters, setpoint)) {
+            Ok(motors) => {
+                let expected = [
+                    bits(motors.map(|motor| motor.angle)),
+                    bits(motors.map(|motor| motor.rate)),
+                    bits(motors.map(|motor| motor.acceleration)),
+                    bits(motors.map(|motor| motor.torque)),
+                ];
+                assert_eq!(found, expected, "row {row}");
+            }
+            Err(status) => {
+                assert_eq!(failures.next(), Some(&FailedRow { row, status }));
+                assert_eq!(found, [bits([F::from_f64(LEFT); 3]); 4]);
+            }
+        }
+    }
+    assert_eq!(failures.next(), None);
+    failed
+}
+
+/// The thesis machine and one with everything: all kinds of payloads and links.
+fn machines() -> Vec<Parameters> {
+    let massless = example();
+    let mut rotors = massless;
+    rotors.legs[1].rotor_inertia_kgm2 = 3e-4;
+    let mut links = massless;
+    for leg in &mut links.legs {
+        leg.proximal = LinkParameters::uniform_rod(0.05, leg.proximal_m);
+        leg.distal = LinkParameters::uniform_rod(0.04, leg.distal_m);
+    }
+    let mut vertical = links;
+    vertical.gravity_m_s2 = Vector2::new(0.5, -9.8);
+    vertical.wrench_force_n = Vector2::new(1.0, -2.0);
+    let centred = [massless, rotors, links, vertical];
+    let offset = centred.map(|mut machine| {
+        machine.platform.com_m = Vector2::new(0.01, -0.02);
+        machine
+    });
+    centred.into_iter().chain(offset).collect()
+}
+
+fn has_the_bits_of_the_tick<F: Float>() {
+    let mut draws = Draws(5);
+    let mut statuses = BTreeSet::new();
+    for parameters in machines() {
+        // Two chunks and a rest: inside the workspace, and all around its edge.
+        let mut poses = draws.rows::<F>(6003, [0.25, 0.25, 0.2], [0.2, 0.2, 2.0]);
+        let velocities = draws.rows::<F>(6003, [0.0; 3], [1.0; 3]);
+        let mut accelerations = draws.rows::<F>(6003, [0.0; 3], [1.0; 3]);
+        // In the middle of lanes that have results.
+        poses[2402] = poses[2400];
+        poses[2402][0] = F::from_f64(f64::NAN);
+        accelerations[4001][1] = F::from_f64(f64::INFINITY);
+        for torque in [true, false] {
+            let failed = compare(&parameters, torque, [&poses, &velocities, &accelerations]);
+            assert!((500..5500).contains(&failed.len()), "{}", failed.len());
+            statuses.extend(failed.iter().map(|row| row.status.to_string()));
+        }
+    }
+    assert!(statuses.len() >= 4, "{statuses:?}");
+}
+
+#[test]
+fn rows_of_f64_have_the_bits_of_the_tick() {
+    has_the_bits_of_the_tick::<f64>();
+}
+
+#[test]
+fn rows_of_f32_have_the_bits_of_the_tick() {
+    has_the_bits_of_the_tick::<f32>();
+}
+
+/// Every number of rows up to some groups of lanes, each with a row that fails at every place.
+#[test]
+fn a_failing_row_spoils_none_beside_it() {
+    let parameters = example();
+    for rows in 0..11 {
+        for bad in 0..=rows {
+            let mut draws = Draws(rows as u64);
+            let mut poses = draws.rows::<f64>(rows, [0.245, 0.25, 0.2], [0.01; 3]);
+            let still = vec![[0.0; 3]; rows];
+            if let Some(pose) = poses.get_mut(bad) {
+                pose[0] = 3.0;
+            }
+            let failed = compare(&parameters, true, [&poses, &still, &still]);
+            let expected: Vec<usize> = (bad..rows).take(1).collect();
+            assert_eq!(
+                failed.iter().map(|row| row.row).collect::<Vec<_>>(),
+                expected
+            );
+        }
+    }
+}
+
+#[test]
+fn slices_of_different_lengths_are_refused() {
+    let machine = BatchMachine::<f64>::build(&example(), true).unwrap();
+    let (two, three) = (vec![[0.0; 3]; 2], vec![[0.0; 3]; 3]);
+    let mut results = [(); 4].map(|()| three.clone());
+    let [angles, rates, accelerations, torques] = &mut results;
+    let states = StateRows {
+        poses: &three,
+        velocities: &two,
+        accelerations: &three,
+    };
+    let refused = machine.evaluate(
+        states,
+        MotorRows {
+            angles,
+            rates,
+            accelerations,
+            torques,
+        },
+    );
+    let error = LengthError {
+        slice: "velocities",
+        found: 2,
+        expected: 3,
+    };
+    assert_eq!(refused, Err(error));
+    assert!(results.iter().all(|rows| *rows == three));
+}
