@@ -9,7 +9,7 @@
 //! | joint rates | (3.11) to (3.14) |
 //! | joint accelerations | (3.17) to (3.21) |
 
-use crate::dyad::{Accelerations, DyadPosition, OutOfReach, Rates};
+use crate::dyad::{Accelerations, DyadPosition, OutOfReach, Rates, Rrr};
 use crate::machine::{Geometry, Leg};
 use crate::number::{Number, perpendicular};
 use crate::setpoint::{Pose, Setpoint};
@@ -89,12 +89,8 @@ impl<N: Number> Geometry<N> {
     /// theta_i1, the motor angles at `position`: directions A -> B in (-pi, pi].
     #[inline]
     pub fn motor_angles(&self, position: &Position<N>) -> [N::Angle; 3] {
-        let angle = |leg: usize| {
-            self.legs[leg]
-                .dyad
-                .proximal_angle(&position.legs[leg].links)
-        };
-        [angle(0), angle(1), angle(2)]
+        let dyads = self.legs.each_ref().map(|leg| &leg.dyad);
+        Rrr::proximal_angles(dyads, position.legs.each_ref().map(|leg| &leg.links))
     }
 }
 
@@ -173,12 +169,41 @@ impl<N: Number> Leg<N> {
         position: Vector2<N>,
         rotation: &Rotation<N>,
     ) -> Result<LegPosition<N>, Status> {
+        let (platform_joint, span) = self.span(position, rotation);
+        Self::placed(index, platform_joint, self.dyad.position(span))
+    }
+
+    /// As [`position`](Self::position), for callers that
+    /// [look at their results](crate::number::DyadKernel::intersect_circles_unchecked).
+    #[inline(always)]
+    pub(crate) fn position_unchecked(
+        &self,
+        index: usize,
+        position: Vector2<N>,
+        rotation: &Rotation<N>,
+    ) -> Result<LegPosition<N>, Status> {
+        let (platform_joint, span) = self.span(position, rotation);
+        Self::placed(index, platform_joint, self.dyad.position_unchecked(span))
+    }
+
+    /// Returns c, and A -> C.
+    #[inline(always)]
+    fn span(&self, position: Vector2<N>, rotation: &Rotation<N>) -> (Vector2<N>, Vector2<N>) {
         let platform_joint = rotation.apply(self.joint);
         let span = Vector2::new(
             N::span(position.x, self.base.x, platform_joint.x),
             N::span(position.y, self.base.y, platform_joint.y),
         );
-        match self.dyad.position(span) {
+        (platform_joint, span)
+    }
+
+    #[inline(always)]
+    fn placed(
+        index: usize,
+        platform_joint: Vector2<N>,
+        links: Result<DyadPosition<N>, OutOfReach>,
+    ) -> Result<LegPosition<N>, Status> {
+        match links {
             Ok(links) => Ok(LegPosition {
                 platform_joint,
                 links,

@@ -3,6 +3,7 @@
 //! The [`Model`] of a [`Tick`] says what the scene holds: number type, payload, links. What a scene
 //! does not use is not in the model, so it is not in the image either.
 
+use crate::dyad::Rrr;
 use crate::inverse::{LegMotion, Position, Rotation};
 use crate::machine::{BuildError, Geometry, Parameters};
 use crate::model::Model;
@@ -12,6 +13,7 @@ use crate::status::Status;
 use crate::to_source;
 use crate::torque::balance::Forces;
 use crate::torque::links::LegLoad;
+use nalgebra::Vector2;
 
 /// The pipeline of a machine with its coefficients, built once by [`Tick::build`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +108,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         rotation: &Rotation<N>,
     ) -> Result<(LegMotion<N>, LegLoad<N>), Status> {
         let leg = &self.geometry.legs[index];
-        let position = leg.position(index, setpoint.pose.position, rotation)?;
+        let position = leg.position_unchecked(index, setpoint.pose.position, rotation)?;
         let rates = leg.rates(&position, &setpoint.velocity);
         let accelerations = leg.accelerations(&position, &rates, setpoint);
         let motion = LegMotion {
@@ -139,19 +141,24 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         let load = |leg: usize| self.model.load(leg, &legs[leg]);
         let loads = [load(0), load(1), load(2)];
         let forces = self.model.forces(legs, &loads, setpoint, rotation)?;
+        if self.model.is_singular(forces.det_a) {
+            return Err(Status::ParallelSingular);
+        }
         Ok(forces.torques(legs, &loads))
     }
 
-    /// Returns the motion and the torque that motor `index` has to give.
-    #[inline(always)]
-    fn motor(&self, index: usize, leg: &LegMotion<N>, torque: N) -> Motor<N> {
-        Motor {
-            angle: self.geometry.legs[index]
-                .dyad
-                .proximal_angle(&leg.position.links),
-            rate: leg.rates.proximal,
-            acceleration: leg.accelerations.proximal,
-            torque,
+    /// Reason why a tick without a finite result has none.
+    #[cold]
+    #[inline(never)]
+    fn refusal(&self, place: Vector2<N>, rotation: &Rotation<N>, is_singular: bool) -> Status {
+        for (index, leg) in self.geometry.legs.iter().enumerate() {
+            if let Err(status) = leg.position(index, place, rotation) {
+                return status;
+            }
+        }
+        match is_singular {
+            true => Status::ParallelSingular,
+            false => Status::OutOfRange,
         }
     }
 
@@ -181,7 +188,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         let forces = self.model.forces(&legs, &loads, setpoint, &rotation)?;
         let torques = forces.torques(&legs, &loads);
 
-        // Whatever leaves the range on the way reaches an acceleration or a torque, and a sum
+        // Whatever is out of reach or leaves the range on the way reaches an acceleration or a torque, and a sum
         // with a part that is not finite is not finite.
         let [a1, a2, a3] = legs.each_ref().map(|leg| leg.accelerations.proximal);
         let [t1, t2, t3] = torques;
@@ -190,16 +197,23 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
             (true, false) => !(a1 + a2 + a3).is_finite(),
             (false, torques_count) => torques_count && !N::in_range(torques),
         };
+        let is_singular = self.model.is_singular(forces.det_a);
         if lost {
-            return Err(Status::OutOfRange);
+            return Err(self.refusal(setpoint.pose.position, &rotation, is_singular));
+        }
+        if is_singular {
+            return Err(Status::ParallelSingular);
         }
         // The angles come last: nothing else waits for them, and with them would wait.
-        let [leg1, leg2, leg3] = &legs;
-        let motors = [
-            self.motor(0, leg1, t1),
-            self.motor(1, leg2, t2),
-            self.motor(2, leg3, t3),
-        ];
+        let dyads = self.geometry.legs.each_ref().map(|leg| &leg.dyad);
+        let angles = Rrr::proximal_angles(dyads, legs.each_ref().map(|leg| &leg.position.links));
+        let motor = |index: usize| Motor {
+            angle: angles[index],
+            rate: legs[index].rates.proximal,
+            acceleration: legs[index].accelerations.proximal,
+            torque: torques[index],
+        };
+        let motors = [motor(0), motor(1), motor(2)];
         Ok(Motion {
             motors,
             legs,

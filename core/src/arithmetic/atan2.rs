@@ -96,35 +96,6 @@ fn tail_f64(t: f64) -> f64 {
         )
 }
 
-/// Arctangent of `t`, |t| <= tan(pi / 8), relative error of the polynomial 2.1e-8.
-#[inline(always)]
-pub(super) fn atan_small_f32(t: f32) -> f32 {
-    let z = t * t;
-    let p = horner!(z; -0.333_329_5, 0.199_777_3, -0.138_778_52, 0.080_541_83);
-    t + t * z * p
-}
-
-/// Arctangent of `t`, |t| <= tan(pi / 8), relative error of the polynomial 1.3e-18.
-#[inline(always)]
-pub(super) fn atan_small_f64(t: f64) -> f64 {
-    let z = t * t;
-    let p = horner!(
-        z;
-        -0.333_333_333_333_332,
-        0.199_999_999_999_536_74,
-        -0.142_857_142_801_999_6,
-        0.111_111_107_835_250_24,
-        -0.090_908_977_587_288_14,
-        0.076_920_602_358_638_75,
-        -0.066_631_044_256_009_77,
-        0.058_478_933_946_189_46,
-        -0.050_393_299_491_561_04,
-        0.038_065_384_003_302_05,
-        -0.017_908_313_163_642_057
-    );
-    t + t * z * p
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::reference::ATAN2;

@@ -141,8 +141,12 @@ impl Arithmetic for Coarse {
 impl RoundsEachStep for Coarse {
     /// As [`atan2`](Arithmetic::atan2), which has no use for the length. The vector must not be zero.
     #[inline(always)]
-    fn direction_at_length(x: Self, y: Self, _length: Self) -> Self {
-        Self(F32(y.0).atan2(F32(x.0)).0)
+    fn directions_at_lengths<const COUNT: usize>(
+        x: [Self; COUNT],
+        y: [Self; COUNT],
+        _inverse: [Self; COUNT],
+    ) -> [Self; COUNT] {
+        core::array::from_fn(|i| Self(F32(y[i].0).atan2(F32(x[i].0)).0))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Arithmetic, RoundsEachStep, atan2, direction, sin_cos, sqrt};
 
 macro_rules! float {
-    ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $direction:path) => {
+    ($float:ident, $sqrt:path, $sin_cos:path, $atan2:path, $directions:path) => {
         impl Arithmetic for $float {
             type Angle = $float;
 
@@ -73,8 +73,12 @@ macro_rules! float {
 
         impl RoundsEachStep for $float {
             #[inline(always)]
-            fn direction_at_length(x: Self, y: Self, length: Self) -> Self {
-                $direction(x, y, length)
+            fn directions_at_lengths<const COUNT: usize>(
+                x: [Self; COUNT],
+                y: [Self; COUNT],
+                inverse: [Self; COUNT],
+            ) -> [Self; COUNT] {
+                $directions(x, y, inverse)
             }
         }
     };
@@ -85,14 +89,14 @@ float!(
     sqrt::sqrt_f32,
     sin_cos::sin_cos_f32,
     atan2::atan2_f32,
-    direction::direction_f32
+    direction::directions_f32
 );
 float!(
     f64,
     sqrt::sqrt_f64,
     sin_cos::sin_cos_f64,
     atan2::atan2_f64,
-    direction::direction_f64
+    direction::directions_f64
 );
 
 #[cfg(test)]

@@ -85,7 +85,7 @@ fn intersect_circles(
     let up = j.wrapping_sub(1) & 31;
     let (dx, dy) = (d.x.0 << up, d.y.0 << up);
 
-    let right = triangle.branch.0 < 0;
+    let right = triangle.half_side.0 > 0;
     let (s, cross, significand) = if right {
         (-s, area, inverse)
     } else {

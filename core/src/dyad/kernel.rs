@@ -34,6 +34,17 @@ pub trait DyadKernel: WideArithmetic {
         d: Vector2<Self>,
     ) -> Result<DyadPosition<Self>, OutOfReach>;
 
+    /// As [`intersect_circles`](Self::intersect_circles), for callers that look at their results. A type that
+    /// [propagates](crate::number::Arithmetic::PROPAGATES_NON_FINITE) what is not finite does not check: a
+    /// position out of reach then has an `inverse_cross` that is not finite.
+    #[inline(always)]
+    fn intersect_circles_unchecked(
+        triangle: &Triangle<Self>,
+        d: Vector2<Self>,
+    ) -> Result<DyadPosition<Self>, OutOfReach> {
+        Self::intersect_circles(triangle, d)
+    }
+
     /// (place - base) + arm. The two places are exact inputs and are subtracted first, so that a
     /// large common offset cancels before any rounding. The arm is at most 1/2 long where values
     /// have to be [in range](crate::number::Arithmetic::in_range).
@@ -58,15 +69,15 @@ pub struct Triangle<N: WideArithmetic> {
     pub(super) twice_product: N::Sum,
     /// 2 l1 (l2 - l1)
     pub(super) twice_shortfall: N::Sum,
-    /// sigma
-    pub(super) branch: N,
+    /// -sigma / 2
+    pub(super) half_side: N,
 }
 
 to_source!([N: WideArithmetic] Triangle [N] in trirrr_core::dyad {
     folded_sq: N::Sum,
     twice_product: N::Sum,
     twice_shortfall: N::Sum,
-    branch: N,
+    half_side: N,
 });
 
 /// Configuration of a dyad: its inner joint, and the quantities that the later stages reuse.
@@ -106,7 +117,7 @@ impl<N: WideArithmetic> Triangle<N> {
             folded_sq: N::sum_from_f64((l1 - l2) * (l1 - l2)),
             twice_product: N::sum_from_f64(2.0 * (l1 * l2)),
             twice_shortfall: N::sum_from_f64(2.0 * l1 * (l2 - l1)),
-            branch: N::from_f64(branch),
+            half_side: N::from_f64(-0.5 * branch),
         }
     }
 
@@ -121,40 +132,75 @@ impl<N: WideArithmetic> Triangle<N> {
 }
 
 impl<N: RoundsEachStep> DyadKernel for N {
-    /// By one root and two divisions.
     #[inline(always)]
     fn intersect_circles(
         triangle: &Triangle<N>,
         d: Vector2<N>,
     ) -> Result<DyadPosition<N>, OutOfReach> {
+        let squares = Squares::of(triangle, d);
+        let four_s_sq = squares.four_s_sq;
+        // Not a number compares as false and is refused as well.
+        if four_s_sq > N::ZERO {
+            Ok(squares.intersect(triangle, d))
+        } else if four_s_sq == N::ZERO {
+            Err(OutOfReach::Singular)
+        } else {
+            Err(OutOfReach::Unreachable)
+        }
+    }
+
+    /// 1 / 0 and the root of a negative number are not finite, and `inverse_cross` is a multiple of them.
+    #[inline(always)]
+    fn intersect_circles_unchecked(
+        triangle: &Triangle<N>,
+        d: Vector2<N>,
+    ) -> Result<DyadPosition<N>, OutOfReach> {
+        Ok(Squares::of(triangle, d).intersect(triangle, d))
+    }
+}
+
+/// Squares of a triangle's lengths, of which the rest is made.
+struct Squares<N> {
+    /// x
+    base_sq: N,
+    /// y
+    excess: N,
+    /// y - 2 l1 l2
+    twice_dot: N,
+    four_s_sq: N,
+}
+
+impl<N: RoundsEachStep> Squares<N> {
+    #[inline(always)]
+    fn of(triangle: &Triangle<N>, d: Vector2<N>) -> Self {
         let base_sq = dot(d, d);
         let excess = base_sq - triangle.folded_sq;
         let twice_dot = excess - triangle.twice_product;
-        let four_s_sq = excess * (triangle.twice_product - twice_dot);
-        // Not a number compares as false and is refused as well.
-        if !(four_s_sq > N::ZERO) {
-            return Err(if four_s_sq == N::ZERO {
-                OutOfReach::Singular
-            } else {
-                OutOfReach::Unreachable
-            });
+        Self {
+            base_sq,
+            excess,
+            twice_dot,
+            four_s_sq: excess * (triangle.twice_product - twice_dot),
         }
-        let two_sigma_s = triangle.branch * four_s_sq.sqrt();
-        let two_k = excess - triangle.twice_shortfall;
-        // 1 / (2 d^2): the halves of k and S are taken here, once.
-        let half_inverse = N::HALF.div(base_sq);
-        let along = two_k * half_inverse;
-        let across = two_sigma_s * half_inverse;
+    }
+
+    /// By one root and one division.
+    #[inline(always)]
+    fn intersect(&self, triangle: &Triangle<N>, d: Vector2<N>) -> DyadPosition<N> {
+        let r1_cross_r2 = triangle.half_side * self.four_s_sq.sqrt();
+        let inverse_sq = self.base_sq.reciprocal();
+        let along = N::HALF * (self.excess - triangle.twice_shortfall) * inverse_sq;
+        let across = r1_cross_r2 * inverse_sq;
         let r1 = Vector2::new(
-            N::ab_minus_cd(along, d.x, across, d.y),
-            N::ab_plus_cd(along, d.y, across, d.x),
+            N::ab_plus_cd(along, d.x, across, d.y),
+            N::ab_minus_cd(along, d.y, across, d.x),
         );
-        Ok(DyadPosition {
+        DyadPosition {
             r1,
             r2: d - r1,
-            r1_cross_r2: -(N::HALF * two_sigma_s),
-            inverse_cross: (-(N::ONE + N::ONE)).div(two_sigma_s),
-            r1_dot_r2: N::HALF * twice_dot,
-        })
+            r1_cross_r2,
+            inverse_cross: r1_cross_r2.reciprocal(),
+            r1_dot_r2: N::HALF * self.twice_dot,
+        }
     }
 }

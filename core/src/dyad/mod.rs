@@ -79,10 +79,23 @@ impl<N: DyadKernel> Rrr<N> {
         N::intersect_circles(&self.triangle, d)
     }
 
+    /// As [`position`](Self::position), for callers that
+    /// [look at their results](DyadKernel::intersect_circles_unchecked).
+    #[inline(always)]
+    pub fn position_unchecked(&self, d: Vector2<N>) -> Result<DyadPosition<N>, OutOfReach> {
+        N::intersect_circles_unchecked(&self.triangle, d)
+    }
+
     /// Direction of A -> B, counter-clockwise from the x axis, in (-pi, pi].
     #[inline(always)]
     pub fn proximal_angle(&self, at: &DyadPosition<N>) -> N::Angle {
         N::direction(at.r1.x, at.r1.y, &self.l1)
+    }
+
+    /// Directions of A -> B of three dyads, as [`proximal_angle`](Self::proximal_angle).
+    #[inline(always)]
+    pub fn proximal_angles(dyads: [&Self; 3], at: [&DyadPosition<N>; 3]) -> [N::Angle; 3] {
+        N::directions(at.map(|at| at.r1), dyads.map(|dyad| &dyad.l1))
     }
 
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).

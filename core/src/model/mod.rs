@@ -46,7 +46,10 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// Returns the load that the links of leg `leg`, 0 to 2, put on the motors.
     fn load(&self, leg: usize, motion: &LegMotion<Self::N>) -> LegLoad<Self::N>;
 
-    /// Solves for the forces along the distal links. The angle of `setpoint` is resolved in `rotation`.
+    /// Solves for the forces along the distal links, unless the pose is singular. The angle of `setpoint` is
+    /// resolved in `rotation`. Number types that
+    /// [propagate](crate::number::Arithmetic::PROPAGATES_NON_FINITE) what is not finite leave the question to
+    /// [`is_singular`](Self::is_singular).
     ///
     /// # Errors
     /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
@@ -57,6 +60,9 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
         setpoint: &Setpoint<Self::N>,
         rotation: &Rotation<Self::N>,
     ) -> Result<Forces<Self::N>, Status>;
+
+    /// Returns `true` if the torques of a pose with the determinant `det_a` are not defined.
+    fn is_singular(&self, det_a: Self::N) -> bool;
 }
 
 /// Positions, rates and accelerations only, for motors that take positions, such as steppers.
@@ -101,6 +107,11 @@ impl<N: Number> Model for Kinematic<N> {
             along: [N::ZERO; 3],
             det_a: singularity::det_a(&position),
         })
+    }
+
+    #[inline(always)]
+    fn is_singular(&self, _: N) -> bool {
+        false
     }
 }
 
@@ -151,5 +162,10 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     ) -> Result<Forces<N>, Status> {
         let demand = self.payload.demand(setpoint, rotation);
         self.balance.forces(legs, &demand, loads)
+    }
+
+    #[inline(always)]
+    fn is_singular(&self, det_a: N) -> bool {
+        self.balance.is_singular(det_a)
     }
 }

@@ -45,10 +45,19 @@ impl<N: Number> Balance<N> {
         }
     }
 
+    /// Returns `true` if `det_a` is rounding noise or not a number.
+    #[inline(always)]
+    pub fn is_singular(&self, det_a: N) -> bool {
+        !(det_a.abs() > self.least_det_a)
+    }
+
     /// Solves for the forces along the distal links.
     ///
     /// Moments are taken about C_1, so that leg 1 drops out of them, and forces across leg 1, so
     /// that two equations in f_2 and f_3 are left. det A is the same about every point.
+    ///
+    /// Where the number type [propagates](crate::number::Arithmetic::PROPAGATES_NON_FINITE) what is not
+    /// finite, the caller asks whether the pose [is singular](Self::is_singular), and looks at the torques.
     ///
     /// # Errors
     /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
@@ -74,7 +83,7 @@ impl<N: Number> Balance<N> {
         let (moment2, moment3) = (cross(arm2, d2), cross(arm3, d3));
         let (d1_x_d2, d3_x_d1) = (cross(d1, d2), cross(d3, d1));
         let det_a = N::ab_plus_cd(d1_x_d2, moment3, d3_x_d1, moment2);
-        if !(det_a.abs() > self.least_det_a) {
+        if !N::PROPAGATES_NON_FINITE && self.is_singular(det_a) {
             return Err(Status::ParallelSingular);
         }
         let across = cross(d1, force);

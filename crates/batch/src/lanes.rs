@@ -197,9 +197,13 @@ impl<F: Float> Arithmetic for Lanes<F> {
 
 impl<F: Float> RoundsEachStep for Lanes<F> {
     #[inline(always)]
-    fn direction_at_length(x: Self, y: Self, length: Self) -> Self {
-        Self::new(|lane| {
-            F::direction_at_length(x.values[lane], y.values[lane], length.values[lane])
+    fn directions_at_lengths<const COUNT: usize>(
+        x: [Self; COUNT],
+        y: [Self; COUNT],
+        inverse: [Self; COUNT],
+    ) -> [Self; COUNT] {
+        std::array::from_fn(|i| Self {
+            values: F::directions_at_lengths(x[i].values, y[i].values, inverse[i].values),
         })
     }
 }

@@ -223,14 +223,15 @@ impl LegCoefficients {
     #[inline(always)]
     pub(crate) fn motor_angle<T: Differentiable>(&self, state: &LegState<T>) -> T {
         let (x, y) = (state.r1.x, state.r1.y);
-        let angle = <f64 as WideArithmetic>::direction(x.value(), y.value(), &self.l1);
+        let length = f64::length_from_f64(self.l1);
+        let angle = f64::direction(x.value(), y.value(), &length);
         let by = 1.0 / self.l1_sq;
         T::function(angle, [(-y.value() * by, x), (x.value() * by, y)])
     }
 
     /// theta_i2 of the leg in `state`, in (-pi, pi].
     pub(crate) fn distal_angle(&self, state: &LegState) -> f64 {
-        <f64 as WideArithmetic>::direction(state.r2.x, state.r2.y, &self.l2)
+        f64::direction(state.r2.x, state.r2.y, &f64::length_from_f64(self.l2))
     }
 
     /// Sine of the angle between the links, positive on the leg's branch.
