@@ -10,3 +10,17 @@ macro_rules! horner {
     };
 }
 pub(super) use horner;
+
+/// Two polynomials of one variable and one degree, step by step beside each other, so that neither waits for its own
+/// result.
+macro_rules! horner_pair {
+    ($x:expr; ($last_a:expr, $last_b:expr)) => {
+        ($last_a, $last_b)
+    };
+    ($x:expr; ($a:expr, $b:expr), $($rest:tt),+) => {{
+        let (a, b) = $crate::arithmetic::polynomial::horner_pair!($x; $($rest),+);
+        let (a, b) = ($x * a, $x * b);
+        ($a + a, $b + b)
+    }};
+}
+pub(super) use horner_pair;

@@ -7,7 +7,7 @@
 //! relative error of the sine and the absolute error of the cosine on |r| <= pi/4, coefficients
 //! rounded one after the other, each refitted to the ones before it.
 
-use super::polynomial::horner;
+use super::polynomial::horner_pair;
 use super::reduction::{reduce_f32, reduce_f64};
 
 /// Sine and cosine of `x` radians, for any finite `x`. What is not finite gives two results that
@@ -20,22 +20,20 @@ pub(super) fn sin_cos_f32(x: f32) -> (f32, f32) {
     // multiple of 4. The range check on those bits also catches what is not finite.
     const ROUND: f32 = 8_388_608.0 + 128.0;
     const RANGE: u32 = 256;
-    let (quadrant, r, low) = if x.abs() <= core::f32::consts::FRAC_PI_4 {
-        (0, x, 0.0)
-    } else {
-        let rounded = x * core::f32::consts::FRAC_2_PI + ROUND;
-        let quadrant = rounded.to_bits().wrapping_sub(0x4b00_0000);
-        if quadrant >= RANGE {
-            return far_f32(x);
-        }
-        let k = rounded - ROUND;
-        // 12 bits, 13 bits, 24 bits; the second part is negative.
-        let a = x - k * 1.570_800_8;
-        let b = k * 4.454_516e-6;
-        let r = a + b;
-        (quadrant, r, (b - (r - a)) - k * 6.077_100_6e-11)
-    };
-    turned_f32(quadrant, r, low)
+    if x.abs() <= core::f32::consts::FRAC_PI_4 {
+        return near_f32(x, None);
+    }
+    let rounded = x * core::f32::consts::FRAC_2_PI + ROUND;
+    let quadrant = rounded.to_bits().wrapping_sub(0x4b00_0000);
+    if quadrant >= RANGE {
+        return far_f32(x);
+    }
+    let k = rounded - ROUND;
+    // 12 bits, 13 bits, 24 bits; the second part is negative.
+    let a = x - k * 1.570_800_8;
+    let b = k * 4.454_516e-6;
+    let r = a + b;
+    turned_f32(quadrant, r, (b - (r - a)) - k * 6.077_100_6e-11)
 }
 
 #[cold]
@@ -48,17 +46,32 @@ fn far_f32(x: f32) -> (f32, f32) {
     turned_f32(quadrant, r, low)
 }
 
-/// Sine and cosine of `quadrant` pi/2 + `r` + `low`.
+/// Sine and cosine of `r` and, if there is one, its low part.
 #[inline(always)]
-fn turned_f32(quadrant: u32, r: f32, low: f32) -> (f32, f32) {
+fn near_f32(r: f32, low: Option<f32>) -> (f32, f32) {
     let z = r * r;
-    let s = horner!(z; -0.166_666_55, 0.008_332_187, -0.000_195_178_97);
-    let sin = r + (low + r * z * s);
-    let c = horner!(z; 0.041_666_653, -0.001_388_761_8, 2.446_317_7e-5);
     // 1 - z/2 with what its rounding lost.
     let half = 0.5 * z;
     let most = 1.0 - half;
-    let cos = most + (((1.0 - most) - half) + (z * z * c - r * low));
+    let rest = (1.0 - most) - half;
+    let (s, c) = horner_pair!(
+        z;
+        (-0.166_666_55, 0.041_666_653),
+        (0.008_332_187, -0.001_388_761_8),
+        (-0.000_195_178_97, 2.446_317_7e-5)
+    );
+    let (cube, square) = (r * z, z * z);
+    let (mut sin, mut cos) = (cube * s, square * c);
+    if let Some(low) = low {
+        (sin, cos) = (low + sin, cos - r * low);
+    }
+    (r + sin, most + (rest + cos))
+}
+
+/// Sine and cosine of `quadrant` pi/2 + `r` + `low`.
+#[inline(always)]
+fn turned_f32(quadrant: u32, r: f32, low: f32) -> (f32, f32) {
+    let (sin, cos) = near_f32(r, Some(low));
     match quadrant & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -74,23 +87,21 @@ pub(super) fn sin_cos_f64(x: f64) -> (f64, f64) {
     // As for f32, with 2^52 + 512.
     const ROUND: f64 = 4_503_599_627_370_496.0 + 512.0;
     const RANGE: u64 = 1024;
-    let (quadrant, r, low) = if x.abs() <= core::f64::consts::FRAC_PI_4 {
-        (0, x, 0.0)
-    } else {
-        let rounded = x * core::f64::consts::FRAC_2_PI + ROUND;
-        let quadrant = rounded.to_bits().wrapping_sub(0x4330_0000_0000_0000);
-        if quadrant >= RANGE {
-            return far_f64(x);
-        }
-        let k = rounded - ROUND;
-        // 33 bits, 33 bits, 53 bits.
-        let a = x - k * 1.570_796_326_734_125_6;
-        let b = k * 6.077_100_506_303_966e-11;
-        let r = a - b;
-        let low = ((a - r) - b) - k * 2.022_266_248_795_950_6e-21;
-        (quadrant as u32, r, low)
-    };
-    turned_f64(quadrant, r, low)
+    if x.abs() <= core::f64::consts::FRAC_PI_4 {
+        return near_f64(x, None);
+    }
+    let rounded = x * core::f64::consts::FRAC_2_PI + ROUND;
+    let quadrant = rounded.to_bits().wrapping_sub(0x4330_0000_0000_0000);
+    if quadrant >= RANGE {
+        return far_f64(x);
+    }
+    let k = rounded - ROUND;
+    // 33 bits, 33 bits, 53 bits.
+    let a = x - k * 1.570_796_326_734_125_6;
+    let b = k * 6.077_100_506_303_966e-11;
+    let r = a - b;
+    let low = ((a - r) - b) - k * 2.022_266_248_795_950_6e-21;
+    turned_f64(quadrant as u32, r, low)
 }
 
 #[cold]
@@ -103,33 +114,35 @@ fn far_f64(x: f64) -> (f64, f64) {
     turned_f64(quadrant, r, low)
 }
 
-/// Sine and cosine of `quadrant` pi/2 + `r` + `low`.
+/// Sine and cosine of `r` and, if there is one, its low part.
 #[inline(always)]
-fn turned_f64(quadrant: u32, r: f64, low: f64) -> (f64, f64) {
+fn near_f64(r: f64, low: Option<f64>) -> (f64, f64) {
     let z = r * r;
-    let s = horner!(
-        z;
-        -0.166_666_666_666_666_3,
-        0.008_333_333_333_321_84,
-        -0.000_198_412_698_293_585_3,
-        2.755_731_353_851_551_3e-6,
-        -2.505_073_438_942_018e-8,
-        1.589_543_329_293_057e-10
-    );
-    let sin = r + (low + r * z * s);
-    let c = horner!(
-        z;
-        0.041_666_666_666_666_6,
-        -0.001_388_888_888_887_024,
-        2.480_158_728_530_095_2e-5,
-        -2.755_731_279_746_451e-7,
-        2.087_547_868_203_909_4e-9,
-        -1.134_574_885_473_565e-11
-    );
     // 1 - z/2 with what its rounding lost.
     let half = 0.5 * z;
     let most = 1.0 - half;
-    let cos = most + (((1.0 - most) - half) + (z * z * c - r * low));
+    let rest = (1.0 - most) - half;
+    let (s, c) = horner_pair!(
+        z;
+        (-0.166_666_666_666_666_3, 0.041_666_666_666_666_6),
+        (0.008_333_333_333_321_84, -0.001_388_888_888_887_024),
+        (-0.000_198_412_698_293_585_3, 2.480_158_728_530_095_2e-5),
+        (2.755_731_353_851_551_3e-6, -2.755_731_279_746_451e-7),
+        (-2.505_073_438_942_018e-8, 2.087_547_868_203_909_4e-9),
+        (1.589_543_329_293_057e-10, -1.134_574_885_473_565e-11)
+    );
+    let (cube, square) = (r * z, z * z);
+    let (mut sin, mut cos) = (cube * s, square * c);
+    if let Some(low) = low {
+        (sin, cos) = (low + sin, cos - r * low);
+    }
+    (r + sin, most + (rest + cos))
+}
+
+/// Sine and cosine of `quadrant` pi/2 + `r` + `low`.
+#[inline(always)]
+fn turned_f64(quadrant: u32, r: f64, low: f64) -> (f64, f64) {
+    let (sin, cos) = near_f64(r, Some(low));
     match quadrant & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
