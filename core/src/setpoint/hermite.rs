@@ -108,9 +108,9 @@ impl<N: Number> Hermite<N> {
         self.on(MoveTime::at(tick, self.ticks, &self.count))
     }
 
-    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    /// The setpoint `part` of a tick, less than 1, after `tick`, or at the whole tick; beyond the end, the end.
     #[inline(always)]
-    pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
+    pub fn between(&self, tick: u32, part: Option<N>) -> Setpoint<N> {
         self.on(MoveTime::between(tick, part, self.ticks, &self.count))
     }
 

@@ -69,8 +69,8 @@ impl<N: Number> JointMove<N> {
         )
     }
 
-    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
-    pub fn between(&self, tick: u32, part: N) -> JointSetpoint<N> {
+    /// The setpoint `part` of a tick, less than 1, after `tick`, or at the whole tick; beyond the end, the end.
+    pub fn between(&self, tick: u32, part: Option<N>) -> JointSetpoint<N> {
         // From the nearer end, so that both ends are exact.
         let (s, base, towards, slope) = match MoveTime::between(tick, part, self.ticks, &self.count)
         {
@@ -124,11 +124,11 @@ mod tests {
     fn both_ends_are_exact_and_at_rest() {
         let (from, to) = ([3.1, -0.2, 1.0], [-3.1, 0.7, 1.0]);
         let joint = JointMove::<f64>::new(from, to, 9, 0.01);
-        assert_eq!(joint.between(0, 0.0).angles, from);
-        assert_eq!(joint.between(9, 0.0).angles, to);
-        assert_eq!(joint.between(9, 0.5), joint.between(9, 0.0));
+        assert_eq!(joint.between(0, None).angles, from);
+        assert_eq!(joint.between(9, None).angles, to);
+        assert_eq!(joint.between(9, Some(0.5)), joint.between(9, None));
         for tick in [0, 9] {
-            assert_eq!(joint.between(tick, 0.0).rates, [0.0; 3]);
+            assert_eq!(joint.between(tick, None).rates, [0.0; 3]);
         }
     }
 
@@ -143,11 +143,11 @@ mod tests {
             assert!((accelerations[motor] - 6.0 * way).abs() < 1e-13);
         }
         for tick in 0..=10 {
-            let [up, down, _] = joint.between(tick, 0.0).angles;
+            let [up, down, _] = joint.between(tick, None).angles;
             assert!(up.abs() >= 3.1 && up.abs() <= PI, "{tick} {up}");
             assert!(down.abs() >= 3.1 && down.abs() <= PI, "{tick} {down}");
         }
-        assert!((joint.between(5, 0.0).rates[0] - rates[0]).abs() < 1e-15);
+        assert!((joint.between(5, None).rates[0] - rates[0]).abs() < 1e-15);
     }
 
     /// The turn in between is more than the number type holds.
@@ -158,10 +158,10 @@ mod tests {
         let (from, to) = ([3.1, -3.1, 0.0], [-3.1, 3.1, 3.0]);
         let period = Fixed::factor_from_f64(0.1);
         let joint = JointMove::<Fixed>::new(from.map(angle), to.map(angle), 20, period);
-        assert_eq!(joint.between(0, Fixed::ZERO).angles, from.map(angle));
-        assert_eq!(joint.between(20, Fixed::ZERO).angles, to.map(angle));
+        assert_eq!(joint.between(0, None).angles, from.map(angle));
+        assert_eq!(joint.between(20, None).angles, to.map(angle));
         for tick in 0..=20 {
-            let [up, down, _] = joint.between(tick, Fixed::ZERO).angles;
+            let [up, down, _] = joint.between(tick, None).angles;
             for angle in [up, down] {
                 let angle = Fixed::angle_to_f64(angle);
                 assert!(
@@ -179,9 +179,9 @@ mod tests {
         let step = 1e-5;
         for tick in [3, 9, 10, 11, 16] {
             let (before, now, after) = (
-                joint.between(tick, 0.5 - step),
-                joint.between(tick, 0.5),
-                joint.between(tick, 0.5 + step),
+                joint.between(tick, Some(0.5 - step)),
+                joint.between(tick, Some(0.5)),
+                joint.between(tick, Some(0.5 + step)),
             );
             let time = 2.0 * step * 0.05;
             for motor in 0..3 {

@@ -35,14 +35,14 @@ impl<N: Number> MoveTime<N> {
         }
     }
 
-    /// The time `part` of a tick, 0 to less than 1, after `tick`. Whole ticks and the part are divided
-    /// separately, because their sum is no integer. That rounds twice, so a `part` of 0 is left to
+    /// The time `part` of a tick, less than 1, after `tick`. Whole ticks and the part are divided
+    /// separately, because their sum is no integer. That rounds twice, so a whole tick is left to
     /// [`at`](Self::at).
     #[inline(always)]
-    pub(super) fn between(tick: u32, part: N, ticks: u32, count: &N::Count) -> Self {
-        if part == N::ZERO {
+    pub(super) fn between(tick: u32, part: Option<N>, ticks: u32, count: &N::Count) -> Self {
+        let Some(part) = part else {
             return Self::at(tick, ticks, count);
-        }
+        };
         let left = ticks.saturating_sub(tick);
         let rest = part * N::fraction(1, count);
         if tick < left {
@@ -89,10 +89,11 @@ mod tests {
             ];
             for (coarse, fine) in &pairs {
                 for quarter in 0..=4 * ticks + 3 {
-                    let between = coarse.between(quarter / 4, f64::from(quarter % 4) / 4.0);
+                    let part = (quarter % 4 != 0).then(|| f64::from(quarter % 4) / 4.0);
+                    let between = coarse.between(quarter / 4, part);
                     assert!(close(&between, &fine.at(quarter)), "{ticks} {quarter}");
                 }
-                assert_eq!(coarse.between(ticks, 0.75), coarse.at(ticks));
+                assert_eq!(coarse.between(ticks, Some(0.75)), coarse.at(ticks));
             }
         }
     }

@@ -31,9 +31,9 @@ impl<N: Number> Segment<N> {
         }
     }
 
-    /// The setpoint `part` of a tick, 0 to less than 1, after `tick`; beyond the end, the end.
+    /// The setpoint `part` of a tick, less than 1, after `tick`, or at the whole tick; beyond the end, the end.
     #[inline(always)]
-    pub fn between(&self, tick: u32, part: N) -> Setpoint<N> {
+    pub fn between(&self, tick: u32, part: Option<N>) -> Setpoint<N> {
         match self {
             Self::RestToRest(segment) => segment.between(tick, part),
             Self::Hermite(segment) => segment.between(tick, part),

@@ -31,20 +31,67 @@ impl<N: Number> LimitBreach<N> {
     }
 }
 
-/// Returns the limits of the guard, for machine limits that the admission holds the motion to.
-pub(super) fn of_results<N: Enclose>(limits: &Limits<N>) -> Limits<N> {
-    limits.map(N::of_result)
+/// The limits that a tick's results have to keep.
+pub(super) struct Guard<N> {
+    limits: Limits<N>,
+    /// False if there is nothing to check: one look instead of one for each limit.
+    has_limits: bool,
 }
 
-/// Checks that the motors keep `limits` in `motion`. It leaves the distances to the singularities to the
-/// admission: near a singularity it is rate and torque that grow.
-///
-/// `M` says whether the motion has torques.
+impl<N: Number> Guard<N> {
+    /// The guard of `limits`, as they are.
+    pub(super) fn holding(limits: Limits<N>) -> Self {
+        let Limits {
+            rate,
+            acceleration,
+            torque,
+            power,
+            ..
+        } = limits;
+        let has_limits = [rate, acceleration, torque, power]
+            .iter()
+            .any(Option::is_some);
+        Self { limits, has_limits }
+    }
+
+    /// The guard for machine limits that the admission holds the motion to.
+    pub(super) fn of_results(limits: &Limits<N>) -> Self
+    where
+        N: Enclose,
+    {
+        Self::holding(limits.map(N::of_result))
+    }
+
+    /// Checks that the motors keep the limits in `motion`. It leaves the distances to the singularities to the
+    /// admission: near a singularity it is rate and torque that grow.
+    ///
+    /// `M` says whether the motion has torques.
+    #[inline]
+    pub(super) fn check<M: Model<N = N>>(&self, motion: &Motion<N>) -> Result<(), LimitBreach<N>> {
+        match self.has_limits {
+            true => check::<M>(&self.limits, motion),
+            false => Ok(()),
+        }
+    }
+
+    /// Checks that the motors keep the limits one by one, without torque.
+    pub(super) fn check_joints(&self, joints: &JointSetpoint<N>) -> Result<(), LimitBreach<N>> {
+        within(Bounded::Rate, &self.limits.rate, joints.rates)?;
+        within(
+            Bounded::Acceleration,
+            &self.limits.acceleration,
+            joints.accelerations,
+        )
+    }
+
+    #[cfg(test)]
+    pub(super) fn limits(&self) -> &Limits<N> {
+        &self.limits
+    }
+}
+
 #[inline]
-pub(super) fn check<M: Model>(
-    limits: &Limits<M::N>,
-    motion: &Motion<M::N>,
-) -> Result<(), LimitBreach<M::N>> {
+fn check<M: Model>(limits: &Limits<M::N>, motion: &Motion<M::N>) -> Result<(), LimitBreach<M::N>> {
     let [a, b, c] = &motion.motors;
     within(Bounded::Rate, &limits.rate, [a.rate, b.rate, c.rate])?;
     let accelerations = [a.acceleration, b.acceleration, c.acceleration];
@@ -62,19 +109,6 @@ pub(super) fn check<M: Model>(
         within(Bounded::Power, &limits.power, powers)?;
     }
     Ok(())
-}
-
-/// Checks that the motors keep `limits` one by one, without torque.
-pub(super) fn check_joints<N: Number>(
-    limits: &Limits<N>,
-    joints: &JointSetpoint<N>,
-) -> Result<(), LimitBreach<N>> {
-    within(Bounded::Rate, &limits.rate, joints.rates)?;
-    within(
-        Bounded::Acceleration,
-        &limits.acceleration,
-        joints.accelerations,
-    )
 }
 
 /// Checks that the peaks of a joint move keep `limits`. Returns what they break otherwise.
@@ -113,8 +147,8 @@ mod tests {
             serial_distance: 0.0,
             parallel_distance: 0.0,
         };
-        assert_eq!(of_results::<f64>(&limits), limits);
-        let limits = of_results(&limits.map(|limit| limit as f32));
+        assert_eq!(Guard::<f64>::of_results(&limits).limits, limits);
+        let limits = Guard::of_results(&limits.map(|limit| limit as f32)).limits;
         let check = |rate: f32| within(Bounded::Rate, &limits.rate, [0.0, -rate, 0.0]);
         assert_eq!(check(2.001), Ok(()));
         let broken = check(2.002).expect_err("beyond rounding");

@@ -7,7 +7,11 @@
 use heapless::spsc::{Consumer, Producer};
 
 /// End of a queue at which one side puts items in.
-pub(super) struct Sender<'q, T>(Producer<'q, T>);
+pub(super) struct Sender<'q, T> {
+    producer: Producer<'q, T>,
+    /// Items that there is room for at least: the other side only makes room.
+    room: usize,
+}
 
 /// End of a queue at which the other side takes items out.
 pub(super) struct Receiver<'q, T>(Consumer<'q, T>);
@@ -17,7 +21,7 @@ pub(super) type BothEnds<'q, T> = (Sender<'q, T>, Receiver<'q, T>);
 
 impl<'q, T> Sender<'q, T> {
     pub(super) fn new(producer: Producer<'q, T>) -> Self {
-        Self(producer)
+        Self { producer, room: 0 }
     }
 
     /// Puts `item` in; whether there was room.
@@ -29,27 +33,31 @@ impl<'q, T> Sender<'q, T> {
         }
         // SAFETY: there is room, and nobody else puts in. `enqueue` would hand the item back where
         // there is none, and copy it back and forth for that.
-        unsafe { self.0.enqueue_unchecked(item) };
+        unsafe { self.producer.enqueue_unchecked(item) };
+        self.room -= 1;
         true
     }
 
-    /// Returns whether there is room for an item.
+    /// Returns whether there is room for an item. It is counted, by a division, where the last count is used up.
     #[inline]
-    pub(super) fn has_room(&self) -> bool {
-        self.0.capacity() != usize::MAX && self.0.ready()
+    pub(super) fn has_room(&mut self) -> bool {
+        if self.room == 0 {
+            self.room = self.capacity() - self.len();
+        }
+        self.room != 0
     }
 
     /// Items that wait.
     pub(super) fn len(&self) -> usize {
-        if self.0.capacity() == usize::MAX {
+        if self.producer.capacity() == usize::MAX {
             return 0;
         }
-        self.0.len()
+        self.producer.len()
     }
 
     /// Items that there is room for at most.
     pub(super) fn capacity(&self) -> usize {
-        self.0.capacity()
+        self.producer.capacity()
     }
 }
 

@@ -242,7 +242,7 @@ impl<N: Transmit> TrajectoryChecker<N> {
         level: u32,
         slope: i64,
     ) -> Setpoint<N> {
-        let part = N::fraction(sample.part, &self.ramp_counts[1]);
+        let part = (sample.part != 0).then(|| N::fraction(sample.part, &self.ramp_counts[1]));
         let on_path = segment.between(sample.at, part);
         if sample.part == 0 && level == self.ramp && slope == 0 {
             return on_path;

@@ -8,7 +8,7 @@ mod report;
 pub use output::Output;
 
 use super::feed::{FeedScale, PathPosition};
-use super::guard::{self, LimitBreach};
+use super::guard::{Guard, LimitBreach};
 use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::homing::Homing;
 use super::queue::{Receiver, Sender};
@@ -17,7 +17,6 @@ use super::settings::Settings;
 use crate::admission::Enclose;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
-use trirrr_core::limits::Limits;
 use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
@@ -26,7 +25,7 @@ use trirrr_protocol::message::{Acting, Fault, FaultCode, State, Telemetry};
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, S: Scene> {
     tick: Tick<S::Model>,
-    pub(super) limits: Limits<S::N>,
+    pub(super) guard: Guard<S::N>,
     /// 1 / (R dt): change of the speed along the path per time on a ramp.
     slope: <S::N as WideArithmetic>::Factor,
     /// R and 2 R, to take fractions of.
@@ -121,7 +120,7 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         };
         Self {
             tick: setup.tick,
-            limits: guard::of_results(&setup.limits),
+            guard: Guard::of_results(&setup.limits),
             slope: slope::<N>(feed.ramp(), settings.period),
             ramp: [N::count(feed.ramp()), N::count(2 * feed.ramp())],
             host_timeout_ticks: settings.host_timeout_ticks,
@@ -196,34 +195,34 @@ impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
         let target = self.advance(started);
         let setpoint = match target {
             Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
-                Ok(motion) => match guard::check::<S::Model>(&self.limits, &motion) {
+                Ok(motion) => match self.guard.check::<S::Model>(&motion) {
                     Ok(()) => {
                         observe(&setpoint, &motion);
                         self.output.motors = motion.motors;
                         self.output.tool = self.tool(&setpoint);
                         self.pose = setpoint.pose;
-                        Some(setpoint)
+                        setpoint
                     }
                     Err(broken) => self.latch(broken),
                 },
                 Err(status) => self.latch(LimitBreach::of(status)),
             },
-            Target::Joints(joints) => match guard::check_joints(&self.limits, &joints) {
+            Target::Joints(joints) => match self.guard.check_joints(&joints) {
                 Ok(()) => {
                     self.follow(&joints);
-                    None
+                    Self::standing(self.pose)
                 }
                 Err(broken) => self.latch(broken),
             },
             Target::Still => {
                 self.zero_motion();
-                None
+                Self::standing(self.pose)
             }
         };
         self.clock = self.clock.wrapping_add(1);
         self.shared.tick.store(self.clock, Ordering::Relaxed);
         self.report();
-        self.sample(setpoint);
+        self.sample(&setpoint);
         &self.output
     }
 

@@ -6,7 +6,7 @@ use super::super::homing::Homing;
 use super::super::scene::{Scene, Take};
 use super::{Foreground, Path};
 use crate::admission::Enclose;
-use crate::guard;
+use crate::guard::Guard;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
@@ -40,7 +40,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             Order::Adopt => {
                 if let Some(setup) = self.setups.take() {
                     self.tick = setup.tick;
-                    self.limits = guard::of_results(&setup.limits);
+                    self.guard = Guard::of_results(&setup.limits);
                     self.pose = setup.pose;
                 }
             }

@@ -62,9 +62,10 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         self.output.tool = N::ZERO;
     }
 
-    /// Latches a fault: no motion any more, the queue is dropped, the drives go off.
+    /// Latches a fault: no motion any more, the queue is dropped, the drives go off. Returns the setpoint of a
+    /// machine that stands.
     #[cold]
-    pub(super) fn latch(&mut self, broken: LimitBreach<N>) -> Option<Setpoint<N>> {
+    pub(super) fn latch(&mut self, broken: LimitBreach<N>) -> Setpoint<N> {
         self.zero_motion();
         self.output.enabled = false;
         if self.state != State::Fault {
@@ -84,6 +85,6 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
             self.transition_to(State::Fault, acting);
         }
-        None
+        Self::standing(self.pose)
     }
 }

@@ -229,8 +229,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                 let Some(planned) = self.moves.peek() else {
                     return Target::Setpoint(Self::standing(self.pose));
                 };
-                let part = N::fraction(position.part, &self.ramp[1]);
-                let on_path = planned.segment.between(position.tick, part);
+                let on_path = planned.segment.between(position.tick, self.part());
                 // At normal speed the position is a whole tick, and the setpoint the segment's own.
                 if position.part == 0 && step.is_normal(&self.feed) {
                     return Target::Setpoint(on_path);
@@ -241,8 +240,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
                 let Some(recovery) = self.recoveries.peek() else {
                     return Target::Still;
                 };
-                let part = N::fraction(position.part, &self.ramp[1]);
-                let mut joints = recovery.path.between(position.tick, part);
+                let mut joints = recovery.path.between(position.tick, self.part());
                 let (speed, change) = self.speed(step);
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
                     *acceleration = *acceleration * speed * speed;
@@ -255,6 +253,13 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             }
             Path::None => Target::Setpoint(Self::standing(self.pose)),
         }
+    }
+
+    /// Part of a tick at which the path position is; none at a whole tick.
+    #[inline]
+    fn part(&self) -> Option<N> {
+        let part = self.position.part;
+        (part != 0).then(|| N::fraction(part, &self.ramp[1]))
     }
 
     /// u and u' after `step`.

@@ -30,7 +30,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Every so many ticks a sample; where there is no room, one is lost and counted.
     #[inline]
-    pub(super) fn sample(&mut self, setpoint: Option<Setpoint<N>>) {
+    pub(super) fn sample(&mut self, setpoint: &Setpoint<N>) {
         if self.every == 0 {
             return;
         }
@@ -47,7 +47,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             number: self.begun.wrapping_sub(1),
             at: self.position.tick,
             part: self.position.part,
-            setpoint: setpoint.unwrap_or(Self::standing(self.pose)),
+            setpoint: *setpoint,
             angles: motors.each_ref().map(|motor| motor.angle),
             rates: motors.each_ref().map(|motor| motor.rate),
             accelerations: motors.each_ref().map(|motor| motor.acceleration),

@@ -151,9 +151,9 @@ impl<'a, N: Number> Cycle<'a, N> {
             Phase::Backing(path, after) => {
                 if self.ticks >= path.ticks() {
                     self.enter(Phase::Settling(after));
-                    return Progress::Moving(path.between(path.ticks(), N::ZERO));
+                    return Progress::Moving(path.between(path.ticks(), None));
                 }
-                Progress::Moving(path.between(self.ticks, N::ZERO))
+                Progress::Moving(path.between(self.ticks, None))
             }
             Phase::Stopping => {
                 if motors.iter().all(|motor| motor.rate == N::ZERO) {

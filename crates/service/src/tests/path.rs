@@ -435,7 +435,8 @@ fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
         change(&mut limits);
         let mut bench = Bench::<Thesis<f64>>::new();
         bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 100));
-        bench.service.foreground.limits = trirrr_core::limits::Limits::build(&limits).unwrap();
+        let limits = trirrr_core::limits::Limits::build(&limits).unwrap();
+        bench.service.foreground.guard = crate::guard::Guard::holding(limits);
         bench.done(Command::Start);
         let mut before = bench.tick();
         let mut latched = false;

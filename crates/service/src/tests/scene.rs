@@ -243,7 +243,7 @@ fn new_limits_count_for_the_admission_and_in_the_tick() {
         ..limits
     })));
     bench.ticks(1);
-    assert_eq!(bench.service.foreground.limits.rate, Some([0.1; 3]));
+    assert_eq!(bench.service.foreground.guard.limits().rate, Some([0.1; 3]));
     bench.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     bench.judge();
     let violation = bench.status().refused.unwrap().violation.unwrap();
