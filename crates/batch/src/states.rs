@@ -4,6 +4,7 @@
 //! such a slice without a copy.
 
 use crate::lanes::{LANES, Lanes};
+use multiversion::multiversion;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use trirrr_core::machine::{BuildError, Parameters};
@@ -189,15 +190,9 @@ impl<F: Float, M: Model<N = F>> BatchTick<F> for ModelTicks<F, M> {
         let rows = states.poses.len();
         let mut begin = 0;
         while begin < rows {
+            // As many groups of lanes as have results.
+            begin = evaluate_lanes(&self.lanes, begin, &states, &mut results);
             let end = rows.min(begin + LANES);
-            if end - begin == LANES {
-                let setpoint = states.lanes(begin);
-                if let Ok(motion) = self.lanes.evaluate(&setpoint) {
-                    results.put_lanes(begin, &motion.motors);
-                    begin = end;
-                    continue;
-                }
-            }
             for row in begin..end {
                 match self.one.evaluate(&states.one(row)) {
                     Ok(motion) => results.put(row, &motion.motors),
@@ -210,6 +205,25 @@ impl<F: Float, M: Model<N = F>> BatchTick<F> for ModelTicks<F, M> {
             begin = end;
         }
     }
+}
+
+/// Evaluates groups of rows from `begin` on, up to the first one that has a row without a result. Returns its first row.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn evaluate_lanes<F: Float, M: Model<N = Lanes<F>>>(
+    tick: &Tick<M>,
+    begin: usize,
+    states: &StateRows<'_, F>,
+    results: &mut MotorRows<'_, F>,
+) -> usize {
+    let mut begin = begin;
+    while begin + LANES <= states.poses.len() {
+        let Ok(motion) = tick.evaluate(&states.lanes(begin)) else {
+            break;
+        };
+        results.put_lanes(begin, &motion.motors);
+        begin += LANES;
+    }
+    begin
 }
 
 impl<F: Float> StateRows<'_, F> {
