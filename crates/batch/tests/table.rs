@@ -369,7 +369,7 @@ fn few_rows_are_under_way() {
         .build()
         .unwrap();
     let most = pool.install(|| rows_under_way(20_000));
-    assert!((1000..8000).contains(&most), "{most}");
+    assert!((1000..15_000).contains(&most), "{most}");
 }
 
 #[test]
@@ -380,6 +380,6 @@ fn a_million_rows_need_the_memory_of_a_few() {
         .build()
         .unwrap();
     let most = pool.install(|| rows_under_way(1_000_000));
-    assert!((1000..8000).contains(&most), "{most}");
+    assert!((1000..15_000).contains(&most), "{most}");
     println!("{most} rows under way of 1,000,000");
 }

@@ -1,7 +1,7 @@
 //! Tables of cases in, tables of results out: CSV or Arrow IPC files, in the order of the rows.
 //!
-//! A table is read in waves of chunks. All threads of rayon's current pool evaluate the rows of a wave, which is then
-//! written. Memory depends on the number of threads and on the longest row or Arrow batch, not on the number of rows.
+//! A table is read in waves of chunks. All threads of rayon's current pool evaluate a wave while the one before is written
+//! and the next one is read. Memory depends on the number of threads and on the longest row or Arrow batch, not on the number of rows.
 
 mod arrow;
 mod csv;
@@ -110,37 +110,59 @@ impl<'a> Cases<'a> {
         }
     }
 
+    /// Reads and writes on this thread while others evaluate.
     fn evaluate_into<S: Sink>(
         mut self,
         scalar: NumberType,
         mut sink: S,
         counts: &mut RowCounts,
     ) -> Result<(), TableError> {
-        let columns = &self.columns;
         let wave = CHUNKS_PER_THREAD * rayon::current_num_threads();
+        let columns = &self.columns;
+        let mut parts = Vec::new();
+        let mut chunks = self.source.chunks(wave);
         loop {
-            let chunks = self.source.chunks(wave)?;
-            if chunks.is_empty() {
-                return sink.finish();
-            }
-            let evaluate =
-                |chunk: Chunk| in_number_type!(scalar, N => chunk.evaluate::<N>(columns));
-            let evaluated: Vec<Evaluated> = chunks.into_par_iter().map(evaluate).collect();
-            // A row without a label bears its number, so that the rows before it are counted first.
-            let numbered: Vec<(usize, &Evaluated)> = evaluated
-                .iter()
-                .map(|chunk| {
-                    let before = counts.rows;
-                    counts.rows += chunk.outcomes.len();
-                    counts.ok += chunk.outcomes.iter().filter(|row| row.is_ok()).count();
-                    (before, chunk)
-                })
-                .collect();
-            let encode = |(before, chunk)| S::encode(before, chunk, scalar.is_binary32());
-            let parts: Vec<_> = numbered.into_par_iter().map(encode).collect();
-            for part in parts {
-                sink.write(part?)?;
-            }
+            let now = match chunks {
+                Ok(now) if !now.is_empty() => now,
+                end => {
+                    write(&mut sink, parts)?;
+                    end?;
+                    return sink.finish();
+                }
+            };
+            let before = std::mem::take(&mut parts);
+            chunks = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| parts = evaluate_wave::<S>(now, scalar, columns, counts));
+                write(&mut sink, before)?;
+                Ok(self.source.chunks(wave))
+            })?;
         }
     }
+}
+
+fn write<S: Sink>(sink: &mut S, parts: Vec<Result<S::Part, TableError>>) -> Result<(), TableError> {
+    parts.into_iter().try_for_each(|part| sink.write(part?))
+}
+
+/// Evaluates and encodes chunks, in order.
+fn evaluate_wave<S: Sink>(
+    chunks: Vec<Chunk>,
+    scalar: NumberType,
+    columns: &Columns,
+    counts: &mut RowCounts,
+) -> Vec<Result<S::Part, TableError>> {
+    let evaluate = |chunk: Chunk| in_number_type!(scalar, N => chunk.evaluate::<N>(columns));
+    let evaluated: Vec<Evaluated> = chunks.into_par_iter().map(evaluate).collect();
+    // A row without a label bears its number, so that the rows before it are counted first.
+    let numbered: Vec<(usize, &Evaluated)> = evaluated
+        .iter()
+        .map(|chunk| {
+            let before = counts.rows;
+            counts.rows += chunk.outcomes.len();
+            counts.ok += chunk.outcomes.iter().filter(|row| row.is_ok()).count();
+            (before, chunk)
+        })
+        .collect();
+    let encode = |(before, chunk)| S::encode(before, chunk, scalar.is_binary32());
+    numbered.into_par_iter().map(encode).collect()
 }
