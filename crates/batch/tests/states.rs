@@ -155,6 +155,20 @@ fn rows_of_f32_have_the_bits_of_the_tick() {
     has_the_bits_of_the_tick::<f32>();
 }
 
+/// Three equal legs: the distal links share one line in every pose.
+#[test]
+fn a_parallel_singularity_is_seen_in_every_lane() {
+    let mut machine = example();
+    machine.legs = [machine.legs[0]; 3];
+    let poses = Draws(9).rows::<f64>(8, [0.25, 0.3, 0.0], [0.02; 3]);
+    let still = vec![[0.0; 3]; 8];
+    let failed = compare(&machine, true, [&poses, &still, &still]);
+    assert_eq!(failed.len(), 8);
+    let singular = |row: &FailedRow| row.status == Status::ParallelSingular;
+    assert!(failed.iter().all(singular), "{failed:?}");
+    assert!(compare(&machine, false, [&poses, &still, &still]).is_empty());
+}
+
 /// Every number of rows up to some groups of lanes, each with a row that fails at every place.
 #[test]
 fn a_failing_row_spoils_none_beside_it() {
