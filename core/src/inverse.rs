@@ -11,7 +11,7 @@
 
 use crate::dyad::{Accelerations, DyadPosition, OutOfReach, Rates, Rrr};
 use crate::machine::{Geometry, Leg};
-use crate::number::{Number, perpendicular};
+use crate::number::Number;
 use crate::setpoint::{Pose, Setpoint};
 use crate::status::Status;
 use nalgebra::{Vector2, Vector3};
@@ -135,24 +135,14 @@ impl<N: Number> LegPosition<N> {
     /// Velocity of the platform joint when the platform moves with `velocity`.
     #[inline(always)]
     pub fn velocity(&self, velocity: &Vector3<N>) -> Vector2<N> {
-        let across = perpendicular(self.platform_joint);
-        Vector2::new(
-            N::round(velocity.x.widen() + N::product(across.x, velocity.z)),
-            N::round(velocity.y.widen() + N::product(across.y, velocity.z)),
-        )
+        N::arm_velocity(velocity.xy(), velocity.z, self.platform_joint)
     }
 
     /// Acceleration of the platform joint when the platform moves as `setpoint` says.
     #[inline(always)]
     pub fn acceleration(&self, setpoint: &Setpoint<N>) -> Vector2<N> {
-        let c = self.platform_joint;
         let (alpha_rate, a) = (setpoint.velocity.z, setpoint.acceleration);
-        let centripetal = alpha_rate * alpha_rate;
-        let part = |a: N, across: N, c: N, alpha: N| {
-            N::round(a.widen() + N::sum_ab_minus_cd(across, alpha, c, centripetal))
-        };
-        let across = perpendicular(c);
-        Vector2::new(part(a.x, across.x, c.x, a.z), part(a.y, across.y, c.y, a.z))
+        N::arm_acceleration(a.xy(), a.z, alpha_rate * alpha_rate, self.platform_joint)
     }
 }
 
@@ -189,7 +179,7 @@ impl<N: Number> Leg<N> {
     /// Returns c, and A -> C.
     #[inline(always)]
     fn span(&self, position: Vector2<N>, rotation: &Rotation<N>) -> (Vector2<N>, Vector2<N>) {
-        let platform_joint = rotation.apply(self.joint);
+        let platform_joint = N::turn_arm(self.joint, rotation.sin, rotation.cos);
         let span = Vector2::new(
             N::span(position.x, self.base.x, platform_joint.x),
             N::span(position.y, self.base.y, platform_joint.y),

@@ -197,9 +197,13 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
             (true, false) => !(a1 + a2 + a3).is_finite(),
             (false, torques_count) => torques_count && !N::in_range(torques),
         };
-        let is_singular = self.model.is_singular(forces.det_a);
-        if lost {
+        // Otherwise each stage has told its reason.
+        let is_singular = N::PROPAGATES_NON_FINITE && self.model.is_singular(forces.det_a);
+        if lost && N::PROPAGATES_NON_FINITE {
             return Err(self.refusal(setpoint.pose.position, &rotation, is_singular));
+        }
+        if lost {
+            return Err(Status::OutOfRange);
         }
         if is_singular {
             return Err(Status::ParallelSingular);

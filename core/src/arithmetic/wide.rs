@@ -80,6 +80,12 @@ pub trait WideArithmetic: Arithmetic {
     fn round(sum: Self::Sum) -> Self;
     /// sum f, rounded once.
     fn round_scaled(sum: Self::Sum, f: Self::Factor) -> Self;
+    /// [`round_scaled`](Self::round_scaled) of two sums.
+    #[inline(always)]
+    fn round_scaled_pair(sums: [Self::Sum; 2], f: Self::Factor) -> [Self; 2] {
+        let [first, second] = sums;
+        [Self::round_scaled(first, f), Self::round_scaled(second, f)]
+    }
 
     /// Prepares a positive length. For building coefficients, not for the tick.
     fn length_from_f64(x: f64) -> Self::Length;
@@ -94,7 +100,11 @@ pub trait WideArithmetic: Arithmetic {
         vectors: [Vector2<Self>; COUNT],
         lengths: [&Self::Length; COUNT],
     ) -> [Self::Angle; COUNT] {
-        array::from_fn(|i| Self::direction(vectors[i].x, vectors[i].y, lengths[i]))
+        let mut angles = [Self::half_turn(); COUNT];
+        for (angle, (vector, length)) in angles.iter_mut().zip(vectors.iter().zip(lengths)) {
+            *angle = Self::direction(vector.x, vector.y, length);
+        }
+        angles
     }
 }
 

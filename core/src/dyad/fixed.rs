@@ -5,13 +5,14 @@
 //! they are rounded, so that the joint is as accurate as d is.
 
 use super::kernel::{DyadKernel, DyadPosition, OutOfReach, Triangle};
-use crate::arithmetic::Fixed;
+use crate::arithmetic::fixed::factor::low_quotient;
 use crate::arithmetic::fixed::product::{
-    joined, normalised, opaque, rounded, signed, signed_high, unsigned,
+    joined, normalised, normalised_high, opaque, rounded, signed, signed_high, unsigned,
 };
 use crate::arithmetic::fixed::reciprocal::reciprocal;
 use crate::arithmetic::fixed::root::inverse_root;
-use crate::arithmetic::fixed::{FRACTION, Factor};
+use crate::arithmetic::fixed::{FRACTION, Factor, Sum};
+use crate::arithmetic::{Fixed, sum_cross};
 use nalgebra::Vector2;
 
 impl DyadKernel for Fixed {
@@ -21,6 +22,21 @@ impl DyadKernel for Fixed {
         d: Vector2<Self>,
     ) -> Result<DyadPosition<Self>, OutOfReach> {
         intersect_circles(triangle, d)
+    }
+
+    #[inline(always)]
+    fn over_cross(sums: [Sum; 2], inverse_cross: Factor) -> [Self; 2] {
+        let [first, second] = sums;
+        let shift = inverse_cross.shift as u32 & 31;
+        // The shift is not 0. What fits is, with half of what a shifted high word holds, not negative
+        // and below all of it.
+        let half = (1 << shift) >> 1;
+        let above = |sum: Sum| ((sum.0 >> 32) as u32).wrapping_add(half);
+        if (above(first) | above(second)) >> shift != 0 {
+            return inverse_cross.times_pair_far(first.0, second.0).map(Self);
+        }
+        let quotient = |sum: Sum| Self(inverse_cross.times_shifted(low_quotient(sum.0, shift)));
+        [quotient(first), quotient(second)]
     }
 
     /// A result that wraps is at least 2 long: 8 less twice 2.75 less 1/2.
@@ -33,6 +49,107 @@ impl DyadKernel for Fixed {
     fn within_reach_range(place: Self) -> bool {
         const FARTHEST: i32 = 11 << (FRACTION - 2);
         place.0 >= -FARTHEST && place.0 <= FARTHEST
+    }
+
+    #[inline(always)]
+    fn turn_arm(arm: Vector2<Self>, sin: Self, cos: Self) -> Vector2<Self> {
+        let (arm, sin, cos) = (in_31_bits(arm), sin.0 << 1, cos.0 << 1);
+        Vector2::new(
+            Self(with_products(
+                0,
+                [(arm.x, cos), (arm.y, sin.wrapping_neg())],
+            )),
+            Self(with_products(0, [(arm.y, cos), (arm.x, sin)])),
+        )
+    }
+
+    #[inline(always)]
+    fn arm_between(from: Vector2<Self>, to: Vector2<Self>) -> Vector2<Self> {
+        to.zip_map(&from, |to, from| Self(to.0.wrapping_sub(from.0)))
+    }
+
+    /// Links are shorter than 2, and a difference of arms is hardly longer than 1: it fits.
+    #[inline(always)]
+    fn cross_links(a: Vector2<Self>, b: Vector2<Self>) -> Self {
+        Self(rounded::<FRACTION>(sum_cross(a, b).0))
+    }
+
+    #[inline(always)]
+    fn arm_velocity(v: Vector2<Self>, rate: Self, arm: Vector2<Self>) -> Vector2<Self> {
+        let (arm, rate) = (in_31_bits(arm), rate.0 << 1);
+        Vector2::new(
+            Self(with_products(v.x.0, [(arm.y.wrapping_neg(), rate)])),
+            Self(with_products(v.y.0, [(arm.x, rate)])),
+        )
+    }
+
+    #[inline(always)]
+    fn arm_acceleration(
+        a: Vector2<Self>,
+        angular: Self,
+        rate_sq: Self,
+        arm: Vector2<Self>,
+    ) -> Vector2<Self> {
+        let (arm, angular) = (in_31_bits(arm), angular.0 << 1);
+        let (back, inwards) = (
+            arm.y.wrapping_neg(),
+            opaque((rate_sq.0 << 1).wrapping_neg()),
+        );
+        let (x, y) = (
+            [(back, angular), (arm.x, inwards)],
+            [(arm.x, angular), (arm.y, inwards)],
+        );
+        Vector2::new(Self(with_products(a.x.0, x)), Self(with_products(a.y.0, y)))
+    }
+}
+
+/// An arm in 2^-31. It is at most 1/2 long.
+#[inline(always)]
+fn in_31_bits(arm: Vector2<Fixed>) -> Vector2<i32> {
+    arm.map(|part| part.0 << 2)
+}
+
+/// `start` in 2^-29 and products of factors in 2^-31 and 2^-30, rounded once: the high word.
+#[inline(always)]
+fn with_products<const COUNT: usize>(start: i32, products: [(i32, i32); COUNT]) -> i32 {
+    let sum = products
+        .into_iter()
+        .fold(0i64, |sum, (a, b)| sum.wrapping_add(signed(a, b)));
+    let carry = (sum as u32 >> 31) as i32;
+    ((sum >> 32) as i32).wrapping_add(carry).wrapping_add(start)
+}
+
+/// The square of the distance, its excess over the folded one and its gap to the stretched one, each
+/// [`normalised`].
+struct Sizes {
+    missing: (u32, u32),
+    excess: (u32, u32),
+    base_sq: (u32, u32),
+}
+
+impl Sizes {
+    /// For a leg that is nearly folded or stretched, or out of reach.
+    #[cold]
+    #[inline(never)]
+    fn near_edge(missing: i64, excess: i64, base_sq: u64) -> Result<Self, OutOfReach> {
+        if missing <= 0 || excess <= 0 {
+            return Err(if missing == 0 || excess == 0 {
+                OutOfReach::Singular
+            } else {
+                OutOfReach::Unreachable
+            });
+        }
+        let (missing, excess) = (normalised(missing as u64), normalised(excess as u64));
+        // Beyond it S is not half a unit.
+        let shift = missing.1 + excess.1;
+        if shift > 65 || (shift == 65 && unsigned(missing.0, excess.0) >> 63 == 0) {
+            return Err(OutOfReach::Singular);
+        }
+        Ok(Self {
+            missing,
+            excess,
+            base_sq: normalised(base_sq),
+        })
     }
 }
 
@@ -48,17 +165,19 @@ fn intersect_circles(
     let excess = (x as i64).wrapping_sub(triangle.folded_sq.0);
     let twice_dot = excess.wrapping_sub(triangle.twice_product.0);
     let missing = triangle.twice_product.0.wrapping_sub(twice_dot);
-    if missing <= 0 || excess <= 0 {
-        return Err(if missing == 0 || excess == 0 {
-            OutOfReach::Singular
-        } else {
-            OutOfReach::Unreachable
-        });
-    }
+    let sizes = if (missing >> 32) as i32 > 0 && (excess >> 32) as i32 > 0 {
+        // d^2 is not less than what it exceeds.
+        Sizes {
+            missing: normalised_high(missing as u64),
+            excess: normalised_high(excess as u64),
+            base_sq: normalised_high(x),
+        }
+    } else {
+        Sizes::near_edge(missing, excess, x)?
+    };
+    let ((u, u_shift), (v, v_shift)) = (sizes.missing, sizes.excess);
 
     // 4 S^2 = u v = z 2^(12 - 2 half) with 1/4 <= z < 1, z in 2^-32.
-    let (u, u_shift) = normalised(missing as u64);
-    let (v, v_shift) = normalised(excess as u64);
     let product = (unsigned(u, v) >> 32) as u32;
     let shift = u_shift + v_shift;
     let (z, half) = match (shift & 1, product >> 31) {
@@ -66,10 +185,6 @@ fn intersect_circles(
         (_, 0) => (product << 1, (shift + 1) >> 1),
         _ => (product >> 1, shift >> 1),
     };
-    // Beyond it S is not half a unit.
-    if half > 32 {
-        return Err(OutOfReach::Singular);
-    }
     // 1/sqrt(z) in 2^-30, sqrt(z) in 2^-31; S = sqrt(z) 2^(5 - half), half at least 4.
     let inverse = inverse_root(z);
     let root = (unsigned(z, inverse as u32) >> 31) as u32;
@@ -77,11 +192,12 @@ fn intersect_circles(
 
     // x = w 2^(6 - 2 j - odd) with 1/2 <= w < 1, w in 2^-32. d takes j - 1 bits, k and S j + 1 of
     // those that 2^-58 has and 2^-29 has not.
-    let (w, w_shift) = normalised(x);
+    let (w, w_shift) = sizes.base_sq;
     let (j, odd) = ((w_shift >> 1) & 31, w_shift & 1);
     let two_k = excess.wrapping_sub(triangle.twice_shortfall.0) as u64;
     let k = joined((two_k >> 32) as u32, two_k as u32, j) as i32;
-    let s = (root >> (half.saturating_sub(j + 1) & 31)) as i32;
+    // S is not more than d: half is more than j.
+    let s = (root >> (half.wrapping_sub(j + 1) & 31)) as i32;
     let up = j.wrapping_sub(1) & 31;
     let (dx, dy) = (d.x.0 << up, d.y.0 << up);
 
@@ -114,3 +230,6 @@ fn intersect_circles(
         r1_dot_r2: Fixed(rounded::<30>(twice_dot)),
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,7 +17,7 @@
 //! l1 (l2 - l1). So a short link at A loses no digits beside a long one at C. A short link at C keeps
 //! the absolute error of the long one at A.
 
-use crate::arithmetic::{RoundsEachStep, WideArithmetic, dot};
+use crate::arithmetic::{RoundsEachStep, WideArithmetic, cross, dot};
 use crate::to_source;
 use nalgebra::Vector2;
 
@@ -45,6 +45,12 @@ pub trait DyadKernel: WideArithmetic {
         Self::intersect_circles(triangle, d)
     }
 
+    /// Two sums over r1 x r2, by the [inverse](DyadPosition::inverse_cross) of a position.
+    #[inline(always)]
+    fn over_cross(sums: [Self::Sum; 2], inverse_cross: Self::Factor) -> [Self; 2] {
+        Self::round_scaled_pair(sums, inverse_cross)
+    }
+
     /// (place - base) + arm. The two places are exact inputs and are subtracted first, so that a
     /// large common offset cancels before any rounding. The arm is at most 1/2 long where values
     /// have to be [in range](crate::number::Arithmetic::in_range).
@@ -57,6 +63,52 @@ pub trait DyadKernel: WideArithmetic {
     #[inline(always)]
     fn within_reach_range(_place: Self) -> bool {
         true
+    }
+
+    /// `arm`, as in a [`span`](Self::span), turned by the angle of this sine and cosine.
+    #[inline(always)]
+    fn turn_arm(arm: Vector2<Self>, sin: Self, cos: Self) -> Vector2<Self> {
+        Vector2::new(
+            Self::ab_minus_cd(arm.x, cos, arm.y, sin),
+            Self::ab_plus_cd(arm.y, cos, arm.x, sin),
+        )
+    }
+
+    /// `to` - `from`, two arms as in a [`span`](Self::span).
+    #[inline(always)]
+    fn arm_between(from: Vector2<Self>, to: Vector2<Self>) -> Vector2<Self> {
+        to - from
+    }
+
+    /// a x b of links, or of a link and the difference of two arms.
+    #[inline(always)]
+    fn cross_links(a: Vector2<Self>, b: Vector2<Self>) -> Self {
+        cross(a, b)
+    }
+
+    /// `v` + `rate` E `arm`: velocity of the end of an `arm`, as in a [`span`](Self::span). Both
+    /// operands have to be in range.
+    #[inline(always)]
+    fn arm_velocity(v: Vector2<Self>, rate: Self, arm: Vector2<Self>) -> Vector2<Self> {
+        Vector2::new(
+            Self::round(v.x.widen() + Self::product(-arm.y, rate)),
+            Self::round(v.y.widen() + Self::product(arm.x, rate)),
+        )
+    }
+
+    /// `a` + `angular` E `arm` - `rate_sq` `arm`: acceleration of the end of an `arm`, as in a
+    /// [`span`](Self::span). All operands have to be in range.
+    #[inline(always)]
+    fn arm_acceleration(
+        a: Vector2<Self>,
+        angular: Self,
+        rate_sq: Self,
+        arm: Vector2<Self>,
+    ) -> Vector2<Self> {
+        let part = |a: Self, across: Self, along: Self| {
+            Self::round(a.widen() + Self::sum_ab_minus_cd(across, angular, along, rate_sq))
+        };
+        Vector2::new(part(a.x, -arm.y, arm.x), part(a.y, arm.x, arm.y))
     }
 }
 

@@ -101,9 +101,11 @@ impl<N: DyadKernel> Rrr<N> {
     /// Link rates for `v`, the velocity of C relative to A: v = E (rate1 r1 + rate2 r2).
     #[inline(always)]
     pub fn rates(&self, at: &DyadPosition<N>, v: Vector2<N>) -> Rates<N> {
+        let products = [sum_dot(at.r2, v), sum_dot(at.r1, v)];
+        let [proximal, opposite] = N::over_cross(products, at.inverse_cross);
         Rates {
-            proximal: N::round_scaled(sum_dot(at.r2, v), at.inverse_cross),
-            distal: -N::round_scaled(sum_dot(at.r1, v), at.inverse_cross),
+            proximal,
+            distal: -opposite,
         }
     }
 
@@ -121,9 +123,10 @@ impl<N: DyadKernel> Rrr<N> {
         let w2 = rates.distal * rates.distal;
         let r2_dot_b = sum_dot(at.r2, a) + N::sum_ab_plus_cd(w1, at.r1_dot_r2, w2, self.l2_sq);
         let r1_dot_b = sum_dot(at.r1, a) + N::sum_ab_plus_cd(w1, self.l1_sq, w2, at.r1_dot_r2);
+        let [proximal, opposite] = N::over_cross([r2_dot_b, r1_dot_b], at.inverse_cross);
         Accelerations {
-            proximal: N::round_scaled(r2_dot_b, at.inverse_cross),
-            distal: -N::round_scaled(r1_dot_b, at.inverse_cross),
+            proximal,
+            distal: -opposite,
         }
     }
 

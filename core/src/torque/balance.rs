@@ -71,28 +71,33 @@ impl<N: Number> Balance<N> {
         let c = |leg: usize| legs[leg].position.platform_joint;
         let d = |leg: usize| legs[leg].position.links.r2;
         let ([c1, c2, c3], [d1, d2, d3]) = ([c(0), c(1), c(2)], [d(0), d(1), d(2)]);
-        let (arm2, arm3) = (c2 - c1, c3 - c1);
+        let (arm2, arm3) = (N::arm_between(c1, c2), N::arm_between(c1, c3));
 
         let mut moment = demand.moment.widen() - sum_cross(c1, demand.force);
-        let mut force = demand.force.map(N::widen);
-        add_across(&loads[0], d1, None, &mut force, &mut moment);
-        add_across(&loads[1], d2, Some(arm2), &mut force, &mut moment);
-        add_across(&loads[2], d3, Some(arm3), &mut force, &mut moment);
-
-        let (force, moment) = (force.map(N::round), N::round(moment));
-        let (moment2, moment3) = (cross(arm2, d2), cross(arm3, d3));
-        let (d1_x_d2, d3_x_d1) = (cross(d1, d2), cross(d3, d1));
+        let across = |load: &LegLoad<N>| load.distal_over_l2_sq.is_some();
+        let force = if loads.iter().any(across) {
+            let mut force = demand.force.map(N::widen);
+            add_across(&loads[0], d1, None, &mut force, &mut moment);
+            add_across(&loads[1], d2, Some(arm2), &mut force, &mut moment);
+            add_across(&loads[2], d3, Some(arm3), &mut force, &mut moment);
+            force.map(N::round)
+        } else {
+            // Nothing to add: neither widened nor rounded.
+            demand.force
+        };
+        let moment = N::round(moment);
+        let (moment2, moment3) = (N::cross_links(arm2, d2), N::cross_links(arm3, d3));
+        let (d1_x_d2, d3_x_d1) = (N::cross_links(d1, d2), N::cross_links(d3, d1));
         let det_a = N::ab_plus_cd(d1_x_d2, moment3, d3_x_d1, moment2);
         if !N::PROPAGATES_NON_FINITE && self.is_singular(det_a) {
             return Err(Status::ParallelSingular);
         }
         let across = cross(d1, force);
-        let inverse = det_a.reciprocal();
-        let f2 = N::round_scaled(N::sum_ab_plus_cd(across, moment3, d3_x_d1, moment), inverse);
-        let f3 = N::round_scaled(
+        let products = [
+            N::sum_ab_plus_cd(across, moment3, d3_x_d1, moment),
             N::sum_ab_minus_cd(d1_x_d2, moment, moment2, across),
-            inverse,
-        );
+        ];
+        let [f2, f3] = N::round_scaled_pair(products, det_a.reciprocal());
         let left = Vector2::new(
             N::round(force.x.widen() - N::sum_ab_plus_cd(f2, d2.x, f3, d3.x)),
             N::round(force.y.widen() - N::sum_ab_plus_cd(f2, d2.y, f3, d3.y)),

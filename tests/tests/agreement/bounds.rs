@@ -71,8 +71,8 @@ pub(crate) fn coarse_functions(
 /// is multiplied by a factor carries 2^-30 of itself besides.
 const FIXED_VALUE: f64 = 0.9 * Fixed::UNIT;
 const FIXED_FACTOR: f64 = 0.5 * Fixed::UNIT;
-/// Its angles are whole numbers of 2^-32 of a turn, off by 1.2 of them.
-const FIXED_ANGLE: f64 = 1.2 * TAU / 4_294_967_296.0;
+/// Its angles are whole numbers of 2^-32 of a turn, off by 1.1 of them.
+const FIXED_ANGLE: f64 = 1.1 * TAU / 4_294_967_296.0;
 
 /// How far the results move when every value on the way through the tick is off by what fixed point
 /// rounds it by in `units`: the sum over all of them, each moved alone. That is the quantisation

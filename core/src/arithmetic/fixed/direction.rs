@@ -1,11 +1,12 @@
 //! The direction of a vector, in turns.
 
 use super::product::{opaque, rounded, signed, signed_high};
+use crate::to_source;
 
 /// For the sines (2 k + 1) / 128 up to that of an eighth of a turn: the cosine in 2^-31, and the
 /// angle in 2^-32 of a turn. Offline by mpmath.
 #[rustfmt::skip]
-static ARCS: [(i32, u32); 46] = [
+static ARCS: [(i32, u32); 64] = to_64([
     (2147418111, 5340408), (2146893743, 16022528), (2145844623, 26708564),
     (2144269979, 37401135), (2142168655, 48102875), (2139539097, 58816439),
     (2136379355, 69544508), (2132687072, 80289795), (2128459478, 91055052),
@@ -22,21 +23,52 @@ static ARCS: [(i32, u32); 46] = [
     (1689674729, 454682423), (1662807474, 468365347), (1634810357, 482275905),
     (1605624275, 496431923), (1575183138, 510853289), (1543412689, 525562319),
     (1510229034, 540584200),
-];
+]);
 
-/// 2^32 / (4 pi): from 2^-33 rad to 2^-32 of a turn, times 2^32.
-const TURNS: i32 = 341_782_638;
+/// The arcs, the last one repeated, so that 6 bits always name one.
+const fn to_64<const COUNT: usize>(arcs: [(i32, u32); COUNT]) -> [(i32, u32); 64] {
+    let mut all = [arcs[COUNT - 1]; 64];
+    let mut arc = 0;
+    while arc < COUNT {
+        all[arc] = arcs[arc];
+        arc += 1;
+    }
+    all
+}
 
-/// 2^32 / 24.
-const TWENTY_FOURTH: i32 = 178_956_971;
+/// The inverse of a length, prepared for directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inverse {
+    /// 2^44 / length, rounded down.
+    sine: u32,
+    /// 2^61 / (pi length): to 2^-37 of a turn.
+    turns: i32,
+}
+
+to_source!([] Inverse [] in trirrr_core::number::fixed { sine: u32, turns: i32 });
+
+impl Inverse {
+    /// From 2^60 / `length`, the length in (2^29, 2^30\].
+    #[inline(always)]
+    pub(super) fn new(inverse: i32) -> Self {
+        /// 2^31 / pi.
+        const TO_TURNS: i32 = 683_565_276;
+        Self {
+            sine: inverse as u32 >> 16,
+            turns: rounded::<30>(signed(inverse, TO_TURNS)),
+        }
+    }
+}
 
 /// Angle of (x, y) in 2^-32 of a turn, from -2^31 (exclusive) to 2^31.
 ///
-/// The vector's length is `length` in (2^29, 2^30\], given as `inverse`, 2^60 / `length`. The smaller
-/// of the components picks an arc of the table; what is left of the angle is the arcsine of the
-/// cross product with it, below 0.012, of which two terms serve.
+/// The vector's length in (2^29, 2^30\] is given by its `inverse`. The smaller of the components
+/// picks an arc of the table; what is left of the angle is the arcsine of the cross product with
+/// it, below 0.012, of which two terms serve.
 #[inline(always)]
-pub(super) fn direction(x: i32, y: i32, inverse: i32) -> i64 {
+pub(super) fn direction(x: i32, y: i32, inverse: Inverse) -> i64 {
+    /// (2 pi)^2 / 6 in 2^-26 of what the product of shortened factors needs.
+    const CUBE: i32 = 421;
     let (width, height) = (x.wrapping_abs(), y.wrapping_abs());
     let steep = height > width;
     let (small, large) = if steep {
@@ -44,35 +76,24 @@ pub(super) fn direction(x: i32, y: i32, inverse: i32) -> i64 {
     } else {
         (height, width)
     };
-    // The sine in 2^-28; its top 6 bits.
-    let arc = (signed_high(opaque(small), inverse) >> 22) as usize;
-    // The length may be longer than it was said to be by a rounding, but the table does not end
-    // before 45 degrees do.
-    let arc = if arc < ARCS.len() {
-        arc
-    } else {
-        ARCS.len() - 1
-    };
+    // The top 6 bits of the sine, from 16 bits of each factor.
+    let arc = ((small as u32 >> 14).wrapping_mul(inverse.sine) >> 24) as usize & 63;
     let (cos, turns) = ARCS[arc];
-    let sin = (2 * arc as i32 + 1) << 24;
-    // The sine of the rest in 2^-33: 2^5 of it times length, divided by length.
-    let cross = signed(opaque(small), cos) - signed(opaque(large), opaque(sin));
-    let rest = signed_high(rounded::<26>(cross), inverse);
-    let cubed = signed_high(signed_high(rest, rest), rest);
-    let rest = rest + signed_high(cubed, TWENTY_FOURTH);
-    let angle = turns as i32 + rounded32(signed(rest, TURNS));
+    // The cross product in 2^-24 of its unit. It is small: 32 bits hold the difference, though not the
+    // parts. The sine of the arc has 24 zeros at its end.
+    let part = (signed(opaque(small), cos) >> 24) as i32;
+    let rest = part.wrapping_sub(large.wrapping_mul(2 * arc as i32 + 1));
+    // In 2^-37 of a turn. The cube is 5000 of them at most: 15 bits of each factor serve.
+    let rest = signed_high(rest, inverse.turns);
+    let short = rest >> 13;
+    let cube = (short.wrapping_mul(short) >> 15).wrapping_mul(short);
+    let rest = rest + ((cube >> 10).wrapping_mul(CUBE) >> 16);
+    // Not negative: the angle of such a vector is 0.
+    let angle = (turns as i32 + ((rest + 16) >> 5)).max(0);
     let angle = if steep { (1 << 30) - angle } else { angle };
-    // Half a turn needs the 33rd bit.
-    let angle = if x < 0 {
-        (1 << 31) - i64::from(angle)
-    } else {
-        i64::from(angle)
-    };
-    if y < 0 { -angle } else { angle }
-}
-
-/// wide / 2^32, rounded to nearest.
-#[inline(always)]
-fn rounded32(wide: i64) -> i32 {
-    ((wide >> 32) as i32).wrapping_add((wide as u32 >> 31) as i32)
+    let angle = angle as u32;
+    // Half a turn needs all 32 bits, its sign the 33rd.
+    let angle = if x < 0 { (1 << 31) - angle } else { angle };
+    let sign = i64::from(y >> 31);
+    (i64::from(angle) ^ sign).wrapping_sub(sign)
 }

@@ -1,6 +1,6 @@
 //! Multipliers of any size.
 
-use super::product::{normalised, rounded, signed};
+use super::product::{leading_zeros, normalised, opaque, rounded, signed};
 use super::reciprocal::reciprocal;
 use crate::to_source;
 use core::ops::{Mul, Neg};
@@ -29,7 +29,7 @@ impl Factor {
     pub(super) fn reciprocal_of(raw: i32) -> Self {
         let size = raw.unsigned_abs();
         // Of zero that of the least bit there could be: it takes all but the smallest out of range.
-        let zeros = size.leading_zeros() & 31;
+        let zeros = leading_zeros(size | 1) & 31;
         let significand = reciprocal((size << zeros) | 1 << 31);
         Self {
             significand: if raw < 0 { -significand } else { significand },
@@ -111,15 +111,39 @@ impl Factor {
         if shift > 31 {
             return self.times_far(sum);
         }
-        let (high, low) = ((sum >> 32) as u32, sum as u32);
-        let shifted = (((high << 1) << (shift ^ 31)) | (low >> shift)) as i32;
-        // What went out at the top has to be the sign.
-        let fits = (high as i32) >> shift == shifted >> 31;
-        if !fits {
-            return i32::MAX ^ ((high as i32 ^ self.significand) >> 31);
+        let (shifted, lost) = shifted(sum, shift);
+        if lost != 0 {
+            return i32::MAX ^ (((sum >> 32) as i32 ^ self.significand) >> 31);
         }
-        // Below 2 in 2^-30 and below 2: it fits.
+        self.times_shifted(shifted)
+    }
+
+    /// A sum that is [shifted](low_quotient) already, times self: below 2 in 2^-30 and below 2, so it fits.
+    #[inline(always)]
+    pub(crate) fn times_shifted(self, shifted: i32) -> i32 {
         rounded::<31>(signed(shifted, self.significand))
+    }
+
+    /// [`times`](Self::times) of both.
+    #[inline(always)]
+    pub(super) fn times_pair(self, sums: [i64; 2]) -> [i32; 2] {
+        let shift = self.shift as u32;
+        let [first, second] = sums;
+        if shift <= 31 {
+            let (first, lost) = shifted(first, shift);
+            let (second, lost_too) = shifted(second, shift);
+            if lost | lost_too == 0 {
+                return [self.times_shifted(first), self.times_shifted(second)];
+            }
+        }
+        self.times_pair_far(first, second)
+    }
+
+    /// [`times_pair`](Self::times_pair) where one of them may be a rail.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn times_pair_far(self, first: i64, second: i64) -> [i32; 2] {
+        [self.times(first), self.times(second)]
     }
 
     /// [`times`](Self::times) for factors far from 1.
@@ -170,6 +194,22 @@ impl Neg for Factor {
             ..self
         }
     }
+}
+
+/// The low word of `sum` / 2^`shift`, `shift` below 32.
+#[inline(always)]
+pub(crate) fn low_quotient(sum: i64, shift: u32) -> i32 {
+    // A product is a shift and, with the sum, one instruction. For 0 nothing is left of it.
+    let high = ((sum >> 32) as i32).wrapping_mul(opaque(2 << (shift ^ 31)));
+    ((sum as u32 >> shift) as i32).wrapping_add(high)
+}
+
+/// [`low_quotient`], and 0 if it is the whole quotient.
+#[inline(always)]
+fn shifted(sum: i64, shift: u32) -> (i32, i32) {
+    let shifted = low_quotient(sum, shift);
+    // What went out at the top has to be the sign.
+    (shifted, ((sum >> 32) as i32 >> shift) ^ (shifted >> 31))
 }
 
 /// 2^exponent, for exponents of normal numbers.

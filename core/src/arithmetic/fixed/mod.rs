@@ -28,13 +28,13 @@
 //! | `div` | 0.5 unit + 2^-30 of the value | saturates; by zero, too |
 //! | `sqrt` | 0.5 unit, correctly rounded | of a negative number a rail |
 //! | `sin_cos` | 0.9 unit | - |
-//! | `direction`, `atan2` | 1.2 units of an angle, 2^-32 of a turn | - |
+//! | `direction`, `atan2` | 1.1 units of an angle, 2^-32 of a turn | - |
 //! | `fraction` | 0.75 unit, exact at both ends | - |
 //! | `angle`, `radians` | 0.5 unit of the result + 2^-30 of the value | `radians` saturates |
 
 mod count;
 mod direction;
-mod factor;
+pub(crate) mod factor;
 pub(crate) mod product;
 pub(crate) mod reciprocal;
 pub(crate) mod root;
@@ -42,6 +42,7 @@ mod sin_cos;
 mod turns;
 
 pub use count::Count;
+pub use direction::Inverse;
 pub use factor::Factor;
 pub use turns::Turns;
 
@@ -71,11 +72,11 @@ pub struct Length {
     value: Fixed,
     /// Left shift that takes the length into (2^29, 2^30].
     shift: u32,
-    /// 2^60 over that.
-    inverse: i32,
+    /// Of that.
+    inverse: Inverse,
 }
 
-to_source!([] Length [] in trirrr_core::number::fixed { value: Fixed, shift: u32, inverse: i32 });
+to_source!([] Length [] in trirrr_core::number::fixed { value: Fixed, shift: u32, inverse: Inverse });
 to_source!(pub Fixed in trirrr_core::number; 0);
 to_source!(pub Sum in trirrr_core::number::fixed; 0);
 
@@ -301,6 +302,7 @@ impl Arithmetic for Fixed {
             1 => raw >> 1,
             up => raw << (up - 2),
         };
+        let inverse = Inverse::new(inverse);
         Turns(direction::direction(place(x.0), place(y.0), inverse))
     }
 
@@ -401,12 +403,17 @@ impl WideArithmetic for Fixed {
         Self(f.times(sum.0))
     }
 
+    #[inline(always)]
+    fn round_scaled_pair(sums: [Sum; 2], f: Factor) -> [Self; 2] {
+        f.times_pair(sums.map(|sum| sum.0)).map(Self)
+    }
+
     fn length_from_f64(x: f64) -> Length {
         let value = Self::from_f64(x);
         // Scaled as a float, so that the reciprocal is one of the length and not of its rounding.
         let shift = value.0.unsigned_abs().leading_zeros().clamp(2, 31) - 2;
         let place = x * f64::from(1u32 << FRACTION) * f64::from(1u32 << shift);
-        let inverse = nearest((1u64 << 60) as f64 / place) as i32;
+        let inverse = Inverse::new(nearest((1u64 << 60) as f64 / place) as i32);
         Length {
             value,
             shift,

@@ -19,8 +19,28 @@ pub(crate) fn unsigned(a: u32, b: u32) -> u64 {
     u64::from(a) * u64::from(b)
 }
 
+/// a `short`, which is below 2^16.
+#[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+#[inline(always)]
+pub(super) fn signed_by_short(a: i32, short: u32) -> i64 {
+    signed(a, opaque(short as i32))
+}
+
+/// a `short`, which is below 2^16.
+#[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+#[inline(always)]
+pub(super) fn unsigned_by_short(a: u32, short: u32) -> u64 {
+    unsigned(a, short)
+}
+
 #[cfg(all(target_arch = "arm", not(target_has_atomic = "32")))]
-pub(crate) use halves::{signed, unsigned};
+pub(crate) use halves::{leading_zeros, signed, signed_by_short, unsigned, unsigned_by_short};
+
+/// The square of a / 2^16, rounded down before and after.
+#[inline(always)]
+pub(super) fn square_of_high(a: i32) -> i32 {
+    (a >> 16) * (a >> 16)
+}
 
 /// Products from those of 16 by 16 bits, for cores whose multiplication gives 32 bits.
 #[cfg(any(test, all(target_arch = "arm", not(target_has_atomic = "32"))))]
@@ -30,14 +50,11 @@ mod halves {
     pub(crate) fn signed(a: i32, b: i32) -> i64 {
         let (a_high, a_low) = (a >> 16, a & 0xffff);
         let (b_high, b_low) = (b >> 16, b & 0xffff);
-        let low = (a_low as u32).wrapping_mul(b_low as u32);
-        // A product of a signed and an unsigned half is at least 65535 short of the largest
-        // number: what is carried from below fits.
-        let first = a_high * b_low + (low >> 16) as i32;
-        let second = a_low * b_high + (first & 0xffff);
-        let high = a_high * b_high + (first >> 16) + (second >> 16);
-        let low = ((second as u32) << 16) | (low & 0xffff);
-        (i64::from(high) << 32) | i64::from(low)
+        let outer = words(a_high * b_high, (a_low as u32).wrapping_mul(b_low as u32));
+        // A product of a signed and an unsigned half fits.
+        let middle = |half: i32| words(half >> 16, (half as u32) << 16);
+        let first = outer.wrapping_add(middle(a_high * b_low));
+        first.wrapping_add(middle(super::opaque(b_high) * a_low))
     }
 
     /// a b.
@@ -45,17 +62,60 @@ mod halves {
     pub(crate) fn unsigned(a: u32, b: u32) -> u64 {
         let (a_high, a_low) = (a >> 16, a & 0xffff);
         let (b_high, b_low) = (b >> 16, b & 0xffff);
-        let low = a_low * b_low;
-        let first = a_high * b_low + (low >> 16);
-        let second = a_low * b_high + (first & 0xffff);
-        let high = a_high * b_high + (first >> 16) + (second >> 16);
-        let low = (second << 16) | (low & 0xffff);
-        (u64::from(high) << 32) | u64::from(low)
+        let outer = words((a_high * b_high) as i32, a_low * b_low);
+        let middle = |half: u32| words((half >> 16) as i32, half << 16);
+        let wide = outer
+            .wrapping_add(middle(a_high * b_low))
+            .wrapping_add(middle(b_high * a_low));
+        wide as u64
+    }
+
+    /// a `short`, which is below 2^16.
+    #[inline(always)]
+    pub(crate) fn signed_by_short(a: i32, short: u32) -> i64 {
+        let high = (a >> 16).wrapping_mul(short as i32);
+        words(high >> 16, (high as u32) << 16)
+            .wrapping_add(i64::from((a as u32 & 0xffff).wrapping_mul(short)))
+    }
+
+    /// a `short`, which is below 2^16.
+    #[inline(always)]
+    pub(crate) fn unsigned_by_short(a: u32, short: u32) -> u64 {
+        let high = (a >> 16).wrapping_mul(short);
+        (u64::from(high) << 16).wrapping_add(u64::from((a & 0xffff).wrapping_mul(short)))
+    }
+
+    /// Zeros in front of `value`, which is not zero; the core has no instruction for it.
+    #[inline(never)]
+    pub(crate) fn leading_zeros(value: u32) -> u32 {
+        static OF_HALF_BYTE: [u8; 16] = [4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0];
+        // Written out: in a loop the steps themselves would be a table.
+        let (value, zeros) = if value >> 16 == 0 {
+            (value << 16, 16)
+        } else {
+            (value, 0)
+        };
+        let (value, zeros) = if value >> 24 == 0 {
+            (value << 8, zeros + 8)
+        } else {
+            (value, zeros)
+        };
+        let (value, zeros) = if value >> 28 == 0 {
+            (value << 4, zeros + 4)
+        } else {
+            (value, zeros)
+        };
+        zeros + u32::from(OF_HALF_BYTE[(value >> 28) as usize])
+    }
+
+    #[inline(always)]
+    fn words(high: i32, low: u32) -> i64 {
+        (i64::from(high) << 32) | i64::from(low)
     }
 
     #[cfg(test)]
     #[test]
-    fn halves_give_the_whole() {
+    fn parts_give_the_whole() {
         let mut state = 1u64;
         let mut next = || {
             state = state
@@ -76,6 +136,14 @@ mod halves {
         for _ in 0..1_000_000 {
             let (a, b) = (next(), next());
             assert_eq!(unsigned(a, b), u64::from(a) * u64::from(b));
+            let short = b & 0xffff;
+            assert_eq!(unsigned_by_short(a, short), u64::from(a) * u64::from(short));
+            assert_eq!(
+                signed_by_short(a as i32, short),
+                i64::from(a as i32) * i64::from(short)
+            );
+            let some = a >> (b & 31) | 1;
+            assert_eq!(leading_zeros(some), some.leading_zeros());
             let (a, b) = (a as i32, b as i32);
             assert_eq!(signed(a, b), i64::from(a) * i64::from(b), "{a} {b}");
         }
@@ -99,9 +167,10 @@ pub(crate) fn rounded<const BITS: u32>(wide: i64) -> i32 {
 #[inline(always)]
 pub(super) fn saturated<const BITS: u32>(wide: i64) -> i32 {
     // The high word alone tells whether it fits, and saturating it is one instruction where there
-    // is one. The low bits go on below, so that the result is a rail but for its last few units.
+    // is one, but not of what the compiler knows to be positive. The low bits go on below, so that
+    // the result is a rail but for its last few units.
     let limit = 1 << (BITS - 1);
-    let high = ((wide >> 32) as i32).clamp(-limit, limit - 1);
+    let high = opaque((wide >> 32) as i32).clamp(-limit, limit - 1);
     carried::<BITS>(high, wide as u32)
 }
 
@@ -140,7 +209,7 @@ fn carried<const BITS: u32>(high: i32, low: u32) -> i32 {
 #[inline(always)]
 #[allow(unsafe_code)]
 pub(crate) fn opaque(value: i32) -> i32 {
-    #[cfg(all(target_arch = "arm", target_has_atomic = "32"))]
+    #[cfg(target_arch = "arm")]
     {
         let mut value = value;
         // SAFETY: does nothing.
@@ -149,22 +218,43 @@ pub(crate) fn opaque(value: i32) -> i32 {
         };
         value
     }
-    #[cfg(not(all(target_arch = "arm", target_has_atomic = "32")))]
+    #[cfg(not(target_arch = "arm"))]
     value
+}
+
+/// `value`, at most 2^31 as an unsigned number, for which the sign bit has no room: that one becomes
+/// 2^31 - 1.
+#[inline(always)]
+pub(super) fn within_sign(value: i32) -> i32 {
+    value.wrapping_sub((value as u32 >> 31) as i32)
+}
+
+/// Zeros in front of `value`, which is not zero.
+#[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+#[inline(always)]
+pub(super) fn leading_zeros(value: u32) -> u32 {
+    value.leading_zeros()
 }
 
 /// The top 32 bits of `wide`, which is not zero, shifted left until its highest bit is set; and
 /// the shift.
 #[inline(always)]
 pub(crate) fn normalised(wide: u64) -> (u32, u32) {
-    let (high, low) = ((wide >> 32) as u32, wide as u32);
-    if high != 0 {
-        let shift = high.leading_zeros() & 31;
-        (joined(high, low, shift), shift)
+    let low = wide as u32;
+    if wide >> 32 != 0 {
+        normalised_high(wide)
     } else {
-        let shift = low.leading_zeros();
+        let shift = leading_zeros(low);
         (low.wrapping_shl(shift), 32 + shift)
     }
+}
+
+/// [`normalised`] for a high word that is not zero.
+#[inline(always)]
+pub(crate) fn normalised_high(wide: u64) -> (u32, u32) {
+    let (high, low) = ((wide >> 32) as u32, wide as u32);
+    let shift = leading_zeros(high) & 31;
+    (joined(high, low, shift), shift)
 }
 
 /// The high word of (high, low) shifted left by `shift`, 0 to 31.

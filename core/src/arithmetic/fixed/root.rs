@@ -1,10 +1,11 @@
 //! The reciprocal square root of a normalised number.
 
-use super::product::{opaque, rounded, signed, signed_high, unsigned};
+use super::product::{rounded, signed_by_short, square_of_high, unsigned, within_sign};
+use super::reciprocal::{on_line, packed};
 
 /// 1/sqrt(z) on 48 equal parts of 1/4 <= z < 1, in 2^-15, as in the reciprocal. Offline by mpmath.
 #[rustfmt::skip]
-static LINES: [(u16, u16); 48] = [
+static LINES: [u32; 64] = packed([
     (65525, 1957), (63570, 1791), (61780, 1648), (60133, 1523), (58611, 1413), (57199, 1315),
     (55884, 1228), (54656, 1151), (53506, 1081), (52425, 1018), (51407, 961), (50447, 909),
     (49538, 862), (48676, 818), (47858, 778), (47080, 742), (46339, 708), (45632, 676),
@@ -13,7 +14,7 @@ static LINES: [(u16, u16); 48] = [
     (38650, 413), (38237, 400), (37836, 388), (37448, 376), (37072, 365), (36707, 355),
     (36352, 345), (36008, 335), (35673, 326), (35347, 317), (35030, 309), (34721, 301),
     (34421, 293), (34128, 286), (33842, 279), (33564, 272), (33292, 265), (33027, 259),
-];
+]);
 
 /// 1/sqrt(z) in 2^-30 for z in 2^-32, 1/4 <= z < 1: a value in (2^30, 2^31).
 ///
@@ -21,19 +22,15 @@ static LINES: [(u16, u16); 48] = [
 /// the rounding. The error is below 0.54 units, at z = 1/4, which has no room, 1 unit.
 #[inline(always)]
 pub(crate) fn inverse_root(z: u32) -> i32 {
-    let part = (z >> 26).saturating_sub(16);
-    // 1/4 <= z < 1 has no part beyond the table; the limit is for the compiler.
-    let (start, fall) = LINES[if part < 48 { part as usize } else { 47 }];
-    let within = (z >> 10) & 0xffff;
-    let line = u32::from(start) - ((u32::from(fall) * within) >> 16);
+    let line = on_line(&LINES, z);
     // r = 1 - z y^2; 1/sqrt(z) = y / sqrt(1 - r) = y (1 + r/2 + 3 r^2/8 + ...). z is in 2^-32 and
     // y^2 in 2^-30, exact; r in 2^-42.
     // What 1 is in the product is beyond the 32 bits that are kept.
     let r = ((unsigned(z, line * line) >> 20) as i32).wrapping_neg();
     // r/2 in 2^-43 has the bits of r in 2^-42; r^2 in 2^-52.
-    let correction = r + ((3 * (signed_high(r, r) >> 10)) >> 2);
+    let correction = r + ((3 * (square_of_high(r) >> 10)) >> 2);
     let y = (line << 15) as i32;
-    y.saturating_add(rounded::<28>(signed(opaque(line as i32), correction)))
+    within_sign(y.wrapping_add(rounded::<28>(signed_by_short(correction, line))))
 }
 
 /// The root of `wide`, rounded to nearest; at most 2^62.

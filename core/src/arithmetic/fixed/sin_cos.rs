@@ -1,6 +1,6 @@
 //! Sine and cosine of a fraction of a turn.
 
-use super::product::{rounded, signed, signed_high};
+use super::product::{signed, signed_high};
 
 /// Sine and cosine in 2^-29 of `turn`, in 2^-32 of a turn.
 ///
@@ -36,5 +36,5 @@ pub(super) fn sin_cos(turn: u32) -> (i32, i32) {
 /// From 2^-62 to 2^-29.
 #[inline(always)]
 fn rounded32(wide: i64) -> i32 {
-    rounded::<1>(wide >> 32)
+    ((wide >> 32) as i32 + 1) >> 1
 }
