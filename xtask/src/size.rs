@@ -115,7 +115,8 @@ pub(crate) fn measure_firmware(image: &Image, scene: &Scene) -> Result<(Footprin
 /// Upper limits, bytes.
 const CEILINGS: [Ceiling; 3] = [
     Ceiling::new("core thumbv6m-none-eabi * pick-stepper", "flash", 8192.0),
-    Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "flash", 45056.0),
+    // Of it, 5 KiB are the admission that is 29 times as fast: two ways to compute an operation, values in registers.
+    Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "flash", 51_200.0),
     Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "ram", 8192.0),
 ];
 

@@ -82,17 +82,17 @@ impl<N: Enclose> MotorBounds<N> {
             let Some(limit) = limits.map(|limits| limits[index]) else {
                 continue;
             };
-            let (steady, ramp) = match (what, torque) {
+            let (steady, ramp) = match (what, &torque) {
                 (Bounded::Acceleration, _) => {
                     let steady = scaled(self.acceleration, squared);
                     let ramp = scaled(self.ramp_acceleration, speed);
                     (steady.extent(), either_ramp(steady, ramp))
                 }
-                (Bounded::Torque, Some((at_rest, steady, ramp))) => (
+                (Bounded::Torque, &Some((at_rest, steady, ramp))) => (
                     steady.extent().or(at_rest.extent()),
                     either_ramp(steady, ramp).or(either_ramp(at_rest, ramp)),
                 ),
-                (Bounded::Power, Some((at_rest, steady, ramp))) => {
+                (Bounded::Power, &Some((at_rest, steady, ramp))) => {
                     let size = (rate * steady).extent();
                     let torque = either_ramp(steady, ramp).or(either_ramp(at_rest, ramp));
                     // The product of the largest rate and the largest torque settles most cases.
@@ -121,6 +121,9 @@ impl<N: Enclose> MotorBounds<N> {
 /// `model` times `factor`, which is not negative.
 #[inline(never)]
 fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
+    if factor == <Float<N>>::ONE {
+        return model;
+    }
     TaylorModel {
         constant: model.constant * <Middle<N>>::exactly(factor),
         linear: model.linear * factor,
@@ -158,6 +161,7 @@ fn greatest_power<N: Enclose>(
         least: value - (slow.radius() + fast.radius() + eight),
         value,
         greatest,
+        curved: slow.curvature() + fast.curvature(),
     }
 }
 

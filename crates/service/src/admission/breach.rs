@@ -14,6 +14,8 @@ pub(super) struct Extent<N> {
     pub(super) value: N,
     /// It is nowhere more.
     pub(super) greatest: N,
+    /// Part of the bounds that is not linear in time: a quarter over each half of the interval.
+    pub(super) curved: N,
 }
 
 impl<N: Arithmetic> Extent<N> {
@@ -24,6 +26,7 @@ impl<N: Arithmetic> Extent<N> {
             least: greater(self.least, other.least),
             value: greater(self.value, other.value),
             greatest: greater(self.greatest, other.greatest),
+            curved: greater(self.curved, other.curved),
         }
     }
 
@@ -52,6 +55,23 @@ pub(super) struct Breach<N> {
     pub(super) ramp: bool,
     /// True if the limit is broken all over the interval.
     pub(super) certain: bool,
+    /// Halvings of the interval after which the limit would be kept if nothing but curvature mattered, 1 to 3.
+    pub(super) halvings: u32,
+}
+
+/// As in a [`Breach`] that is `excess` beyond its limit.
+#[inline(never)]
+fn halvings<N: Arithmetic>(excess: N, curved: N) -> u32 {
+    let quarter = |part: N| N::HALF * (N::HALF * part);
+    let room = curved - excess;
+    let rest = quarter(curved);
+    if !(room > N::ZERO) || rest <= room {
+        1
+    } else if quarter(rest) <= room {
+        2
+    } else {
+        3
+    }
 }
 
 impl<N: Number> Breach<N> {
@@ -73,6 +93,7 @@ impl<N: Number> Breach<N> {
             limit,
             ramp,
             certain: value - error > limit,
+            halvings: halvings(size.greatest - limit, size.curved),
         }
     }
 
@@ -89,6 +110,7 @@ impl<N: Number> Breach<N> {
             limit,
             ramp: false,
             certain: greatest < limit || greatest <= N::ZERO,
+            halvings: halvings(limit - size.least, size.curved),
         }
     }
 
@@ -101,6 +123,7 @@ impl<N: Number> Breach<N> {
             limit: N::ZERO,
             ramp: false,
             certain: false,
+            halvings: 1,
         }
     }
 
@@ -148,6 +171,7 @@ pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>
         limit,
         ramp: false,
         certain: true,
+        halvings: 1,
     };
     if offered.ticks == 0 {
         return Some(breach(None, zero, one));

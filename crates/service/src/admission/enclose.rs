@@ -12,6 +12,12 @@ pub trait Enclose: Number {
     /// Holds the middle of an enclosure: `Bound` itself, or a number of more digits.
     type Centre: Centre<Self::Bound>;
 
+    /// Halvings of a move before its first interval is measured. One is the least where the results of the tick
+    /// are proven: the tick computes a setpoint from the nearer end of the move.
+    const COARSEST: u32 = 1;
+    /// True if an interval can be measured in two ways, roughly or precisely.
+    const IS_ROUGH_FIRST: bool = false;
+
     /// The value as a bound, to one [conversion](Self::conversion).
     fn bound(self) -> Self::Bound;
     /// A bound of the distance between a value of this size in [`Bound`](Self::Bound) and the same
@@ -34,13 +40,12 @@ pub trait Enclose: Number {
     fn from_bound(bound: Self::Bound) -> Self;
     /// A bound of the rounding error of one operation whose result is of this size, not negative,
     /// in this type as well as in [`Bound`](Self::Bound). Underflow is left out.
-    fn roundoff(size: Self::Bound) -> Self::Bound;
-    /// The size that a [roundoff](Self::roundoff) is of, where an operation rounds terms of the total size `total` in
-    /// the tick and in the centre, and terms of the size `width` in `Bound` too.
     #[inline(always)]
-    fn rounded_size(total: Self::Bound, _width: Self::Bound) -> Self::Bound {
-        total
+    fn roundoff(size: Self::Bound) -> Self::Bound {
+        Self::roundoffs(1, size)
     }
+    /// As many [roundoffs](Self::roundoff).
+    fn roundoffs(count: u8, size: Self::Bound) -> Self::Bound;
 }
 
 /// A number that holds the middle of an enclosure, for bounds in `B`.
@@ -51,6 +56,17 @@ pub trait Centre<B>: Number {
     fn nearest(self) -> B;
     /// A bound of what is lost where bounds of `size` are computed from the [nearest](Self::nearest).
     fn lost(size: B) -> B;
+    /// The size of what the [nearest](Self::nearest) bound leaves out.
+    fn rest(self) -> B;
+    /// The size that a [roundoff](Enclose::roundoff) is of, where an operation rounds terms of the total size `total`
+    /// in the tick and in the centre, and terms of the size `width` in `B` too.
+    fn rounded_size(total: B, width: B) -> B;
+    /// `error`, which is not, marked as that of a model whose centre is one bound; `error` itself where every centre is.
+    fn marked(error: B) -> B;
+    /// The error without its mark.
+    fn unmarked(error: B) -> B;
+    /// Returns `true` if one of the errors is marked, or no centre has more digits than a bound.
+    fn is_one_bound(errors: [B; 2]) -> bool;
 }
 
 impl<B: Number> Centre<B> for B {
@@ -67,6 +83,26 @@ impl<B: Number> Centre<B> for B {
     fn lost(_: Self) -> Self {
         -B::ZERO
     }
+    #[inline(always)]
+    fn rest(self) -> Self {
+        -B::ZERO
+    }
+    #[inline(always)]
+    fn rounded_size(total: Self, _width: Self) -> Self {
+        total
+    }
+    #[inline(always)]
+    fn marked(error: Self) -> Self {
+        error
+    }
+    #[inline(always)]
+    fn unmarked(error: Self) -> Self {
+        error
+    }
+    #[inline(always)]
+    fn is_one_bound(_: [Self; 2]) -> bool {
+        true
+    }
 }
 
 impl Centre<f32> for TwoWord {
@@ -82,6 +118,28 @@ impl Centre<f32> for TwoWord {
     #[inline(always)]
     fn lost(size: f32) -> f32 {
         size * (8.0 * f32::UNIT_ROUNDOFF)
+    }
+    #[inline(always)]
+    fn rest(self) -> f32 {
+        self.low().abs()
+    }
+    #[inline(always)]
+    fn rounded_size(total: f32, width: f32) -> f32 {
+        total * TICK_WEIGHT + width
+    }
+    /// By the sign: an error has none of its own.
+    #[inline(always)]
+    fn marked(error: f32) -> f32 {
+        -error
+    }
+    #[inline(always)]
+    fn unmarked(error: f32) -> f32 {
+        error.abs()
+    }
+    #[inline(always)]
+    fn is_one_bound([a, b]: [f32; 2]) -> bool {
+        // Of the bits: an error of -0 is marked, too.
+        (a.to_bits() | b.to_bits()) >> 31 != 0
     }
 }
 
@@ -103,8 +161,8 @@ macro_rules! own_bounds {
             bound
         }
         #[inline(always)]
-        fn roundoff(size: Self) -> Self {
-            size * Self::UNIT_ROUNDOFF
+        fn roundoffs(count: u8, size: Self) -> Self {
+            size * (Self::from(count) * Self::UNIT_ROUNDOFF)
         }
     };
 }
@@ -120,7 +178,7 @@ impl Enclose for f64 {
     }
 }
 
-/// Part of the [roundoffs](Enclose::roundoff) of all terms that is counted in binary32. They are at least twice what the
+/// Part of the [roundoffs](Enclose::roundoff) of all terms that is counted where a centre has two words. They are at least twice what the
 /// tick rounds, so that a 32nd of that is counted. Tests of the package `tests` say how much is rounded.
 ///
 /// The centre takes less than a thousandth of it: a sum 3 u^2 of 2 u / 64, a function 40 u^2 of 8 u / 64.
@@ -128,6 +186,10 @@ const TICK_WEIGHT: f32 = 1.0 / 64.0;
 
 impl Enclose for f32 {
     type Centre = TwoWord;
+
+    /// The true motion is one cubic, from either end.
+    const COARSEST: u32 = 0;
+    const IS_ROUGH_FIRST: bool = true;
 
     own_bounds!();
 
@@ -146,17 +208,14 @@ impl Enclose for f32 {
     fn coefficient(size: Self) -> Self {
         size * (2.0 * TICK_WEIGHT * Self::UNIT_ROUNDOFF)
     }
-
-    #[inline(always)]
-    fn rounded_size(total: Self, width: Self) -> Self {
-        total * TICK_WEIGHT + width
-    }
 }
 
 impl Enclose for Coarse {
     /// With accurate functions: bounds are those of the true motion.
     type Bound = f32;
     type Centre = f32;
+
+    const COARSEST: u32 = f32::COARSEST;
 
     #[inline(always)]
     fn bound(self) -> f32 {
@@ -175,8 +234,8 @@ impl Enclose for Coarse {
         Self(bound)
     }
     #[inline(always)]
-    fn roundoff(size: f32) -> f32 {
-        f32::roundoff(size)
+    fn roundoffs(count: u8, size: f32) -> f32 {
+        f32::roundoffs(count, size)
     }
 }
 
@@ -217,8 +276,9 @@ impl Enclose for Fixed {
 
     /// The unit and the float's own.
     #[inline(always)]
-    fn roundoff(size: f32) -> f32 {
-        size * f32::UNIT_ROUNDOFF + Self::UNIT as f32
+    fn roundoffs(count: u8, size: f32) -> f32 {
+        let count = f32::from(count);
+        size * (count * f32::UNIT_ROUNDOFF) + count * Self::UNIT as f32
     }
 }
 

@@ -34,6 +34,7 @@
 mod bounds;
 mod breach;
 mod enclose;
+mod instances;
 mod path;
 mod scan;
 mod shortest;
@@ -41,6 +42,8 @@ mod taylor;
 mod two_word;
 
 pub use enclose::{Centre, Enclose};
+#[doc(hidden)]
+pub use instances::instances;
 pub use path::Path;
 pub use taylor::{AngleModel, TaylorModel};
 pub use two_word::TwoWord;
@@ -207,7 +210,7 @@ impl<N: Enclose> Judgement<N> {
             None => Work::Check {
                 offered: ends,
                 segment: ends.segment(ends.ticks),
-                scan: Scan::new(),
+                scan: Scan::new::<N>(),
             },
         };
     }

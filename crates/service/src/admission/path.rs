@@ -8,7 +8,7 @@ use nalgebra::{Vector2, Vector3};
 use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
-use trirrr_core::machine::{BuildError, Leg, Parameters};
+use trirrr_core::machine::{BuildError, Leg, LegParameters, Parameters};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, dot};
 use trirrr_core::setpoint::{Segment, Setpoint};
@@ -34,6 +34,8 @@ pub struct Path<M: Model<N: Enclose>> {
     pub(crate) ramp: TaylorModel<M::N>,
     /// True if the motors may have to hold something at rest: gravity or a wrench.
     pub(crate) loaded: bool,
+    /// Size of a velocity, an acceleration and 1 / (r1 x r2) that do not bring rates and accelerations out of range.
+    pub(crate) moderate: Float<M::N>,
 }
 
 to_source!([M: Model<N: Enclose>] Path [M] in trirrr_service::admission {
@@ -43,6 +45,7 @@ to_source!([M: Model<N: Enclose>] Path [M] in trirrr_service::admission {
     period: Float<M::N>,
     ramp: TaylorModel<M::N>,
     loaded: bool,
+    moderate: Float<M::N>,
 });
 
 impl<N: Enclose, M: Model<N = N>> Path<M> {
@@ -67,7 +70,14 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             parameters.wrench_force_n.y,
             parameters.wrench_torque_nm,
         ];
+        // With lengths below l, at least 1, and all below m, a rate is below 4 l^2 m^2, and an acceleration below
+        // 64 l^6 m^5: at most 2^124.
+        let lengths =
+            |leg: &LegParameters| leg.proximal_m + leg.distal_m + leg.joint_radius_m.abs();
+        let is_short = parameters.legs.iter().map(lengths).sum::<f64>() < 8.0;
+        let moderate = if is_short { 1_048_576.0 } else { 0.0 };
         Ok(Self {
+            moderate: <Float<N>>::from_f64(moderate),
             tick: Tick::build(parameters)?,
             distances: Distances::build(parameters),
             limits,
@@ -114,7 +124,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             motor.acceleration = leg.accelerations.proximal;
             motor.ramp_acceleration = leg.rates.proximal * self.ramp;
         }
-        if M::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
+        if self.needs_torques() {
             self.add_torques(motors, &mut legs, &mut setpoint, &rotation)
                 .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         }
@@ -133,6 +143,11 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         }
     }
 
+    /// Returns `true` if a limit asks for the dynamics.
+    fn needs_torques(&self) -> bool {
+        M::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some())
+    }
+
     fn solve(
         &self,
         setpoint: &Setpoint<TaylorModel<N>>,
@@ -140,10 +155,40 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         motions: &mut [LegMotion<TaylorModel<N>>; 3],
     ) -> Result<(), Status> {
         let legs = &self.tick.geometry().legs();
-        for (index, (leg, motion)) in legs.iter().zip(motions).enumerate() {
+        for (index, (leg, motion)) in legs.iter().zip(motions.iter_mut()).enumerate() {
             solve(index, leg, setpoint, rotation, motion)?;
         }
+        let limits = &self.limits;
+        let is_limited =
+            limits.rate.is_some() || limits.acceleration.is_some() || self.needs_torques();
+        if is_limited || !self.motion_is_finite(setpoint, motions) {
+            for (leg, motion) in legs.iter().zip(motions) {
+                add_motion(leg, setpoint, motion);
+            }
+        }
         Ok(())
+    }
+
+    /// Returns `true` if rates and accelerations cannot leave the range, because velocity and acceleration of the
+    /// platform and each 1 / (r1 x r2) are moderate.
+    #[inline(never)]
+    fn motion_is_finite(
+        &self,
+        setpoint: &Setpoint<TaylorModel<N>>,
+        legs: &[LegMotion<TaylorModel<N>>; 3],
+    ) -> bool {
+        let inverses = legs.each_ref().map(|leg| leg.position.links.inverse_cross);
+        let mut size = <Float<N>>::ZERO;
+        for sizes in [
+            setpoint.velocity.into(),
+            setpoint.acceleration.into(),
+            inverses,
+        ] {
+            for model in sizes {
+                size += model.magnitude();
+            }
+        }
+        size <= self.moderate
     }
 
     /// Checks that the singularities are as far as the limits ask.
@@ -177,6 +222,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                 least: zero,
                 value: zero,
                 greatest: zero,
+                curved: zero,
             };
         }
         Err(Breach::below(Bounded::ParallelDistance, None, &size, least))
@@ -262,6 +308,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                     least: root(squared.middle() - squared.radius()),
                     value: root(squared.middle()),
                     greatest: root(squared.middle() + squared.radius()),
+                    curved: zero,
                 };
                 let stretched = !(squared.middle()
                     <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
@@ -283,6 +330,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                     least: <Float<N>>::ZERO,
                     value: <Float<N>>::ZERO,
                     greatest: <Float<N>>::ONE,
+                    curved: <Float<N>>::ZERO,
                 };
                 let least = self.limits.parallel_distance;
                 Breach::below(Bounded::ParallelDistance, None, &size, least)
@@ -317,7 +365,7 @@ fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
     }
 }
 
-/// The motion of leg `index`.
+/// Solves leg `index`.
 #[inline(never)]
 fn solve<N: Enclose>(
     index: usize,
@@ -327,7 +375,16 @@ fn solve<N: Enclose>(
     motion: &mut LegMotion<TaylorModel<N>>,
 ) -> Result<(), Status> {
     motion.position = leg.position(index, setpoint.pose.position, rotation)?;
+    Ok(())
+}
+
+/// Adds rates and accelerations to the position of a leg.
+#[inline(never)]
+fn add_motion<N: Enclose>(
+    leg: &Leg<TaylorModel<N>>,
+    setpoint: &Setpoint<TaylorModel<N>>,
+    motion: &mut LegMotion<TaylorModel<N>>,
+) {
     motion.rates = leg.rates(&motion.position, &setpoint.velocity);
     motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
-    Ok(())
 }

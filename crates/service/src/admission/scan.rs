@@ -8,9 +8,12 @@ use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Segment;
 
-/// Halvings of the whole move at the start: intervals much longer would seldom be certain. At
-/// least one, because the setpoint is computed from the nearer end.
-const COARSEST: u32 = 4;
+/// Halvings of the whole move at which an interval that was measured roughly is measured again, precisely. From there
+/// on rounding is about as much as what is not linear. Shorter intervals are measured precisely at once.
+const FINEST_ROUGH: u32 = 6;
+
+/// Intervals of one length that have to pass in a row before a longer one is tried.
+const PATIENCE: u32 = 4;
 
 /// Halvings down to the shortest interval. Its middle is still a binary32 number.
 const FINEST: u32 = 20;
@@ -30,6 +33,10 @@ pub(super) struct Scan<N> {
     level: u32,
     index: u32,
     measured: u32,
+    /// Intervals in a row that were passed since the last that was not, or since the length was last changed.
+    passed: u32,
+    /// True if the interval is too rough for its limits.
+    precise: bool,
     /// The sign of det A so far.
     side: Option<bool>,
     /// A limit that is not certain to be kept.
@@ -58,8 +65,8 @@ pub(super) enum Scanned<N> {
 }
 
 impl<N: Arithmetic> Scan<N> {
-    pub(super) fn new() -> Self {
-        Self::at_level(COARSEST)
+    pub(super) fn new<T: Enclose<Bound = N>>() -> Self {
+        Self::at_level(T::COARSEST)
     }
 
     /// With intervals of at most 1 / 2^`level`.
@@ -69,6 +76,8 @@ impl<N: Arithmetic> Scan<N> {
             level,
             index: 0,
             measured: 0,
+            passed: 0,
+            precise: false,
             side: None,
             doubt: None,
         }
@@ -82,17 +91,27 @@ impl<N: Arithmetic> Scan<N> {
     /// The interval.
     pub(super) fn interval<T: Enclose<Bound = N>>(&self) -> TaylorModel<T> {
         let halves = 2 << self.level;
-        TaylorModel::span(N::ratio(2 * self.index + 1, halves), N::ratio(1, halves))
+        let span = TaylorModel::span(N::ratio(2 * self.index + 1, halves), N::ratio(1, halves));
+        if self.precise || self.level > FINEST_ROUGH {
+            span
+        } else {
+            span.made_rough()
+        }
     }
 
     /// Steps to the next interval; whether there is none.
     pub(super) fn advance(&mut self) -> bool {
+        self.precise = false;
         self.index += 1;
-        while self.level > self.coarsest && self.index.is_multiple_of(2) {
+        self.passed += 1;
+        // The one twice as long has hardly failed by chance: only after some more it is tried again.
+        while self.level > self.coarsest && self.index.is_multiple_of(2) && self.passed >= PATIENCE
+        {
             self.index /= 2;
             self.level -= 1;
+            self.passed = 0;
         }
-        self.index == 1 << self.level
+        self.index >> self.level == 1
     }
 
     /// Measures one interval of `segment`, or one instant once the move cannot pass any more.
@@ -115,9 +134,14 @@ impl<N: Arithmetic> Scan<N> {
             Err(breach) if breach.certain || self.level == FINEST || self.measured >= MOST => {
                 self.doubt = Some(Doubt { breach, look: 0 });
             }
-            Err(_) => {
-                self.level += 1;
-                self.index *= 2;
+            Err(_) if self.level == FINEST_ROUGH && !self.precise && T::IS_ROUGH_FIRST => {
+                self.precise = true;
+            }
+            Err(breach) => {
+                let halvings = breach.halvings.min(FINEST - self.level);
+                self.level += halvings;
+                self.index <<= halvings;
+                self.passed = 0;
             }
         }
         Scanned::Undecided

@@ -141,7 +141,7 @@ impl<N: Enclose> Search<N> {
 
     fn restart(&mut self, ticks: u32) -> Found {
         self.segment = self.offered.segment(ticks);
-        self.scan = Scan::new();
+        self.scan = Scan::new::<N>();
         Found::NotYet
     }
 }

@@ -13,6 +13,7 @@ use trirrr_core::to_source;
 
 /// high + low, where high is the binary32 number nearest to the sum.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[repr(C)]
 pub struct TwoWord {
     high: f32,
     low: f32,
@@ -70,6 +71,12 @@ impl TwoWord {
     /// `high`, exactly.
     pub(super) const fn new(high: f32) -> Self {
         Self { high, low: 0.0 }
+    }
+
+    /// The second word.
+    #[inline(always)]
+    pub(super) fn low(self) -> f32 {
+        self.low
     }
 
     /// The nearest binary32 number.

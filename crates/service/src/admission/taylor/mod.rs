@@ -23,19 +23,22 @@
 //! holds the true motion for certain, with the move's own numbers, the tick's period, and the machine's coefficients
 //! before they are rounded. A tick's value lies within it but for its rounding error. The guard in the tick looks at each value.
 //!
+//! Such models cost twice what models of one word cost. So a model of `f32` may also be *rough*: its constant has one
+//! word, and all rounding counts in full, that of the tick included. Results of a rough model are rough. The check
+//! measures an interval roughly first.
+//!
 //! Comparisons are true only where they are certain: true for every t. That is what the guards of
 //! the pipeline need, for there a comparison that is false means "refuse".
 
 mod angle;
 mod number;
+pub(super) mod operators;
 
 pub use angle::AngleModel;
 
 use crate::admission::Enclose;
 use crate::admission::breach::Extent;
 use crate::admission::enclose::Centre;
-use core::cmp::Ordering;
-use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::to_source;
 
@@ -45,14 +48,17 @@ pub(super) type Float<N> = <N as Enclose>::Bound;
 /// The number that the middle of a model of `N` is.
 pub(super) type Middle<N> = <N as Enclose>::Centre;
 
-/// A quantity of the type `N` over an interval of time.
+/// A quantity of the type `N` over an interval of time, with a constant of the type `C`.
+///
+/// In the layout of C its numbers are passed in registers of the FPU.
 #[derive(Clone, Copy, Debug)]
-pub struct TaylorModel<N: Enclose> {
+#[repr(C)]
+pub struct TaylorModel<N: Enclose, C = <N as Enclose>::Centre> {
     /// Value in the middle of the interval, without the error.
-    pub(crate) constant: Middle<N>,
+    pub(crate) constant: C,
     /// Change from the middle of the interval to its end, as far as it is linear.
     pub(crate) linear: Float<N>,
-    /// Bound of everything else; not negative.
+    /// Bound of everything else; not negative. [Marked](Centre::marked) in a rough model.
     pub(crate) error: Float<N>,
 }
 
@@ -61,6 +67,9 @@ to_source!([N: Enclose] TaylorModel [N] in trirrr_service::admission {
     linear: Float<N>,
     error: Float<N>,
 });
+
+/// A model whose constant has no more digits than its bounds.
+type Rough<N> = TaylorModel<N, Float<N>>;
 
 impl<N: Enclose> TaylorModel<N> {
     /// A value of the tick, the same at all times.
@@ -94,47 +103,41 @@ impl<N: Enclose> TaylorModel<N> {
         }
     }
 
-    /// The value in the middle of the interval, as a bound.
+    /// The same, with results that are rough.
+    pub(super) fn made_rough(self) -> Self {
+        Self {
+            error: <Middle<N>>::marked(self.error),
+            ..self
+        }
+    }
+
+    /// Returns `true` if a result of the two is rough.
     #[inline(always)]
-    pub(in crate::admission) fn middle(self) -> Float<N> {
-        self.constant.nearest()
+    fn are_rough(self, other: Self) -> bool {
+        <Middle<N>>::is_one_bound([self.error, other.error])
     }
 
-    /// Largest deviation from the value in the middle of the interval.
+    /// Computes a result by `rough` if the model is rough, by `precise` if it is not.
     #[inline(always)]
-    pub fn radius(self) -> Float<N> {
-        self.linear.abs() + self.error
+    fn map(
+        self,
+        rough: impl FnOnce(Rough<N>) -> Rough<N>,
+        precise: impl FnOnce(Self) -> Self,
+    ) -> Self {
+        if self.are_rough(self) {
+            rough(self.rough()).result()
+        } else {
+            precise(self)
+        }
     }
 
-    /// Least and greatest value.
-    #[inline(never)]
-    pub(in crate::admission) fn ends(self) -> [Float<N>; 2] {
-        let (middle, radius) = (self.middle(), self.radius());
-        let radius = radius + <Middle<N>>::lost(middle.abs() + radius);
-        [middle - radius, middle + radius]
-    }
-
-    /// Largest size.
-    #[inline(never)]
-    pub fn magnitude(self) -> Float<N> {
-        let (size, radius) = (self.middle().abs(), self.radius());
-        size + (radius + <Middle<N>>::lost(size + radius))
-    }
-
-    /// Least size; negative where the quantity may change its sign.
-    #[inline(never)]
-    pub fn least_magnitude(self) -> Float<N> {
-        let (size, radius) = (self.middle().abs(), self.radius());
-        size - (radius + <Middle<N>>::lost(size + radius))
-    }
-
-    /// Bounds of the size.
-    #[inline(never)]
-    pub(super) fn extent(self) -> Extent<Float<N>> {
-        Extent {
-            least: self.least_magnitude(),
-            value: self.middle().abs(),
-            greatest: self.magnitude(),
+    /// With what the constant leaves out in the error.
+    #[inline(always)]
+    fn rough(self) -> Rough<N> {
+        TaylorModel {
+            constant: self.middle(),
+            linear: self.linear,
+            error: <Middle<N>>::unmarked(self.error) + self.constant.rest(),
         }
     }
 
@@ -146,46 +149,88 @@ impl<N: Enclose> TaylorModel<N> {
             ..Self::point(<Float<N>>::ZERO)
         }
     }
+}
+
+impl<N: Enclose> Rough<N> {
+    /// As a number of the pipeline.
+    #[inline(always)]
+    fn result(self) -> TaylorModel<N> {
+        TaylorModel {
+            constant: <Middle<N>>::exactly(self.constant),
+            linear: self.linear,
+            error: <Middle<N>>::marked(self.error),
+        }
+    }
+}
+
+impl<N: Enclose, C: Centre<Float<N>>> TaylorModel<N, C> {
+    /// The value in the middle of the interval, as a bound.
+    #[inline(always)]
+    pub(in crate::admission) fn middle(self) -> Float<N> {
+        self.constant.nearest()
+    }
+
+    /// Largest deviation from the value in the middle of the interval.
+    #[inline(always)]
+    pub fn radius(self) -> Float<N> {
+        self.linear.abs() + self.curvature()
+    }
+
+    /// Bound of what is not linear.
+    #[inline(always)]
+    pub(super) fn curvature(self) -> Float<N> {
+        C::unmarked(self.error)
+    }
+
+    /// Least and greatest value.
+    #[inline(never)]
+    pub(in crate::admission) fn ends(self) -> [Float<N>; 2] {
+        let (middle, radius) = (self.middle(), self.radius());
+        let radius = radius + C::lost(middle.abs() + radius);
+        [middle - radius, middle + radius]
+    }
+
+    /// Largest size.
+    #[inline(never)]
+    pub fn magnitude(self) -> Float<N> {
+        self.extent().greatest
+    }
+
+    /// Least size; negative where the quantity may change its sign.
+    #[inline(never)]
+    pub fn least_magnitude(self) -> Float<N> {
+        self.extent().least
+    }
+
+    /// Bounds of the size.
+    #[inline(always)]
+    pub(super) fn extent(self) -> Extent<Float<N>> {
+        let (value, radius) = (self.middle().abs(), self.radius());
+        let radius = radius + C::lost(value + radius);
+        Extent {
+            least: value - radius,
+            value,
+            greatest: value + radius,
+            curved: self.curvature(),
+        }
+    }
 
     /// With what rounding adds: `count` roundoffs of the terms, and twice as many of the error, which was
     /// itself computed in a few operations.
     #[inline(always)]
     fn rounded(self, terms: Terms<N>, count: Roundoffs) -> Self {
+        let size = C::rounded_size(terms.total, terms.width);
+        let size = size + (self.error + self.error);
         Self {
-            error: terms.rounded(self.error, count),
+            error: self.error + count.of::<N>(size),
             ..self
         }
     }
 
-    /// 1 / self. With x = c + d and |d| <= r,
-    /// 1 / x = 1 / c - d / c^2 + d^2 / (c^2 x), the last term of the sign of c.
-    #[inline(never)]
-    fn inverse(self) -> Self {
-        let (size, radius) = (self.middle().abs(), self.radius());
-        let least = size - (radius + Roundoffs::Eight.of::<N>(size + radius));
-        if !(least > <Float<N>>::ZERO) {
-            return Self::unknown();
-        }
-        let inverse = <Middle<N>>::ONE.div(self.constant);
-        let near = inverse.nearest();
-        let squared = near * near;
-        let half_rest = <Float<N>>::HALF * (squared * (radius * radius).div(least));
-        let rest_towards = if near > <Float<N>>::ZERO {
-            half_rest
-        } else {
-            -half_rest
-        };
-        let linear = -(self.linear * squared);
-        let model = Self {
-            constant: inverse + <Middle<N>>::exactly(rest_towards),
-            linear,
-            error: squared * self.error + half_rest,
-        };
-        let terms = Terms {
-            total: near.abs() + linear.abs() + half_rest,
-            width: linear.abs() + half_rest,
-        };
-        model.rounded(terms, Roundoffs::Eight)
+    /// The same, rounded once more.
+    #[inline(always)]
+    fn rounded_again(self) -> Self {
+        self.rounded(Terms::of(self.middle(), self.linear), Roundoffs::Two)
     }
 }
 
@@ -206,13 +251,6 @@ impl<N: Enclose> Terms<N> {
             width: linear.abs(),
         }
     }
-
-    /// `error` with what rounding adds to it.
-    #[inline(always)]
-    fn rounded(self, error: Float<N>, count: Roundoffs) -> Float<N> {
-        let size = N::rounded_size(self.total, self.width);
-        error + count.of::<N>(size + (error + error))
-    }
 }
 
 /// Number of times that an operation rounds what its size bounds. It counts the model's constant and
@@ -220,137 +258,20 @@ impl<N: Enclose> Terms<N> {
 #[derive(Clone, Copy)]
 enum Roundoffs {
     /// A sum: each part once, the tick's once.
-    Two,
+    Two = 2,
     /// A product: each part twice, of different terms; the tick's once.
-    Three,
+    Three = 3,
     /// A sum of two products: each part three times, of different terms; the tick's twice.
-    Five,
+    Five = 5,
     /// A few operations in a row, or a function of the number type that is off by a unit in the last
     /// place, which is two roundoffs, here and in the tick.
-    Eight,
+    Eight = 8,
 }
 
 impl Roundoffs {
     #[inline(always)]
     fn of<N: Enclose>(self, size: Float<N>) -> Float<N> {
-        let one = N::roundoff(size);
-        let two = one + one;
-        match self {
-            Self::Two => two,
-            Self::Three => two + one,
-            Self::Five => (two + two) + one,
-            Self::Eight => (two + two) + (two + two),
-        }
-    }
-}
-
-impl<N: Enclose> Add for TaylorModel<N> {
-    type Output = Self;
-
-    #[inline(never)]
-    fn add(self, other: Self) -> Self {
-        let sum = Self {
-            constant: self.constant + other.constant,
-            linear: self.linear + other.linear,
-            error: self.error + other.error,
-        };
-        sum.rounded(Terms::of(sum.middle(), sum.linear), Roundoffs::Two)
-    }
-}
-
-impl<N: Enclose> Neg for TaylorModel<N> {
-    type Output = Self;
-
-    #[inline(never)]
-    fn neg(self) -> Self {
-        Self {
-            constant: -self.constant,
-            linear: -self.linear,
-            error: self.error,
-        }
-    }
-}
-
-impl<N: Enclose> Sub for TaylorModel<N> {
-    type Output = Self;
-
-    #[inline(never)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-/// A product whose rounding is not counted yet, with its terms.
-#[inline(always)]
-fn product<N: Enclose>(a: TaylorModel<N>, b: TaylorModel<N>) -> (TaylorModel<N>, Terms<N>) {
-    // The term in t^2 lies between 0 and its value at the ends: half of it is known.
-    let half_square = <Float<N>>::HALF * (a.linear * b.linear);
-    let (middle_a, middle_b) = (a.middle(), b.middle());
-    let (linear_a, linear_b) = (a.linear.abs(), b.linear.abs());
-    let (size_a, size_b) = (middle_a.abs() + linear_a, middle_b.abs() + linear_b);
-    let model = TaylorModel {
-        constant: a.constant * b.constant + <Middle<N>>::exactly(half_square),
-        linear: <Float<N>>::ab_plus_cd(middle_a, b.linear, a.linear, middle_b),
-        error: half_square.abs()
-            + <Float<N>>::ab_plus_cd(size_a + a.error, b.error, size_b, a.error),
-    };
-    let terms = Terms {
-        total: size_a * size_b,
-        width: size_a * linear_b + linear_a * size_b,
-    };
-    (model, terms)
-}
-
-impl<N: Enclose> Mul for TaylorModel<N> {
-    type Output = Self;
-
-    #[inline(never)]
-    fn mul(self, other: Self) -> Self {
-        let (model, terms) = product(self, other);
-        model.rounded(terms, Roundoffs::Three)
-    }
-}
-
-impl<N: Enclose> AddAssign for TaylorModel<N> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl<N: Enclose> SubAssign for TaylorModel<N> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl<N: Enclose> MulAssign for TaylorModel<N> {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: Self) {
-        *self = *self * other;
-    }
-}
-
-impl<N: Enclose> PartialOrd for TaylorModel<N> {
-    /// The order that holds at all times; `None` where there is no such order.
-    #[inline(never)]
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        let difference = *self - *other;
-        let middle = difference.middle();
-        if difference.least_magnitude() > <Float<N>>::ZERO {
-            middle.partial_cmp(&<Float<N>>::ZERO)
-        } else if middle == <Float<N>>::ZERO && difference.radius() == <Float<N>>::ZERO {
-            Some(Ordering::Equal)
-        } else {
-            None
-        }
-    }
-}
-
-impl<N: Enclose> PartialEq for TaylorModel<N> {
-    fn eq(&self, other: &Self) -> bool {
-        self.partial_cmp(other) == Some(Ordering::Equal)
+        N::roundoffs(self as u8, size)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Taylor models as numbers of the pipeline.
 
-use super::{AngleModel, Float, Middle, Roundoffs, TaylorModel, Terms, product};
+use super::operators::{difference_of_products, inverse, root, rounded_again, sum_of_products};
+use super::{AngleModel, Float, Middle, Rough, Roundoffs, TaylorModel, Terms};
 use crate::admission::Enclose;
 use crate::admission::enclose::Centre;
 use trirrr_core::number::{Arithmetic, RoundsEachStep};
@@ -63,21 +64,15 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
         AngleModel::of(N::half_turn())
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn angle(radians: Self) -> Self::Angle {
-        let radius = radians.radius();
-        let size = N::rounded_size(radians.middle().abs() + radius, radius);
-        let radians = Self {
-            error: radians.error + Roundoffs::Two.of::<N>(size),
-            ..radians
-        };
+        let radians = rounded_again(radians);
         AngleModel { radians }
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn radians(angle: Self::Angle) -> Self {
-        let model = angle.radians;
-        model.rounded(Terms::of(model.middle(), model.linear), Roundoffs::Two)
+        rounded_again(angle.radians)
     }
 
     #[inline(never)]
@@ -86,68 +81,37 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
             constant: <Middle<N>>::ratio(numerator, denominator),
             ..Self::ZERO
         };
-        model.rounded(Terms::of(model.middle(), model.linear), Roundoffs::Two)
+        model.rounded_again()
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        let ((ab, terms_ab), (cd, terms_cd)) = (product(a, b), product(c, d));
-        let model = Self {
-            constant: ab.constant + cd.constant,
-            linear: ab.linear + cd.linear,
-            error: ab.error + cd.error,
-        };
-        let terms = Terms {
-            total: terms_ab.total + terms_cd.total,
-            width: terms_ab.width + terms_cd.width,
-        };
-        model.rounded(terms, Roundoffs::Five)
+        sum_of_products(a, b, c, d)
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
-        Self::ab_plus_cd(a, b, -c, d)
+        difference_of_products(a, b, c, d)
     }
 
     #[inline(never)]
     fn div(self, divisor: Self) -> Self {
-        self * divisor.inverse()
+        self * inverse(divisor)
     }
 
-    /// With x = c + d, s the root of c, and |d| <= r <= c:
-    /// sqrt(x) = s + d / (2 s) - (sqrt(x) - s)^2 / (2 s), where |sqrt(x) - s| is at most
-    /// r / (s + (c - r) / s), and 2 / (2 - p) <= 1 + p for p = r / c.
     #[inline(never)]
     fn sqrt(self) -> Self {
-        let (middle, radius) = (self.middle(), self.radius());
-        if !(middle > <Float<N>>::ZERO) || !(self.least_magnitude() >= <Float<N>>::ZERO) {
-            return if middle == <Float<N>>::ZERO && radius == <Float<N>>::ZERO {
-                self
-            } else {
-                Self::unknown()
-            };
+        let middle = self.middle();
+        if middle > <Float<N>>::ZERO && self.least_magnitude() >= <Float<N>>::ZERO {
+            root(self)
+        } else if middle == <Float<N>>::ZERO && self.radius() == <Float<N>>::ZERO {
+            self
+        } else {
+            Self::unknown()
         }
-        let root = self.constant.sqrt();
-        let near = root.nearest();
-        let half_inverse = <Float<N>>::HALF.div(near);
-        let part = radius * half_inverse;
-        let proportion = <Float<N>>::ONE + radius.div(middle);
-        let size = part * proportion;
-        let half_rest = <Float<N>>::HALF * (half_inverse * (size * size));
-        let linear = self.linear * half_inverse;
-        let model = Self {
-            constant: root - <Middle<N>>::exactly(half_rest),
-            linear,
-            error: self.error * half_inverse + half_rest,
-        };
-        let terms = Terms {
-            total: near + linear.abs() + half_rest,
-            width: linear.abs() + half_rest,
-        };
-        model.rounded(terms, Roundoffs::Eight)
     }
 
-    /// A straddling sign gives the range from 0 to the largest size.
+    /// A size differs from that in the middle by at most the radius.
     #[inline(never)]
     fn abs(self) -> Self {
         if self.least_magnitude() >= <Float<N>>::ZERO {
@@ -157,24 +121,25 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
                 self
             }
         } else {
-            let half = <Float<N>>::HALF * self.magnitude();
-            let model = Self {
-                error: half,
-                ..Self::point(half)
+            let rough = self.rough();
+            let straddling = Rough {
+                constant: rough.constant.abs(),
+                linear: <Float<N>>::ZERO,
+                error: rough.radius(),
             };
-            model.rounded(Terms::of(half, <Float<N>>::ZERO), Roundoffs::Two)
+            straddling.rounded_again().result()
         }
     }
 
     #[inline(never)]
     fn sin_cos(angle: Self::Angle) -> (Self, Self) {
         let angle = angle.radians;
-        let (sin, cos) = <Middle<N>>::sin_cos(<Middle<N>>::angle(angle.constant));
-        let size = angle.middle().abs();
-        let angle_error =
-            angle.error + <Middle<N>>::lost(<Float<N>>::UNIT_ROUNDOFF * (size + size));
-        let model = |value, slope| near_angle(value, slope, angle.linear, angle_error);
-        (model(sin, cos.nearest()), model(cos, -sin.nearest()))
+        if angle.are_rough(angle) {
+            let (sin, cos) = angle.rough().sine_and_cosine();
+            (sin.result(), cos.result())
+        } else {
+            angle.sine_and_cosine()
+        }
     }
 
     /// Continuous over the interval, so beyond +-pi where the vector passes the negative x axis. The
@@ -198,13 +163,14 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
         let across = <Float<N>>::ab_minus_cd(middle_x, y.linear, middle_y, x.linear);
         let relative = step.div(least);
         let linear = across.div(length_sq);
-        let error = <Float<N>>::HALF * (relative * relative) + (x.error + y.error).div(length);
+        let errors = <Middle<N>>::unmarked(x.error) + <Middle<N>>::unmarked(y.error);
+        let error = <Float<N>>::HALF * (relative * relative) + errors.div(length);
         let width = relative + error;
         let size = constant.nearest().abs() + relative + error;
         let radians = Self {
             constant,
             linear,
-            error: error + Roundoffs::Eight.of::<N>(N::rounded_size(size, width)),
+            error: error + Roundoffs::Eight.of::<N>(<Middle<N>>::rounded_size(size, width)),
         };
         AngleModel { radians }
     }
@@ -215,25 +181,32 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     }
 }
 
-/// A sine or cosine with `value` and `slope` at the middle of an angle: by Taylor's formula to the second order,
-/// with the third derivative at most 1.
-#[inline(never)]
-fn near_angle<N: Enclose>(
-    value: Middle<N>,
-    slope: Float<N>,
-    linear: Float<N>,
-    error: Float<N>,
-) -> TaylorModel<N> {
-    let radius = linear.abs() + error;
-    let second = <Float<N>>::HALF * (radius * radius);
-    let third = second * radius * <Float<N>>::ratio(1, 3);
-    let near = value.nearest();
-    let model = TaylorModel {
-        constant: value,
-        linear: slope * linear,
-        // Of the second-order term, value t^2 linear^2 / 2 is known up to the error of the
-        // angle; it is left whole in the error, for half of it would save little.
-        error: <Float<N>>::ab_plus_cd(near.abs(), second, slope.abs(), error) + third,
-    };
-    model.rounded(Terms::of(near, model.linear), Roundoffs::Eight)
+impl<N: Enclose, C: Centre<Float<N>>> TaylorModel<N, C> {
+    /// Of an angle in radians.
+    #[inline(always)]
+    fn sine_and_cosine(self) -> (Self, Self) {
+        let (sin, cos) = C::sin_cos(C::angle(self.constant));
+        let size = self.middle().abs();
+        let error = self.error + C::lost(<Float<N>>::UNIT_ROUNDOFF * (size + size));
+        let model = |value, slope| Self::near_angle(value, slope, self.linear, error);
+        (model(sin, cos.nearest()), model(cos, -sin.nearest()))
+    }
+
+    /// A sine or cosine with `value` and `slope` at the middle of an angle: by Taylor's formula to the second order,
+    /// with the third derivative at most 1.
+    #[inline(never)]
+    fn near_angle(value: C, slope: Float<N>, linear: Float<N>, error: Float<N>) -> Self {
+        let radius = linear.abs() + error;
+        let second = <Float<N>>::HALF * (radius * radius);
+        let third = second * radius * <Float<N>>::ratio(1, 3);
+        let near = value.nearest();
+        let model = Self {
+            constant: value,
+            linear: slope * linear,
+            // Of the second-order term, value t^2 linear^2 / 2 is known up to the error of the
+            // angle; it is left whole in the error, for half of it would save little.
+            error: <Float<N>>::ab_plus_cd(near.abs(), second, slope.abs(), error) + third,
+        };
+        model.rounded(Terms::of(near, model.linear), Roundoffs::Eight)
+    }
 }
