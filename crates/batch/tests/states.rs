@@ -41,7 +41,7 @@ impl<F: Float> ModelVisitor<F> for Single<F> {
     }
 }
 
-/// What stands in rows without results.
+/// Value of rows without results.
 const LEFT: f64 = 7.5;
 
 /// Evaluates all states at once and each by itself. Returns the statuses that occurred.
