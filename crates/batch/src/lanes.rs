@@ -179,7 +179,8 @@ impl<F: Float> Arithmetic for Lanes<F> {
     }
     #[inline(always)]
     fn sin_cos(angle: Self) -> (Self, Self) {
-        let both = angle.values.map(F::sin_cos);
+        let of = |lane: usize| F::sin_cos(angle.values[lane]);
+        let both = [of(0), of(1), of(2), of(3)];
         (
             Self::new(|lane| both[lane].0),
             Self::new(|lane| both[lane].1),
@@ -202,8 +203,12 @@ impl<F: Float> RoundsEachStep for Lanes<F> {
         y: [Self; COUNT],
         inverse: [Self; COUNT],
     ) -> [Self; COUNT] {
-        std::array::from_fn(|i| Self {
-            values: F::directions_at_lengths(x[i].values, y[i].values, inverse[i].values),
-        })
+        // A loop, for the closure of `array::from_fn` is not inlined.
+        let mut angles = x;
+        for ((angle, y), inverse) in angles.iter_mut().zip(y).zip(inverse) {
+            let values = F::directions_at_lengths(angle.values, y.values, inverse.values);
+            *angle = Self { values };
+        }
+        angles
     }
 }
