@@ -21,8 +21,8 @@
 #[doc(hidden)]
 pub use crate::arithmetic::fingerprint;
 pub use crate::arithmetic::{
-    Arithmetic, Coarse, Fixed, RoundsEachStep, TickCount, WideArithmetic, cross, dot, fixed,
-    perpendicular, sum_cross, sum_dot,
+    Arithmetic, Coarse, Fixed, RoundsEachStep, WideArithmetic, cross, dot, fixed, perpendicular,
+    sum_cross, sum_dot,
 };
 use crate::dyad::DyadKernel;
 

@@ -21,7 +21,7 @@ pub use coarse::Coarse;
 pub use fingerprint::fingerprint;
 pub use fixed::Fixed;
 pub use vector::{cross, dot, perpendicular, sum_cross, sum_dot};
-pub use wide::{RoundsEachStep, TickCount, WideArithmetic};
+pub use wide::{RoundsEachStep, WideArithmetic};
 
 use crate::source::ToSource;
 use core::fmt::Debug;

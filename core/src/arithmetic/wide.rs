@@ -46,8 +46,7 @@ pub trait WideArithmetic: Arithmetic {
 
     /// Prepares the count that fractions are taken of.
     fn count(ticks: u32) -> Self::Count;
-    /// `numerator / count` of ticks, the numerator not above the count: exact at 0 and 1, within
-    /// two units in the last place between.
+    /// `numerator / count` of ticks, the numerator below the count: within two units in the last place.
     fn fraction(numerator: u32, count: &Self::Count) -> Self;
 
     /// The factor nearest to `x`. For building coefficients, not for the tick.
@@ -124,34 +123,21 @@ pub trait RoundsEachStep: Arithmetic {
     }
 }
 
-/// A count of ticks with its reciprocal: multiplying takes less time than dividing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TickCount<N> {
-    ticks: u32,
-    inverse: N,
-}
-
 impl<T: RoundsEachStep> WideArithmetic for T {
     type Sum = Self;
     type Factor = Self;
-    type Count = TickCount<Self>;
+    /// 1 over the count.
+    type Count = Self;
     /// 1 over the length.
     type Length = Self;
 
     #[inline(always)]
-    fn count(ticks: u32) -> TickCount<Self> {
-        TickCount {
-            ticks,
-            inverse: Self::ratio(1, ticks),
-        }
+    fn count(ticks: u32) -> Self {
+        Self::ratio(1, ticks)
     }
     #[inline(always)]
-    fn fraction(numerator: u32, count: &TickCount<Self>) -> Self {
-        if numerator == count.ticks {
-            Self::ONE
-        } else {
-            Self::ratio(numerator, 1) * count.inverse
-        }
+    fn fraction(numerator: u32, inverse: &Self) -> Self {
+        Self::ratio(numerator, 1) * *inverse
     }
     #[inline(always)]
     fn factor_from_f64(x: f64) -> Self {

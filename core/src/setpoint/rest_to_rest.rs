@@ -104,7 +104,8 @@ impl<N: Number> RestToRest<N> {
 /// s^2 (3 - 2 s).
 #[inline(always)]
 fn blend<N: Number>(s: N) -> N {
-    s * s * ((N::ONE - s) + (N::ONE - s) + N::ONE)
+    let three = N::ONE + N::ONE + N::ONE;
+    s * s * (three - (s + s))
 }
 
 #[cfg(test)]

@@ -247,7 +247,10 @@ impl<N: Transmit> TrajectoryChecker<N> {
         if sample.part == 0 && level == self.ramp && slope == 0 {
             return on_path;
         }
-        let speed = N::fraction(level, &self.ramp_counts[0]);
+        let speed = match level == self.ramp {
+            true => N::ONE,
+            false => N::fraction(level, &self.ramp_counts[0]),
+        };
         let mut acceleration = on_path.acceleration * speed * speed;
         if slope != 0 {
             let change = if slope > 0 { self.slope } else { -self.slope };

@@ -269,7 +269,11 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
             1.. => Some(self.slope),
             _ => Some(-self.slope),
         };
-        (N::fraction(step.level, &self.ramp[0]), change)
+        let speed = match step.level == self.feed.ramp() {
+            true => N::ONE,
+            false => N::fraction(step.level, &self.ramp[0]),
+        };
+        (speed, change)
     }
 
     /// q' u and q'' u^2 + q' u'.
