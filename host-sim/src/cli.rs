@@ -3,6 +3,7 @@
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::linkage::LinkageArgs;
+use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
 use crate::stream::StreamArgs;
@@ -31,6 +32,8 @@ pub enum Command {
     Device(DeviceArgs),
     /// Stream a scene's job to a board, write its telemetry and figures
     Stream(StreamArgs),
+    /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
+    Plan(PlanArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row
     Eval(EvalArgs),
     /// Solve a planar linkage over its motion: Assur groups, table, figures

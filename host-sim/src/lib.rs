@@ -3,7 +3,7 @@
 //! [`run`] plays a scene's job through the machine's service, in real time or as fast as the
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
 //! port. [`stream`] plays the job on a device or a board. [`eval`] evaluates a table of cases.
-//! [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
+//! [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
 
 #![forbid(unsafe_code)]
 
@@ -15,6 +15,7 @@ pub mod failure;
 pub mod figures;
 pub mod histogram;
 pub mod linkage;
+pub mod plan;
 pub mod realtime;
 pub mod recording;
 pub mod report;

@@ -11,7 +11,7 @@ use trirrr_host_sim::cli::{Cli, Command};
 use trirrr_host_sim::failure::CliError;
 use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
-use trirrr_host_sim::{device, eval, linkage, report, run, stream};
+use trirrr_host_sim::{device, eval, linkage, plan, report, run, stream};
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -27,6 +27,7 @@ fn main() -> ExitCode {
             .and_then(|stop| device::command(args, &stop))
             .map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => stream(args),
+        Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
         Command::Report(args) => report::command(args).map(|()| ExitCode::SUCCESS),

@@ -46,6 +46,7 @@ impl Uncertain {
                     duration_ticks: TICKS,
                     tool: None,
                 }],
+                path: None,
             },
             ..Scene::parse(THESIS, "thesis.toml").expect("the thesis scene")
         }

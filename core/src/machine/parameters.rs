@@ -136,6 +136,19 @@ impl Parameters {
             .all(|leg| leg.proximal.is_massless() && leg.distal.is_massless())
     }
 
+    /// Returns true if the motors may have to hold something at rest: gravity or a wrench.
+    pub fn is_loaded_at_rest(&self) -> bool {
+        let (gravity, force) = (self.gravity_m_s2, self.wrench_force_n);
+        let loads = [
+            gravity.x,
+            gravity.y,
+            force.x,
+            force.y,
+            self.wrench_torque_nm,
+        ];
+        loads.iter().any(|&load| load != 0.0)
+    }
+
     /// The greatest size that det A can have: l2_1 l2_2 l2_3 times half the perimeter of the
     /// platform's triangle, m^4.
     pub fn greatest_det_a(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! The job: where the machine starts, and the moves that follow.
 
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
+use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::read::{Bound, Document, Place, Section};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::Pose;
@@ -14,6 +15,8 @@ pub struct Job {
     /// The moves, at least one. Each starts with the pose and velocity the one before ends with,
     /// the first from rest; the last ends at rest.
     pub moves: Vec<JobMove>,
+    /// Path that the moves were planned for, if the job gives one instead of moves.
+    pub path: Option<JobPath>,
 }
 
 /// One move, a cubic in time on every coordinate.
@@ -44,7 +47,7 @@ pub struct Tool {
 }
 
 impl Job {
-    /// The job in `units`.
+    /// The job in `units`, without its path.
     pub fn in_units(&self, units: &Units) -> Self {
         let moved = |each: &JobMove| JobMove {
             from: units.pose(&each.from),
@@ -60,6 +63,7 @@ impl Job {
         Self {
             start: units.pose(&self.start),
             moves: self.moves.iter().map(moved).collect(),
+            path: None,
         }
     }
 
@@ -83,6 +87,8 @@ pub(crate) struct PlacedJob {
     pub(crate) job: Job,
     pub(crate) start: Place,
     pub(crate) moves: Vec<PlacedMove>,
+    /// The path from which the moves are still to be planned.
+    pub(crate) path: Option<PlacedPath>,
 }
 
 /// Place of a move in the file.
@@ -100,9 +106,29 @@ pub(crate) fn read_job(
     let section = root.section("job")?;
     let start = read_pose(&section, "start");
     let sections = section.sections("move")?;
-    if sections.is_empty() {
-        section.refuse_list("move", "a job needs at least one [[job.move]]");
+    let pieces = section.sections("path")?;
+    let shortest = match section.has("timing") {
+        true => section.choice("timing", &[("given", false), ("shortest", true)])?,
+        false => false,
+    };
+    if let Some(key) = misplaced(shortest, &sections, &pieces) {
+        let (key, reason) = key;
+        section.refuse_list(key, reason);
+        section.ignore_rest();
         return None;
+    }
+    if shortest {
+        let placed = read_path(&section, &pieces, start)?;
+        return Some(PlacedJob {
+            start: section.place_of("start"),
+            moves: Vec::new(),
+            job: Job {
+                start: start?,
+                moves: Vec::new(),
+                path: Some(placed.path.clone()),
+            },
+            path: Some(placed),
+        });
     }
     let mut from = start;
     let mut start_velocity = Some(Vector3::zeros());
@@ -157,8 +183,34 @@ pub(crate) fn read_job(
         job: Job {
             start: start?,
             moves,
+            path: None,
         },
+        path: None,
     })
+}
+
+/// Returns the key that does not go with the timing, and the reason.
+fn misplaced(
+    shortest: bool,
+    moves: &[Section],
+    pieces: &[Section],
+) -> Option<(&'static str, &'static str)> {
+    match (shortest, moves, pieces) {
+        (false, _, [_, ..]) => Some((
+            "path",
+            "a path gives no durations: it goes with timing = \"shortest\"",
+        )),
+        (true, [_, ..], _) => Some((
+            "move",
+            "a move gives its duration: with timing = \"shortest\" the job is a [[job.path]]",
+        )),
+        (false, [], _) => Some(("move", "a job needs at least one [[job.move]]")),
+        (true, _, []) => Some((
+            "path",
+            "timing = \"shortest\" needs at least one [[job.path]]",
+        )),
+        _ => None,
+    }
 }
 
 fn read_pose(section: &Section, key: &'static str) -> Option<Pose<f64>> {
@@ -181,7 +233,7 @@ fn read_velocity(each: &Section) -> Option<Vector3<f64>> {
 }
 
 /// The tool of a move: `Some(None)` where it is left out.
-fn read_tool(each: &Section) -> Option<Option<Tool>> {
+pub(crate) fn read_tool(each: &Section) -> Option<Option<Tool>> {
     if !each.has("tool") {
         return Some(None);
     }

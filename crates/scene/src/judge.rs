@@ -42,16 +42,32 @@ pub(crate) enum Unjudged {
 /// # Errors
 /// [`Unjudged`].
 pub(crate) fn judge(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
-    in_number_type!(scene.number, N => judge_in::<N>(scene))
+    judge_with(scene, true)
 }
 
-fn judge_in<N: ServiceNumber>(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
+/// As [`judge`], but no violation names the shortest duration that would pass.
+///
+/// # Errors
+/// [`Unjudged`].
+pub(crate) fn judge_quickly(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
+    judge_with(scene, false)
+}
+
+fn judge_with(scene: &Scene, shortest: bool) -> Result<Vec<Option<Objection>>, Unjudged> {
+    in_number_type!(scene.number, N => judge_in::<N>(scene, shortest))
+}
+
+fn judge_in<N: ServiceNumber>(
+    scene: &Scene,
+    shortest: bool,
+) -> Result<Vec<Option<Objection>>, Unjudged> {
     let units = units::<N>(scene)?;
     let moves = offer::moves::<N>(scene, &units);
     let job = OfferedJob {
         scene,
         units: &units,
         moves: &moves,
+        shortest,
     };
     Ok(scene.model().visit::<N, _>(job)?)
 }
@@ -61,6 +77,8 @@ struct OfferedJob<'a, N: ServiceNumber> {
     scene: &'a Scene,
     units: &'a Units,
     moves: &'a [Move<N>],
+    /// Violations name the shortest duration.
+    shortest: bool,
 }
 
 impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
@@ -71,6 +89,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             scene,
             units,
             moves,
+            shortest,
         } = self;
         let mut admission = Admission::<M>::build(
             &units.parameters(&scene.parameters),
@@ -78,7 +97,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             scene.ramp_ticks(),
             units.time(scene.period_s()),
         )?;
-        let judge = |offered| objection(&mut admission, offered, units);
+        let judge = |offered| objection(&mut admission, offered, units, shortest);
         Ok(moves.iter().map(judge).collect())
     }
 }
@@ -87,6 +106,7 @@ fn objection<M: Model<N: ServiceNumber>>(
     admission: &mut Admission<M>,
     offered: &Move<M::N>,
     units: &Units,
+    shortest: bool,
 ) -> Option<Objection> {
     match check_offer(offered, longest_move(offer::CAPACITY)) {
         Ok(()) => {}
@@ -97,7 +117,11 @@ fn objection<M: Model<N: ServiceNumber>>(
     admission.offer(offered);
     loop {
         match admission.step() {
-            Verdict::Undecided => {}
+            Verdict::Undecided => {
+                if let Some(violation) = admission.violation().filter(|_| !shortest) {
+                    return Some(Objection::Limit(violation.in_si(units)));
+                }
+            }
             Verdict::Refused(violation) => return Some(Objection::Limit(violation.in_si(units))),
             Verdict::Admitted | Verdict::Nothing => return None,
         }

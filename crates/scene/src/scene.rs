@@ -8,6 +8,7 @@ use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
+use crate::planning::plan_path;
 use crate::plant::{PlacedPlant, Plant, read_plant};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
@@ -236,11 +237,8 @@ fn read_scene(
     let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
     let placed = read_job(document, root, rate)?;
     let homing = homing?;
-    let plant = match plant? {
-        Some(plant) => Some(plant.checked(root, f64::from(placed.job.ticks()) / rate?)?),
-        None => None,
-    };
-    let scene = Scene {
+    let plant = plant?;
+    let mut scene = Scene {
         key,
         name: name?,
         description: description.into_owned(),
@@ -253,9 +251,19 @@ fn read_scene(
         service: service?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
-        plant,
+        plant: None,
         tolerances: tolerances?,
     };
+    // A plan of a machine that is refused would only repeat why.
+    if let Some(path) = &placed.path
+        && document.is_clean()
+    {
+        plan_path(document, &mut scene, path)?;
+    }
+    if let Some(plant) = plant {
+        let duration_s = f64::from(scene.ticks()) / scene.tick_rate_hz;
+        scene.plant = Some(plant.checked(root, duration_s)?);
+    }
     let places = Places {
         legs: Place {
             value: None,

@@ -3,10 +3,12 @@
 
 mod catalogue;
 mod machine;
+mod plan;
 mod plant;
 mod tolerances;
 mod traces;
 
+pub use plan::PlanTraces;
 pub use plant::PlantTraces;
 pub use tolerances::ToleranceTraces;
 pub use traces::Traces;

@@ -162,6 +162,7 @@ impl Offer {
             job: Job {
                 start: offered.from,
                 moves: vec![only],
+                path: None,
             },
             ..thesis.clone()
         };

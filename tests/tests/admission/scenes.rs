@@ -14,9 +14,14 @@ use trirrr_service::admission::Enclose;
 fn scenes() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let files = fs::read_dir(folder).expect("the repository has scenes");
-    let read =
-        |file: fs::DirEntry| Scene::read(file.path()).unwrap_or_else(|error| panic!("{error}"));
-    let scenes: Vec<Scene> = files.map(|file| read(file.expect("a file"))).collect();
+    let scenes: Vec<Scene> = files
+        .map(|file| file.expect("a file").path())
+        .filter(|file| {
+            file.extension()
+                .is_some_and(|extension| extension == "toml")
+        })
+        .map(|file| Scene::read(file).unwrap_or_else(|error| panic!("{error}")))
+        .collect();
     assert!(scenes.len() >= 4);
     scenes
 }

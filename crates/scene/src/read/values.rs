@@ -63,6 +63,27 @@ impl<'d> Section<'d, '_> {
         }
     }
 
+    /// `COUNT` vectors `[[x, y], ...]` that must be there.
+    pub fn vectors<const COUNT: usize>(&self, key: &'d str) -> Option<[[f64; 2]; COUNT]> {
+        let expected = format!("{COUNT} vectors [[x, y], ...], {} each", number_in(key));
+        self.demand(key, &expected)?;
+        let rows = self.value(key)?.get_ref().as_array();
+        let numbers = rows.filter(|rows| rows.len() == COUNT).and_then(|rows| {
+            let mut vectors = [[0.0; 2]; COUNT];
+            for (vector, row) in vectors.iter_mut().zip(rows.iter()) {
+                let row = row.get_ref().as_array().filter(|row| row.len() == 2)?;
+                for (number, item) in vector.iter_mut().zip(row.iter()) {
+                    *number = as_f64(item.get_ref()).filter(|number| number.is_finite())?;
+                }
+            }
+            Some(vectors)
+        });
+        if numbers.is_none() {
+            self.refuse(key, format!("expected {expected}"));
+        }
+        numbers
+    }
+
     fn array<const LEN: usize>(
         &self,
         key: &'d str,

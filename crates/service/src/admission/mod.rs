@@ -45,7 +45,7 @@ pub use enclose::{Centre, Enclose};
 #[doc(hidden)]
 pub use instances::instances;
 pub use path::Path;
-pub use taylor::{AngleModel, TaylorModel};
+pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
 use nalgebra::Vector3;
@@ -168,6 +168,16 @@ impl<M: Model<N: Enclose>> Admission<M> {
     /// Does a bounded amount of work: measures one interval.
     pub fn step(&mut self) -> Verdict<M::N> {
         self.judgement.step(&self.path)
+    }
+
+    /// Returns the violation as soon as the move is refused, while the shortest duration may still be looked for.
+    pub fn violation(&self) -> Option<Violation<M::N>> {
+        match &self.judgement.0 {
+            Work::Search { violation, .. } | Work::Judged(Verdict::Refused(violation)) => {
+                Some(*violation)
+            }
+            _ => None,
+        }
     }
 
     /// Returns the state of the judgement, without any work on it.

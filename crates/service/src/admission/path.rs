@@ -63,13 +63,6 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         // The tick's own: a service is given no other, and a reader of scenes has to judge as a service does.
         let period_s = N::factor_to_f64(N::factor_from_f64(period_s));
         let ramp = 1.0 / (f64::from(ramp_ticks.max(1)) * period_s);
-        let loads = [
-            parameters.gravity_m_s2.x,
-            parameters.gravity_m_s2.y,
-            parameters.wrench_force_n.x,
-            parameters.wrench_force_n.y,
-            parameters.wrench_torque_nm,
-        ];
         // With lengths below l, at least 1, and all below m, a rate is below 4 l^2 m^2, and an acceleration below
         // 64 l^6 m^5: at most 2^124.
         let lengths =
@@ -83,7 +76,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             limits,
             period: <Float<N>>::from_f64(period_s),
             ramp: TaylorModel::from_f64(ramp),
-            loaded: loads.iter().any(|&load| load != 0.0),
+            loaded: parameters.is_loaded_at_rest(),
         })
     }
 

@@ -71,6 +71,24 @@ to_source!([N: Enclose] TaylorModel [N] in trirrr_service::admission {
 /// A model whose constant has no more digits than its bounds.
 type Rough<N> = TaylorModel<N, Float<N>>;
 
+/// A [`TaylorModel`] in the numbers of bounds: constant + slope t, to within the error, for t from -1 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelLine<B> {
+    /// Value in the middle.
+    pub constant: B,
+    /// Change from the middle to the end.
+    pub slope: B,
+    /// Bound of everything else; not negative.
+    pub error: B,
+}
+
+impl<B: Arithmetic> ModelLine<B> {
+    /// The line at `t`, without its error.
+    pub fn at(self, t: B) -> B {
+        self.constant + self.slope * t
+    }
+}
+
 impl<N: Enclose> TaylorModel<N> {
     /// A value of the tick, the same at all times.
     pub fn of(value: N) -> Self {
@@ -100,6 +118,16 @@ impl<N: Enclose> TaylorModel<N> {
             constant: <Middle<N>>::exactly(middle),
             linear: half_width,
             error: <Float<N>>::ZERO,
+        }
+    }
+
+    /// The model as a line with its error.
+    pub fn line(self) -> ModelLine<Float<N>> {
+        let rough = self.rough();
+        ModelLine {
+            constant: rough.constant,
+            slope: rough.linear,
+            error: rough.error,
         }
     }
 

@@ -1,0 +1,23 @@
+//! The fastest motion along a path within the limits of the machine, and a proof of how near to the
+//! optimum it is.
+//!
+//! A path is a chain of [pieces](piece::Piece). Along it the limits at the motors bound the pace: [`cell`]
+//! measures them over short stretches as Taylor models, for the admission's own machine. [`passes`] takes
+//! them at their worst and finds a motion that keeps them; [`bound`] takes them at their best and finds a time
+//! that no motion along the path comes below.
+#![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
+
+pub mod bound;
+pub mod cell;
+#[cfg(feature = "std")]
+pub mod corner;
+#[cfg(feature = "std")]
+pub mod course;
+#[cfg(feature = "std")]
+pub mod moves;
+pub mod passes;
+pub mod piece;
+mod program;
+#[cfg(feature = "std")]
+mod timeline;

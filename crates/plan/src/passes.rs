@@ -1,0 +1,172 @@
+//! The fastest motion through a row of cells, in two passes.
+//!
+//! x is given at the start of every cell and at the end of the last: one value more than there are
+//! cells. The backward pass finds the greatest x at each place from which the end can still be
+//! reached: below it every x can, for the limits are convex and rest is within them. The forward pass
+//! takes the greatest x that stays below.
+
+use crate::cell::{Cell, Limited, Obstacle};
+use crate::program::{Program, least};
+use trirrr_core::number::Arithmetic;
+use trirrr_service::admission::Enclose;
+
+/// Obstacle in one of the cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObstacleAt {
+    /// Index of the cell.
+    pub cell: usize,
+    /// The obstacle.
+    pub obstacle: Obstacle,
+}
+
+/// Backward pass: writes to `squares` the greatest x at each place from which x = `end` can be reached at the
+/// end of the last cell. `squares` has one value more than `cells`.
+///
+/// # Errors
+/// The last cell in which the machine cannot stand.
+pub fn controllable<N: Enclose>(
+    cells: &[Cell<N>],
+    end: N::Bound,
+    squares: &mut [N::Bound],
+) -> Result<(), ObstacleAt> {
+    let mut at_end = end;
+    squares[cells.len()] = at_end;
+    for (index, cell) in cells.iter().enumerate().rev() {
+        let obstacle = |what| ObstacleAt {
+            cell: index,
+            obstacle: Obstacle::Standing(what),
+        };
+        let start = greatest_start(cell, at_end).map_err(obstacle)?;
+        squares[index] = start;
+        at_end = start.div(cell.joint);
+    }
+    Ok(())
+}
+
+/// Forward pass: lowers `squares`, as [`controllable`] has left them, to the fastest motion that begins with
+/// x = `start`, or as near below it as the limits allow.
+pub fn fastest<N: Enclose>(cells: &[Cell<N>], start: N::Bound, squares: &mut [N::Bound]) {
+    squares[0] = least(squares[0], start);
+    for (index, cell) in cells.iter().enumerate() {
+        let joint = next_joint(cells, index);
+        let cap = squares[index + 1].div(joint);
+        let end = greatest_end(cell, squares[index], cap);
+        squares[index + 1] = least(squares[index + 1], end * joint);
+    }
+}
+
+/// Time that the motion takes.
+pub fn duration<N: Enclose>(cells: &[Cell<N>], squares: &[N::Bound]) -> N::Bound {
+    let mut total = N::Bound::ZERO;
+    for (index, cell) in cells.iter().enumerate() {
+        let end = squares[index + 1].div(next_joint(cells, index));
+        total += time_between(cell.length, squares[index], end);
+    }
+    total
+}
+
+/// The limit that is nearest in cell `index` of a motion.
+pub fn acting<N: Enclose>(
+    cells: &[Cell<N>],
+    squares: &[N::Bound],
+    index: usize,
+) -> Option<Limited> {
+    let end = squares[index + 1].div(next_joint(cells, index));
+    let greatest = greater(squares[index], end);
+    Program::of(&cells[index], greatest).acting(squares[index], end)
+}
+
+/// Time over the length `length` for x linear in p from `start` to `end`.
+pub(crate) fn time_between<B: Arithmetic>(length: B, start: B, end: B) -> B {
+    (length + length).div(start.sqrt() + end.sqrt())
+}
+
+/// Scale of x from the end of cell `index` to the start of the next.
+pub(crate) fn next_joint<N: Enclose>(cells: &[Cell<N>], index: usize) -> N::Bound {
+    cells
+        .get(index + 1)
+        .map_or(N::Bound::ONE, |next| next.joint)
+}
+
+pub(crate) fn greater<B: PartialOrd>(a: B, b: B) -> B {
+    if b > a { b } else { a }
+}
+
+/// A bound of x that no limit of a machine reaches.
+fn unbounded<B: Arithmetic>() -> B {
+    B::ONE.div(B::UNIT_ROUNDOFF * B::UNIT_ROUNDOFF)
+}
+
+/// Steps towards the greatest x that a hold's share and a power limit leave.
+const STEPS: u32 = 32;
+
+/// Change of x, as a part of it, at which the steps end.
+const SETTLED: u32 = 1 << 24;
+
+/// Greatest x at the start of `cell` from which x <= `end` can be reached.
+fn greatest_start<N: Enclose>(cell: &Cell<N>, end: N::Bound) -> Result<N::Bound, Limited> {
+    if let Some(what) = Program::of(cell, N::Bound::ZERO).standing() {
+        return Err(what);
+    }
+    Ok(best(cell, N::Bound::ZERO, |program, cap, _| {
+        Some(program.greatest_start(cap, least(end, cap)))
+    }))
+}
+
+/// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
+fn greatest_end<N: Enclose>(cell: &Cell<N>, start: N::Bound, cap: N::Bound) -> N::Bound {
+    best(cell, start, |program, bound, allowed| {
+        program.greatest_end(start, least(cap, bound), !(allowed > start))
+    })
+}
+
+/// The best that `reach` finds over all x, from `from`, that the cell's program may allow for; `reach` gets the
+/// program, a cap and that x.
+fn best<N: Enclose>(
+    cell: &Cell<N>,
+    from: N::Bound,
+    reach: impl Fn(&Program<N::Bound>, N::Bound, N::Bound) -> Option<N::Bound>,
+) -> N::Bound {
+    let (zero, half) = (N::Bound::ZERO, N::Bound::HALF);
+    let far = || reach(&Program::of(cell, zero), unbounded(), zero).unwrap_or(zero);
+    let holds = cell.ramp > zero;
+    if cell.powers.is_empty() && !holds {
+        return far();
+    }
+    let allowing = |x, cap| {
+        let program = Program::of(cell, x);
+        let stands = program.standing().is_none();
+        stands.then(|| reach(&program, cap, x)).flatten()
+    };
+    let mut best = zero;
+    if cell.powers.is_empty() {
+        // What a hold takes of a limit is bounded by the tangent of a root: allowing for what was reached reaches
+        // more, as by Newton's method. The start itself can always be allowed for.
+        let mut x = if from > zero { from } else { far() };
+        for _ in 0..STEPS {
+            let Some(reached) = allowing(x, unbounded()) else {
+                x = half * half * x + (half + half * half) * from;
+                continue;
+            };
+            best = greater(best, reached);
+            if (reached - x).abs() <= x * N::Bound::ratio(1, SETTLED) || !(reached > zero) {
+                break;
+            }
+            x = reached;
+        }
+        return best;
+    }
+    // A power limit leaves less of a torque the more x is allowed for: the best lies where that x is reached.
+    let (mut low, mut high) = (from, greater(from, far()));
+    best = allowing(from, from).unwrap_or(zero);
+    for _ in 0..STEPS {
+        let middle = half * (low + high);
+        let reached = allowing(middle, middle);
+        best = reached.map_or(best, |reached| greater(best, reached));
+        match reached.is_some_and(|reached| reached >= middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    best
+}

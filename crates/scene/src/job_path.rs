@@ -1,0 +1,225 @@
+//! `[[job.path]]`: a path without durations, whose moves are planned.
+
+use crate::job::{Tool, read_tool};
+use crate::read::{Bound, Place, Section};
+use nalgebra::{Vector2, Vector3};
+use trirrr_core::setpoint::Pose;
+use trirrr_plan::corner::round_corners;
+use trirrr_plan::course::PathPiece;
+use trirrr_plan::piece::Piece;
+
+/// Default of `tolerance_m`.
+const TOLERANCE_M: f64 = 1e-5;
+/// Default of `tolerance_rad`.
+const TOLERANCE_RAD: f64 = 1e-4;
+
+/// A path that a job follows in the least time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobPath {
+    /// The pieces, corners rounded; each knows its number in the file.
+    pub pieces: Vec<PathPiece>,
+    /// Work of the tool on each piece of the file.
+    pub tools: Vec<Option<Tool>>,
+    /// Largest distance of the played motion from the path, m.
+    pub tolerance_m: f64,
+    /// Largest deviation of alpha, rad.
+    pub tolerance_rad: f64,
+}
+
+/// A path, and where its pieces stand in the file.
+pub(crate) struct PlacedPath {
+    pub(crate) path: JobPath,
+    pub(crate) places: Vec<Place>,
+}
+
+/// Reads the pieces of `job` from `start`; `sections` are its `[[job.path]]`.
+pub(crate) fn read_path(
+    job: &Section,
+    sections: &[Section],
+    start: Option<Pose<f64>>,
+) -> Option<PlacedPath> {
+    let tolerance_m = job.number_or("tolerance_m", Bound::Positive, TOLERANCE_M);
+    let tolerance_rad = job.number_or("tolerance_rad", Bound::Positive, TOLERANCE_RAD);
+    let feed_m_s = read_feed(job);
+    let corner_m = match job.has("corner_tolerance_m") {
+        true => job.number("corner_tolerance_m", Bound::Positive).map(Some),
+        false => Some(None),
+    };
+    let mut from = start;
+    let (mut pieces, mut tools) = (Vec::new(), Vec::new());
+    let mut complete = true;
+    for (source, each) in sections.iter().enumerate() {
+        let piece = read_piece(each, from);
+        let own_feed = read_feed(each);
+        let tool = read_tool(each);
+        if let Some(piece) = &piece
+            && piece.iter().any(|piece| !has_length(piece))
+        {
+            each.refuse_at(&each.place(), "has no length: it ends where it begins");
+            complete = false;
+        }
+        from = piece
+            .as_ref()
+            .and_then(|piece| piece.last())
+            .map(Piece::end);
+        let whole = || Some((piece?, own_feed?.or(feed_m_s?), tool?));
+        match whole() {
+            Some((piece, feed_m_s, tool)) => {
+                pieces.extend(piece.into_iter().map(|piece| PathPiece {
+                    piece,
+                    feed_m_s,
+                    source,
+                }));
+                tools.push(tool);
+            }
+            None => complete = false,
+        }
+    }
+    let (tolerance_m, tolerance_rad, corner_m) = (tolerance_m?, tolerance_rad?, corner_m?);
+    if !complete {
+        return None;
+    }
+    if let Some(corner_m) = corner_m {
+        pieces = round_corners(&pieces, corner_m);
+    }
+    Some(PlacedPath {
+        path: JobPath {
+            pieces,
+            tools,
+            tolerance_m,
+            tolerance_rad,
+        },
+        places: sections.iter().map(Section::place).collect(),
+    })
+}
+
+/// `feed_m_s`: `Some(None)` where it is left out.
+fn read_feed(section: &Section) -> Option<Option<f64>> {
+    match section.has("feed_m_s") {
+        true => section.number("feed_m_s", Bound::Positive).map(Some),
+        false => Some(None),
+    }
+}
+
+fn has_length(piece: &Piece<f64>) -> bool {
+    let first = [0.0, 0.5, 1.0].map(|p| piece.at(p).first);
+    first.iter().any(|first| first.amax() > 0.0)
+}
+
+/// The piece of one table, from `from`: several cubics for a spline.
+fn read_piece(each: &Section, from: Option<Pose<f64>>) -> Option<Vec<Piece<f64>>> {
+    const KINDS: [&str; 4] = ["line", "arc", "bezier", "spline"];
+    let mut given = KINDS.iter().filter(|kind| each.has(kind));
+    let (kind, second) = (given.next(), given.next());
+    let Some(kind) = kind.filter(|_| second.is_none()) else {
+        let reason = "expected one of line, arc, bezier and spline";
+        each.refuse_at(&each.place(), reason);
+        each.ignore_rest();
+        return None;
+    };
+    let section = each.section(kind)?;
+    match *kind {
+        "line" => {
+            let to = read_end(&section, from);
+            Some(vec![Piece::line(from?, to?)])
+        }
+        "arc" => {
+            let centre = section.vector("centre_m", None);
+            let turn = section.number("turn_rad", Bound::Finite);
+            let angle = read_angle(&section, from);
+            Some(vec![Piece::arc(
+                from?,
+                Vector2::from(centre?),
+                turn?,
+                angle?,
+            )])
+        }
+        "bezier" => {
+            let [c1, c2] = section.vectors::<2>("controls_m")?;
+            let to = read_end(&section, from);
+            let angles = match section.has("controls_alpha_rad") {
+                true => Some(Some(section.vector("controls_alpha_rad", None)?)),
+                false => Some(None),
+            };
+            let (from, to) = (from?, to?);
+            // Linear in p where nothing is said.
+            let third = (to.angle - from.angle) / 3.0;
+            let [a1, a2] = angles?.unwrap_or([from.angle + third, to.angle - third]);
+            let control = |[x, y]: [f64; 2], angle| Pose::from_f64(x, y, angle);
+            Some(vec![Piece::bezier([
+                from,
+                control(c1, a1),
+                control(c2, a2),
+                to,
+            ])])
+        }
+        _ => {
+            let through = section.sections("through")?;
+            if through.is_empty() {
+                section.refuse_list(
+                    "through",
+                    "a spline needs at least one pose to pass through",
+                );
+                return None;
+            }
+            let mut poses = vec![from?];
+            for each in &through {
+                let before = poses.last().copied();
+                poses.push(read_end(each, before)?);
+            }
+            Some(spline(&poses))
+        }
+    }
+}
+
+/// x_m, y_m, and alpha_rad, which stays as in `from` where it is left out.
+fn read_end(section: &Section, from: Option<Pose<f64>>) -> Option<Pose<f64>> {
+    let x = section.number("x_m", Bound::Finite);
+    let y = section.number("y_m", Bound::Finite);
+    let angle = read_angle(section, from);
+    Some(Pose::from_f64(x?, y?, angle?))
+}
+
+fn read_angle(section: &Section, from: Option<Pose<f64>>) -> Option<f64> {
+    match section.has("alpha_rad") {
+        true => section.number("alpha_rad", Bound::Finite),
+        false => from.map(|from| from.angle),
+    }
+}
+
+/// The natural cubic spline through `poses`, over the lengths of its chords: curvature is continuous, and zero at
+/// both ends.
+fn spline(poses: &[Pose<f64>]) -> Vec<Piece<f64>> {
+    let vector = |pose: &Pose<f64>| Vector3::new(pose.position.x, pose.position.y, pose.angle);
+    let points: Vec<_> = poses.iter().map(vector).collect();
+    let chords: Vec<f64> = points
+        .windows(2)
+        .map(|pair| {
+            let chord = pair[1] - pair[0];
+            chord.dot(&chord).sqrt()
+        })
+        .collect();
+    let slope = |i: usize| (points[i + 1] - points[i]) / chords[i];
+    // Second derivatives at the poses by elimination in one sweep and back.
+    let count = points.len();
+    let mut seconds = vec![Vector3::from([0.0; 3]); count];
+    let mut factors = vec![0.0; count];
+    for i in 1..count - 1 {
+        let (before, after) = (chords[i - 1], chords[i]);
+        let pivot = 2.0 * (before + after) - before * factors[i - 1];
+        factors[i] = after / pivot;
+        seconds[i] = ((slope(i) - slope(i - 1)) * 6.0 - seconds[i - 1] * before) / pivot;
+    }
+    for i in (1..count - 1).rev() {
+        seconds[i] = seconds[i] - seconds[i + 1] * factors[i];
+    }
+    let piece = |i: usize| {
+        let (h, a, b) = (chords[i], seconds[i], seconds[i + 1]);
+        let tangent = slope(i) - (a * 2.0 + b) * (h / 6.0);
+        Piece::Cubic {
+            start: poses[i],
+            coefficients: [tangent * h, a * (0.5 * h * h), (b - a) * (h * h / 6.0)],
+        }
+    };
+    (0..count - 1).map(piece).collect()
+}

@@ -1,0 +1,197 @@
+//! Moves for a job's path: planned in the least time, and judged as the scene's service judges them.
+
+use crate::job::{Job, JobMove};
+use crate::job_path::{JobPath, PlacedPath};
+use crate::judge::{Objection, judge_quickly};
+use crate::read::Document;
+use crate::{NumberType, Scene, words};
+use thiserror::Error;
+use trirrr_core::limits::Limits;
+use trirrr_core::machine::{BuildError, LegParameters};
+use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::number::{Arithmetic, Fixed};
+use trirrr_plan::cell::{Limited, Obstacle, Planner};
+use trirrr_plan::course::{Effort, PathRefusal};
+use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
+use trirrr_protocol::message::Bounded;
+
+/// Reason why a path has no plan.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Unplanned {
+    /// The job has no path.
+    #[error("the job has no [[job.path]]")]
+    NoPath,
+    /// The machine or a limit is refused.
+    #[error(transparent)]
+    Machine(#[from] BuildError),
+    /// An obstacle on the path.
+    #[error("{}", obstacle(.0))]
+    Path(PathRefusal),
+}
+
+/// Plans the path of the job of `scene`. `scene` is otherwise checked.
+///
+/// # Errors
+/// [`Unplanned`].
+pub fn plan_job(scene: &Scene, effort: Effort) -> Result<PlannedMoves, Unplanned> {
+    let path = scene.job.path.as_ref().ok_or(Unplanned::NoPath)?;
+    scene.model().visit(PlanJob {
+        scene,
+        path,
+        effort,
+    })
+}
+
+struct PlanJob<'a> {
+    scene: &'a Scene,
+    path: &'a JobPath,
+    effort: Effort,
+}
+
+impl ModelVisitor<f64> for PlanJob<'_> {
+    type Output = Result<PlannedMoves, Unplanned>;
+
+    fn visit<M: Model<N = f64>>(self) -> Self::Output {
+        let Self {
+            scene,
+            path,
+            effort,
+        } = self;
+        let limits = Limits::build(&scene.limits)?;
+        let ramp = 1.0 / (f64::from(scene.ramp_ticks()) * scene.period_s());
+        let planner = Planner::<M>::build(&scene.parameters, limits, ramp)?;
+        let sampling = Sampling {
+            period_s: scene.period_s(),
+            tolerance_m: path.tolerance_m,
+            tolerance_rad: path.tolerance_rad,
+            resolution_m: resolution_m(scene),
+        };
+        let judge = |moves: &[PlannedMove]| judged(scene, path, moves);
+        plan_moves(&planner, &path.pieces, effort, sampling, judge).map_err(Unplanned::Path)
+    }
+}
+
+/// Distance between neighbouring positions in the number type of `scene`, at the size of the machine.
+fn resolution_m(scene: &Scene) -> f64 {
+    let reach = |leg: &LegParameters| leg.base_m.amax() + leg.proximal_m + leg.distal_m;
+    let size = scene.parameters.legs.iter().map(reach).fold(0.0, f64::max);
+    size * match scene.number {
+        NumberType::F64 => f64::UNIT_ROUNDOFF,
+        NumberType::F32 | NumberType::Micromath => f32::UNIT_ROUNDOFF.to_f64(),
+        NumberType::Fixed => Fixed::UNIT_ROUNDOFF.to_f64(),
+    }
+}
+
+/// Judges planned moves of `scene`, which do not stand in its job yet.
+fn judged(scene: &Scene, path: &JobPath, moves: &[PlannedMove]) -> Vec<Judged> {
+    let job = Job {
+        moves: job_moves(path, moves),
+        ..scene.job.clone()
+    };
+    let trial = Scene {
+        job,
+        ..scene.clone()
+    };
+    let Ok(objections) = judge_quickly(&trial) else {
+        return vec![Judged::Refused; moves.len()];
+    };
+    let judged = |objection: Option<Objection>| match objection {
+        None => Judged::Kept,
+        Some(Objection::Limit(violation)) => match violation.what {
+            Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power => {
+                Judged::Exceeded(violation.value / violation.limit - 1.0)
+            }
+            _ => Judged::Refused,
+        },
+        Some(_) => Judged::Refused,
+    };
+    objections.into_iter().map(judged).collect()
+}
+
+/// Converts planned moves of `path` to moves of a job.
+fn job_moves(path: &JobPath, moves: &[PlannedMove]) -> Vec<JobMove> {
+    let job_move = |each: &PlannedMove| JobMove {
+        from: each.from,
+        to: each.to,
+        start_velocity: each.start_velocity,
+        end_velocity: each.end_velocity,
+        duration_ticks: each.ticks,
+        tool: path.tools[path.pieces[each.piece].source],
+    };
+    moves.iter().map(job_move).collect()
+}
+
+/// Gives the job of `scene` the planned moves of its path, or refuses the piece with the first obstacle.
+pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedPath) -> Option<()> {
+    match plan_job(scene, Effort::default()) {
+        Ok(planned) => {
+            scene.job.moves = job_moves(&placed.path, &planned.moves);
+            // Runs were judged one by one, each in units of its own.
+            let objections = judge_quickly(scene).ok()?;
+            let Some(index) = objections.iter().position(Option::is_some) else {
+                return Some(());
+            };
+            let source = placed.path.pieces[planned.moves[index].piece].source;
+            let reason =
+                "the number type of the scene has no room for this piece beside the others";
+            document.refuse(&placed.places[source], reason);
+        }
+        Err(Unplanned::Path(refusal)) => {
+            let source = placed.path.pieces[refusal.place.piece].source;
+            document.refuse(&placed.places[source], obstacle(&refusal));
+        }
+        // The machine is checked, and refused, by itself.
+        Err(Unplanned::NoPath | Unplanned::Machine(_)) => {}
+    }
+    None
+}
+
+/// Describes an obstacle and its place.
+fn obstacle(refusal: &PathRefusal) -> String {
+    let PathRefusal {
+        place,
+        pose,
+        obstacle,
+    } = refusal;
+    let reason = match obstacle {
+        Obstacle::Reach(leg) => format!("leg {} does not reach the platform", leg + 1),
+        Obstacle::SerialDistance(leg) => format!(
+            "leg {} comes nearer to its serial singularity than [limits] serial_distance_min",
+            leg + 1
+        ),
+        Obstacle::ParallelDistance => {
+            "the machine comes nearer to a parallel singularity than [limits] \
+             parallel_distance_min, or crosses one"
+                .into()
+        }
+        Obstacle::Standing(what) => format!(
+            "the machine cannot stand there: {} is beyond its limit at rest; no duration helps",
+            limited(*what)
+        ),
+        Obstacle::Range => "a value leaves the range of the number type".into(),
+        Obstacle::Refused => {
+            "the moves of the plan are refused, however slow: the limits leave no room for the \
+             number type or the tick rate of the scene"
+                .into()
+        }
+    };
+    format!(
+        "at p = {} of the piece, x = {} m, y = {} m, alpha = {} rad: {reason}",
+        words::short(place.p),
+        words::short(pose.position.x),
+        words::short(pose.position.y),
+        words::short(pose.angle)
+    )
+}
+
+/// Names a limited quantity.
+pub fn limited(what: Limited) -> String {
+    let of_motor = |quantity: &str, motor: usize| format!("the {quantity} of motor {}", motor + 1);
+    match what {
+        Limited::Rate(motor) => of_motor("rate", motor),
+        Limited::Acceleration(motor) => of_motor("acceleration", motor),
+        Limited::Torque(motor) => of_motor("torque", motor),
+        Limited::Power(motor) => of_motor("power", motor),
+        Limited::Feed => "the feed".into(),
+    }
+}

@@ -1,0 +1,240 @@
+//! `trirrr plan`: the least time of a scene's path, with its proof, as text, tables and figures.
+
+use crate::failure::CliError;
+use crate::figures::PlanTraces;
+use crate::recording::unwritable;
+use crate::results::ResultFolder;
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use trirrr_plan::course::{Effort, Run};
+use trirrr_plan::moves::PlannedMoves;
+use trirrr_scene::{JobPath, Scene, limited, plan_job};
+
+/// `trirrr plan`.
+///
+/// Plans the `[[job.path]]` of a scene in the least time and proves how near to the optimum the plan is: prints its
+/// duration, a lower bound of the duration of any motion along the path, and which limit acts for how long. Writes
+/// plan.csv (the plan and the bound along the path), moves.csv (the moves that a machine plays) and a figure.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// The scene, a TOML file
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// Greatest part by which the plan may take longer than its lower bound
+    #[arg(long, value_name = "PART", default_value_t = Effort::default().gap, value_parser = gap)]
+    pub gap: f64,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for what is written, made if missing; results of an earlier command go
+    /// [default: out/NAME, after the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(gap) if (1e-5..=1.0).contains(&gap) => Ok(gap),
+        _ => Err("expected a number from 0.00001 to 1".into()),
+    }
+}
+
+/// Plans the path of a scene, writes tables and a figure, and prints what was found.
+///
+/// # Errors
+/// Refused: the scene, or it has no path. Failed: a file cannot be written.
+pub fn command(args: &PlanArgs) -> Result<(), CliError> {
+    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let name = args.scene.display();
+    let effort = Effort {
+        gap: args.gap,
+        ..Effort::default()
+    };
+    let refused = |reason: String| CliError::Refused(format!("{name}: {reason}"));
+    let planned = plan_job(&scene, effort).map_err(|error| refused(error.to_string()))?;
+    let path = scene.job.path.as_ref();
+    let path = path.ok_or_else(|| refused("the job has no [[job.path]]".into()))?;
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(&scene.name),
+    };
+    let mut results = ResultFolder::create(&folder, "plan")?;
+    results.begin()?;
+    let files = write(&scene, path, &planned, &folder)?;
+    results.end(&files, Ok(()))?;
+    let text = match args.json {
+        true => format!("{}\n", as_json(&scene, &planned)),
+        false => as_text(&scene, path, &planned, &files),
+    };
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        // A reader that closes standard output early does not want the summary.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Time, place and speed at the start of a cell of the plan, or at the end of a run.
+struct PlanPoint {
+    t: f64,
+    source: usize,
+    p: f64,
+    pose: [f64; 3],
+    speed: f64,
+    speed_max: f64,
+    limit: String,
+    /// Duration of the cell that begins here.
+    lasts: f64,
+}
+
+/// The points of a run that begins at `start` seconds.
+fn points(path: &JobPath, run: &Run, start: f64) -> Vec<PlanPoint> {
+    let mut t = start;
+    let mut points = Vec::with_capacity(run.places.len());
+    for (index, place) in run.places.iter().enumerate() {
+        let piece = &path.pieces[place.piece];
+        let at = piece.piece.at(place.p);
+        let size = at.first.x.hypot(at.first.y);
+        let lasts = match index < run.cells.len() {
+            true => run.cell_duration_s(index),
+            false => 0.0,
+        };
+        let acting = (index < run.cells.len())
+            .then(|| run.acting(index))
+            .flatten();
+        points.push(PlanPoint {
+            t,
+            source: piece.source + 1,
+            p: place.p,
+            pose: [at.pose.position.x, at.pose.position.y, at.pose.angle],
+            speed: size * run.squares[index].sqrt(),
+            speed_max: size * run.squares_max[index].sqrt(),
+            limit: acting.map_or(String::new(), limited),
+            lasts,
+        });
+        t += lasts;
+    }
+    points
+}
+
+fn all_points(path: &JobPath, planned: &PlannedMoves) -> Vec<PlanPoint> {
+    let mut start = 0.0;
+    let mut all = Vec::new();
+    for run in &planned.plan.runs {
+        all.extend(points(path, run, start));
+        start += run.duration_s;
+    }
+    all
+}
+
+/// Writes tables and the figure; the files.
+fn write(
+    scene: &Scene,
+    path: &JobPath,
+    planned: &PlannedMoves,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, CliError> {
+    let points = all_points(path, planned);
+    // Shortest digits that read back as the same number, as in `ticks.csv`.
+    let mut plan = String::from("t,piece,p,x,y,alpha,speed,speed_max,limit\n");
+    let mut traces = PlanTraces::new(points.len() as u64);
+    for point in &points {
+        let [x, y, alpha] = point.pose;
+        let (t, p, speed, speed_max) = (point.t, point.p, point.speed, point.speed_max);
+        let _ = writeln!(
+            plan,
+            "{t:?},{},{p:?},{x:?},{y:?},{alpha:?},{speed:?},{speed_max:?},{}",
+            point.source, point.limit
+        );
+        traces.push(t, [speed, speed_max]);
+    }
+    let mut moves =
+        String::from("piece,ticks,x0,y0,alpha0,vx0,vy0,valpha0,x1,y1,alpha1,vx1,vy1,valpha1\n");
+    for each in &planned.moves {
+        let source = path.pieces[each.piece].source + 1;
+        let _ = write!(moves, "{source},{}", each.ticks);
+        for (pose, velocity) in [
+            (&each.from, &each.start_velocity),
+            (&each.to, &each.end_velocity),
+        ] {
+            let (x, y, alpha) = (pose.position.x, pose.position.y, pose.angle);
+            let [vx, vy, valpha] = (*velocity).into();
+            let _ = write!(moves, ",{x:?},{y:?},{alpha:?},{vx:?},{vy:?},{valpha:?}");
+        }
+        moves.push('\n');
+    }
+    let mut files = Vec::new();
+    for (file, text) in [("plan.csv", plan), ("moves.csv", moves)] {
+        let file = folder.join(file);
+        std::fs::write(&file, text).map_err(|error| unwritable(&file, &error))?;
+        files.push(file);
+    }
+    let figure = traces.write(folder, &scene.name);
+    files.push(figure.map_err(|error| unwritable(&error.path, &error.source))?);
+    Ok(files)
+}
+
+/// Seconds for which each limit is the nearest, the longest first.
+fn acting(path: &JobPath, planned: &PlannedMoves) -> Vec<(String, f64)> {
+    let mut acting: Vec<(String, f64)> = Vec::new();
+    for point in all_points(path, planned) {
+        match acting.iter_mut().find(|(limit, _)| *limit == point.limit) {
+            Some((_, time)) => *time += point.lasts,
+            None => acting.push((point.limit, point.lasts)),
+        }
+    }
+    acting.retain(|(_, time)| *time > 0.0);
+    acting.sort_by(|a, b| b.1.total_cmp(&a.1));
+    acting
+}
+
+fn as_text(scene: &Scene, path: &JobPath, planned: &PlannedMoves, files: &[PathBuf]) -> String {
+    let plan = &planned.plan;
+    let (duration, least) = (plan.duration_s(), plan.least_s());
+    let played = planned.ticks() as f64 * scene.period_s();
+    let part = |time: f64| 100.0 * (time / least - 1.0);
+    let mut text = format!(
+        "{}: {} pieces, {} stops\n\
+         played   {played:.6} s   {} moves, {} ticks, each admitted by the service\n\
+         plan     {duration:.6} s   {:+.2} % over the bound, with room for holds\n\
+         bound    {least:.6} s   no motion along the path within the limits is faster\n",
+        scene.name,
+        path.tools.len(),
+        plan.runs.len() - 1,
+        planned.moves.len(),
+        planned.ticks(),
+        part(duration),
+    );
+    let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
+    for (limit, time) in acting(path, planned) {
+        let share = 100.0 * time / duration;
+        let _ = writeln!(text, "{share:6.1} % of the time limited by {limit}");
+    }
+    for file in files {
+        let _ = writeln!(text, "wrote {}", file.display());
+    }
+    text
+}
+
+fn as_json(scene: &Scene, planned: &PlannedMoves) -> serde_json::Value {
+    let runs = planned.plan.runs.iter().map(|run| {
+        json!({
+            "duration_s": run.duration_s,
+            "least_s": run.least_s,
+            "cells": run.cells.len(),
+        })
+    });
+    json!({
+        "scene": scene.name,
+        "moves": planned.moves.len(),
+        "ticks": planned.ticks(),
+        "played_s": planned.ticks() as f64 * scene.period_s(),
+        "duration_s": planned.plan.duration_s(),
+        "least_s": planned.plan.least_s(),
+        "runs": runs.collect::<Vec<_>>(),
+    })
+}
