@@ -27,6 +27,8 @@ pub struct Sampling {
     pub tolerance_rad: f64,
     /// Distance between neighbouring positions in the number type that the moves are played in, m.
     pub resolution_m: f64,
+    /// Ticks that every move takes at least, 1 or more: a queue of so many moves has to last for a hold.
+    pub ticks_min: u32,
 }
 
 impl Sampling {
@@ -35,7 +37,9 @@ impl Sampling {
     fn least_ticks(&self, acceleration: f64) -> f64 {
         // A cubic's acceleration at an end is 6 h / T^2 and terms of the velocities.
         let least_s = (6.0 * self.resolution_m / (ROUNDING * acceleration)).sqrt();
-        (least_s / self.period_s).ceil().max(1.0)
+        (least_s / self.period_s)
+            .ceil()
+            .max(f64::from(self.ticks_min))
     }
 }
 
@@ -151,15 +155,22 @@ fn moves_of(
         let mut mended = false;
         let mut slower = Vec::new();
         for (index, each) in draft.moves.iter().enumerate() {
-            if splits(each) && draft.deviates(index, pieces, sampling) {
-                fine.push(draft.closer(index));
-                mended = true;
+            let deviation = draft.deviation(index, pieces, sampling);
+            if !(deviation > 1.0) {
+                continue;
             }
+            // Where moves cannot be shorter, the smoothing itself leaves the path, by the square of the pace.
+            match splits(each) {
+                true => fine.push(draft.closer(index)),
+                false => slower.push((draft.cells(index), deviation - 1.0)),
+            }
+            mended = true;
         }
-        if mended {
-            continue;
-        }
-        for (index, judged) in judge(&draft.moves).into_iter().enumerate() {
+        let verdicts = match mended {
+            true => Vec::new(),
+            false => judge(&draft.moves),
+        };
+        for (index, judged) in verdicts.into_iter().enumerate() {
             let each = &draft.moves[index];
             match judged {
                 Judged::Kept => {}
@@ -262,8 +273,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Returns true if move `index` leaves the path by more than the tolerances, at one of a few instants.
-    fn deviates(&self, index: usize, pieces: &[PathPiece], sampling: Sampling) -> bool {
+    /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants.
+    fn deviation(&self, index: usize, pieces: &[PathPiece], sampling: Sampling) -> f64 {
         const INSTANTS: u32 = 4;
         let each = &self.moves[index];
         let hermite = Hermite::<f64>::new(
@@ -275,7 +286,7 @@ impl<'a> Draft<'a> {
             self.period_s,
         );
         let ticks = f64::from(each.ticks);
-        (1..INSTANTS).any(|instant| {
+        let deviations = (0..=INSTANTS).map(|instant| {
             let part = f64::from(instant) / f64::from(INSTANTS);
             let distance = self.distance(self.knots[index] + part * ticks);
             let (place, _) = self.timeline.place_at(distance, &self.run.places);
@@ -289,8 +300,9 @@ impl<'a> Draft<'a> {
                 false => off.x.hypot(off.y),
             };
             let turned = (played.angle - point.pose.angle).abs();
-            across > sampling.tolerance_m || turned > sampling.tolerance_rad
-        })
+            (across / sampling.tolerance_m).max(turned / sampling.tolerance_rad)
+        });
+        deviations.fold(0.0, f64::max)
     }
 
     /// Knots half as far apart at move `index`.

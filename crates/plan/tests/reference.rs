@@ -56,6 +56,7 @@ fn planned<M: Model<N = f64>>(
         tolerance_m: 1e-5,
         tolerance_rad: 1e-4,
         resolution_m: 1e-16,
+        ticks_min: 1,
     };
     let mut admission = Admission::<M>::build(parameters, limits, 60_000, 1e-3).expect("a machine");
     let mut rounds = 0;

@@ -4,7 +4,7 @@ use crate::job::{Job, JobMove};
 use crate::job_path::{JobPath, PlacedPath};
 use crate::judge::{Objection, judge_quickly};
 use crate::read::Document;
-use crate::{NumberType, Scene, words};
+use crate::{NumberType, Scene, offer, words};
 use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters};
@@ -65,10 +65,18 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             tolerance_m: path.tolerance_m,
             tolerance_rad: path.tolerance_rad,
             resolution_m: resolution_m(scene),
+            ticks_min: ticks_min(scene),
         };
         let judge = |moves: &[PlannedMove]| judged(scene, path, moves);
         plan_moves(&planner, &path.pieces, effort, sampling, judge).map_err(Unplanned::Path)
     }
+}
+
+/// Ticks of a move so long that the moves in a board's queue last for a hold: it takes half its ramp of the path.
+fn ticks_min(scene: &Scene) -> u32 {
+    // One move is being played, and one is on its way.
+    let waiting = offer::CAPACITY as u32 - 2;
+    (u32::from(scene.ramp_ticks()) / 2 + 1).div_ceil(waiting)
 }
 
 /// Distance between neighbouring positions in the number type of `scene`, at the size of the machine.
