@@ -7,6 +7,8 @@
 //! that no motion along the path comes below.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+// The example of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
 pub mod bound;
 pub mod cell;
