@@ -7,6 +7,8 @@
 //! that no motion along the path comes below.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+// A comparison with a value that is not a number is false, and has to refuse.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 

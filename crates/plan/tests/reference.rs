@@ -28,7 +28,6 @@ fn machine(links: bool) -> Parameters {
                     mass_kg: 0.05,
                     com_m: 0.5 * length,
                     inertia_kgm2: 0.05 * length * length / 12.0,
-                    ..*link
                 };
             }
         }
