@@ -135,7 +135,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
     }
 
     /// Rate at which a hold may change the pace.
-    pub(crate) fn ramp(&self) -> N::Bound {
+    pub fn ramp(&self) -> N::Bound {
         self.ramp
     }
 
@@ -352,6 +352,11 @@ impl<N: Enclose> Cell<N> {
     /// Sets the scale of the pace at the start of this cell: x here over x at the end of the cell before.
     pub fn join(&mut self, joint: N::Bound) {
         self.joint = joint;
+    }
+
+    /// Leaves room for a hold at the rate `ramp` in the passes from now on; a cell is measured without.
+    pub fn reserve(&mut self, ramp: N::Bound) {
+        self.ramp = ramp;
     }
 
     /// Lowers the part of the limits that the passes use to `share` of what it is.

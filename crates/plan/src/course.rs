@@ -203,7 +203,7 @@ fn plan_run<M: Model<N = f64>>(
         let near = run.duration_s <= run.least_s * (1.0 + effort.gap);
         if near || 2 * count > effort.cells_max {
             for cell in &mut run.cells {
-                cell.ramp = planner.ramp();
+                cell.reserve(planner.ramp());
             }
             run.replan(pieces)?;
             return Ok(run);
