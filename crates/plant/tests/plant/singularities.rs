@@ -114,7 +114,8 @@ fn narrow_stick_regions_run_and_agree() {
         );
         rows.last().unwrap().pose
     };
-    let narrowest = pose("1e-12");
+    // Narrower ones run too, mostly: where a region is crossed within the resolution of time, luck decides.
+    let narrowest = pose("1e-11");
     for (stick, width) in [("1e-5", 1e-5), ("1e-6", 1e-6), ("1e-9", 1e-9)] {
         for (one, other) in pose(stick).iter().zip(narrowest) {
             // A joint creeps for 1.2 s by less than the region's width; the platform turns by up to 50
