@@ -156,11 +156,18 @@ fn releases(packages: &[Package]) -> Vec<Step> {
         archives.command.args(["-p", &package.name]);
     }
     let oldest = Step::new(format!("Rust {OLDEST_TOOLCHAIN}"), oldest);
-    let linkage = ["check", "--quiet", "-p", "trirrr-linkage"];
-    let mut linkage = Step::cargo("linkages without std", &linkage);
+    let optional = [
+        "check",
+        "--quiet",
+        "-p",
+        "trirrr-linkage",
+        "-p",
+        "trirrr-plan",
+    ];
+    let mut optional = Step::cargo("linkages and planning without std", &optional);
     let without = ["--no-default-features", "--target", BARE_TARGETS[0]];
-    linkage.command.args(without);
-    vec![bare, linkage, oldest, archives]
+    optional.command.args(without);
+    vec![bare, optional, oldest, archives]
 }
 
 /// Figures of images against those that are checked in.

@@ -19,12 +19,11 @@ pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
 pub(crate) const NIGHTLY_PACKAGES: [&str; 2] = ["trirrr-oracle", "trirrr-tick-time"];
 
 /// Libraries that are built without `std`.
-pub(crate) const BARE_PACKAGES: [&str; 5] = [
+pub(crate) const BARE_PACKAGES: [&str; 4] = [
     "trirrr-core",
     "trirrr-protocol",
     "trirrr-service",
     "trirrr-drives",
-    "trirrr-plan",
 ];
 
 /// Adds to `cargo` the choice of every package that is for a host. All at once, so that their common
