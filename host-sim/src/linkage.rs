@@ -1,6 +1,6 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
-use crate::failure::CliError;
+use crate::failure::{CliError, printed};
 use crate::results::ResultFolder;
 use clap::Args;
 use std::io;
@@ -58,12 +58,9 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
     let mut text = header(&args.file.display().to_string(), &linkage);
     text.push_str(&summary(&linkage, &track, &files));
-    match io::Write::write_all(&mut io::stdout().lock(), text.as_bytes()) {
-        // A reader that closes standard output early does not want the summary.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(CliError::Failed(format!("standard output: {error}")));
-        }
-        _ => {}
-    }
+    printed(io::Write::write_all(
+        &mut io::stdout().lock(),
+        text.as_bytes(),
+    ))?;
     why.map_or(Ok(()), |why| Err(CliError::Failed(why)))
 }

@@ -1,6 +1,6 @@
 //! `trirrr plan`: the least time of a scene's path, with its proof, as text, tables and figures.
 
-use crate::failure::CliError;
+use crate::failure::{CliError, printed};
 use crate::figures::PlanTraces;
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
@@ -54,28 +54,23 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
         ..Effort::default()
     };
     let refused = |reason: String| CliError::Refused(format!("{name}: {reason}"));
-    let planned = plan_job(&scene, effort).map_err(|error| refused(error.to_string()))?;
     let path = scene.job.path.as_ref();
     let path = path.ok_or_else(|| refused("the job has no [[job.path]]".into()))?;
+    let planned = plan_job(&scene, path, effort).map_err(|error| refused(error.to_string()))?;
+    let points = all_points(path, &planned);
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
     let mut results = ResultFolder::create(&folder, "plan")?;
     results.begin()?;
-    let files = write(&scene, path, &planned, &folder)?;
+    let files = write(&scene, path, &planned, &points, &folder)?;
     results.end(&files, Ok(()))?;
     let text = match args.json {
         true => format!("{}\n", as_json(&scene, &planned)),
-        false => as_text(&scene, path, &planned, &files),
+        false => as_text(&scene, path, &planned, &points, &files),
     };
-    match io::stdout().lock().write_all(text.as_bytes()) {
-        // A reader that closes standard output early does not want the summary.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
+    printed(io::stdout().lock().write_all(text.as_bytes()))
 }
 
 /// Time, place and speed at the start of a cell of the plan, or at the end of a run.
@@ -136,13 +131,13 @@ fn write(
     scene: &Scene,
     path: &JobPath,
     planned: &PlannedMoves,
+    points: &[PlanPoint],
     folder: &Path,
 ) -> Result<Vec<PathBuf>, CliError> {
-    let points = all_points(path, planned);
     // Shortest digits that read back as the same number, as in `ticks.csv`.
     let mut plan = String::from("t,piece,p,x,y,alpha,speed,speed_max,limit\n");
     let mut traces = PlanTraces::new(points.len() as u64);
-    for point in &points {
+    for point in points {
         let [x, y, alpha] = point.pose;
         let (t, p, speed, speed_max) = (point.t, point.p, point.speed, point.speed_max);
         let _ = writeln!(
@@ -179,12 +174,12 @@ fn write(
 }
 
 /// Seconds for which each limit is the nearest, the longest first.
-fn acting(path: &JobPath, planned: &PlannedMoves) -> Vec<(String, f64)> {
-    let mut acting: Vec<(String, f64)> = Vec::new();
-    for point in all_points(path, planned) {
+fn acting(points: &[PlanPoint]) -> Vec<(&str, f64)> {
+    let mut acting: Vec<(&str, f64)> = Vec::new();
+    for point in points {
         match acting.iter_mut().find(|(limit, _)| *limit == point.limit) {
             Some((_, time)) => *time += point.lasts,
-            None => acting.push((point.limit, point.lasts)),
+            None => acting.push((&point.limit, point.lasts)),
         }
     }
     acting.retain(|(_, time)| *time > 0.0);
@@ -192,7 +187,13 @@ fn acting(path: &JobPath, planned: &PlannedMoves) -> Vec<(String, f64)> {
     acting
 }
 
-fn as_text(scene: &Scene, path: &JobPath, planned: &PlannedMoves, files: &[PathBuf]) -> String {
+fn as_text(
+    scene: &Scene,
+    path: &JobPath,
+    planned: &PlannedMoves,
+    points: &[PlanPoint],
+    files: &[PathBuf],
+) -> String {
     let plan = &planned.plan;
     let (duration, least) = (plan.duration_s(), plan.least_s());
     let played = planned.ticks() as f64 * scene.period_s();
@@ -210,7 +211,7 @@ fn as_text(scene: &Scene, path: &JobPath, planned: &PlannedMoves, files: &[PathB
         part(duration),
     );
     let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
-    for (limit, time) in acting(path, planned) {
+    for (limit, time) in acting(points) {
         let share = 100.0 * time / duration;
         let _ = writeln!(text, "{share:6.1} % of the time limited by {limit}");
     }

@@ -71,7 +71,7 @@ impl<N: Number> Pose<N> {
 
     /// The displacement from `self` to `to`, (dx, dy, dalpha).
     #[inline(always)]
-    fn displacement(&self, to: &Self) -> Vector3<N> {
+    pub fn displacement(&self, to: &Self) -> Vector3<N> {
         let position = to.position - self.position;
         Vector3::new(position.x, position.y, N::radians(to.angle - self.angle))
     }

@@ -7,8 +7,8 @@
 //! Both hold for every motion, not only for those with constant acceleration in a cell.
 
 use crate::cell::{Cell, Row};
-use crate::passes::{greater, next_joint, time_between};
-use crate::program::least;
+use crate::extreme::{greater, lesser, unbounded};
+use crate::passes::{next_joint, time_between};
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, ModelLine, TaylorModel};
@@ -72,27 +72,27 @@ pub fn least_time<N: Enclose>(
         let possible = Possible::of(cell);
         let joint = next_joint(cells, index);
         let cap = possible.cap(cell);
-        let x = least(forward[index], cap.start);
+        let x = lesser(forward[index], cap.start);
         forward[index] = x;
         let reached = possible
             .from(x, cell.length)
             .map_or(cap.end, |above| above.end);
-        forward[index + 1] = least(reached, cap.end) * joint;
+        forward[index + 1] = lesser(reached, cap.end) * joint;
     }
-    forward[count] = least(forward[count], end);
+    forward[count] = lesser(forward[count], end);
     backward[count] = forward[count];
     let mut total = N::Bound::ZERO;
     for (index, cell) in cells.iter().enumerate().rev() {
         let possible = Possible::of(cell);
         let joint = next_joint(cells, index);
         let cap = possible.cap(cell);
-        let after = least(
-            least(backward[index + 1], forward[index + 1]).div(joint),
+        let after = lesser(
+            lesser(backward[index + 1], forward[index + 1]).div(joint),
             cap.end,
         );
         let to = possible.to(after, cell.length);
-        backward[index] = least(to.map_or(cap.start, |above| above.start), cap.start);
-        let before = least(backward[index], forward[index]);
+        backward[index] = lesser(to.map_or(cap.start, |above| above.start), cap.start);
+        let before = lesser(backward[index], forward[index]);
         let mut time = cap.time(cell.length);
         for above in [possible.from(before, cell.length), to]
             .into_iter()
@@ -145,7 +145,7 @@ impl<N: Enclose> Possible<N> {
     /// A line above every x that some a keeps within the limits.
     fn cap(&self, cell: &Cell<N>) -> Above<N::Bound> {
         let zero = N::Bound::ZERO;
-        let far = N::Bound::ONE.div(N::Bound::UNIT_ROUNDOFF * N::Bound::UNIT_ROUNDOFF);
+        let far = unbounded();
         let mut cap = Above {
             start: far,
             end: far,

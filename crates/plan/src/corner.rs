@@ -1,7 +1,7 @@
 //! Rounding of corners: a smooth curve takes the place of two pieces' ends.
 
 use crate::course::{PathPiece, joint};
-use crate::piece::{Piece, difference};
+use crate::piece::Piece;
 use nalgebra::Vector3;
 
 /// Largest part of a piece that is cut off at one end.
@@ -93,7 +93,7 @@ fn deviation(curve: &Piece<f64>, before: &Piece<f64>, after: &Piece<f64>, cut: [
     let farthest = parts().map(|part| {
         let pose = curve.at(part).pose;
         let distances = replaced.iter().map(|point| {
-            let off = difference(&point.pose, &pose);
+            let off = point.pose.displacement(&pose);
             // Between two samples: the distance from the tangent.
             let along = point.first.xy() / speed(point.first);
             let reach = 2.0 * cut[0].max(cut[1]) * speed(point.first) / f64::from(SAMPLES);

@@ -2,9 +2,7 @@
 
 use crate::bound::least_time;
 use crate::cell::{Cell, Limited, Obstacle, Planner};
-use crate::passes::{
-    ObstacleAt, acting, controllable, duration, fastest, next_joint, time_between,
-};
+use crate::passes::{ObstacleAt, acting, controllable, duration, ends_of, fastest, time_between};
 use crate::piece::Piece;
 use core::ops::Range;
 use nalgebra::Vector3;
@@ -134,14 +132,14 @@ impl Run {
 
     /// Duration of cell `index`.
     pub fn cell_duration_s(&self, index: usize) -> f64 {
-        let end = self.squares[index + 1] / next_joint(&self.cells, index);
-        time_between(self.cells[index].length, self.squares[index], end)
+        let [start, end] = ends_of(&self.cells, &self.squares, index);
+        time_between(self.cells[index].length, start, end)
     }
 
     /// Rate of change of the pace in cell `index`, by its piece's parameter.
     pub fn acceleration(&self, index: usize) -> f64 {
-        let end = self.squares[index + 1] / next_joint(&self.cells, index);
-        (end - self.squares[index]) / (2.0 * self.cells[index].length)
+        let [start, end] = ends_of(&self.cells, &self.squares, index);
+        (end - start) / (2.0 * self.cells[index].length)
     }
 
     /// The limit that is nearest in cell `index`.

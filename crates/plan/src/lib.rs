@@ -18,6 +18,7 @@ pub mod cell;
 pub mod corner;
 #[cfg(feature = "std")]
 pub mod course;
+mod extreme;
 #[cfg(feature = "std")]
 pub mod moves;
 pub mod passes;

@@ -9,7 +9,6 @@
 
 use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, PathPiece, PathPlace, PathRefusal, Plan, Run, plan};
-use crate::piece::difference;
 use crate::timeline::Timeline;
 use core::ops::Range;
 use nalgebra::Vector3;
@@ -227,15 +226,12 @@ impl<'a> Draft<'a> {
         let end = knots.len() - 1;
         let distance = |tick: f64| timeline.distance_at((tick - step) * period_s);
         let pose = |tick: f64| {
-            let (place, _) = timeline.place_at(distance(tick), &run.places);
+            let place = timeline.place_at(distance(tick), &run.places);
             pieces[place.piece].piece.at(place.p).pose
         };
         let state = |(index, &tick): (usize, &f64)| {
             let poses = [tick - step, tick, tick + step].map(pose);
-            let (back, ahead) = (
-                difference(&poses[1], &poses[0]),
-                difference(&poses[1], &poses[2]),
-            );
+            let [back, ahead] = [0, 2].map(|other: usize| poses[1].displacement(&poses[other]));
             let velocity = (ahead - back) * (0.5 / (step * period_s));
             // The spline rests at both ends; what is computed there is rounded.
             match index == 0 || index == end {
@@ -252,7 +248,7 @@ impl<'a> Draft<'a> {
         let moves = spans.map(|(states, knots)| {
             let [(before, from, start_velocity), (after, to, end_velocity)] =
                 [states[0], states[1]];
-            let place = |distance| timeline.place_at(distance, &run.places).0;
+            let place = |distance| timeline.place_at(distance, &run.places);
             PlannedMove {
                 from,
                 to,
@@ -289,7 +285,7 @@ impl<'a> Draft<'a> {
         let deviations = (0..=INSTANTS).map(|instant| {
             let part = f64::from(instant) / f64::from(INSTANTS);
             let distance = self.distance(self.knots[index] + part * ticks);
-            let (place, _) = self.timeline.place_at(distance, &self.run.places);
+            let place = self.timeline.place_at(distance, &self.run.places);
             let point = pieces[place.piece].piece.at(place.p);
             let played = hermite.at_fraction(part).pose;
             let off = played.position - point.pose.position;

@@ -6,7 +6,8 @@
 //! takes the greatest x that stays below.
 
 use crate::cell::{Cell, Limited, Obstacle};
-use crate::program::{Program, least};
+use crate::extreme::{greater, lesser, unbounded};
+use crate::program::Program;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::Enclose;
 
@@ -46,12 +47,12 @@ pub fn controllable<N: Enclose>(
 /// Forward pass: lowers `squares`, as [`controllable`] has left them, to the fastest motion that begins with
 /// x = `start`, or as near below it as the limits allow.
 pub fn fastest<N: Enclose>(cells: &[Cell<N>], start: N::Bound, squares: &mut [N::Bound]) {
-    squares[0] = least(squares[0], start);
+    squares[0] = lesser(squares[0], start);
     for (index, cell) in cells.iter().enumerate() {
         let joint = next_joint(cells, index);
         let cap = squares[index + 1].div(joint);
         let end = greatest_end(cell, squares[index], cap);
-        squares[index + 1] = least(squares[index + 1], end * joint);
+        squares[index + 1] = lesser(squares[index + 1], end * joint);
     }
 }
 
@@ -59,8 +60,8 @@ pub fn fastest<N: Enclose>(cells: &[Cell<N>], start: N::Bound, squares: &mut [N:
 pub fn duration<N: Enclose>(cells: &[Cell<N>], squares: &[N::Bound]) -> N::Bound {
     let mut total = N::Bound::ZERO;
     for (index, cell) in cells.iter().enumerate() {
-        let end = squares[index + 1].div(next_joint(cells, index));
-        total += time_between(cell.length, squares[index], end);
+        let [start, end] = ends_of(cells, squares, index);
+        total += time_between(cell.length, start, end);
     }
     total
 }
@@ -71,9 +72,8 @@ pub fn acting<N: Enclose>(
     squares: &[N::Bound],
     index: usize,
 ) -> Option<Limited> {
-    let end = squares[index + 1].div(next_joint(cells, index));
-    let greatest = greater(squares[index], end);
-    Program::of(&cells[index], greatest).acting(squares[index], end)
+    let [start, end] = ends_of(cells, squares, index);
+    Program::of(&cells[index], greater(start, end)).acting(start, end)
 }
 
 /// Time over the length `length` for x linear in p from `start` to `end`.
@@ -81,20 +81,23 @@ pub(crate) fn time_between<B: Arithmetic>(length: B, start: B, end: B) -> B {
     (length + length).div(start.sqrt() + end.sqrt())
 }
 
+/// x at the start and at the end of cell `index` of a motion, by the parameter of its own piece.
+pub(crate) fn ends_of<N: Enclose>(
+    cells: &[Cell<N>],
+    squares: &[N::Bound],
+    index: usize,
+) -> [N::Bound; 2] {
+    [
+        squares[index],
+        squares[index + 1].div(next_joint(cells, index)),
+    ]
+}
+
 /// Scale of x from the end of cell `index` to the start of the next.
 pub(crate) fn next_joint<N: Enclose>(cells: &[Cell<N>], index: usize) -> N::Bound {
     cells
         .get(index + 1)
         .map_or(N::Bound::ONE, |next| next.joint)
-}
-
-pub(crate) fn greater<B: PartialOrd>(a: B, b: B) -> B {
-    if b > a { b } else { a }
-}
-
-/// A bound of x that no limit of a machine reaches.
-fn unbounded<B: Arithmetic>() -> B {
-    B::ONE.div(B::UNIT_ROUNDOFF * B::UNIT_ROUNDOFF)
 }
 
 /// Steps towards the greatest x that a hold's share and a power limit leave.
@@ -109,14 +112,14 @@ fn greatest_start<N: Enclose>(cell: &Cell<N>, end: N::Bound) -> Result<N::Bound,
         return Err(what);
     }
     Ok(best(cell, N::Bound::ZERO, |program, cap, _| {
-        Some(program.greatest_start(cap, least(end, cap)))
+        Some(program.greatest_start(cap, lesser(end, cap)))
     }))
 }
 
 /// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
 fn greatest_end<N: Enclose>(cell: &Cell<N>, start: N::Bound, cap: N::Bound) -> N::Bound {
     best(cell, start, |program, bound, allowed| {
-        program.greatest_end(start, least(cap, bound), !(allowed > start))
+        program.greatest_end(start, lesser(cap, bound), !(allowed > start))
     })
 }
 

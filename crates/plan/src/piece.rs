@@ -106,7 +106,7 @@ impl Piece<f64> {
     pub fn line(from: Pose<f64>, to: Pose<f64>) -> Self {
         Self::Line {
             start: from,
-            displacement: difference(&from, &to),
+            displacement: from.displacement(&to),
         }
     }
 
@@ -123,7 +123,7 @@ impl Piece<f64> {
 
     /// The cubic Bezier piece with the four control poses `poses`.
     pub fn bezier(poses: [Pose<f64>; 4]) -> Self {
-        let [d1, d2, d3] = [1, 2, 3].map(|i: usize| difference(&poses[i - 1], &poses[i]));
+        let [d1, d2, d3] = [1, 2, 3].map(|i: usize| poses[i - 1].displacement(&poses[i]));
         Self::Cubic {
             start: poses[0],
             coefficients: [d1 * 3.0, (d2 - d1) * 3.0, (d3 - d2) - (d2 - d1)],
@@ -220,11 +220,4 @@ impl Piece<f64> {
     pub fn end(&self) -> Pose<f64> {
         self.at(1.0).pose
     }
-}
-
-/// (dx, dy, dalpha) from `from` to `to`.
-#[cfg(feature = "std")]
-pub(crate) fn difference(from: &Pose<f64>, to: &Pose<f64>) -> Vector3<f64> {
-    let position = to.position - from.position;
-    Vector3::new(position.x, position.y, to.angle - from.angle)
 }

@@ -7,6 +7,7 @@
 //! the change of x, which adds at most |s| |z - y| / 2.
 
 use crate::cell::{Cell, Limited, Row};
+use crate::extreme::lesser;
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, TaylorModel};
@@ -157,7 +158,7 @@ impl<B: Arithmetic> Program<B> {
         let mut y = y_cap;
         for each in &self.inequalities {
             if each.end == zero && each.start > zero {
-                y = least(y, each.limit.div(each.start));
+                y = lesser(y, each.limit.div(each.start));
             }
         }
         // Newton's method on the gap, a concave function of y that is positive at 0: from the right it
@@ -201,8 +202,4 @@ impl<B: Arithmetic> Program<B> {
         }
         nearest.map(|(_, what)| what)
     }
-}
-
-pub(crate) fn least<B: PartialOrd>(a: B, b: B) -> B {
-    if b < a { b } else { a }
 }

@@ -3,7 +3,6 @@
 //! The plan of a run has an acceleration that is constant in each cell and jumps between them.
 
 use crate::course::{PathPlace, Run};
-use crate::passes::{next_joint, time_between};
 
 /// Time, distance and pace at the start of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -32,16 +31,14 @@ impl Timeline {
                 // The pace in s is continuous where the pace in p is not.
                 scale /= cell.joint.sqrt();
             }
-            let start = run.squares[index];
-            let end = run.squares[index + 1] / next_joint(&run.cells, index);
             marks.push(Mark {
                 time,
                 distance,
-                pace: scale * start.sqrt(),
-                acceleration: scale * (end - start) / (2.0 * cell.length),
+                pace: scale * run.squares[index].sqrt(),
+                acceleration: scale * run.acceleration(index),
                 scale,
             });
-            time += time_between(cell.length, start, end);
+            time += run.cell_duration_s(index);
             distance += scale * cell.length;
         }
         marks.push(Mark {
@@ -54,12 +51,8 @@ impl Timeline {
         Self { marks }
     }
 
-    fn last(&self) -> &Mark {
-        &self.marks[self.marks.len() - 1]
-    }
-
     pub(crate) fn duration(&self) -> f64 {
-        self.last().time
+        self.marks[self.marks.len() - 1].time
     }
 
     /// The distance at `time`: 0 before the start, the whole after the end.
@@ -96,16 +89,15 @@ impl Timeline {
         next.saturating_sub(1).min(self.marks.len() - 2)
     }
 
-    /// Place and scale at `distance`, with the places of the run.
-    pub(crate) fn place_at(&self, distance: f64, places: &[PathPlace]) -> (PathPlace, f64) {
+    /// Place at `distance`, with the places of the run.
+    pub(crate) fn place_at(&self, distance: f64, places: &[PathPlace]) -> PathPlace {
         let index = self.cell_at(distance);
         let mark = &self.marks[index];
         let p = places[index].p + (distance - mark.distance) / mark.scale;
-        let place = PathPlace {
+        PathPlace {
             p: p.clamp(0.0, 1.0),
             ..places[index]
-        };
-        (place, mark.scale)
+        }
     }
 
     /// Times at which the acceleration jumps by more than `part` of its largest size.

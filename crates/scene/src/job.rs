@@ -111,8 +111,7 @@ pub(crate) fn read_job(
         true => section.choice("timing", &[("given", false), ("shortest", true)])?,
         false => false,
     };
-    if let Some(key) = misplaced(shortest, &sections, &pieces) {
-        let (key, reason) = key;
+    if let Some((key, reason)) = misplaced(shortest, &sections, &pieces) {
         section.refuse_list(key, reason);
         section.ignore_rest();
         return None;

@@ -18,9 +18,6 @@ use trirrr_protocol::message::Bounded;
 /// Reason why a path has no plan.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Unplanned {
-    /// The job has no path.
-    #[error("the job has no [[job.path]]")]
-    NoPath,
     /// The machine or a limit is refused.
     #[error(transparent)]
     Machine(#[from] BuildError),
@@ -29,12 +26,11 @@ pub enum Unplanned {
     Path(PathRefusal),
 }
 
-/// Plans the path of the job of `scene`. `scene` is otherwise checked.
+/// Plans `path`, the path of the job of `scene`. `scene` is otherwise checked.
 ///
 /// # Errors
 /// [`Unplanned`].
-pub fn plan_job(scene: &Scene, effort: Effort) -> Result<PlannedMoves, Unplanned> {
-    let path = scene.job.path.as_ref().ok_or(Unplanned::NoPath)?;
+pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedMoves, Unplanned> {
     scene.model().visit(PlanJob {
         scene,
         path,
@@ -131,9 +127,12 @@ fn job_moves(path: &JobPath, moves: &[PlannedMove]) -> Vec<JobMove> {
 
 /// Gives the job of `scene` the planned moves of its path, or refuses the piece with the first obstacle.
 pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedPath) -> Option<()> {
-    match plan_job(scene, Effort::default()) {
+    match plan_job(scene, &placed.path, Effort::default()) {
         Ok(planned) => {
             scene.job.moves = job_moves(&placed.path, &planned.moves);
+            if let [_] = planned.plan.runs[..] {
+                return Some(());
+            }
             // Runs were judged one by one, each in units of its own.
             let objections = judge_quickly(scene).ok()?;
             let Some(index) = objections.iter().position(Option::is_some) else {
@@ -149,7 +148,7 @@ pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedP
             document.refuse(&placed.places[source], obstacle(&refusal));
         }
         // The machine is checked, and refused, by itself.
-        Err(Unplanned::NoPath | Unplanned::Machine(_)) => {}
+        Err(Unplanned::Machine(_)) => {}
     }
     None
 }

@@ -11,7 +11,7 @@ mod tolerances;
 pub use args::RunArgs;
 pub use plant::Simulated;
 
-use crate::failure::CliError;
+use crate::failure::{CliError, printed};
 use crate::histogram::Histogram;
 use crate::realtime::Deadlines;
 use crate::recording::{Peaks, Recorded, Recorder};
@@ -154,16 +154,6 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         (trirrr_plant::PlantEnd::Interrupted { .. }, _) => Ok(JobEnd::Stopped),
         (_, Some(reason)) => Err(CliError::Failed(reason)),
         (_, None) => Ok(report.end),
-    }
-}
-
-/// Who closes standard output early does not want the summary; any other error counts.
-fn printed(result: io::Result<()>) -> Result<(), CliError> {
-    match result {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("standard output: {error}")))
-        }
-        _ => Ok(()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The summary of a stream.
 
 use super::StreamEnd;
-use crate::failure::CliError;
+use crate::failure::{CliError, printed};
 use crate::recording::Recorded;
 use std::io::{self, Write};
 use std::path::Path;
@@ -39,13 +39,7 @@ pub(super) struct Summary<'a> {
 /// # Errors
 /// Failed: standard output cannot be written.
 pub(super) fn print(summary: &Summary) -> Result<(), CliError> {
-    match write(&mut io::stdout().lock(), summary) {
-        // Who closes standard output early does not want the summary.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
+    printed(write(&mut io::stdout().lock(), summary))
 }
 
 fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
