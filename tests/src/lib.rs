@@ -6,7 +6,7 @@
 //! | [`evaluate`] | the core's pipeline on any machine |
 //! | [`inputs`], [`model`], [`results`] | from `trirrr_truth`: the machine computed a second time |
 //! | [`scalar`], [`double_double`], [`dual`] | its numbers: 31 digits, or with derivatives |
-//! | [`random`] | random machines and states |
+//! | [`random`], [`draw`] | random machines and states, and numbers |
 //! | [`motors`] | what the motors need, as numbers |
 //! | [`vector_formulas`] | the tick in plain f64 with its functions handed in |
 //! | [`thesis_formula`] | the thesis's formulas, errors included |
@@ -16,6 +16,7 @@
 pub use trirrr_truth::{double_double, dual, inputs, model, results, rounding, scalar};
 
 pub mod bound;
+pub mod draw;
 pub mod evaluate;
 pub mod machines;
 pub mod motors;

@@ -14,6 +14,7 @@
 //! B + C are the torques of the accelerations X' and X'' with the velocities 0 and X'. A [`Cell`] holds
 //! the coefficients as Taylor models over its stretch, so they bound the quantity at every point.
 
+use crate::extreme::lesser;
 use crate::piece::{PathPoint, Piece};
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -77,8 +78,10 @@ pub struct Cell<N: Enclose> {
     pub(crate) length: N::Bound,
     /// x at the start of this cell over x at the end of the cell before: not 1 where pieces join.
     pub(crate) joint: N::Bound,
-    /// Part of the limits that the passes use, 0 to 1.
+    /// Part that the passes use of what the limits leave for motion, 0 to 1.
     pub(crate) share: N::Bound,
+    /// What `share` is to be lowered to, as a part of itself.
+    tightened: N::Bound,
     /// r: rate of change of the pace that a hold may add, in paces per unit of time.
     pub(crate) ramp: N::Bound,
     pub(crate) rows: Vec<Row<N>, ROWS>,
@@ -110,6 +113,7 @@ pub struct Planner<M: Model<N: Enclose>> {
     limits: Limits<<M::N as Enclose>::Bound>,
     ramp: <M::N as Enclose>::Bound,
     loaded: bool,
+    lever_m: f64,
 }
 
 type Model3<N> = [TaylorModel<N>; 3];
@@ -131,7 +135,17 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
             limits,
             ramp,
             loaded: parameters.is_loaded_at_rest(),
+            lever_m: parameters
+                .legs
+                .iter()
+                .map(|leg| leg.joint_radius_m)
+                .fold(0.0, f64::max),
         })
+    }
+
+    /// Largest distance of a platform joint from D.
+    pub fn lever_m(&self) -> f64 {
+        self.lever_m
     }
 
     /// Rate at which a hold may change the pace.
@@ -171,6 +185,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
             length: to - from,
             joint: N::Bound::ONE,
             share: N::Bound::ONE,
+            tightened: N::Bound::ONE,
             ramp: N::Bound::ZERO,
             rows: Vec::new(),
             powers: Vec::new(),
@@ -359,9 +374,17 @@ impl<N: Enclose> Cell<N> {
         self.ramp = ramp;
     }
 
-    /// Lowers the part of the limits that the passes use to `share` of what it is.
+    /// Notes that the passes are to use no more than `share` of what they use of the limits now. Of several shares
+    /// the least counts, from the next [`apply_tightening`](Self::apply_tightening) on.
     pub fn tighten(&mut self, share: N::Bound) {
-        self.share *= share;
+        self.tightened = lesser(self.tightened, share);
+    }
+
+    /// Lowers the part of the limits that the passes use, and returns that part.
+    pub fn apply_tightening(&mut self) -> N::Bound {
+        self.share *= self.tightened;
+        self.tightened = N::Bound::ONE;
+        self.share
     }
 
     /// Length in p.

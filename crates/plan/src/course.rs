@@ -110,7 +110,8 @@ impl Plan {
 }
 
 impl Run {
-    /// Lowers the limits that [`replan`](Self::replan) uses in the `cells` to `share` of what they are.
+    /// Lowers the limits that [`replan`](Self::replan) uses in the `cells` to `share` of what it uses now; of several
+    /// shares the least counts.
     pub fn tighten(&mut self, cells: Range<usize>, share: f64) {
         for cell in &mut self.cells[cells] {
             cell.tighten(share);
@@ -120,8 +121,13 @@ impl Run {
     /// Plans again with the limits as they are in the cells.
     ///
     /// # Errors
-    /// The last place where the machine cannot stand.
+    /// The last place where the machine cannot stand, or the first where next to nothing is left of the limits.
     pub fn replan(&mut self, pieces: &[PathPiece]) -> Result<(), PathRefusal> {
+        for (cell, place) in self.cells.iter_mut().zip(&self.places) {
+            if cell.apply_tightening() < SHARE_LEAST {
+                return Err(PathRefusal::at(*place, pieces, Obstacle::Refused));
+            }
+        }
         controllable(&self.cells, 0.0, &mut self.squares).map_err(
             |ObstacleAt { cell, obstacle }| PathRefusal::at(self.places[cell], pieces, obstacle),
         )?;
@@ -151,6 +157,9 @@ impl Run {
 /// Sine of the angle between two tangents above which the path has a corner. Rounding of a path's numbers stays
 /// below it.
 const CORNER: f64 = 1e-9;
+
+/// Least part of the limits that moves are made with: a thousandth of the pace that the limits allow.
+const SHARE_LEAST: f64 = 1e-6;
 
 /// Halvings of a cell that does not pass.
 const HALVINGS: u32 = 20;

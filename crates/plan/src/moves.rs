@@ -128,12 +128,13 @@ pub fn plan_moves<M: Model<N = f64>>(
     let mut plan = plan(planner, pieces, effort)?;
     let mut moves = Vec::new();
     for run in &mut plan.runs {
-        moves.extend(moves_of(run, pieces, sampling, &mut judge)?);
+        moves.extend(moves_of(planner, run, pieces, sampling, &mut judge)?);
     }
     Ok(PlannedMoves { plan, moves })
 }
 
-fn moves_of(
+fn moves_of<M: Model<N = f64>>(
+    planner: &Planner<M>,
     run: &mut Run,
     pieces: &[PathPiece],
     sampling: Sampling,
@@ -148,7 +149,7 @@ fn moves_of(
     run.replan(pieces)?;
     for _ in 0..ROUNDS {
         let timeline = Timeline::of(run);
-        let step = sampling.least_ticks(path_acceleration(run, pieces));
+        let step = sampling.least_ticks(path_acceleration(run, pieces, planner.lever_m()));
         let draft = Draft::new(run, &timeline, pieces, sampling, step, &fine);
         let splits = |each: &PlannedMove| f64::from(each.ticks) > step;
         let mut mended = false;
@@ -187,11 +188,11 @@ fn moves_of(
         if !mended {
             return Ok(draft.moves);
         }
+        // Moves overlap in their cells: each cell takes one step a round.
+        let before = strikes.clone();
         for (cells, by) in slower {
-            let margin = strikes[cells.clone()]
-                .iter()
-                .copied()
-                .fold(MARGIN, f64::max);
+            let margins = before[cells.clone()].iter().copied();
+            let margin = margins.fold(MARGIN, f64::max);
             strikes[cells.clone()].fill(2.0 * margin);
             run.tighten(cells, 1.0 / (1.0 + by + margin));
         }
@@ -348,14 +349,14 @@ fn knots(timeline: &Timeline, sampling: Sampling, step: f64, fine: &[Fine]) -> V
     knots
 }
 
-/// Largest acceleration of D in the plan of `run`, m/s^2.
-fn path_acceleration(run: &Run, pieces: &[PathPiece]) -> f64 {
+/// Largest acceleration in the plan of `run`, m/s^2: that of D, and that of a point of the platform `lever_m` from it
+/// about D.
+fn path_acceleration(run: &Run, pieces: &[PathPiece], lever_m: f64) -> f64 {
     let of_cell = |index: usize| {
         let (place, x) = (run.places[index], run.squares[index]);
         let point = pieces[place.piece].piece.at(place.p);
-        let (first, second) = (point.first.xy(), point.second.xy());
-        let acceleration = first * run.acceleration(index) + second * x;
-        acceleration.x.hypot(acceleration.y)
+        let acceleration = point.first * run.acceleration(index) + point.second * x;
+        acceleration.x.hypot(acceleration.y) + lever_m * acceleration.z.abs()
     };
     (0..run.cells.len()).map(of_cell).fold(0.0, f64::max)
 }

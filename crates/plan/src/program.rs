@@ -7,7 +7,7 @@
 //! the change of x, which adds at most |s| |z - y| / 2.
 
 use crate::cell::{Cell, Limited, Row};
-use crate::extreme::lesser;
+use crate::extreme::{greater, lesser};
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, TaylorModel};
@@ -50,13 +50,13 @@ impl<B: Arithmetic> Program<B> {
             inequalities: Vec::new(),
         };
         for row in &cell.rows {
-            program.add(row, cell, row.limit * cell.share, greatest);
+            program.add(row, cell, row.limit, greatest);
         }
         let root = greatest.sqrt();
         for power in &cell.powers {
             let limit = power.limit.div(power.rate * root);
             if greatest > B::ZERO && limit.is_finite() {
-                program.add(&power.torque, cell, limit * cell.share, greatest);
+                program.add(&power.torque, cell, limit, greatest);
             }
         }
         program
@@ -89,6 +89,9 @@ impl<B: Arithmetic> Program<B> {
             true => (zero, limit - limit * (part + part)),
             false => (change, limit),
         };
+        // Of the limit, what holds the pose is not for motion: a part of the rest can be left unused.
+        let unused = (B::ONE - cell.share) * greater(limit - row.rest.magnitude(), zero);
+        let limit = limit - unused;
         // The inequality itself is computed with a few roundings.
         let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - rest.error;
         for &sign in signs {

@@ -179,6 +179,11 @@ impl<S: Scalar> Inputs<S> {
         }
     }
 
+    /// The inputs as constants.
+    pub fn constants<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Self {
+        Self::lifted(parameters, setpoint, |input| S::constant(input.value))
+    }
+
     /// The inputs `time` seconds later, when the platform keeps its acceleration.
     pub fn later(&self, time: S) -> Self {
         let half = S::constant(0.5) * time * time;
@@ -198,9 +203,7 @@ impl<S: Scalar> Inputs<S> {
 impl Inputs<DoubleDouble> {
     /// The inputs exactly as given.
     pub fn exact<N: Number>(parameters: &Parameters, setpoint: &Setpoint<N>) -> Self {
-        Self::lifted(parameters, setpoint, |input| {
-            DoubleDouble::constant(input.value)
-        })
+        Self::constants(parameters, setpoint)
     }
 }
 

@@ -1,5 +1,4 @@
-//! Numbers of the independent model: precise ([`DoubleDouble`]) or with derivatives
-//! ([`Dual`]).
+//! Numbers of the independent model: precise ([`DoubleDouble`]), with derivatives ([`Dual`]), or quick (`f64`).
 //!
 //! [`DoubleDouble`]: crate::double_double::DoubleDouble
 //! [`Dual`]: crate::dual::Dual
@@ -55,6 +54,32 @@ impl Scalar for DoubleDouble {
 
     fn atan2(y: Self, x: Self) -> Self {
         DoubleDouble::atan2(y, x)
+    }
+}
+
+impl Scalar for f64 {
+    fn constant(x: f64) -> Self {
+        x
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn is_zero(self) -> bool {
+        self == 0.0
+    }
+
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+
+    fn atan2(y: Self, x: Self) -> Self {
+        f64::atan2(y, x)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
-use crate::moves::{Draw, in_type, machines, offer, within_a_turn};
+use crate::moves::{in_type, offer};
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use trirrr_service::admission::Enclose;
 
 const DENSITY: Density = Density {

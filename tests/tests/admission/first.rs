@@ -2,7 +2,8 @@
 
 use crate::dense::{Density, Extremes, extremes, visit};
 use crate::judge::{Setting, judge};
-use crate::moves::{Draw, machines, random_move};
+use crate::moves::random_move;
+use trirrr_tests::draw::{Draw, machines};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, Move};
 

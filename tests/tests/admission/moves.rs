@@ -4,72 +4,19 @@ use crate::dense::{Density, extremes};
 use crate::judge::Setting;
 use core::f64::consts::TAU;
 use nalgebra::Vector3;
-use proptest::strategy::{Strategy, ValueTree};
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
 use trirrr_scene::{Job, JobMove, Scene};
-use trirrr_tests::random::{Case, case};
+use trirrr_tests::draw::Draw;
+use trirrr_tests::random::Case;
 
 /// A move on a machine with limits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Offer {
     pub(crate) setting: Setting,
     pub(crate) offered: Move<f64>,
-}
-
-/// Numbers that are the same in every run: splitmix64.
-pub(crate) struct Draw(u64);
-
-impl Draw {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform from `low` to `high`.
-    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
-    }
-
-    /// Even in its logarithm.
-    pub(crate) fn log_within(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-
-    pub(crate) fn chance(&mut self, part: f64) -> bool {
-        self.within(0.0, 1.0) < part
-    }
-}
-
-/// Random machines, each in a pose away from singularities.
-pub(crate) fn machines(seed: u64) -> impl Iterator<Item = Case> {
-    let mut bytes = [0; 32];
-    bytes[..8].copy_from_slice(&seed.to_le_bytes());
-    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
-    let config = Config {
-        max_local_rejects: u32::MAX,
-        max_global_rejects: u32::MAX,
-        ..Config::default()
-    };
-    let mut runner = TestRunner::new_with_rng(config, rng);
-    core::iter::from_fn(move || Some(case().new_tree(&mut runner).ok()?.current()))
-}
-
-/// `case` without the whole turns in its angle.
-pub(crate) fn within_a_turn(case: &Case) -> Case {
-    let mut case = *case;
-    case.setpoint.pose.angle %= TAU;
-    case
 }
 
 /// A random move from where `case` stands: of 1/300 to 3/5 of the machine's size, from

@@ -2,7 +2,8 @@
 
 use crate::dense::segment;
 use crate::judge::Setting;
-use crate::moves::{Draw, in_type, machines, random_move, within_a_turn};
+use crate::moves::{in_type, random_move};
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use nalgebra::Vector3;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};

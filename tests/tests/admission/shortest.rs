@@ -2,7 +2,8 @@
 
 use crate::dense::{Density, extremes};
 use crate::judge::{Setting, judge};
-use crate::moves::{Draw, machines, random_move, within_a_turn};
+use crate::moves::random_move;
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, LeastDuration, Move};
 

@@ -3,7 +3,8 @@
 
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
-use crate::moves::{Draw, in_f64, machines, offer, within_a_turn};
+use crate::moves::{in_f64, offer};
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use std::fmt;
 use std::thread;
 use trirrr_core::number::Fixed;

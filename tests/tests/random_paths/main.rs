@@ -1,0 +1,106 @@
+//! Random paths through the door that users take: the text of a scene, read, planned, and judged by the independent
+//! model at many instants.
+
+mod drawn;
+mod geometry;
+mod judge;
+mod truth;
+
+use drawn::{DrawnJob, draw};
+use judge::{Findings, judge};
+use std::thread;
+use std::time::Instant as Clock;
+use trirrr_scene::Scene;
+use trirrr_tests::draw::{Draw, machines};
+
+fn jobs(seed: u64) -> impl Iterator<Item = DrawnJob> {
+    let mut numbers = Draw::new(seed);
+    machines(seed).filter_map(move |case| draw(&case, &mut numbers))
+}
+
+/// What came of so many paths.
+#[derive(Default)]
+struct Tally {
+    findings: Vec<Findings>,
+    refused: Vec<String>,
+    longest_s: f64,
+}
+
+fn tally(seed: u64, paths: usize, samples: u32) -> Tally {
+    let mut tally = Tally::default();
+    for (index, job) in jobs(seed).take(paths).enumerate() {
+        let begin = Clock::now();
+        match Scene::parse(&job.text, "random.toml") {
+            Ok(scene) => {
+                let seconds = begin.elapsed().as_secs_f64();
+                let findings = judge(&job, &scene, samples);
+                if std::env::var_os("TRIRRR_VERBOSE").is_some() {
+                    println!("{seed}/{index}: {seconds:.3} s, {findings:?}");
+                }
+                tally.longest_s = tally.longest_s.max(seconds);
+                if findings.limit > 1.0 || findings.feed > 1.0 || findings.deviation > 1.0 {
+                    println!("{seed}/{index}: {findings:?}\n{}", job.text);
+                }
+                tally.findings.push(findings);
+            }
+            Err(error) => {
+                let seconds = begin.elapsed().as_secs_f64();
+                println!("{seed}/{index}: {seconds:.3} s: {error}\n{}", job.text);
+                tally.refused.push(error.to_string());
+            }
+        }
+    }
+    tally
+}
+
+fn study(paths: usize, samples: u32) {
+    let halves = thread::scope(|scope| {
+        let halves = [1, 2].map(|seed| scope.spawn(move || tally(seed, paths / 2, samples)));
+        halves.map(|half| half.join().expect("no panic"))
+    });
+    let [mut all, other] = halves;
+    all.findings.extend(other.findings);
+    all.refused.extend(other.refused);
+    all.longest_s = all.longest_s.max(other.longest_s);
+    let most = |of: fn(&Findings) -> f64| all.findings.iter().map(of).fold(0.0, f64::max);
+    let mut ratios: Vec<f64> = all.findings.iter().map(|each| each.played_over_bound).collect();
+    ratios.sort_by(f64::total_cmp);
+    let mut gaps: Vec<f64> = all.findings.iter().map(|each| each.plan_over_bound).collect();
+    gaps.sort_by(f64::total_cmp);
+    let at = |values: &[f64], part: f64| values[((part * values.len() as f64) as usize).min(values.len() - 1)];
+    println!(
+        "{paths} paths, {} refused; largest part of a limit {:.9}, of a feed {:.9}, of a tolerance {:.6}; slowest plan {:.2} s",
+        all.refused.len(),
+        most(|each| each.limit),
+        most(|each| each.feed),
+        most(|each| each.deviation),
+        all.longest_s,
+    );
+    for (name, values) in [("played over bound", &ratios), ("plan over bound, without holds", &gaps)] {
+        println!(
+            "{name}: least {:.4}, 10 % {:.4}, median {:.4}, 90 % {:.4}, 99 % {:.4}, most {:.4}",
+            values[0],
+            at(values, 0.1),
+            at(values, 0.5),
+            at(values, 0.9),
+            at(values, 0.99),
+            values[values.len() - 1]
+        );
+    }
+    assert!(all.refused.is_empty(), "{} feasible paths are refused", all.refused.len());
+    assert!(most(|each| each.limit) <= 1.0);
+    assert!(most(|each| each.feed) <= 1.0);
+    assert!(most(|each| each.deviation) <= 1.0);
+    assert!(ratios[0] >= 1.0 && gaps[0] >= 1.0);
+}
+
+#[test]
+fn random_paths_keep_limits_and_path() {
+    study(40, 2_000);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn ten_thousand_random_paths_keep_limits_and_path() {
+    study(10_000, 10_000);
+}
