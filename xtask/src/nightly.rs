@@ -34,6 +34,18 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
+            "ten thousand random paths",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "random_paths",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "reader and machine near limits",
             "test",
             &[

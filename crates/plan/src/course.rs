@@ -121,7 +121,7 @@ impl Run {
     /// Plans again with the limits as they are in the cells.
     ///
     /// # Errors
-    /// The last place where the machine cannot stand, or the first where next to nothing is left of the limits.
+    /// The first place where the machine cannot stand, or the first where next to nothing is left of the limits.
     pub fn replan(&mut self, pieces: &[PathPiece]) -> Result<(), PathRefusal> {
         for (cell, place) in self.cells.iter_mut().zip(&self.places) {
             if cell.apply_tightening() < SHARE_LEAST {

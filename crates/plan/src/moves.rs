@@ -102,6 +102,8 @@ const MARGIN: f64 = 1e-3;
 const ROUNDING: f64 = 0.01;
 /// Part of the limits that a plan for moves uses; the rest is for what moves differ from it.
 const SHARE: f64 = 0.999;
+/// Part of the feed that moves may use at the instants that are looked at.
+const FEED: f64 = 0.9999;
 /// Rounds of planning, judging and mending.
 const ROUNDS: u32 = 60;
 
@@ -170,6 +172,39 @@ fn moves_of<M: Model<N = f64>>(
             true => Vec::new(),
             false => judge(&draft.moves),
         };
+        if std::env::var_os("DBG").is_some() {
+            let worst = (0..draft.moves.len())
+                .map(|i| draft.deviation(i, pieces, sampling))
+                .fold(0.0, f64::max);
+            let mut by = 0.0;
+            let mut n = 0;
+            let mut r = 0;
+            let mut unsplit = 0;
+            for (i, v) in verdicts.iter().enumerate() {
+                match v {
+                    Judged::Exceeded(b) => {
+                        if !splits(&draft.moves[i]) {
+                            unsplit += 1
+                        };
+                        n += 1;
+                        if *b > by {
+                            by = *b
+                        }
+                    }
+                    Judged::Refused => r += 1,
+                    _ => {}
+                }
+            }
+            println!(
+                "run {:?} dur {:.6} ({:.1} ticks) step {step} moves {} fine {} dev {worst:.3} exceeded {n} unsplit {unsplit} by {by:.4} refused {r} slower {}",
+                run.pieces,
+                run.duration_s,
+                run.duration_s / sampling.period_s,
+                draft.moves.len(),
+                fine.len(),
+                slower.len()
+            );
+        }
         for (index, judged) in verdicts.into_iter().enumerate() {
             let each = &draft.moves[index];
             match judged {
@@ -270,9 +305,12 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants.
+    /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants; or
+    /// its speed in parts of the feed, if that is more.
     fn deviation(&self, index: usize, pieces: &[PathPiece], sampling: Sampling) -> f64 {
         const INSTANTS: u32 = 4;
+        let metres = sampling.tolerance_m;
+        let tolerances = Vector3::new(metres, metres, sampling.tolerance_rad);
         let each = &self.moves[index];
         let hermite = Hermite::<f64>::new(
             each.from,
@@ -288,16 +326,19 @@ impl<'a> Draft<'a> {
             let distance = self.distance(self.knots[index] + part * ticks);
             let place = self.timeline.place_at(distance, &self.run.places);
             let point = pieces[place.piece].piece.at(place.p);
-            let played = hermite.at_fraction(part).pose;
-            let off = played.position - point.pose.position;
-            let along = point.first.xy();
-            let along_size = along.x.hypot(along.y);
-            let across = match along_size > 0.0 {
-                true => off.perp(&along).abs() / along_size,
-                false => off.x.hypot(off.y),
-            };
-            let turned = (played.angle - point.pose.angle).abs();
-            (across / sampling.tolerance_m).max(turned / sampling.tolerance_rad)
+            let played = hermite.at_fraction(part);
+            let off = point
+                .pose
+                .displacement(&played.pose)
+                .component_div(&tolerances);
+            let along = point.first.component_div(&tolerances);
+            // A difference along the path is one in time.
+            let off = off - along * (off.dot(&along) / along.dot(&along));
+            let speed = played.velocity.x.hypot(played.velocity.y);
+            let feed = pieces[place.piece]
+                .feed_m_s
+                .map_or(f64::INFINITY, |feed| FEED * feed);
+            off.x.hypot(off.y).max(off.z.abs()).max(speed / feed)
         });
         deviations.fold(0.0, f64::max)
     }

@@ -24,7 +24,7 @@ pub struct ObstacleAt {
 /// end of the last cell. `squares` has one value more than `cells`.
 ///
 /// # Errors
-/// The last cell in which the machine cannot stand.
+/// The first cell in which the machine cannot stand.
 pub fn controllable<N: Enclose>(
     cells: &[Cell<N>],
     end: N::Bound,
@@ -33,15 +33,25 @@ pub fn controllable<N: Enclose>(
     let mut at_end = end;
     squares[cells.len()] = at_end;
     for (index, cell) in cells.iter().enumerate().rev() {
-        let obstacle = |what| ObstacleAt {
-            cell: index,
-            obstacle: Obstacle::Standing(what),
-        };
-        let start = greatest_start(cell, at_end).map_err(obstacle)?;
+        let start = greatest_start(cell, at_end).map_err(|_| first_standing(cells))?;
         squares[index] = start;
         at_end = start.div(cell.joint);
     }
     Ok(())
+}
+
+/// The first of `cells` in which the machine cannot stand; one is known to be.
+fn first_standing<N: Enclose>(cells: &[Cell<N>]) -> ObstacleAt {
+    let standing = |(cell, each)| {
+        let what = Program::of(each, N::Bound::ZERO).standing()?;
+        let obstacle = Obstacle::Standing(what);
+        Some(ObstacleAt { cell, obstacle })
+    };
+    let found = cells.iter().enumerate().find_map(standing);
+    found.unwrap_or(ObstacleAt {
+        cell: 0,
+        obstacle: Obstacle::Range,
+    })
 }
 
 /// Forward pass: lowers `squares`, as [`controllable`] has left them, to the fastest motion that begins with

@@ -13,6 +13,9 @@ const TOLERANCE_M: f64 = 1e-5;
 /// Default of `tolerance_rad`.
 const TOLERANCE_RAD: f64 = 1e-4;
 
+/// Length of a piece, m or rad, below which it is what the rounding of its ends has left.
+const LENGTH_MIN: f64 = 1e-12;
+
 /// A path that a job follows in the least time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobPath {
@@ -103,7 +106,7 @@ fn read_feed(section: &Section) -> Option<Option<f64>> {
 
 fn has_length(piece: &Piece<f64>) -> bool {
     let first = [0.0, 0.5, 1.0].map(|p| piece.at(p).first);
-    first.iter().any(|first| first.amax() > 0.0)
+    first.iter().any(|first| first.amax() > LENGTH_MIN)
 }
 
 /// The piece of one table, from `from`: several cubics for a spline.

@@ -3,8 +3,8 @@
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
 use crate::moves::{in_type, offer};
-use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use trirrr_service::admission::Enclose;
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 const DENSITY: Density = Density {
     samples: 200,

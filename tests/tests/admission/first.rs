@@ -3,9 +3,9 @@
 use crate::dense::{Density, Extremes, extremes, visit};
 use crate::judge::{Setting, judge};
 use crate::moves::random_move;
-use trirrr_tests::draw::{Draw, machines};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, Move};
+use trirrr_tests::draw::{Draw, machines};
 
 const DENSITY: Density = Density {
     samples: 1500,

@@ -3,7 +3,6 @@
 use crate::dense::segment;
 use crate::judge::Setting;
 use crate::moves::{in_type, random_move};
-use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use nalgebra::Vector3;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
@@ -13,6 +12,7 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::Move;
 use trirrr_service::admission::{AngleModel, TaylorModel};
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 type Wide = TaylorModel<f32>;
 

@@ -3,9 +3,9 @@
 use crate::dense::{Density, extremes};
 use crate::judge::{Setting, judge};
 use crate::moves::random_move;
-use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, LeastDuration, Move};
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 const DENSITY: Density = Density {
     samples: 500,

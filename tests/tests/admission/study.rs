@@ -4,12 +4,12 @@
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
 use crate::moves::{in_f64, offer};
-use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use std::fmt;
 use std::thread;
 use trirrr_core::number::Fixed;
 use trirrr_scene::Scene;
 use trirrr_service::admission::Enclose;
+use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
 

@@ -1,16 +1,16 @@
 //! Random jobs: a machine, limits and a path that suit each other, as the text of a scene.
 
 use crate::geometry::{Coordinates, Drawn};
+use crate::scene_text::{header, job_text, limits_text, machine_text};
 use crate::truth::{Instant, State};
 use core::f64::consts::{PI, TAU};
-use core::fmt::Write as _;
 use nalgebra::Vector2;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
 use trirrr_tests::draw::{Draw, within_a_turn};
 use trirrr_tests::random::Case;
 
 /// Places on each piece that are looked at while it is drawn.
-const PLACES: u32 = 64;
+pub(crate) const PLACES: u32 = 64;
 
 /// A job that is feasible at some pace, by samples and with room.
 pub(crate) struct DrawnJob {
@@ -40,12 +40,24 @@ fn machine(case: &Case, draw: &mut Draw) -> (Parameters, Coordinates, f64) {
     let thesis = family < 2.0;
     let rods = draw.chance(0.5).then(|| draw.log_within(0.01, 0.3));
     let (bases, lengths, radius, elbow) = match thesis {
-        true => ([[0.0, 0.433], [0.5, 0.433], [0.25, 0.0]], [0.2, 0.2], 0.02, Elbow::Positive),
-        false => ([[0.0, 0.7], [0.8, 0.7], [0.4, 0.0]], [0.3, 0.36], 0.06, Elbow::Negative),
+        true => (
+            [[0.0, 0.433], [0.5, 0.433], [0.25, 0.0]],
+            [0.2, 0.2],
+            0.02,
+            Elbow::Positive,
+        ),
+        false => (
+            [[0.0, 0.7], [0.8, 0.7], [0.4, 0.0]],
+            [0.3, 0.36],
+            0.06,
+            Elbow::Negative,
+        ),
     };
     let angles = [150.0f64, 30.0, 270.0].map(f64::to_radians);
     let link = |length: f64| {
-        rods.map_or(LinkParameters::default(), |mass| LinkParameters::uniform_rod(mass, length))
+        rods.map_or(LinkParameters::default(), |mass| {
+            LinkParameters::uniform_rod(mass, length)
+        })
     };
     let legs = [0, 1, 2].map(|index: usize| LegParameters {
         base_m: Vector2::from(bases[index]),
@@ -75,11 +87,23 @@ fn machine(case: &Case, draw: &mut Draw) -> (Parameters, Coordinates, f64) {
             false => Vector2::zeros(),
         },
         wrench_force_n: pair(draw, 0.2, 1.0),
-        wrench_torque_nm: if draw.chance(0.2) { draw.within(-0.05, 0.05) } else { 0.0 },
+        wrench_torque_nm: if draw.chance(0.2) {
+            draw.within(-0.05, 0.05)
+        } else {
+            0.0
+        },
     };
     let start = match thesis {
-        true => [draw.within(0.19, 0.31), draw.within(0.21, 0.33), draw.within(-0.1, 0.6)],
-        false => [draw.within(0.3, 0.5), draw.within(0.3, 0.5), draw.within(-0.5, 0.1)],
+        true => [
+            draw.within(0.19, 0.31),
+            draw.within(0.21, 0.33),
+            draw.within(-0.1, 0.6),
+        ],
+        false => [
+            draw.within(0.3, 0.5),
+            draw.within(0.3, 0.5),
+            draw.within(-0.5, 0.1),
+        ],
     };
     (parameters, start, 0.6)
 }
@@ -95,60 +119,80 @@ struct Workspace<'a> {
 impl Workspace<'_> {
     /// With room: what is drawn is feasible between the places too.
     fn holds(&self, at: Coordinates) -> bool {
-        let state = State { pose: at, ..State::default() };
+        let state = State {
+            pose: at,
+            ..State::default()
+        };
         let instant = Instant::kinematics(self.parameters, &state);
-        instant.serial.into_iter().all(|serial| serial > 1.25 * self.serial_min)
+        instant
+            .serial
+            .into_iter()
+            .all(|serial| serial > 1.25 * self.serial_min)
             && instant.parallel > 1.25 * self.parallel_min
             && instant.side == self.side
     }
 }
 
-/// The largest torque of a motor in states of rest along the path, and for an acceleration at its start.
-fn torque_sizes(job: &DrawnJob, acceleration: [f64; 3]) -> [f64; 2] {
-    let mut from = job.start;
-    let mut standing: f64 = 0.0;
-    let torque = |pose, acceleration| {
-        let state = State { pose, acceleration, ..State::default() };
-        let torques = Instant::of(&job.parameters, &state).torque;
-        torques.into_iter().fold(0.0, |most: f64, torque| most.max(torque.abs()))
-    };
-    for piece in &job.pieces {
-        for place in 0..=PLACES {
-            let at = piece.at(from, f64::from(place) / f64::from(PLACES));
-            standing = standing.max(torque(at, [0.0; 3]));
-        }
-        from = piece.end(from);
-    }
-    let moving = torque(job.start, acceleration);
-    [standing, (moving - torque(job.start, [0.0; 3])).abs().max(0.1 * moving)]
-}
-
 /// A random piece from `from`, of about `size`; `tangent` is the direction in which the path comes.
-fn piece(draw: &mut Draw, from: Coordinates, tangent: Option<f64>, size: f64, turn: f64) -> (Drawn, f64) {
-    let heading = tangent.filter(|_| draw.chance(0.5)).unwrap_or_else(|| draw.within(0.0, TAU));
+fn piece(
+    draw: &mut Draw,
+    from: Coordinates,
+    tangent: Option<f64>,
+    size: f64,
+    turn: f64,
+) -> (Drawn, f64) {
+    let heading = tangent
+        .filter(|_| draw.chance(0.5))
+        .unwrap_or_else(|| draw.within(0.0, TAU));
     let alpha = match draw.chance(0.4) {
         true => from[2],
         false => from[2] + turn * draw.within(-1.0, 1.0),
     };
     let ahead = |from: Coordinates, heading: f64, size: f64, alpha: f64| {
-        [from[0] + size * heading.cos(), from[1] + size * heading.sin(), alpha]
+        [
+            from[0] + size * heading.cos(),
+            from[1] + size * heading.sin(),
+            alpha,
+        ]
     };
     match draw.within(0.0, 4.2) {
-        kind if kind < 1.4 => (Drawn::Line { to: ahead(from, heading, size, alpha) }, heading),
+        kind if kind < 1.4 => (
+            Drawn::Line {
+                to: ahead(from, heading, size, alpha),
+            },
+            heading,
+        ),
         kind if kind < 2.4 => {
             let turn = draw.within(0.2, TAU) * if draw.chance(0.5) { 1.0 } else { -1.0 };
             let radius = size / turn.abs().min(PI);
             let centre = ahead(from, heading + turn.signum() * 0.5 * PI, radius, 0.0);
             let centre = [centre[0], centre[1]];
-            (Drawn::Arc { centre, turn, alpha }, heading + turn)
+            (
+                Drawn::Arc {
+                    centre,
+                    turn,
+                    alpha,
+                },
+                heading + turn,
+            )
         }
         kind if kind < 3.3 => {
             let last = heading + draw.within(-2.0, 2.0);
             let between = |draw: &mut Draw| from[2] + (alpha - from[2]) * draw.within(-0.3, 1.3);
             let a = ahead(from, heading, size * draw.within(0.2, 0.6), between(draw));
-            let b = ahead(a, heading + draw.within(-1.5, 1.5), size * draw.within(0.2, 0.6), between(draw));
+            let b = ahead(
+                a,
+                heading + draw.within(-1.5, 1.5),
+                size * draw.within(0.2, 0.6),
+                between(draw),
+            );
             let c = ahead(b, last, size * draw.within(0.2, 0.6), alpha);
-            (Drawn::Bezier { controls: [a, b, c] }, last)
+            (
+                Drawn::Bezier {
+                    controls: [a, b, c],
+                },
+                last,
+            )
         }
         kind if kind < 4.1 => {
             let mut through = Vec::new();
@@ -163,7 +207,12 @@ fn piece(draw: &mut Draw, from: Coordinates, tangent: Option<f64>, size: f64, tu
         }
         _ => {
             let turned = from[2] + turn * draw.within(-1.0, 1.0);
-            (Drawn::Line { to: [from[0], from[1], turned] }, heading)
+            (
+                Drawn::Line {
+                    to: [from[0], from[1], turned],
+                },
+                heading,
+            )
         }
     }
 }
@@ -174,8 +223,17 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
     let reach = (0..3)
         .map(|leg| parameters.legs[leg].proximal_m + parameters.legs[leg].distal_m)
         .fold(f64::INFINITY, f64::min);
-    let least = |draw: &mut Draw| if draw.chance(0.3) { 0.02 } else { draw.log_within(0.02, 0.2) };
-    let state = State { pose: start, ..State::default() };
+    let least = |draw: &mut Draw| {
+        if draw.chance(0.3) {
+            0.02
+        } else {
+            draw.log_within(0.02, 0.2)
+        }
+    };
+    let state = State {
+        pose: start,
+        ..State::default()
+    };
     let workspace = Workspace {
         parameters: &parameters,
         serial_min: least(draw),
@@ -189,9 +247,11 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
     let scale = draw.log_within(0.003, 0.25);
     let (mut pieces, mut from, mut tangent) = (Vec::new(), start, None);
     for _ in 0..8 * count {
-        let size = reach * scale * draw.log_within(if draw.chance(0.1) { 0.01 } else { 0.2 }, 1.5);
+        let shortest = if draw.chance(0.1) { 0.01 } else { 0.2 };
+        let size = reach * scale * draw.log_within(shortest, 1.5);
         let (next, ahead) = piece(draw, from, tangent, size, turn * (scale * 4.0).min(1.0));
-        let inside = (0..=PLACES).all(|i| workspace.holds(next.at(from, f64::from(i) / f64::from(PLACES))));
+        let inside =
+            (0..=PLACES).all(|i| workspace.holds(next.at(from, f64::from(i) / f64::from(PLACES))));
         if inside {
             from = next.end(from);
             tangent = Some(ahead);
@@ -207,114 +267,32 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
     let job_feed = draw.chance(0.4).then(|| reach * draw.log_within(0.02, 3.0));
     let feeds: Vec<_> = pieces
         .iter()
-        .map(|_| draw.chance(0.15).then(|| reach * draw.log_within(0.02, 3.0)).or(job_feed))
+        .map(|_| {
+            draw.chance(0.15)
+                .then(|| reach * draw.log_within(0.02, 3.0))
+                .or(job_feed)
+        })
         .collect();
-    let corner_m = draw.chance(0.5).then(|| reach * draw.log_within(1e-5, 1e-2));
+    let corner_m = draw
+        .chance(0.5)
+        .then(|| reach * draw.log_within(1e-5, 1e-2));
     let [serial_min, parallel_min] = [workspace.serial_min, workspace.parallel_min];
-    let mut job = DrawnJob { parameters, start, pieces, feeds, corner_m, text: String::new() };
+    let mut job = DrawnJob {
+        parameters,
+        start,
+        pieces,
+        feeds,
+        corner_m,
+        text: String::new(),
+    };
     let mut text = header(draw);
     text += &machine_text(&job.parameters);
     text += &limits_text(&job, draw, reach, [serial_min, parallel_min]);
-    let tolerances = [reach * draw.log_within(3e-6, 1e-3), draw.log_within(1e-5, 1e-2)];
+    let tolerances = [
+        reach * draw.log_within(3e-6, 1e-3),
+        draw.log_within(1e-5, 1e-2),
+    ];
     text += &job_text(&job, tolerances);
     job.text = text;
     Some(job)
-}
-
-fn header(draw: &mut Draw) -> String {
-    let number = if draw.chance(0.5) { "f32" } else { "f64" };
-    let rate = draw.log_within(100.0, 2000.0).round();
-    format!("name = \"random\"\ntick_rate_hz = {rate:?}\nnumber = \"{number}\"\n")
-}
-
-fn machine_text(parameters: &Parameters) -> String {
-    let vector = |v: Vector2<f64>| format!("[{:?}, {:?}]", v.x, v.y);
-    let mut text = format!("gravity_m_s2 = {}\n", vector(parameters.gravity_m_s2));
-    for leg in &parameters.legs {
-        let _ = write!(
-            text,
-            "[[machine.leg]]\nbase_m = {}\nproximal_m = {:?}\ndistal_m = {:?}\njoint_radius_m = {:?}\n\
-             joint_angle_rad = {:?}\nelbow = {}\n",
-            vector(leg.base_m),
-            leg.proximal_m,
-            leg.distal_m,
-            leg.joint_radius_m,
-            leg.joint_angle_rad,
-            leg.elbow.sign()
-        );
-        if leg.proximal.mass_kg > 0.0 || leg.distal.mass_kg > 0.0 {
-            text += "[machine.leg.links]\n";
-            for (name, link) in [("proximal", &leg.proximal), ("distal", &leg.distal)] {
-                let _ = writeln!(
-                    text,
-                    "{name} = {{ mass_kg = {:?}, com_m = {:?}, inertia_kgm2 = {:?} }}",
-                    link.mass_kg, link.com_m, link.inertia_kgm2
-                );
-            }
-        }
-    }
-    let platform = &parameters.platform;
-    let _ = write!(
-        text,
-        "[platform]\nmass_kg = {:?}\ninertia_kgm2 = {:?}\ncom_m = {}\n[wrench]\nforce_n = {}\ntorque_nm = {:?}\n",
-        platform.mass_kg,
-        platform.inertia_kgm2,
-        vector(platform.com_m),
-        vector(parameters.wrench_force_n),
-        parameters.wrench_torque_nm
-    );
-    text
-}
-
-fn limits_text(job: &DrawnJob, draw: &mut Draw, reach: f64, distances: [f64; 2]) -> String {
-    let acceleration = reach * draw.log_within(1.0, 30.0);
-    let way = draw.within(0.0, TAU);
-    let [standing, moving] = torque_sizes(
-        job,
-        [acceleration * way.cos(), acceleration * way.sin(), acceleration / reach],
-    );
-    let rate = draw.log_within(0.5, 20.0);
-    let sizes = [
-        ("rate_rad_s", 0.6, rate),
-        ("acceleration_rad_s2", 0.5, draw.log_within(5.0, 500.0)),
-        ("torque_nm", 0.5, 1.2 * standing + moving),
-        ("power_w", 0.25, (1.2 * standing + moving) * rate * draw.log_within(0.1, 1.0)),
-    ];
-    let mut text = format!(
-        "[limits]\nserial_distance_min = {:?}\nparallel_distance_min = {:?}\n",
-        distances[0], distances[1]
-    );
-    let mut none = true;
-    for (index, (name, part, size)) in sizes.into_iter().enumerate() {
-        // One at least.
-        if draw.chance(part) || (none && index == 2) {
-            none = false;
-            let values = match draw.chance(0.5) {
-                true => [size; 3],
-                false => [(); 3].map(|()| size * draw.within(1.0, 2.0)),
-            };
-            let _ = writeln!(text, "{name} = {values:?}");
-        }
-    }
-    let _ = write!(text, "[service]\nhold_ramp_s = {:?}\n", draw.log_within(0.02, 1.0));
-    text
-}
-
-fn job_text(job: &DrawnJob, [tolerance_m, tolerance_rad]: [f64; 2]) -> String {
-    let [x, y, alpha] = job.start;
-    let mut text = format!(
-        "[job]\ntiming = \"shortest\"\nstart = {{ x_m = {x:?}, y_m = {y:?}, alpha_rad = {alpha:?} }}\n\
-         tolerance_m = {tolerance_m:?}\ntolerance_rad = {tolerance_rad:?}\n"
-    );
-    if let Some(corner_m) = job.corner_m {
-        let _ = writeln!(text, "corner_tolerance_m = {corner_m:?}");
-    }
-    for (piece, feed) in job.pieces.iter().zip(&job.feeds) {
-        text += "[[job.path]]\n";
-        text += &piece.text();
-        if let Some(feed) = feed {
-            let _ = writeln!(text, "feed_m_s = {feed:?}");
-        }
-    }
-    text
 }

@@ -49,7 +49,9 @@ impl Drawn {
                     from[2] + (alpha - from[2]) * part,
                 ]
             }
-            Self::Bezier { controls: [a, b, c] } => {
+            Self::Bezier {
+                controls: [a, b, c],
+            } => {
                 // De Casteljau.
                 let (p, q, r) = (mix(from, *a, part), mix(*a, *b, part), mix(*b, *c, part));
                 mix(mix(p, q, part), mix(q, r, part), part)
@@ -69,9 +71,8 @@ impl Drawn {
 
     /// The table's lines in a scene.
     pub(crate) fn text(&self) -> String {
-        let pose = |[x, y, alpha]: Coordinates| {
-            format!("x_m = {x:?}, y_m = {y:?}, alpha_rad = {alpha:?}")
-        };
+        let pose =
+            |[x, y, alpha]: Coordinates| format!("x_m = {x:?}, y_m = {y:?}, alpha_rad = {alpha:?}");
         match self {
             Self::Line { to } => format!("line = {{ {} }}\n", pose(*to)),
             Self::Arc {
@@ -81,7 +82,9 @@ impl Drawn {
             } => format!(
                 "arc = {{ centre_m = {centre:?}, turn_rad = {turn:?}, alpha_rad = {alpha:?} }}\n"
             ),
-            Self::Bezier { controls: [a, b, c] } => format!(
+            Self::Bezier {
+                controls: [a, b, c],
+            } => format!(
                 "bezier = {{ controls_m = [[{:?}, {:?}], [{:?}, {:?}]], \
                  controls_alpha_rad = [{:?}, {:?}], {} }}\n",
                 a[0],
@@ -105,10 +108,17 @@ impl Drawn {
 
 /// The natural cubic spline over its chords, by the dense equations of its second derivatives.
 fn spline_at(from: Coordinates, through: &[Coordinates], part: f64) -> Coordinates {
-    let knots: Vec<_> = core::iter::once(from).chain(through.iter().copied()).collect();
+    let knots: Vec<_> = core::iter::once(from)
+        .chain(through.iter().copied())
+        .collect();
     let chords: Vec<f64> = knots
         .windows(2)
-        .map(|pair| (0..3).map(|i| (pair[1][i] - pair[0][i]).powi(2)).sum::<f64>().sqrt())
+        .map(|pair| {
+            (0..3)
+                .map(|i| (pair[1][i] - pair[0][i]).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        })
         .collect();
     let count = knots.len();
     let place = part * (count - 1) as f64;
@@ -203,7 +213,11 @@ impl Polyline {
         let off: Coordinates = core::array::from_fn(|i| (at[i] - a[i]) * scale[i]);
         let dot = |u: Coordinates, v: Coordinates| (0..3).map(|i| u[i] * v[i]).sum::<f64>();
         let size = dot(along, along);
-        let part = if size > 0.0 { (dot(off, along) / size).clamp(0.0, 1.0) } else { 0.0 };
+        let part = if size > 0.0 {
+            (dot(off, along) / size).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         let rest: Coordinates = core::array::from_fn(|i| off[i] - along[i] * part);
         rest[0].hypot(rest[1]).max(rest[2].abs())
     }

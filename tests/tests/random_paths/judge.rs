@@ -56,7 +56,14 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     let mut given = Polyline::of(job.start, &job.pieces, CHORDS);
     let fastest = job.feeds.iter().copied().collect::<Option<Vec<_>>>();
     let fastest = fastest.map(|feeds| feeds.into_iter().fold(0.0, f64::max));
-    let side = Instant::kinematics(&job.parameters, &State { pose: job.start, ..State::default() }).side;
+    let side = Instant::kinematics(
+        &job.parameters,
+        &State {
+            pose: job.start,
+            ..State::default()
+        },
+    )
+    .side;
     let mut before = 0;
     for each in &moves {
         // Evenly in time over all moves, and both ends of each.
@@ -72,7 +79,11 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
             let off = planned.deviation(state.pose, [path.tolerance_m, path.tolerance_rad]);
             let corner_m = job.corner_m.unwrap_or(0.0);
             // A rounded corner turns the platform on its own way.
-            let turn = if corner_m > 0.0 { f64::INFINITY } else { path.tolerance_rad };
+            let turn = if corner_m > 0.0 {
+                f64::INFINITY
+            } else {
+                path.tolerance_rad
+            };
             let off_given = given.deviation(state.pose, [path.tolerance_m + corner_m, turn]);
             findings.deviation = findings.deviation.max(off).max(off_given);
         }
@@ -90,7 +101,13 @@ fn part_of_limits(scene: &Scene, instant: &Instant, side: bool) -> f64 {
         true => 0.0,
         false => f64::INFINITY,
     };
-    let mut note = |part: f64| most = if part.is_nan() { f64::INFINITY } else { most.max(part) };
+    let mut note = |part: f64| {
+        most = if part.is_nan() {
+            f64::INFINITY
+        } else {
+            most.max(part)
+        }
+    };
     for (limit, values) in [
         (limits.rate_rad_s, instant.rate),
         (limits.acceleration_rad_s2, instant.acceleration),
@@ -115,7 +132,10 @@ fn played<N: ServiceNumber>(scene: &Scene) -> Vec<Move<f64>> {
     for each in &moves {
         check_offer(each, longest_move(offer::CAPACITY)).expect("an offer");
     }
-    scene.model().visit(Admit { scene, moves: &moves });
+    scene.model().visit(Admit {
+        scene,
+        moves: &moves,
+    });
     let number = |value: N| value.to_f64();
     let pose = |pose: &trirrr_core::setpoint::Pose<N>| {
         trirrr_core::setpoint::Pose::from_f64(
@@ -148,11 +168,13 @@ impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
     fn visit<M: Model<N = N>>(self) {
         let Self { scene, moves } = self;
         let limits = Limits::build(&scene.limits).expect("limits");
-        let period = N::Bound::from_f64(scene.period_s());
-        let mut admission =
-            Admission::<M>::build(&scene.parameters, limits, scene.ramp_ticks(), scene.period_s())
-                .expect("a machine");
-        let _ = period;
+        let mut admission = Admission::<M>::build(
+            &scene.parameters,
+            limits,
+            scene.ramp_ticks(),
+            scene.period_s(),
+        )
+        .expect("a machine");
         for each in moves {
             admission.offer(each);
             let verdict = loop {
@@ -196,9 +218,15 @@ fn check_chain(job: &DrawnJob, moves: &[Move<f64>]) {
     }
     for (pose, at) in [(&first.from, job.start), (&last.to, from)] {
         let all = [pose.position.x, pose.position.y, pose.angle];
-        assert!(all.into_iter().zip(at).all(|(a, b)| close(a, b)), "{pose:?} {at:?}");
+        assert!(
+            all.into_iter().zip(at).all(|(a, b)| close(a, b)),
+            "{pose:?} {at:?}"
+        );
     }
-    assert_eq!((first.start_velocity, last.end_velocity), ([0.0; 3], [0.0; 3]));
+    assert_eq!(
+        (first.start_velocity, last.end_velocity),
+        ([0.0; 3], [0.0; 3])
+    );
     for pair in moves.windows(2) {
         assert_eq!(pair[0].to, pair[1].from);
         assert_eq!(pair[0].end_velocity, pair[1].start_velocity);
@@ -224,12 +252,9 @@ fn state_at(each: &Move<f64>, part: f64, period_s: f64) -> State {
         ];
         let d = [b[1] - b[0], b[2] - b[1], b[3] - b[2]].map(|step| 3.0 * step / duration);
         let dd = [d[1] - d[0], d[2] - d[1]].map(|step| 2.0 * step / duration);
-        state.pose[axis] = b[0]
-            + duration
-                * part
-                * (d[0] * (rest * rest + rest * part + part * part / 3.0)
-                    + (d[1] - d[0]) * part * (rest + part * 2.0 / 3.0)
-                    + (d[2] - d[1]) * part * part / 3.0);
+        state.pose[axis] = b[0] * rest.powi(3)
+            + 3.0 * part * rest * (b[1] * rest + b[2] * part)
+            + b[3] * part.powi(3);
         state.velocity[axis] = d[0] * rest * rest + 2.0 * d[1] * rest * part + d[2] * part * part;
         state.acceleration[axis] = dd[0] * rest + dd[1] * part;
     }

@@ -1,9 +1,11 @@
 //! Random paths through the door that users take: the text of a scene, read, planned, and judged by the independent
 //! model at many instants.
 
+mod bad;
 mod drawn;
 mod geometry;
 mod judge;
+mod scene_text;
 mod truth;
 
 use drawn::{DrawnJob, draw};
@@ -34,9 +36,6 @@ fn tally(seed: u64, paths: usize, samples: u32) -> Tally {
             Ok(scene) => {
                 let seconds = begin.elapsed().as_secs_f64();
                 let findings = judge(&job, &scene, samples);
-                if std::env::var_os("TRIRRR_VERBOSE").is_some() {
-                    println!("{seed}/{index}: {seconds:.3} s, {findings:?}");
-                }
                 tally.longest_s = tally.longest_s.max(seconds);
                 if findings.limit > 1.0 || findings.feed > 1.0 || findings.deviation > 1.0 {
                     println!("{seed}/{index}: {findings:?}\n{}", job.text);
@@ -63,11 +62,26 @@ fn study(paths: usize, samples: u32) {
     all.refused.extend(other.refused);
     all.longest_s = all.longest_s.max(other.longest_s);
     let most = |of: fn(&Findings) -> f64| all.findings.iter().map(of).fold(0.0, f64::max);
-    let mut ratios: Vec<f64> = all.findings.iter().map(|each| each.played_over_bound).collect();
+    let mut ratios: Vec<f64> = all
+        .findings
+        .iter()
+        .map(|each| each.played_over_bound)
+        .collect();
     ratios.sort_by(f64::total_cmp);
-    let mut gaps: Vec<f64> = all.findings.iter().map(|each| each.plan_over_bound).collect();
+    // Where a tick more or less is little, and room for holds too.
+    let long = |each: &&Findings| f64::from(each.ticks) > 200.0 * each.played_over_bound;
+    let long = all.findings.iter().filter(long);
+    let mut long_ratios: Vec<f64> = long.map(|each| each.played_over_bound).collect();
+    long_ratios.sort_by(f64::total_cmp);
+    let mut gaps: Vec<f64> = all
+        .findings
+        .iter()
+        .map(|each| each.plan_over_bound)
+        .collect();
     gaps.sort_by(f64::total_cmp);
-    let at = |values: &[f64], part: f64| values[((part * values.len() as f64) as usize).min(values.len() - 1)];
+    let at = |values: &[f64], part: f64| {
+        values[((part * values.len() as f64) as usize).min(values.len() - 1)]
+    };
     println!(
         "{paths} paths, {} refused; largest part of a limit {:.9}, of a feed {:.9}, of a tolerance {:.6}; slowest plan {:.2} s",
         all.refused.len(),
@@ -76,7 +90,10 @@ fn study(paths: usize, samples: u32) {
         most(|each| each.deviation),
         all.longest_s,
     );
-    for (name, values) in [("played over bound", &ratios), ("plan over bound, without holds", &gaps)] {
+    for (name, values) in [
+        ("played over bound", &ratios),
+        ("plan over bound, without holds", &gaps),
+    ] {
         println!(
             "{name}: least {:.4}, 10 % {:.4}, median {:.4}, 90 % {:.4}, 99 % {:.4}, most {:.4}",
             values[0],
@@ -87,7 +104,11 @@ fn study(paths: usize, samples: u32) {
             values[values.len() - 1]
         );
     }
-    assert!(all.refused.is_empty(), "{} feasible paths are refused", all.refused.len());
+    assert!(
+        all.refused.is_empty(),
+        "{} feasible paths are refused",
+        all.refused.len()
+    );
     assert!(most(|each| each.limit) <= 1.0);
     assert!(most(|each| each.feed) <= 1.0);
     assert!(most(|each| each.deviation) <= 1.0);
@@ -96,7 +117,20 @@ fn study(paths: usize, samples: u32) {
 
 #[test]
 fn random_paths_keep_limits_and_path() {
-    study(40, 2_000);
+    study(20, 2_000);
+}
+
+#[test]
+fn bad_paths_are_refused_with_place_and_reason() {
+    bad::refuse(3, 40);
+    bad::refuse_standing(4, 20);
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn ten_thousand_bad_paths_are_refused() {
+    bad::refuse(5, 10_000);
+    bad::refuse_standing(6, 1_000);
 }
 
 #[test]

@@ -74,9 +74,13 @@ fn greatest_det_a(parameters: &Parameters) -> f64 {
         let (sin, cos) = leg.joint_angle_rad.sin_cos();
         [leg.joint_radius_m * cos, leg.joint_radius_m * sin]
     });
-    let side = |a: usize, b: usize| {
-        (joints[a][0] - joints[b][0]).hypot(joints[a][1] - joints[b][1])
-    };
+    let side =
+        |a: usize, b: usize| (joints[a][0] - joints[b][0]).hypot(joints[a][1] - joints[b][1]);
     let half = 0.5 * (side(0, 1) + side(1, 2) + side(2, 0));
-    parameters.legs.iter().map(|leg| leg.distal_m).product::<f64>() * half
+    parameters
+        .legs
+        .iter()
+        .map(|leg| leg.distal_m)
+        .product::<f64>()
+        * half
 }
