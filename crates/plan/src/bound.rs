@@ -17,20 +17,25 @@ use trirrr_service::admission::{Enclose, ModelLine, TaylorModel};
 const ROWS: usize = 6;
 
 /// a <= limit - square x, or a >= that.
-#[derive(Clone, Copy)]
-struct Side<N: Enclose> {
-    limit: TaylorModel<N>,
-    square: TaylorModel<N>,
+#[derive(Clone, Copy, Debug)]
+struct Side<T> {
+    limit: T,
+    square: T,
 }
 
 /// What a cell leaves possible.
-struct Possible<N: Enclose> {
-    above: Vec<Side<N>, ROWS>,
-    below: Vec<Side<N>, ROWS>,
+#[derive(Clone, Debug)]
+pub(crate) struct Possible<B> {
+    above: Vec<Side<ModelLine<B>>, ROWS>,
+    below: Vec<Side<ModelLine<B>>, ROWS>,
+    /// Above every x that some a keeps within the limits.
+    cap: Above<B>,
+    /// Greatest x that some a keeps within the limits, at the start and at the end.
+    ends: [B; 2],
 }
 
 /// A line above x in a cell, by its values at both ends, and a bulge by which x may exceed it in between.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Above<B> {
     start: B,
     end: B,
@@ -58,158 +63,172 @@ impl<B: Arithmetic> Above<B> {
 }
 
 /// Returns a lower bound of the time of any motion through `cells` that begins with x <= `start` and ends with
-/// x <= `end`. `forward` and `backward` are room for one value more than there are cells; they are left with upper
-/// bounds of x at each place, from before and from behind.
+/// x <= `end`. `times` and `squares` are room for one value more than there are cells. `squares` is left with an upper
+/// bound of x at each place, `times` with a lower bound of the time in the cell that begins there.
 pub fn least_time<N: Enclose>(
     cells: &[Cell<N>],
     [start, end]: [N::Bound; 2],
-    forward: &mut [N::Bound],
-    backward: &mut [N::Bound],
+    times: &mut [N::Bound],
+    squares: &mut [N::Bound],
 ) -> N::Bound {
     let count = cells.len();
+    // Bounds from before, until the cell behind has used them.
+    let forward = times;
     forward[0] = start;
     for (index, cell) in cells.iter().enumerate() {
-        let possible = Possible::of(cell);
         let joint = next_joint(cells, index);
-        let cap = possible.cap(cell);
-        let x = lesser(forward[index], cap.start);
+        let [at_start, at_end] = cell.possible.ends;
+        let x = lesser(forward[index], at_start);
         forward[index] = x;
-        let reached = possible
-            .from(x, cell.length)
-            .map_or(cap.end, |above| above.end);
-        forward[index + 1] = lesser(reached, cap.end) * joint;
+        let reached = cell.possible.from(x, cell.length);
+        let reached = reached.map_or(at_end, |above| above.end);
+        forward[index + 1] = lesser(reached, at_end) * joint;
     }
-    forward[count] = lesser(forward[count], end);
-    backward[count] = forward[count];
+    squares[count] = lesser(forward[count], end);
+    forward[count] = N::Bound::ZERO;
     let mut total = N::Bound::ZERO;
     for (index, cell) in cells.iter().enumerate().rev() {
-        let possible = Possible::of(cell);
+        let possible = &cell.possible;
         let joint = next_joint(cells, index);
-        let cap = possible.cap(cell);
-        let after = lesser(
-            lesser(backward[index + 1], forward[index + 1]).div(joint),
-            cap.end,
-        );
+        let [at_start, at_end] = possible.ends;
+        let after = lesser(squares[index + 1].div(joint), at_end);
         let to = possible.to(after, cell.length);
-        backward[index] = lesser(to.map_or(cap.start, |above| above.start), cap.start);
-        let before = lesser(backward[index], forward[index]);
-        let mut time = cap.time(cell.length);
+        let before = lesser(
+            to.map_or(at_start, |above| lesser(above.start, at_start)),
+            forward[index],
+        );
+        squares[index] = before;
+        let mut time = possible.cap.time(cell.length);
         for above in [possible.from(before, cell.length), to]
             .into_iter()
             .flatten()
         {
             time = greater(time, above.time(cell.length));
         }
+        forward[index] = time;
         total += time;
     }
     total - total * (N::Bound::UNIT_ROUNDOFF * N::Bound::from_f64(8.0 * count as f64))
 }
 
-impl<N: Enclose> Possible<N> {
-    fn of(cell: &Cell<N>) -> Self {
-        let mut possible = Self {
-            above: Vec::new(),
-            below: Vec::new(),
-        };
-        for row in &cell.rows {
-            possible.add(row);
+impl<B: Arithmetic> Possible<B> {
+    /// What `rows` leave possible in a cell of `length`.
+    pub(crate) fn of<N: Enclose<Bound = B>>(rows: &[Row<N>], length: B) -> Self {
+        let mut above: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
+        let mut below: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
+        let sides = rows.iter().filter_map(sides);
+        for [most, least] in sides {
+            // There is room for each.
+            let _ = above.push(most);
+            let _ = below.push(least);
         }
-        possible
-    }
-
-    /// A row whose coefficient of a may vanish in the cell bounds no a.
-    fn add(&mut self, row: &Row<N>) {
-        let Some(coefficient) = row.acceleration else {
-            return;
-        };
-        let limit = TaylorModel::point(row.limit);
-        let inverse = TaylorModel::ONE.div(coefficient);
-        let square = row.square * inverse;
-        let side = |limit: TaylorModel<N>| Side {
-            limit: (limit - row.rest) * inverse,
-            square,
-        };
-        let (most, least) = (side(limit), side(-limit));
-        let (above, below) = if coefficient > TaylorModel::ZERO {
-            (most, least)
-        } else if coefficient < TaylorModel::ZERO {
-            (least, most)
-        } else {
-            return;
-        };
-        // There is room for each.
-        let _ = self.above.push(above);
-        let _ = self.below.push(below);
-    }
-
-    /// A line above every x that some a keeps within the limits.
-    fn cap(&self, cell: &Cell<N>) -> Above<N::Bound> {
-        let zero = N::Bound::ZERO;
-        let far = unbounded();
-        let mut cap = Above {
-            start: far,
-            end: far,
-            bulge: zero,
-        };
-        let mut fastest = time_between(cell.length, far, far);
-        let mut lower = |bound: TaylorModel<N>| {
-            let line = bound.line();
-            let (start, end) = (line.at(-N::Bound::ONE), line.at(N::Bound::ONE));
-            let above = Above {
-                start: greater(start + line.error, zero),
-                end: greater(end + line.error, zero),
-                bulge: zero,
+        let lines = |sides: &[Side<TaylorModel<N>>]| {
+            let line = |side: &Side<TaylorModel<N>>| Side {
+                limit: side.limit.line(),
+                square: side.square.line(),
             };
-            let time = above.time(cell.length);
-            if time > fastest {
-                fastest = time;
-                cap = above;
-            }
+            sides.iter().map(line).collect()
         };
-        for row in &cell.rows {
-            if row.acceleration.is_none() {
-                let bound = TaylorModel::point(row.limit).div(row.square);
-                if bound.is_finite() {
-                    lower(bound);
-                }
-            }
+        let (cap, ends) = cap(rows, &above, &below, length);
+        Self {
+            cap,
+            ends,
+            above: lines(&above),
+            below: lines(&below),
         }
-        for above in &self.above {
-            for below in &self.below {
-                let square = above.square - below.square;
-                if square > TaylorModel::ZERO {
-                    lower((above.limit - below.limit).div(square));
-                }
-            }
-        }
-        cap
     }
 
     /// The least of the curves above all motions from x <= `start`.
-    fn from(&self, start: N::Bound, length: N::Bound) -> Option<Above<N::Bound>> {
-        let curves = self
-            .above
-            .iter()
-            .map(|side| curve(start, length, side.limit.line(), side.square.line()));
-        lowest(curves)
+    fn from(&self, start: B, length: B) -> Option<Above<B>> {
+        let curves = self.above.iter();
+        lowest(curves.map(|side| curve(start, length, side.limit, side.square)))
     }
 
     /// The least of the curves above all motions to x <= `end`: those of the time that runs backwards.
-    fn to(&self, end: N::Bound, length: N::Bound) -> Option<Above<N::Bound>> {
+    fn to(&self, end: B, length: B) -> Option<Above<B>> {
         let curves = self.below.iter().map(|side| {
-            let (limit, square) = (side.limit.line(), side.square.line());
             let limit = ModelLine {
-                constant: -limit.constant,
-                ..limit
+                constant: -side.limit.constant,
+                ..side.limit
             };
             let square = ModelLine {
-                constant: -square.constant,
-                ..square
+                constant: -side.square.constant,
+                ..side.square
             };
             curve(end, length, limit, square).map(Above::mirrored)
         });
         lowest(curves)
     }
+}
+
+/// The bounds of a from above and from below; none where the coefficient of a may vanish in the cell.
+fn sides<N: Enclose>(row: &Row<N>) -> Option<[Side<TaylorModel<N>>; 2]> {
+    let coefficient = row.acceleration?;
+    let limit = TaylorModel::point(row.limit);
+    let inverse = TaylorModel::ONE.div(coefficient);
+    let square = row.square * inverse;
+    let side = |limit: TaylorModel<N>| Side {
+        limit: (limit - row.rest) * inverse,
+        square,
+    };
+    let (most, least) = (side(limit), side(-limit));
+    if coefficient > TaylorModel::ZERO {
+        Some([most, least])
+    } else if coefficient < TaylorModel::ZERO {
+        Some([least, most])
+    } else {
+        None
+    }
+}
+
+/// A line above every x that some a keeps within the limits, and the greatest such x at both ends.
+fn cap<N: Enclose>(
+    rows: &[Row<N>],
+    above: &[Side<TaylorModel<N>>],
+    below: &[Side<TaylorModel<N>>],
+    length: N::Bound,
+) -> (Above<N::Bound>, [N::Bound; 2]) {
+    let zero = N::Bound::ZERO;
+    let far = unbounded();
+    let mut cap = Above {
+        start: far,
+        end: far,
+        bulge: zero,
+    };
+    let mut ends = [far; 2];
+    let mut fastest = time_between(length, far, far);
+    let mut lower = |bound: TaylorModel<N>| {
+        let line = bound.line();
+        let (start, end) = (line.at(-N::Bound::ONE), line.at(N::Bound::ONE));
+        let above = Above {
+            start: greater(start + line.error, zero),
+            end: greater(end + line.error, zero),
+            bulge: zero,
+        };
+        ends = [lesser(ends[0], above.start), lesser(ends[1], above.end)];
+        let time = above.time(length);
+        if time > fastest {
+            fastest = time;
+            cap = above;
+        }
+    };
+    for row in rows {
+        if row.acceleration.is_none() {
+            let bound = TaylorModel::point(row.limit).div(row.square);
+            if bound.is_finite() {
+                lower(bound);
+            }
+        }
+    }
+    for above in above {
+        for below in below {
+            let square = above.square - below.square;
+            if square > TaylorModel::ZERO {
+                lower((above.limit - below.limit).div(square));
+            }
+        }
+    }
+    (cap, ends)
 }
 
 fn lowest<B: Arithmetic>(curves: impl Iterator<Item = Option<Above<B>>>) -> Option<Above<B>> {

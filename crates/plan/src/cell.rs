@@ -14,6 +14,7 @@
 //! B + C are the torques of the accelerations X' and X'' with the velocities 0 and X'. A [`Cell`] holds
 //! the coefficients as Taylor models over its stretch, so they bound the quantity at every point.
 
+use crate::bound::Possible;
 use crate::extreme::lesser;
 use crate::piece::{PathPoint, Piece};
 use heapless::Vec;
@@ -86,6 +87,8 @@ pub struct Cell<N: Enclose> {
     pub(crate) ramp: N::Bound,
     pub(crate) rows: Vec<Row<N>, ROWS>,
     pub(crate) powers: Vec<PowerLimit<N>, 3>,
+    /// Bounds of any motion through the cell.
+    pub(crate) possible: Possible<N::Bound>,
 }
 
 /// Obstacle to a motion along a path.
@@ -189,6 +192,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
             ramp: N::Bound::ZERO,
             rows: Vec::new(),
             powers: Vec::new(),
+            possible: Possible::of::<N>(&[], to - from),
         };
         let rates = legs.map(|leg| leg.rates.proximal);
         if let Some(limits) = self.limits.rate {
@@ -221,10 +225,11 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                 .map_err(Obstacle::of)?;
             self.add_torques(&mut cell, &rates, torques);
         }
-        match cell.rows.iter().all(Row::is_finite) {
-            true => Ok(cell),
-            false => Err(Obstacle::Range),
+        if !cell.rows.iter().all(Row::is_finite) {
+            return Err(Obstacle::Range);
         }
+        cell.possible = Possible::of(&cell.rows, cell.length);
+        Ok(cell)
     }
 
     fn add_torques(

@@ -6,8 +6,12 @@ use nalgebra::Vector3;
 
 /// Largest part of a piece that is cut off at one end.
 const CUT_MAX: f64 = 0.5;
+/// Smallest part of a piece that is left between two curves; less is what rounding leaves.
+const LEFT_MIN: f64 = 1e-6;
 /// Cosine of the sharpest turn that is rounded; a path that turns back stops.
 const SHARPEST: f64 = -0.98;
+/// Greatest slight turn, rad.
+const SLIGHT: f64 = 0.45;
 /// Samples that a curve is compared with its corner by.
 const SAMPLES: u32 = 32;
 
@@ -23,13 +27,16 @@ pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
         let curve = corner.and_then(|next| curve(&each.piece, &next.piece, tolerance_m));
         let (end, next_begun) =
             curve.map_or((1.0, 0.0), |curve| (1.0 - curve.cut[0], curve.cut[1]));
-        rounded.push(PathPiece {
-            piece: match (begun, end) {
-                (0.0, 1.0) => each.piece,
-                _ => each.piece.part(begun, end),
-            },
-            ..*each
-        });
+        // Two curves may leave nothing between them.
+        if end - begun > LEFT_MIN {
+            rounded.push(PathPiece {
+                piece: match (begun, end) {
+                    (0.0, 1.0) => each.piece,
+                    _ => each.piece.part(begun, end),
+                },
+                ..*each
+            });
+        }
         rounded.extend(curve.map(|curve| PathPiece {
             piece: curve.piece,
             ..*each
@@ -51,19 +58,27 @@ fn speed(v: Vector3<f64>) -> f64 {
     v.x.hypot(v.y)
 }
 
-/// The longest curve within the tolerance. Its inner control poses lie on the two tangents, at the corner where
-/// both pieces are straight: its curvature is then zero at both ends. It deviates by a quarter of the length cut off times
-/// the sine of half the turn.
+/// The longest curve within the tolerance. At a sharp turn it is a cubic whose inner control poses lie on the two
+/// tangents, at the corner where both pieces are straight: its curvature is then zero at both ends. It deviates by a
+/// quarter of the length cut off times the sine of half the turn. At a slight turn they lie at two thirds of the way: a
+/// parabola, whose parameter is nearly the length, so that few cells plan it well. It deviates by half of that length.
 fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Curve> {
     let (a, b) = (before.at(1.0).first, after.at(0.0).first);
     let (speed_a, speed_b) = (speed(a), speed(b));
-    let cosine = a.xy().dot(&b.xy()) / (speed_a * speed_b);
-    // Not a number where D stands on one side.
-    if !(cosine > SHARPEST) {
+    let (along, across) = (a.xy().dot(&b.xy()), a.xy().perp(&b.xy()));
+    // A speed is 0 where D stands on one side.
+    if !(along > SHARPEST * speed_a * speed_b) {
         return None;
     }
-    let half_sine = (0.5 * (1.0 - cosine.min(1.0))).sqrt();
-    let mut length = (4.0 * tolerance_m / half_sine)
+    let turn = across.abs().atan2(along);
+    let half_sine = (0.5 * turn).sin();
+    let slight = turn < SLIGHT;
+    let straight = matches!((before, after), (Piece::Line { .. }, Piece::Line { .. }));
+    let (reach, deviating) = match slight {
+        false => (1.0, 0.25 * half_sine),
+        true => (2.0 / 3.0, 0.5 * half_sine),
+    };
+    let mut length = (tolerance_m / deviating)
         .min(CUT_MAX * speed_a)
         .min(CUT_MAX * speed_b);
     for _ in 0..32 {
@@ -71,11 +86,12 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
         let (from, to) = (before.at(1.0 - cut[0]), after.at(cut[1]));
         let piece = Piece::bezier([
             from.pose,
-            from.pose.displaced(from.first * cut[0]),
-            to.pose.displaced(-(to.first * cut[1])),
+            from.pose.displaced(from.first * (reach * cut[0])),
+            to.pose.displaced(-(to.first * (reach * cut[1]))),
             to.pose,
         ]);
-        if deviation(&piece, before, after, cut) <= tolerance_m {
+        // Between straight pieces the length is exact.
+        if straight || deviation(&piece, before, after, cut) <= tolerance_m {
             return Some(Curve { piece, cut });
         }
         length *= 0.8;

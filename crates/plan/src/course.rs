@@ -1,21 +1,20 @@
 //! Plans of whole paths, with memory from the heap: grids, stops at corners, refinement.
 
-use crate::bound::least_time;
 use crate::cell::{Cell, Limited, Obstacle, Planner};
+use crate::grid::Grid;
 use crate::passes::{ObstacleAt, acting, controllable, duration, ends_of, fastest, time_between};
 use crate::piece::Piece;
 use core::ops::Range;
 use nalgebra::Vector3;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::Pose;
-use trirrr_service::admission::TaylorModel;
 
 /// Accuracy of a plan and the work allowed for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Refine the grid until the plan takes at most this part more time than its lower bound.
     pub gap: f64,
-    /// Most cells of the grid between two stops; the plan is what it is then.
+    /// Most cells of the grid between two stops, or 32 for each piece if that is more; the plan is what it is then.
     pub cells_max: usize,
 }
 
@@ -161,8 +160,14 @@ const CORNER: f64 = 1e-9;
 /// Least part of the limits that moves are made with: a thousandth of the pace that the limits allow.
 const SHARE_LEAST: f64 = 1e-6;
 
-/// Halvings of a cell that does not pass.
-const HALVINGS: u32 = 20;
+/// Most cells for each piece, where these are more than [`Effort::cells_max`].
+const CELLS_PER_PIECE_MAX: usize = 32;
+/// Most parts of a cell from one grid to the next.
+const PARTS_MAX: f64 = 8.0;
+/// Part of the allowed gap that a new grid is made for.
+const SAFETY: f64 = 0.8;
+/// Part of a gap above which a finer grid has not lowered it.
+const PROGRESS: f64 = 0.9;
 
 /// Plans the path of `pieces`. The motion begins and ends at rest, and stops at corners.
 ///
@@ -193,129 +198,50 @@ pub(crate) fn joint(before: &Piece<f64>, after: &Piece<f64>) -> Option<f64> {
 }
 
 /// Length of a tangent, with a metre counting as much as a radian.
-fn length(v: Vector3<f64>) -> f64 {
+pub(crate) fn length(v: Vector3<f64>) -> f64 {
     v.dot(&v).sqrt()
 }
 
+/// Parts into which cells with these `gaps` are divided so that all gaps together become `allowed` with the fewest
+/// cells: a gap goes with the square of a cell's length.
+fn parts(gaps: Vec<f64>, allowed: f64) -> Vec<usize> {
+    let roots: Vec<f64> = gaps.into_iter().map(|gap| gap.max(0.0).cbrt()).collect();
+    let scale = (roots.iter().sum::<f64>() / allowed).sqrt();
+    let parts = |root: f64| (root * scale).ceil().clamp(1.0, PARTS_MAX) as usize;
+    roots.into_iter().map(parts).collect()
+}
+
+/// Plans the run of `range` on grids that grow where plan and bound differ.
 fn plan_run<M: Model<N = f64>>(
     planner: &Planner<M>,
     pieces: &[PathPiece],
     range: Range<usize>,
     effort: Effort,
 ) -> Result<Run, PathRefusal> {
-    let mut count = (8 * range.len()).max(64);
+    let mut grid = Grid::measure(planner, pieces, range.clone())?;
+    let cells_max = effort.cells_max.max(CELLS_PER_PIECE_MAX * range.len());
+    let mut gap_before = f64::INFINITY;
     loop {
-        let mut run = plan_on_grid(planner, pieces, range.clone(), count)?;
+        let (mut run, times) = grid.plan(range.clone())?;
         // The bound knows nothing of the reserve for holds: the two are compared without one.
-        let near = run.duration_s <= run.least_s * (1.0 + effort.gap);
-        if near || 2 * count > effort.cells_max {
+        let allowed = effort.gap * run.least_s;
+        let gap = run.duration_s - run.least_s;
+        let count = run.cells.len();
+        // What the bound leaves out, as the power, no grid mends.
+        let stuck = gap > PROGRESS * gap_before;
+        if gap <= allowed || 2 * count > cells_max || stuck {
             for cell in &mut run.cells {
                 cell.reserve(planner.ramp());
             }
             run.replan(pieces)?;
             return Ok(run);
         }
-        count *= 2;
-    }
-}
-
-fn plan_on_grid<M: Model<N = f64>>(
-    planner: &Planner<M>,
-    pieces: &[PathPiece],
-    range: Range<usize>,
-    count: usize,
-) -> Result<Run, PathRefusal> {
-    let (mut places, mut cells) = (Vec::new(), Vec::new());
-    let mut side = None;
-    for (piece, marks) in grid(pieces, &range, count) {
-        let models = pieces[piece].piece.over::<TaylorModel<f64>>();
-        let feed = pieces[piece].feed_m_s;
-        let first = cells.len();
-        for ends in marks.windows(2) {
-            let mut measure = |ends| planner.measure(&models, ends, feed, &mut side);
-            let ends = [ends[0], ends[1]];
-            divide(&mut measure, ends, HALVINGS, &mut |from, cell| {
-                places.push(PathPlace { piece, p: from });
-                cells.push(cell);
-            })
-            .map_err(|(p, obstacle)| PathRefusal::at(PathPlace { piece, p }, pieces, obstacle))?;
-        }
-        if piece > range.start {
-            let scale = joint(&pieces[piece - 1].piece, &pieces[piece].piece);
-            cells[first].join(scale.unwrap_or(1.0));
-        }
-    }
-    places.push(PathPlace {
-        piece: range.end - 1,
-        p: 1.0,
-    });
-    let (mut forward, mut backward) = (vec![0.0; places.len()], vec![0.0; places.len()]);
-    let least_s = least_time(&cells, [0.0, 0.0], &mut forward, &mut backward);
-    let mut run = Run {
-        pieces: range,
-        duration_s: 0.0,
-        least_s,
-        squares: vec![0.0; places.len()],
-        places,
-        cells,
-        squares_max: forward
+        gap_before = gap;
+        let gaps = times
             .iter()
-            .zip(&backward)
-            .map(|(a, b)| a.min(*b))
-            .collect(),
-    };
-    run.replan(pieces)?;
-    Ok(run)
-}
-
-/// Marks on each piece of a run, about `count` cells in all: equally far apart, but nearer together towards the
-/// ends at rest, where the pace changes most.
-fn grid(pieces: &[PathPiece], range: &Range<usize>, count: usize) -> Vec<(usize, Vec<f64>)> {
-    let sizes: Vec<f64> = pieces[range.clone()]
-        .iter()
-        .map(|each| each.piece.size(length))
-        .collect();
-    let total: f64 = sizes.iter().sum();
-    let mut marks = Vec::new();
-    let mut next = 1;
-    let mut before = 0.0;
-    for (piece, size) in range.clone().zip(sizes) {
-        let end = before + size / total;
-        let mut on_piece = vec![0.0];
-        while next < count {
-            let sin = (core::f64::consts::FRAC_PI_2 * next as f64 / count as f64).sin();
-            let p = (sin * sin - before) / (end - before);
-            if !(p < 1.0) {
-                break;
-            }
-            // A sliver beside a joint would bound nothing better.
-            if p > on_piece[on_piece.len() - 1] + 1e-9 && p < 1.0 - 1e-9 {
-                on_piece.push(p);
-            }
-            next += 1;
-        }
-        on_piece.push(1.0);
-        marks.push((piece, on_piece));
-        before = end;
+            .zip(0..count)
+            .map(|(least, index)| run.cell_duration_s(index) - least);
+        let parts = parts(gaps.collect(), SAFETY * allowed);
+        grid = Grid::split(planner, pieces, run, &parts)?;
     }
-    marks
-}
-
-/// Measures the cell from `ends`, or its halves where it does not pass.
-fn divide(
-    measure: &mut impl FnMut([f64; 2]) -> Result<Cell<f64>, Obstacle>,
-    [from, to]: [f64; 2],
-    halvings: u32,
-    take: &mut impl FnMut(f64, Cell<f64>),
-) -> Result<(), (f64, Obstacle)> {
-    match measure([from, to]) {
-        Ok(cell) => take(from, cell),
-        Err(obstacle) if halvings == 0 => return Err((from, obstacle)),
-        Err(_) => {
-            let middle = 0.5 * (from + to);
-            divide(measure, [from, middle], halvings - 1, take)?;
-            divide(measure, [middle, to], halvings - 1, take)?;
-        }
-    }
-    Ok(())
 }

@@ -20,6 +20,8 @@ pub mod corner;
 pub mod course;
 mod extreme;
 #[cfg(feature = "std")]
+mod grid;
+#[cfg(feature = "std")]
 pub mod moves;
 pub mod passes;
 pub mod piece;

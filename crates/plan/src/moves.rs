@@ -102,6 +102,8 @@ const MARGIN: f64 = 1e-3;
 const ROUNDING: f64 = 0.01;
 /// Part of the limits that a plan for moves uses; the rest is for what moves differ from it.
 const SHARE: f64 = 0.999;
+/// Part of the tolerances that moves may use at the instants that are looked at.
+const PART_OF_TOLERANCE: f64 = 0.97;
 /// Part of the feed that moves may use at the instants that are looked at.
 const FEED: f64 = 0.9999;
 /// Rounds of planning, judging and mending.
@@ -308,9 +310,9 @@ impl<'a> Draft<'a> {
     /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants; or
     /// its speed in parts of the feed, if that is more.
     fn deviation(&self, index: usize, pieces: &[PathPiece], sampling: Sampling) -> f64 {
-        const INSTANTS: u32 = 4;
-        let metres = sampling.tolerance_m;
-        let tolerances = Vector3::new(metres, metres, sampling.tolerance_rad);
+        const INSTANTS: u32 = 8;
+        let metres = PART_OF_TOLERANCE * sampling.tolerance_m;
+        let tolerances = Vector3::new(metres, metres, PART_OF_TOLERANCE * sampling.tolerance_rad);
         let each = &self.moves[index];
         let hermite = Hermite::<f64>::new(
             each.from,

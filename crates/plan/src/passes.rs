@@ -21,7 +21,7 @@ pub struct ObstacleAt {
 }
 
 /// Backward pass: writes to `squares` the greatest x at each place from which x = `end` can be reached at the
-/// end of the last cell. `squares` has one value more than `cells`.
+/// end of the last cell. `squares` has one value more than `cells`; what it holds before is where searches begin.
 ///
 /// # Errors
 /// The first cell in which the machine cannot stand.
@@ -33,7 +33,8 @@ pub fn controllable<N: Enclose>(
     let mut at_end = end;
     squares[cells.len()] = at_end;
     for (index, cell) in cells.iter().enumerate().rev() {
-        let start = greatest_start(cell, at_end).map_err(|_| first_standing(cells))?;
+        let start =
+            greatest_start(cell, at_end, squares[index]).map_err(|_| first_standing(cells))?;
         squares[index] = start;
         at_end = start.div(cell.joint);
     }
@@ -83,7 +84,7 @@ pub fn acting<N: Enclose>(
     index: usize,
 ) -> Option<Limited> {
     let [start, end] = ends_of(cells, squares, index);
-    Program::of(&cells[index], greater(start, end)).acting(start, end)
+    crate::program::acting(&cells[index], start, end)
 }
 
 /// Time over the length `length` for x linear in p from `start` to `end`.
@@ -114,30 +115,35 @@ pub(crate) fn next_joint<N: Enclose>(cells: &[Cell<N>], index: usize) -> N::Boun
 const STEPS: u32 = 32;
 
 /// Change of x, as a part of it, at which the steps end.
-const SETTLED: u32 = 1 << 24;
+const SETTLED: u32 = 1 << 16;
 
-/// Greatest x at the start of `cell` from which x <= `end` can be reached.
-fn greatest_start<N: Enclose>(cell: &Cell<N>, end: N::Bound) -> Result<N::Bound, Limited> {
+/// Greatest x at the start of `cell` from which x <= `end` can be reached; `guess` may be near it.
+fn greatest_start<N: Enclose>(
+    cell: &Cell<N>,
+    end: N::Bound,
+    guess: N::Bound,
+) -> Result<N::Bound, Limited> {
     if let Some(what) = Program::of(cell, N::Bound::ZERO).standing() {
         return Err(what);
     }
-    Ok(best(cell, N::Bound::ZERO, |program, cap, _| {
+    Ok(best(cell, N::Bound::ZERO, guess, |program, cap, _| {
         Some(program.greatest_start(cap, lesser(end, cap)))
     }))
 }
 
 /// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
 fn greatest_end<N: Enclose>(cell: &Cell<N>, start: N::Bound, cap: N::Bound) -> N::Bound {
-    best(cell, start, |program, bound, allowed| {
+    best(cell, start, start, |program, bound, allowed| {
         program.greatest_end(start, lesser(cap, bound), !(allowed > start))
     })
 }
 
 /// The best that `reach` finds over all x, from `from`, that the cell's program may allow for; `reach` gets the
-/// program, a cap and that x.
+/// program, a cap and that x. The search begins at `guess` if that is not 0.
 fn best<N: Enclose>(
     cell: &Cell<N>,
     from: N::Bound,
+    guess: N::Bound,
     reach: impl Fn(&Program<N::Bound>, N::Bound, N::Bound) -> Option<N::Bound>,
 ) -> N::Bound {
     let (zero, half) = (N::Bound::ZERO, N::Bound::HALF);
@@ -155,7 +161,7 @@ fn best<N: Enclose>(
     if cell.powers.is_empty() {
         // What a hold takes of a limit is bounded by the tangent of a root: allowing for what was reached reaches
         // more, as by Newton's method. The start itself can always be allowed for.
-        let mut x = if from > zero { from } else { far() };
+        let mut x = if guess > zero { guess } else { far() };
         for _ in 0..STEPS {
             let Some(reached) = allowing(x, unbounded()) else {
                 x = half * half * x + (half + half * half) * from;

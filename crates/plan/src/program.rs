@@ -7,7 +7,7 @@
 //! the change of x, which adds at most |s| |z - y| / 2.
 
 use crate::cell::{Cell, Limited, Row};
-use crate::extreme::{greater, lesser};
+use crate::extreme::{greater, lesser, unbounded};
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, TaylorModel};
@@ -21,12 +21,15 @@ struct Inequality<B> {
     start: B,
     end: B,
     limit: B,
-    what: Limited,
 }
 
-/// Inequalities of one cell.
+/// Inequalities of one cell, solved for z.
 pub(crate) struct Program<B> {
-    inequalities: Vec<Inequality<B>, INEQUALITIES>,
+    least: Vec<EndBound<B>, INEQUALITIES>,
+    greatest: Vec<EndBound<B>, INEQUALITIES>,
+    /// Greatest y of the inequalities without z.
+    start_cap: B,
+    standing: Option<Limited>,
 }
 
 /// A bound of z: at_rest + slope y.
@@ -47,84 +50,40 @@ impl<B: Arithmetic> Program<B> {
     /// share, by its tangent there. With 0, both are left out.
     pub(crate) fn of<N: Enclose<Bound = B>>(cell: &Cell<N>, greatest: B) -> Self {
         let mut program = Self {
-            inequalities: Vec::new(),
+            least: Vec::new(),
+            greatest: Vec::new(),
+            start_cap: unbounded(),
+            standing: None,
         };
-        for row in &cell.rows {
-            program.add(row, cell, row.limit, greatest);
-        }
-        let root = greatest.sqrt();
-        for power in &cell.powers {
-            let limit = power.limit.div(power.rate * root);
-            if greatest > B::ZERO && limit.is_finite() {
-                program.add(&power.torque, cell, limit, greatest);
-            }
-        }
+        inequalities(cell, greatest, |each, what| program.add(each, what));
         program
     }
 
-    fn add<N: Enclose<Bound = B>>(&mut self, row: &Row<N>, cell: &Cell<N>, limit: B, greatest: B) {
-        let zero = B::ZERO;
-        // sqrt(x) <= half_root (1 + x / greatest): a hold adds |acceleration| r sqrt(x).
-        let half_root = B::HALF * cell.ramp * greatest.sqrt();
-        let per_greatest = match greatest > zero {
-            true => half_root.div(greatest),
-            false => zero,
-        };
-        let signs: &[B] = match row.acceleration {
-            Some(_) => &[B::ONE, -B::ONE],
-            None => &[B::ONE],
-        };
-        let acceleration = row.acceleration.unwrap_or(TaylorModel::ZERO).line();
-        let (square, rest) = (row.square.line(), row.rest.line());
-        let per_length = B::HALF.div(cell.length);
-        // What |z - y| adds at most: errors, and x at the other end.
-        let change = acceleration.error * per_length
-            + B::HALF * (square.slope.abs() + per_greatest * acceleration.slope.abs())
-            + square.error;
-        // Where x alone is limited, |z - y| is at most the greater of the two, which the limit bounds. A coefficient of z
-        // that is tiny beside that of y would make noise of z.
-        let part = change.div(square.constant - square.slope.abs());
-        let is_level = row.acceleration.is_none() && part >= zero && part < B::ratio(1, 1 << 14);
-        let (change, limit) = match is_level {
-            true => (zero, limit - limit * (part + part)),
-            false => (change, limit),
-        };
-        // Of the limit, what holds the pose is not for motion: a part of the rest can be left unused.
-        let unused = (B::ONE - cell.share) * greater(limit - row.rest.magnitude(), zero);
-        let limit = limit - unused;
-        // The inequality itself is computed with a few roundings.
-        let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - rest.error;
-        for &sign in signs {
-            for end in [-B::ONE, B::ONE] {
-                let slope = sign * acceleration.at(end) * per_length;
-                let hold = acceleration.at(end).abs() + acceleration.error;
-                let square = sign * square.at(end) + square.error + hold * per_greatest;
-                let (at_start, at_end) = match end < zero {
-                    true => (square, zero),
-                    false => (zero, square),
-                };
-                let limit = limit - sign * rest.at(end) - hold * half_root;
-                for change in [change, -change] {
-                    let inequality = Inequality {
-                        start: at_start - slope - change,
-                        end: at_end + slope + change,
-                        limit,
-                        what: row.what,
-                    };
-                    // There is room for each.
-                    let _ = self.inequalities.push(inequality);
-                }
-            }
+    /// There is room for each.
+    fn add(&mut self, each: Inequality<B>, what: Limited) {
+        if !(each.limit >= B::ZERO) {
+            self.standing = self.standing.or(Some(what));
         }
+        if each.end == B::ZERO {
+            if each.start > B::ZERO {
+                self.start_cap = lesser(self.start_cap, each.limit.div(each.start));
+            }
+            return;
+        }
+        let inverse = B::ONE.div(each.end);
+        let bound = EndBound {
+            at_rest: each.limit * inverse,
+            slope: -(each.start * inverse),
+        };
+        let _ = match each.end > B::ZERO {
+            true => self.greatest.push(bound),
+            false => self.least.push(bound),
+        };
     }
 
     /// The quantity that is beyond its limit at rest.
     pub(crate) fn standing(&self) -> Option<Limited> {
-        let broken = self
-            .inequalities
-            .iter()
-            .find(|each| !(each.limit >= B::ZERO));
-        broken.map(|each| each.what)
+        self.standing
     }
 
     /// Least and greatest z for this `y`; the least is above the greatest where `y` is too large for every z.
@@ -134,21 +93,18 @@ impl<B: Arithmetic> Program<B> {
             at_rest,
             slope: zero,
         };
-        let (mut least, mut greatest) = (flat(zero), flat(z_cap));
-        for each in &self.inequalities {
-            if each.end == zero {
-                continue;
+        let (mut least, mut low) = (flat(zero), zero);
+        for bound in &self.least {
+            let z = bound.at(y);
+            if z > low {
+                (least, low) = (*bound, z);
             }
-            let bound = EndBound {
-                at_rest: each.limit.div(each.end),
-                slope: -each.start.div(each.end),
-            };
-            if each.end > zero {
-                if bound.at(y) < greatest.at(y) {
-                    greatest = bound;
-                }
-            } else if bound.at(y) > least.at(y) {
-                least = bound;
+        }
+        let (mut greatest, mut high) = (flat(z_cap), z_cap);
+        for bound in &self.greatest {
+            let z = bound.at(y);
+            if z < high {
+                (greatest, high) = (*bound, z);
             }
         }
         [least, greatest]
@@ -158,12 +114,7 @@ impl<B: Arithmetic> Program<B> {
     /// given that the machine can stand in the cell.
     pub(crate) fn greatest_start(&self, y_cap: B, z_cap: B) -> B {
         let zero = B::ZERO;
-        let mut y = y_cap;
-        for each in &self.inequalities {
-            if each.end == zero && each.start > zero {
-                y = lesser(y, each.limit.div(each.start));
-            }
-        }
+        let mut y = lesser(y_cap, self.start_cap);
         // Newton's method on the gap, a concave function of y that is positive at 0: from the right it
         // falls towards the zero, exactly where the same two lines bound z.
         for _ in 0..64 {
@@ -189,20 +140,101 @@ impl<B: Arithmetic> Program<B> {
     pub(crate) fn greatest_end(&self, y: B, z_cap: B, certain: bool) -> Option<B> {
         let [low, high] = self.range(y, z_cap);
         let (low, high) = (low.at(y), high.at(y));
-        let fits = |each: &Inequality<B>| each.end != B::ZERO || each.start * y <= each.limit;
-        let kept = certain || (low <= high && self.inequalities.iter().all(fits));
+        let kept = certain || (low <= high && y <= self.start_cap);
         kept.then_some(if high > low { high } else { low })
     }
+}
 
-    /// The quantity whose limit is nearest for the motion from `y` to `z`.
-    pub(crate) fn acting(&self, y: B, z: B) -> Option<Limited> {
-        let mut nearest: Option<(B, Limited)> = None;
-        for each in &self.inequalities {
-            let slack = (each.limit - (each.start * y + each.end * z)).div(each.limit);
-            if nearest.is_none_or(|(least, _)| slack < least) {
-                nearest = Some((slack, each.what));
+/// The quantity whose limit is nearest for the motion through `cell` from `y` to `z`.
+pub(crate) fn acting<N: Enclose>(cell: &Cell<N>, y: N::Bound, z: N::Bound) -> Option<Limited> {
+    let mut nearest: Option<(N::Bound, Limited)> = None;
+    inequalities(cell, greater(y, z), |each, what| {
+        let slack = (each.limit - (each.start * y + each.end * z)).div(each.limit);
+        if nearest.is_none_or(|(least, _)| slack < least) {
+            nearest = Some((slack, what));
+        }
+    });
+    nearest.map(|(_, what)| what)
+}
+
+/// Hands each inequality of `cell` to `take`, for x up to `greatest`.
+fn inequalities<N: Enclose>(
+    cell: &Cell<N>,
+    greatest: N::Bound,
+    mut take: impl FnMut(Inequality<N::Bound>, Limited),
+) {
+    for row in &cell.rows {
+        of_row(row, cell, row.limit, greatest, &mut take);
+    }
+    let root = greatest.sqrt();
+    for power in &cell.powers {
+        let limit = power.limit.div(power.rate * root);
+        if greatest > N::Bound::ZERO && limit.is_finite() {
+            of_row(&power.torque, cell, limit, greatest, &mut take);
+        }
+    }
+}
+
+fn of_row<N: Enclose<Bound = B>, B: Arithmetic>(
+    row: &Row<N>,
+    cell: &Cell<N>,
+    limit: B,
+    greatest_x: B,
+    take: &mut impl FnMut(Inequality<B>, Limited),
+) {
+    let zero = B::ZERO;
+    // sqrt(x) <= half_root (1 + x / greatest): a hold adds |acceleration| r sqrt(x).
+    let half_root = B::HALF * cell.ramp * greatest_x.sqrt();
+    let per_greatest = match greatest_x > zero {
+        true => half_root.div(greatest_x),
+        false => zero,
+    };
+    let signs: &[B] = match row.acceleration {
+        Some(_) => &[B::ONE, -B::ONE],
+        None => &[B::ONE],
+    };
+    let acceleration = row.acceleration.unwrap_or(TaylorModel::ZERO).line();
+    let (square, rest) = (row.square.line(), row.rest.line());
+    let per_length = B::HALF.div(cell.length);
+    // What |z - y| adds at most: errors, and x at the other end.
+    let change = acceleration.error * per_length
+        + B::HALF * (square.slope.abs() + per_greatest * acceleration.slope.abs())
+        + square.error;
+    // Where x alone is limited, |z - y| is at most the greater of the two, which the limit bounds. A coefficient of z
+    // that is tiny beside that of y would make noise of z.
+    let part = change.div(square.constant - square.slope.abs());
+    let is_level = row.acceleration.is_none() && part >= zero && part < B::ratio(1, 1 << 14);
+    let (change, limit) = match is_level {
+        true => (zero, limit - limit * (part + part)),
+        false => (change, limit),
+    };
+    // Of the limit, what holds the pose is not for motion: a part of the rest can be left unused.
+    let unused = (B::ONE - cell.share) * greater(limit - row.rest.magnitude(), zero);
+    let limit = limit - unused;
+    // The inequality itself is computed with a few roundings.
+    let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - rest.error;
+    for &sign in signs {
+        for end in [-B::ONE, B::ONE] {
+            let slope = sign * acceleration.at(end) * per_length;
+            let hold = acceleration.at(end).abs() + acceleration.error;
+            let square = sign * square.at(end) + square.error + hold * per_greatest;
+            let (at_start, at_end) = match end < zero {
+                true => (square, zero),
+                false => (zero, square),
+            };
+            let limit = limit - sign * rest.at(end) - hold * half_root;
+            let mut take = |change: B| {
+                let inequality = Inequality {
+                    start: at_start - slope - change,
+                    end: at_end + slope + change,
+                    limit,
+                };
+                take(inequality, row.what);
+            };
+            take(change);
+            if change != zero {
+                take(-change);
             }
         }
-        nearest.map(|(_, what)| what)
     }
 }

@@ -1,0 +1,199 @@
+//! Cells of a run: where they begin, and how they are divided.
+
+use crate::bound::least_time;
+use crate::cell::{Cell, Obstacle, Planner};
+use crate::course::{PathPiece, PathPlace, PathRefusal, Run, joint, length};
+use crate::piece::Piece;
+use core::ops::Range;
+use trirrr_core::model::Model;
+use trirrr_service::admission::TaylorModel;
+
+/// Halvings of a cell that does not pass.
+const HALVINGS: u32 = 20;
+
+/// Cells of the first grid of a run, if it has few pieces.
+const CELLS: usize = 16;
+
+/// Measured cells of a run.
+pub(crate) struct Grid<'a> {
+    pieces: &'a [PathPiece],
+    places: Vec<PathPlace>,
+    cells: Vec<Cell<f64>>,
+}
+
+/// Measures cells on one piece after the other.
+struct Measuring<'a, M: Model<N = f64>> {
+    planner: &'a Planner<M>,
+    pieces: &'a [PathPiece],
+    /// Sign of det A.
+    side: Option<bool>,
+    /// The piece that was measured last, in models.
+    piece: Option<(usize, Piece<TaylorModel<f64>>)>,
+}
+
+impl<M: Model<N = f64>> Measuring<'_, M> {
+    /// Measures the stretch from `ends` of piece `index`.
+    fn cell(&mut self, index: usize, ends: [f64; 2]) -> Result<Cell<f64>, Obstacle> {
+        let piece = match self.piece {
+            Some((last, piece)) if last == index => piece,
+            _ => self.pieces[index].piece.over::<TaylorModel<f64>>(),
+        };
+        self.piece = Some((index, piece));
+        let feed = self.pieces[index].feed_m_s;
+        self.planner.measure(&piece, ends, feed, &mut self.side)
+    }
+}
+
+impl<'a> Grid<'a> {
+    /// Measures the first cells of `range`: one for each piece, or more of few pieces.
+    pub(crate) fn measure<M: Model<N = f64>>(
+        planner: &Planner<M>,
+        pieces: &'a [PathPiece],
+        range: Range<usize>,
+    ) -> Result<Self, PathRefusal> {
+        let mut grid = Self::empty(pieces, 0);
+        let mut measuring = Measuring {
+            planner,
+            pieces,
+            side: None,
+            piece: None,
+        };
+        for (piece, marks) in marks(pieces, &range, CELLS) {
+            let first = grid.cells.len();
+            for ends in marks.windows(2) {
+                grid.divide(&mut measuring, piece, [ends[0], ends[1]], HALVINGS)?;
+            }
+            if piece > range.start {
+                let scale = joint(&pieces[piece - 1].piece, &pieces[piece].piece);
+                grid.cells[first].join(scale.unwrap_or(1.0));
+            }
+        }
+        grid.end(range.end - 1);
+        Ok(grid)
+    }
+
+    fn empty(pieces: &'a [PathPiece], count: usize) -> Self {
+        Self {
+            pieces,
+            places: Vec::with_capacity(count + 1),
+            cells: Vec::with_capacity(count),
+        }
+    }
+
+    fn end(&mut self, piece: usize) {
+        self.places.push(PathPlace { piece, p: 1.0 });
+    }
+
+    /// The grid of `run` with each cell divided into so many of `parts`. Cells of one part are not measured again.
+    pub(crate) fn split<M: Model<N = f64>>(
+        planner: &Planner<M>,
+        pieces: &'a [PathPiece],
+        run: Run,
+        parts: &[usize],
+    ) -> Result<Self, PathRefusal> {
+        let mut grid = Self::empty(pieces, parts.iter().sum());
+        let mut measuring = Measuring {
+            planner,
+            pieces,
+            side: None,
+            piece: None,
+        };
+        for ((cell, place), &parts) in run.cells.into_iter().zip(&run.places).zip(parts) {
+            if parts == 1 {
+                grid.places.push(*place);
+                grid.cells.push(cell);
+                continue;
+            }
+            let first = grid.cells.len();
+            let mark = |part: usize| place.p + cell.length() * (part as f64 / parts as f64);
+            for part in 0..parts {
+                let ends = [mark(part), mark(part + 1)];
+                grid.divide(&mut measuring, place.piece, ends, HALVINGS)?;
+            }
+            grid.cells[first].join(cell.joint);
+        }
+        grid.end(run.pieces.end - 1);
+        Ok(grid)
+    }
+
+    /// Measures the cell from `ends`, or its halves where it does not pass.
+    fn divide<M: Model<N = f64>>(
+        &mut self,
+        measuring: &mut Measuring<'_, M>,
+        piece: usize,
+        [from, to]: [f64; 2],
+        halvings: u32,
+    ) -> Result<(), PathRefusal> {
+        let place = PathPlace { piece, p: from };
+        match measuring.cell(piece, [from, to]) {
+            Ok(cell) => {
+                self.places.push(place);
+                self.cells.push(cell);
+            }
+            Err(obstacle) if halvings == 0 => {
+                return Err(PathRefusal::at(place, self.pieces, obstacle));
+            }
+            Err(_) => {
+                let middle = 0.5 * (from + to);
+                self.divide(measuring, piece, [from, middle], halvings - 1)?;
+                self.divide(measuring, piece, [middle, to], halvings - 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The plan on this grid, and a lower bound of the time in each cell.
+    pub(crate) fn plan(self, pieces: Range<usize>) -> Result<(Run, Vec<f64>), PathRefusal> {
+        let Self {
+            pieces: all,
+            places,
+            cells,
+        } = self;
+        let (mut times, mut squares_max) = (vec![0.0; places.len()], vec![0.0; places.len()]);
+        let least_s = least_time(&cells, [0.0, 0.0], &mut times, &mut squares_max);
+        let mut run = Run {
+            pieces,
+            duration_s: 0.0,
+            least_s,
+            squares: vec![0.0; places.len()],
+            places,
+            cells,
+            squares_max,
+        };
+        run.replan(all)?;
+        Ok((run, times))
+    }
+}
+
+/// Marks on each piece of a run, about `count` cells in all: equally far apart, but nearer together towards the
+/// ends at rest, where the pace changes most.
+fn marks(pieces: &[PathPiece], range: &Range<usize>, count: usize) -> Vec<(usize, Vec<f64>)> {
+    let sizes: Vec<f64> = pieces[range.clone()]
+        .iter()
+        .map(|each| each.piece.size(length))
+        .collect();
+    let total: f64 = sizes.iter().sum();
+    let mut marks = Vec::new();
+    let mut next = 1;
+    let mut before = 0.0;
+    for (piece, size) in range.clone().zip(sizes) {
+        let end = before + size / total;
+        let mut on_piece = vec![0.0];
+        while next < count {
+            let sin = (core::f64::consts::FRAC_PI_2 * next as f64 / count as f64).sin();
+            let p = (sin * sin - before) / (end - before);
+            if !(p < 1.0) {
+                break;
+            }
+            // A sliver beside a joint would bound nothing better.
+            if p > on_piece[on_piece.len() - 1] + 1e-9 && p < 1.0 - 1e-9 {
+                on_piece.push(p);
+            }
+            next += 1;
+        }
+        on_piece.push(1.0);
+        marks.push((piece, on_piece));
+        before = end;
+    }
+    marks
+}
