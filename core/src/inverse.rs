@@ -146,6 +146,17 @@ impl<N: Number> LegPosition<N> {
     }
 }
 
+impl OutOfReach {
+    /// Returns the status of a tick whose leg `index` is refused.
+    #[inline(always)]
+    pub fn of_leg(self, index: usize) -> Status {
+        match self {
+            Self::Unreachable => Status::Unreachable { leg: index },
+            Self::Singular => Status::SerialSingular { leg: index },
+        }
+    }
+}
+
 impl<N: Number> Leg<N> {
     /// Solves the leg, number `index`, for the platform at `position` with `rotation`, in the
     /// leg's own branch of the working mode.
@@ -178,7 +189,7 @@ impl<N: Number> Leg<N> {
 
     /// Returns c, and A -> C.
     #[inline(always)]
-    fn span(&self, position: Vector2<N>, rotation: &Rotation<N>) -> (Vector2<N>, Vector2<N>) {
+    pub fn span(&self, position: Vector2<N>, rotation: &Rotation<N>) -> (Vector2<N>, Vector2<N>) {
         let platform_joint = N::turn_arm(self.joint, rotation.sin, rotation.cos);
         let span = Vector2::new(
             N::span(position.x, self.base.x, platform_joint.x),
@@ -198,8 +209,7 @@ impl<N: Number> Leg<N> {
                 platform_joint,
                 links,
             }),
-            Err(OutOfReach::Unreachable) => Err(Status::Unreachable { leg: index }),
-            Err(OutOfReach::Singular) => Err(Status::SerialSingular { leg: index }),
+            Err(refused) => Err(refused.of_leg(index)),
         }
     }
 

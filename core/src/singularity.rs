@@ -11,8 +11,9 @@
 
 use crate::inverse::{LegPosition, Position};
 use crate::machine::Parameters;
-use crate::number::{Number, cross};
+use crate::number::Number;
 use crate::to_source;
+use crate::torque::lines::DistalLines;
 
 /// Coefficients of the distances, apart from the tick's because a tick needs no distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +64,13 @@ impl<N: Number> Distances<N> {
     /// [`parallel`](Self::parallel) of three separate legs, with the sign of det A.
     #[inline]
     pub fn signed_parallel_of(&self, legs: [&LegPosition<N>; 3]) -> N {
-        det_a_of(legs).scaled(self.parallel)
+        self.signed_parallel(DistalLines::of(legs).det_a)
+    }
+
+    /// As [`signed_parallel_of`](Self::signed_parallel_of), of a known det A.
+    #[inline]
+    pub fn signed_parallel(&self, det_a: N) -> N {
+        det_a.scaled(self.parallel)
     }
 }
 
@@ -71,22 +78,7 @@ impl<N: Number> Distances<N> {
 /// on which the sign changes crosses one.
 #[inline]
 pub fn det_a<N: Number>(position: &Position<N>) -> N {
-    det_a_of(position.legs.each_ref())
-}
-
-#[inline]
-fn det_a_of<N: Number>(legs: [&LegPosition<N>; 3]) -> N {
-    let [leg1, leg2, leg3] = legs;
-    let c1 = leg1.platform_joint;
-    let (arm2, arm3) = (leg2.platform_joint - c1, leg3.platform_joint - c1);
-    let (d1, d2, d3) = (leg1.links.r2, leg2.links.r2, leg3.links.r2);
-    // Moments about C_1, as in the balance: the determinant is the same about every point.
-    N::ab_plus_cd(
-        cross(d1, d2),
-        cross(arm3, d3),
-        cross(d3, d1),
-        cross(arm2, d2),
-    )
+    DistalLines::of(position.legs.each_ref()).det_a
 }
 
 #[cfg(test)]

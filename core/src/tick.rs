@@ -98,6 +98,11 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         &self.geometry
     }
 
+    /// The dynamics, for whoever needs torques only.
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
     /// Position, rates, accelerations and load of leg `index`: all of one leg before the next begins,
     /// so that few values are alive at a time.
     #[inline(always)]
@@ -138,13 +143,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         setpoint: &Setpoint<N>,
         rotation: &Rotation<N>,
     ) -> Result<[N; 3], Status> {
-        let load = |leg: usize| self.model.load(leg, &legs[leg]);
-        let loads = [load(0), load(1), load(2)];
-        let forces = self.model.forces(legs, &loads, setpoint, rotation)?;
-        if self.model.is_singular(forces.det_a) {
-            return Err(Status::ParallelSingular);
-        }
-        Ok(forces.torques(legs, &loads))
+        self.model.torques(None, legs, setpoint, rotation)
     }
 
     /// Reason why a tick without a finite result has none.
@@ -185,7 +184,9 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
         let legs = [leg1, leg2, leg3];
         let loads = [load1, load2, load3];
 
-        let forces = self.model.forces(&legs, &loads, setpoint, &rotation)?;
+        let forces = self
+            .model
+            .forces(None, &legs, &loads, setpoint, &rotation)?;
         let torques = forces.torques(&legs, &loads);
 
         // Whatever is out of reach or leaves the range on the way reaches an acceleration or a torque, and a sum
@@ -234,6 +235,9 @@ mod tests {
     use crate::model::{Dynamic, Kinematic};
     use crate::number::Fixed;
     use crate::setpoint::Pose;
+    use crate::torque::lines::DistalLines;
+    use crate::torque::links::{InPlane, Massive};
+    use crate::torque::payload::Offset;
     use nalgebra::Vector3;
 
     /// Without torques the rest is the same, in the bits; and a machine whose torques leave the
@@ -267,6 +271,50 @@ mod tests {
         let without: Tick<Kinematic<N>> = Tick::build(&parameters).expect("a machine");
         assert_eq!(with.evaluate(&setpoint), Err(Status::OutOfRange));
         assert!(without.evaluate(&setpoint).is_ok());
+    }
+
+    /// Torques are linear in the load: those of the motion alone and those of the load at rest add up.
+    #[test]
+    fn motion_and_load_share_the_torques() {
+        let mut parameters = example();
+        parameters.gravity_m_s2 = Vector2::new(1.0, -9.0);
+        parameters.wrench_force_n = Vector2::new(0.8, -0.5);
+        parameters.wrench_torque_nm = 0.02;
+        parameters.platform.com_m = Vector2::new(0.01, 0.03);
+        for leg in &mut parameters.legs {
+            (leg.proximal.mass_kg, leg.proximal.com_m) = (0.3, 0.1);
+            (leg.distal.mass_kg, leg.distal.com_m) = (0.2, 0.15);
+        }
+        type Loaded = Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
+        let tick: Tick<Loaded> = Tick::build(&parameters).expect("a machine");
+        let moving = Setpoint {
+            pose: Pose::from_f64(0.26, 0.23, 0.2),
+            velocity: Vector3::new(0.1, -0.05, 0.2),
+            acceleration: Vector3::new(-0.5, 1.0, 2.0),
+        };
+        let resting = Setpoint {
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            ..moving
+        };
+        let of = |setpoint| tick.evaluate(setpoint).expect("a motion");
+        let (all, rest) = (of(&moving), of(&resting));
+        let [leg1, leg2, leg3] = all.legs.each_ref().map(|leg| &leg.position);
+        let lines = DistalLines::of([leg1, leg2, leg3]);
+        let rotation = Rotation::new(moving.pose.angle);
+        let alone = |lines| {
+            let model = tick.model().inertial();
+            let torques = model.torques(lines, &all.legs, &moving, &rotation);
+            torques.expect("regular")
+        };
+        let motion = alone(None);
+        assert_eq!(motion, alone(Some(&lines)));
+        for (index, all) in all.motors.iter().enumerate() {
+            let parts = [motion[index], rest.motors[index].torque];
+            assert!(parts.iter().all(|part| part.abs() > 1e-3), "{parts:?}");
+            let error = (all.torque - (parts[0] + parts[1])).abs();
+            assert!(error < 1e-13, "{error:e}");
+        }
     }
 
     #[test]

@@ -142,6 +142,12 @@ impl<N: DyadKernel> Rrr<N> {
         (N::length(&self.l1), self.l2_sq.sqrt())
     }
 
+    /// Returns the squares of the lengths of the links A -> B and B -> C.
+    #[inline]
+    pub fn squared_lengths(&self) -> [N; 2] {
+        [self.l1_sq, self.l2_sq]
+    }
+
     /// abs(r1 x r2) / (l1 l2): 0 where the dyad is stretched or folded, 1 where it is at right
     /// angles.
     #[inline]

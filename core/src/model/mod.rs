@@ -12,15 +12,15 @@ mod kind;
 
 pub use kind::{LinksKind, ModelKind, ModelVisitor, PayloadKind};
 
-use crate::inverse::{LegMotion, Position, Rotation};
+use crate::inverse::{LegMotion, Rotation};
 use crate::machine::Parameters;
 use crate::number::Number;
 use crate::setpoint::Setpoint;
-use crate::singularity;
 use crate::source::ToSource;
 use crate::status::Status;
 use crate::to_source;
 use crate::torque::balance::{Balance, Forces};
+use crate::torque::lines::DistalLines;
 use crate::torque::links::{LegLoad, Links, Massless};
 use crate::torque::payload::{Centred, Payload};
 use core::fmt::Debug;
@@ -43,11 +43,14 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
+    /// The same without weight and external wrench: torques of the motion alone.
+    fn inertial(&self) -> Self;
+
     /// Returns the load that the links of leg `leg`, 0 to 2, put on the motors.
     fn load(&self, leg: usize, motion: &LegMotion<Self::N>) -> LegLoad<Self::N>;
 
-    /// Solves for the forces along the distal links, unless the pose is singular. The angle of `setpoint` is
-    /// resolved in `rotation`. Number types that
+    /// Solves for the forces along the distal links, unless the pose is singular. The `lines` are formed where none are
+    /// given. The angle of `setpoint` is resolved in `rotation`. Number types that
     /// [propagate](crate::number::Arithmetic::PROPAGATES_NON_FINITE) what is not finite leave the question to
     /// [`is_singular`](Self::is_singular).
     ///
@@ -55,6 +58,7 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
     fn forces(
         &self,
+        lines: Option<&DistalLines<Self::N>>,
         legs: &[LegMotion<Self::N>; 3],
         loads: &[LegLoad<Self::N>; 3],
         setpoint: &Setpoint<Self::N>,
@@ -63,6 +67,26 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
 
     /// Returns `true` if the torques of a pose with the determinant `det_a` are not defined.
     fn is_singular(&self, det_a: Self::N) -> bool;
+
+    /// The torques alone, for legs whose motion and distal lines are known.
+    ///
+    /// # Errors
+    /// [`Status::ParallelSingular`], [`Status::OutOfRange`].
+    fn torques(
+        &self,
+        lines: Option<&DistalLines<Self::N>>,
+        legs: &[LegMotion<Self::N>; 3],
+        setpoint: &Setpoint<Self::N>,
+        rotation: &Rotation<Self::N>,
+    ) -> Result<[Self::N; 3], Status> {
+        let load = |leg: usize| self.load(leg, &legs[leg]);
+        let loads = [load(0), load(1), load(2)];
+        let forces = self.forces(lines, legs, &loads, setpoint, rotation)?;
+        match self.is_singular(forces.det_a) {
+            true => Err(Status::ParallelSingular),
+            false => Ok(forces.torques(legs, &loads)),
+        }
+    }
 }
 
 /// Positions, rates and accelerations only, for motors that take positions, such as steppers.
@@ -87,6 +111,10 @@ impl<N: Number> Model for Kinematic<N> {
         Self::from_coefficients(PhantomData)
     }
 
+    fn inertial(&self) -> Self {
+        *self
+    }
+
     #[inline(always)]
     fn load(&self, _: usize, _: &LegMotion<N>) -> LegLoad<N> {
         LegLoad::NONE
@@ -95,17 +123,16 @@ impl<N: Number> Model for Kinematic<N> {
     #[inline(always)]
     fn forces(
         &self,
+        lines: Option<&DistalLines<N>>,
         legs: &[LegMotion<N>; 3],
         _: &[LegLoad<N>; 3],
         _: &Setpoint<N>,
         _: &Rotation<N>,
     ) -> Result<Forces<N>, Status> {
-        let position = Position {
-            legs: legs.each_ref().map(|leg| leg.position),
-        };
+        let formed = || DistalLines::of(legs.each_ref().map(|leg| &leg.position)).det_a;
         Ok(Forces {
             along: [N::ZERO; 3],
-            det_a: singularity::det_a(&position),
+            det_a: lines.map_or_else(formed, |lines| lines.det_a),
         })
     }
 
@@ -147,6 +174,14 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
         }
     }
 
+    fn inertial(&self) -> Self {
+        Self {
+            payload: self.payload.inertial(),
+            links: self.links.inertial(),
+            ..*self
+        }
+    }
+
     #[inline(always)]
     fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
         self.links.load(leg, motion)
@@ -155,13 +190,14 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     #[inline(always)]
     fn forces(
         &self,
+        lines: Option<&DistalLines<N>>,
         legs: &[LegMotion<N>; 3],
         loads: &[LegLoad<N>; 3],
         setpoint: &Setpoint<N>,
         rotation: &Rotation<N>,
     ) -> Result<Forces<N>, Status> {
         let demand = self.payload.demand(setpoint, rotation);
-        self.balance.forces(legs, &demand, loads)
+        self.balance.forces(lines, legs, &demand, loads)
     }
 
     #[inline(always)]

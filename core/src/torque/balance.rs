@@ -1,6 +1,7 @@
 //! The balance of platform and legs: three forces along the distal links, then three torques.
 
 use super::demand::Demand;
+use super::lines::DistalLines;
 use super::links::LegLoad;
 use crate::inverse::LegMotion;
 use crate::machine::Parameters;
@@ -51,7 +52,7 @@ impl<N: Number> Balance<N> {
         !(det_a.abs() > self.least_det_a)
     }
 
-    /// Solves for the forces along the distal links.
+    /// Solves for the forces along the distal links, whose `lines` it forms where none are given.
     ///
     /// Moments are taken about C_1, so that leg 1 drops out of them, and forces across leg 1, so
     /// that two equations in f_2 and f_3 are left. det A is the same about every point.
@@ -64,38 +65,56 @@ impl<N: Number> Balance<N> {
     #[inline(always)]
     pub fn forces(
         &self,
+        lines: Option<&DistalLines<N>>,
         legs: &[LegMotion<N>; 3],
         demand: &Demand<N>,
         loads: &[LegLoad<N>; 3],
     ) -> Result<Forces<N>, Status> {
-        let c = |leg: usize| legs[leg].position.platform_joint;
-        let d = |leg: usize| legs[leg].position.links.r2;
-        let ([c1, c2, c3], [d1, d2, d3]) = ([c(0), c(1), c(2)], [d(0), d(1), d(2)]);
-        let (arm2, arm3) = (N::arm_between(c1, c2), N::arm_between(c1, c3));
+        let [leg1, leg2, leg3] = legs;
+        let positions = [&leg1.position, &leg2.position, &leg3.position];
+        let d = |leg: usize| positions[leg].links.r2;
+        let (d1, d2, d3) = (d(0), d(1), d(2));
+        let c1 = leg1.position.platform_joint;
+        let arms = match lines {
+            Some(lines) => [lines.arm2, lines.arm3],
+            None => DistalLines::arms(positions),
+        };
 
         let mut moment = demand.moment.widen() - sum_cross(c1, demand.force);
         let across = |load: &LegLoad<N>| load.distal_over_l2_sq.is_some();
         let force = if loads.iter().any(across) {
             let mut force = demand.force.map(N::widen);
             add_across(&loads[0], d1, None, &mut force, &mut moment);
-            add_across(&loads[1], d2, Some(arm2), &mut force, &mut moment);
-            add_across(&loads[2], d3, Some(arm3), &mut force, &mut moment);
+            add_across(&loads[1], d2, Some(arms[0]), &mut force, &mut moment);
+            add_across(&loads[2], d3, Some(arms[1]), &mut force, &mut moment);
             force.map(N::round)
         } else {
             // Nothing to add: neither widened nor rounded.
             demand.force
         };
         let moment = N::round(moment);
-        let (moment2, moment3) = (N::cross_links(arm2, d2), N::cross_links(arm3, d3));
-        let (d1_x_d2, d3_x_d1) = (N::cross_links(d1, d2), N::cross_links(d3, d1));
-        let det_a = N::ab_plus_cd(d1_x_d2, moment3, d3_x_d1, moment2);
+        // Not before: what is formed early waits in registers.
+        let formed;
+        let lines = match lines {
+            Some(lines) => lines,
+            None => {
+                formed = DistalLines::with_arms(positions, arms);
+                &formed
+            }
+        };
+        let &DistalLines {
+            moment2,
+            moment3,
+            det_a,
+            ..
+        } = lines;
         if !N::PROPAGATES_NON_FINITE && self.is_singular(det_a) {
             return Err(Status::ParallelSingular);
         }
         let across = cross(d1, force);
         let products = [
-            N::sum_ab_plus_cd(across, moment3, d3_x_d1, moment),
-            N::sum_ab_minus_cd(d1_x_d2, moment, moment2, across),
+            N::sum_ab_plus_cd(across, moment3, lines.d3_x_d1, moment),
+            N::sum_ab_minus_cd(lines.d1_x_d2, moment, moment2, across),
         ];
         let [f2, f3] = N::round_scaled_pair(products, det_a.reciprocal());
         let left = Vector2::new(

@@ -47,6 +47,9 @@ pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
+    /// The same without weight.
+    fn inertial(&self) -> Self;
+
     /// The load of leg `leg`, 0 to 2.
     fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N>;
 }
@@ -63,6 +66,10 @@ impl<N: Number> Links<N> for Massless {
 
     fn build(_: &Parameters) -> Self {
         Self
+    }
+
+    fn inertial(&self) -> Self {
+        *self
     }
 
     #[inline(always)]
@@ -90,6 +97,10 @@ impl<N: Number> Links<N> for Rotors<N> {
                 .legs
                 .map(|leg| N::from_f64(leg.rotor_inertia_kgm2)),
         }
+    }
+
+    fn inertial(&self) -> Self {
+        *self
     }
 
     #[inline(always)]
@@ -205,6 +216,13 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
         }
     }
 
+    fn inertial(&self) -> Self {
+        Self {
+            gravity: self.gravity.none(),
+            ..*self
+        }
+    }
+
     #[inline(always)]
     fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
         self.legs[leg].load(motion, &self.gravity)
@@ -222,6 +240,9 @@ pub trait Gravity<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource 
     /// From the vector g, m/s^2.
     fn build(gravity_m_s2: Vector2<f64>) -> Self;
 
+    /// The same kind, but g = 0.
+    fn none(&self) -> Self;
+
     /// g . E r, if there is gravity.
     fn across(&self, r: Vector2<N>) -> Option<N>;
 }
@@ -238,6 +259,10 @@ impl<N: Number> Gravity<N> for Horizontal {
 
     fn build(_: Vector2<f64>) -> Self {
         Self
+    }
+
+    fn none(&self) -> Self {
+        *self
     }
 
     #[inline(always)]
@@ -270,6 +295,10 @@ impl<N: Number> Gravity<N> for InPlane<N> {
         Self {
             gravity: gravity_m_s2.map(N::from_f64),
         }
+    }
+
+    fn none(&self) -> Self {
+        Self::new(Vector2::new(N::ZERO, N::ZERO))
     }
 
     #[inline(always)]

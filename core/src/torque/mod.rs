@@ -17,10 +17,11 @@
 //! The source's own formula (thesis (4.15) to (4.20)) gives each motor the power of the whole
 //! platform; see the repository's `docs/errata.md`.
 //!
-//! [`demand`] is F and M, [`payload`] makes them, [`links`] adds the share of the legs, [`balance`]
-//! solves. A [kinematic model](crate::model::Kinematic) uses none of them.
+//! [`demand`] is F and M, [`payload`] makes them, [`links`] adds the share of the legs, [`lines`] holds the geometry,
+//! [`balance`] solves. A [kinematic model](crate::model::Kinematic) uses none of them.
 
 pub mod balance;
 pub mod demand;
+pub mod lines;
 pub mod links;
 pub mod payload;

@@ -22,6 +22,9 @@ pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource 
     /// Builds the coefficients from checked parameters.
     fn build(parameters: &Parameters) -> Self;
 
+    /// The same without weight and external wrench.
+    fn inertial(&self) -> Self;
+
     /// F and M for one setpoint, whose angle is resolved in `rotation`.
     fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N>;
 }
@@ -58,6 +61,14 @@ impl<N: Number> Payload<N> for Centred<N> {
             inertia: N::factor_from_f64(parameters.platform.inertia_kgm2),
             static_force: force.map(N::from_f64),
             static_moment: N::from_f64(-parameters.wrench_torque_nm),
+        }
+    }
+
+    fn inertial(&self) -> Self {
+        Self {
+            static_force: Vector2::new(N::ZERO, N::ZERO),
+            static_moment: N::ZERO,
+            ..*self
         }
     }
 
@@ -112,6 +123,16 @@ impl<N: Number> Payload<N> for Offset<N> {
             gravity: parameters.gravity_m_s2.map(N::from_f64),
             wrench_force: parameters.wrench_force_n.map(N::from_f64),
             wrench_moment: N::from_f64(parameters.wrench_torque_nm),
+        }
+    }
+
+    fn inertial(&self) -> Self {
+        let zero = Vector2::new(N::ZERO, N::ZERO);
+        Self {
+            gravity: zero,
+            wrench_force: zero,
+            wrench_moment: N::ZERO,
+            ..*self
         }
     }
 

@@ -16,6 +16,7 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_core::to_source;
+use trirrr_core::torque::lines::DistalLines;
 use trirrr_protocol::message::Bounded;
 
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
@@ -111,14 +112,16 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         let mut legs = [unsolved(); 3];
         self.solve(&setpoint, &rotation, &mut legs)
             .map_err(|status| self.breach(status, &setpoint, &rotation))?;
-        self.keeps_distance(&legs, side)?;
+        let lines = lines(&legs);
+        self.keeps_distance(&legs, lines.det_a, side)?;
+        self.add_motion(&setpoint, &mut legs);
         for (motor, leg) in motors.iter_mut().zip(&legs) {
             motor.rate = leg.rates.proximal;
             motor.acceleration = leg.accelerations.proximal;
             motor.ramp_acceleration = leg.rates.proximal * self.ramp;
         }
         if self.needs_torques() {
-            self.add_torques(motors, &mut legs, &mut setpoint, &rotation)
+            self.add_torques(motors, &lines, &mut legs, &mut setpoint, &rotation)
                 .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         }
         // An acceleration is the last that leaves the range.
@@ -141,6 +144,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         M::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some())
     }
 
+    /// Finds the positions of the legs.
     fn solve(
         &self,
         setpoint: &Setpoint<TaylorModel<N>>,
@@ -151,15 +155,23 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         for (index, (leg, motion)) in legs.iter().zip(motions.iter_mut()).enumerate() {
             solve(index, leg, setpoint, rotation, motion)?;
         }
+        Ok(())
+    }
+
+    /// Adds rates and accelerations to the positions of the legs, if a limit asks for them.
+    fn add_motion(
+        &self,
+        setpoint: &Setpoint<TaylorModel<N>>,
+        motions: &mut [LegMotion<TaylorModel<N>>; 3],
+    ) {
         let limits = &self.limits;
         let is_limited =
             limits.rate.is_some() || limits.acceleration.is_some() || self.needs_torques();
         if is_limited || !self.motion_is_finite(setpoint, motions) {
-            for (leg, motion) in legs.iter().zip(motions) {
+            for (leg, motion) in self.tick.geometry().legs().iter().zip(motions) {
                 add_motion(leg, setpoint, motion);
             }
         }
-        Ok(())
     }
 
     /// Returns `true` if rates and accelerations cannot leave the range, because velocity and acceleration of the
@@ -184,11 +196,12 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         size <= self.moderate
     }
 
-    /// Checks that the singularities are as far as the limits ask.
+    /// Checks that the singularities are as far as the limits ask, for the determinant `det_a`.
     #[inline(never)]
     fn keeps_distance(
         &self,
         legs: &[LegMotion<TaylorModel<N>>; 3],
+        det_a: TaylorModel<N>,
         side: &mut Option<bool>,
     ) -> Result<(), Breach<Float<N>>> {
         let least = self.limits.serial_distance;
@@ -200,9 +213,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             }
         }
         let least = self.limits.parallel_distance;
-        let [leg1, leg2, leg3] = legs;
-        let legs = [&leg1.position, &leg2.position, &leg3.position];
-        let signed = self.distances.signed_parallel_of(legs);
+        let signed = self.distances.signed_parallel(det_a);
         let zero = <Float<N>>::ZERO;
         let mut size = signed.extent();
         if size.least >= least && size.least > zero {
@@ -221,18 +232,21 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         Err(Breach::below(Bounded::ParallelDistance, None, &size, least))
     }
 
-    /// Three times the dynamics: at normal speed, starting from rest with the ramp's rate, which is
-    /// an acceleration of q' r without any rate, and at rest. `legs` and `setpoint` are given at
-    /// normal speed and left at rest.
+    /// Three times the dynamics: of the motion at normal speed; of the motion that starts from rest with the ramp's
+    /// rate, which is an acceleration of q' r without any rate; and of the load at rest. They are linear in the load:
+    /// weight and wrench are in the last alone. `legs` and `setpoint` are given at normal speed and left at
+    /// rest.
     #[inline(never)]
     fn add_torques(
         &self,
         motors: &mut [MotorBounds<N>; 3],
+        lines: &DistalLines<TaylorModel<N>>,
         legs: &mut [LegMotion<TaylorModel<N>>; 3],
         setpoint: &mut Setpoint<TaylorModel<N>>,
         rotation: &Rotation<TaylorModel<N>>,
     ) -> Result<(), Status> {
-        let at_normal_speed = self.torques(legs, setpoint, rotation)?;
+        let inertial = self.tick.model().inertial();
+        let dynamic = torques(&inertial, lines, legs, setpoint, rotation)?;
 
         let zero = Vector3::from([TaylorModel::ZERO; 3]);
         setpoint.acceleration = setpoint.velocity * self.ramp;
@@ -245,7 +259,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                 distal: TaylorModel::ZERO,
             };
         }
-        let starting = self.torques(legs, setpoint, rotation)?;
+        let ramp = torques(&inertial, lines, legs, setpoint, rotation)?;
 
         let mut at_rest = [TaylorModel::ZERO; 3];
         if self.loaded {
@@ -256,27 +270,16 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
                     distal: TaylorModel::ZERO,
                 };
             }
-            at_rest = self.torques(legs, setpoint, rotation)?;
+            at_rest = torques(self.tick.model(), lines, legs, setpoint, rotation)?;
         }
         for (index, motor) in motors.iter_mut().enumerate() {
-            let at_rest = at_rest[index];
             motor.torque = Some(TorqueBounds {
-                at_rest,
-                dynamic: at_normal_speed[index] - at_rest,
-                ramp: starting[index] - at_rest,
+                at_rest: at_rest[index],
+                dynamic: dynamic[index],
+                ramp: ramp[index],
             });
         }
         Ok(())
-    }
-
-    #[inline(never)]
-    fn torques(
-        &self,
-        legs: &[LegMotion<TaylorModel<N>>; 3],
-        setpoint: &Setpoint<TaylorModel<N>>,
-        rotation: &Rotation<TaylorModel<N>>,
-    ) -> Result<[TaylorModel<N>; 3], Status> {
-        self.tick.torques(legs, setpoint, rotation)
     }
 
     /// Returns the limit that is broken where the pipeline ends without a value.
@@ -333,6 +336,27 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     }
 }
 
+/// A function of its own: as a part of another one it would copy its results.
+#[inline(never)]
+pub(super) fn lines<N: Enclose>(
+    legs: &[LegMotion<TaylorModel<N>>; 3],
+) -> DistalLines<TaylorModel<N>> {
+    let [leg1, leg2, leg3] = legs;
+    DistalLines::of([&leg1.position, &leg2.position, &leg3.position])
+}
+
+/// Torques of one load. A function of its own, for its three calls.
+#[inline(never)]
+fn torques<M: Model>(
+    model: &M,
+    lines: &DistalLines<M::N>,
+    legs: &[LegMotion<M::N>; 3],
+    setpoint: &Setpoint<M::N>,
+    rotation: &Rotation<M::N>,
+) -> Result<[M::N; 3], Status> {
+    model.torques(Some(lines), legs, setpoint, rotation)
+}
+
 /// A leg to be filled in. No constant, which would take its place in an image.
 fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
     let zero = Vector2::new(TaylorModel::ZERO, TaylorModel::ZERO);
@@ -360,20 +384,29 @@ fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
 
 /// Solves leg `index`.
 #[inline(never)]
-fn solve<N: Enclose>(
+pub(super) fn solve<N: Enclose>(
     index: usize,
     leg: &Leg<TaylorModel<N>>,
     setpoint: &Setpoint<TaylorModel<N>>,
     rotation: &Rotation<TaylorModel<N>>,
     motion: &mut LegMotion<TaylorModel<N>>,
 ) -> Result<(), Status> {
-    motion.position = leg.position(index, setpoint.pose.position, rotation)?;
+    let (platform_joint, span) = leg.span(setpoint.pose.position, rotation);
+    motion.position.platform_joint = platform_joint;
+    motion.position.links = leg
+        .dyad()
+        .position(span)
+        .map_err(|refused| refused.of_leg(index))?;
+    if N::IS_ROUGH_FIRST && span.x.is_rough() {
+        let lengths = leg.dyad().squared_lengths().map(TaylorModel::middle);
+        TaylorModel::narrow(&mut motion.position.links, &span, lengths);
+    }
     Ok(())
 }
 
 /// Adds rates and accelerations to the position of a leg.
 #[inline(never)]
-fn add_motion<N: Enclose>(
+pub(super) fn add_motion<N: Enclose>(
     leg: &Leg<TaylorModel<N>>,
     setpoint: &Setpoint<TaylorModel<N>>,
     motion: &mut LegMotion<TaylorModel<N>>,

@@ -31,6 +31,7 @@
 //! the pipeline need, for there a comparison that is false means "refuse".
 
 mod angle;
+mod dyad;
 mod number;
 pub(super) mod operators;
 
@@ -145,6 +146,18 @@ impl<N: Enclose> TaylorModel<N> {
         <Middle<N>>::is_one_bound([self.error, other.error])
     }
 
+    /// Returns `true` if every result of the model is rough.
+    #[inline(always)]
+    pub(in crate::admission) fn is_rough(self) -> bool {
+        self.are_rough(self)
+    }
+
+    /// Returns `true` for an exact zero.
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.middle() == <Float<N>>::ZERO && self.radius() == <Float<N>>::ZERO
+    }
+
     /// Computes a result by `rough` if the model is rough, by `precise` if it is not.
     #[inline(always)]
     fn map(
@@ -152,7 +165,7 @@ impl<N: Enclose> TaylorModel<N> {
         rough: impl FnOnce(Rough<N>) -> Rough<N>,
         precise: impl FnOnce(Self) -> Self,
     ) -> Self {
-        if self.are_rough(self) {
+        if self.is_rough() {
             rough(self.rough()).result()
         } else {
             precise(self)

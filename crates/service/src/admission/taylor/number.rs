@@ -104,7 +104,7 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
         let middle = self.middle();
         if middle > <Float<N>>::ZERO && self.least_magnitude() >= <Float<N>>::ZERO {
             root(self)
-        } else if middle == <Float<N>>::ZERO && self.radius() == <Float<N>>::ZERO {
+        } else if self.is_zero() {
             self
         } else {
             Self::unknown()
@@ -134,7 +134,7 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     #[inline(never)]
     fn sin_cos(angle: Self::Angle) -> (Self, Self) {
         let angle = angle.radians;
-        if angle.are_rough(angle) {
+        if angle.is_rough() {
             let (sin, cos) = angle.rough().sine_and_cosine();
             (sin.result(), cos.result())
         } else {

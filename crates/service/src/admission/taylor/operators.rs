@@ -165,11 +165,10 @@ pub(in crate::admission) extern "C" fn product<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
 ) -> TaylorModel<N> {
-    if a.are_rough(b) {
-        a.rough().times(b.rough()).result()
-    } else {
-        precise_product(a, b)
+    if !a.are_rough(b) {
+        return precise_product(a, b);
     }
+    a.rough().times(b.rough()).result()
 }
 
 /// a b + c d.
@@ -180,11 +179,20 @@ pub(in crate::admission) extern "C" fn sum_of_products<N: Enclose>(
     c: TaylorModel<N>,
     d: TaylorModel<N>,
 ) -> TaylorModel<N> {
-    if a.are_rough(b) || c.are_rough(d) {
-        <Rough<N>>::products(a.rough(), b.rough(), c.rough(), d.rough()).result()
-    } else {
+    /// A function of its own, so that the rough way keeps no registers.
+    #[inline(never)]
+    extern "C" fn precisely<N: Enclose>(
+        a: TaylorModel<N>,
+        b: TaylorModel<N>,
+        c: TaylorModel<N>,
+        d: TaylorModel<N>,
+    ) -> TaylorModel<N> {
         precise_sum(precise_product(a, b), precise_product(c, d))
     }
+    if !(a.are_rough(b) || c.are_rough(d)) {
+        return precisely(a, b, c, d);
+    }
+    <Rough<N>>::products(a.rough(), b.rough(), c.rough(), d.rough()).result()
 }
 
 /// a b - c d.
@@ -211,7 +219,7 @@ pub(in crate::admission) extern "C" fn inverse<N: Enclose>(x: TaylorModel<N>) ->
     extern "C" fn precisely<N: Enclose>(x: TaylorModel<N>) -> TaylorModel<N> {
         x.inverse().unwrap_or(TaylorModel::unknown())
     }
-    if x.are_rough(x) {
+    if x.is_rough() {
         match x.rough().inverse() {
             Some(inverse) => inverse.result(),
             None => TaylorModel::unknown(),
@@ -228,7 +236,7 @@ pub(in crate::admission) extern "C" fn root<N: Enclose>(x: TaylorModel<N>) -> Ta
     extern "C" fn precisely<N: Enclose>(x: TaylorModel<N>) -> TaylorModel<N> {
         x.root()
     }
-    if x.are_rough(x) {
+    if x.is_rough() {
         x.rough().root().result()
     } else {
         precisely(x)
@@ -304,7 +312,7 @@ impl<N: Enclose> PartialOrd for TaylorModel<N> {
         let middle = difference.middle();
         if difference.least_magnitude() > <Float<N>>::ZERO {
             middle.partial_cmp(&<Float<N>>::ZERO)
-        } else if middle == <Float<N>>::ZERO && difference.radius() == <Float<N>>::ZERO {
+        } else if difference.is_zero() {
             Some(Ordering::Equal)
         } else {
             None

@@ -3,7 +3,9 @@
 use super::*;
 use crate::admission::Enclose;
 use core::cmp::Ordering;
+use nalgebra::Vector2;
 use proptest::prelude::*;
+use trirrr_core::dyad::Rrr;
 use trirrr_core::number::{Arithmetic, Coarse, Fixed, Number};
 
 /// A model by its three numbers, and where in it the quantity is: t and the part of the error.
@@ -169,4 +171,105 @@ fn only_what_is_certain_compares() {
     assert!(!straddling.div(straddling).is_finite());
     assert!(!straddling.sqrt().is_finite());
     assert!(TaylorModel::<f64>::ZERO == TaylorModel::point(0.0));
+}
+
+/// A dyad whose end C starts at the polar coordinates `at`, in parts of its reach, and moves by the models of `motion`.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    lengths: [f64; 2],
+    branch: f64,
+    at: [f64; 2],
+    motion: [[f64; 2]; 2],
+}
+
+fn moving() -> impl Strategy<Value = Moving> {
+    let lengths = [0.05..2.0, 0.05..2.0f64];
+    let branch = prop_oneof![Just(1.0), Just(-1.0)];
+    let at = [0.02..0.98, 0.0..6.3f64];
+    // Mostly less than a tenth of the machine, as over an interval.
+    let motion = [[-0.3..0.3f64, 0.0..0.05f64], [-0.3..0.3f64, 0.0..0.05f64]]
+        .map(|[linear, error]| (linear, error).prop_map(|(linear, error)| [linear, error]));
+    (lengths, branch, at, motion, -6.0..0.0f64).prop_map(|(lengths, branch, at, motion, small)| {
+        let scale = small.exp2();
+        Moving {
+            lengths,
+            branch,
+            at,
+            motion: motion.map(|axis| axis.map(|part| part * scale)),
+        }
+    })
+}
+
+impl Moving {
+    /// The span's models in the numbers of `f32`.
+    fn span(&self) -> Vector2<TaylorModel<f32>> {
+        let [l1, l2] = self.lengths;
+        let (least, most) = ((l1 - l2).abs(), l1 + l2);
+        let d = least + (most - least) * self.at[0];
+        let middle = [d * self.at[1].cos(), d * self.at[1].sin()];
+        let axis = |axis: usize| {
+            let [linear, error] = self.motion[axis];
+            model::<f32>([middle[axis], linear, error]).made_rough()
+        };
+        Vector2::new(axis(0), axis(1))
+    }
+
+    /// Bounds of the links by the tick's formulas, and narrowed ones.
+    fn links(&self) -> Option<[[TaylorModel<f32>; 4]; 2]> {
+        let [l1, l2] = self.lengths;
+        let dyad = Rrr::<TaylorModel<f32>>::new(l1, l2, self.branch);
+        let span = self.span();
+        let wide = dyad.position(span).ok()?;
+        let mut narrow = wide;
+        let lengths = dyad.squared_lengths().map(TaylorModel::middle);
+        TaylorModel::narrow(&mut narrow, &span, lengths);
+        Some([wide, narrow].map(|links| [links.r1.x, links.r1.y, links.r2.x, links.r2.y]))
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    #[test]
+    fn narrow_links_hold_the_true_ones(moving in moving()) {
+        let Some([_, narrow]) = moving.links() else {
+            return Ok(());
+        };
+        let [l1, l2] = moving.lengths;
+        let dyad = Rrr::<f64>::new(l1, l2, moving.branch);
+        let span = moving.span();
+        for t in [-1.0, -0.6, 0.0, 0.3, 1.0] {
+            for parts in [[-1.0, -1.0], [-1.0, 1.0], [0.2, -0.7], [1.0, -1.0], [1.0, 1.0]] {
+                let [x, y] = [(span.x, parts[0]), (span.y, parts[1])].map(|(axis, part)| {
+                    let line = axis.line();
+                    let [c, l, e] = [line.constant, line.slope, line.error].map(f64::from);
+                    c + l * t + e * part
+                });
+                let links = dyad.position(Vector2::new(x, y));
+                let links = links.expect("within reach, as the models say");
+                let true_ones = [links.r1.x, links.r1.y, links.r2.x, links.r2.y];
+                for (model, found) in narrow.iter().zip(true_ones) {
+                    prop_assert!(holds(*model, t, found), "{found} {model:?} at {t} {parts:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A leg that turns by some degrees: the bounds are no more than half as wide as those of the tick's formulas.
+#[test]
+fn narrow_links_are_narrower() {
+    let moving = Moving {
+        lengths: [0.3, 0.36],
+        branch: 1.0,
+        at: [0.6, 0.7],
+        motion: [[0.03, 0.003], [-0.02, 0.002]],
+    };
+    let [wide, narrow] = moving.links().expect("within reach");
+    for (wide, narrow) in wide.into_iter().zip(narrow) {
+        assert!(
+            narrow.curvature() < 0.5 * wide.curvature(),
+            "{wide:?} {narrow:?}"
+        );
+    }
 }
