@@ -220,15 +220,45 @@ fn cap<N: Enclose>(
             }
         }
     }
-    for above in above {
-        for below in below {
-            let square = above.square - below.square;
-            if square > TaylorModel::ZERO {
-                lower((above.limit - below.limit).div(square));
-            }
+    for [above, below] in nearest(above, below) {
+        let square = above.square - below.square;
+        if square > TaylorModel::ZERO {
+            lower((above.limit - below.limit).div(square));
         }
     }
     (cap, ends)
+}
+
+/// Pairs of sides that leave the least x at the start, in the middle and at the end of a cell, by their lines alone.
+fn nearest<'a, N: Enclose>(
+    above: &'a [Side<TaylorModel<N>>],
+    below: &'a [Side<TaylorModel<N>>],
+) -> Vec<[&'a Side<TaylorModel<N>>; 2], 3> {
+    let one = N::Bound::ONE;
+    let places = [-one, N::Bound::ZERO, one];
+    let mut least: [Option<(N::Bound, [usize; 2])>; 3] = [None; 3];
+    for (i, most) in above.iter().enumerate() {
+        for (j, other) in below.iter().enumerate() {
+            let limits = [most.limit.line(), other.limit.line()];
+            let squares = [most.square.line(), other.square.line()];
+            for (place, least) in places.into_iter().zip(&mut least) {
+                let square = squares[0].at(place) - squares[1].at(place);
+                let x = (limits[0].at(place) - limits[1].at(place)).div(square);
+                if square > N::Bound::ZERO && least.is_none_or(|(known, _)| x < known) {
+                    *least = Some((x, [i, j]));
+                }
+            }
+        }
+    }
+    let mut pairs: Vec<[usize; 2], 3> = Vec::new();
+    for (_, pair) in least.into_iter().flatten() {
+        if !pairs.contains(&pair) {
+            // There is room for each place.
+            let _ = pairs.push(pair);
+        }
+    }
+    let sides = |[i, j]: [usize; 2]| [&above[i], &below[j]];
+    pairs.into_iter().map(sides).collect()
 }
 
 fn lowest<B: Arithmetic>(curves: impl Iterator<Item = Option<Above<B>>>) -> Option<Above<B>> {

@@ -34,6 +34,9 @@ use trirrr_service::admission::{Enclose, TaylorModel};
 /// Most rows of a cell: rate, acceleration and torque of three motors, and the speed of D.
 pub const ROWS: usize = 10;
 
+/// Part of a limit that the value at rest may take.
+const STANDING: f64 = 0.999_999;
+
 /// A quantity that a limit bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limited {
@@ -225,8 +228,14 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                 .map_err(Obstacle::of)?;
             self.add_torques(&mut cell, &rates, torques);
         }
-        if !cell.rows.iter().all(Row::is_finite) {
-            return Err(Obstacle::Range);
+        for row in &cell.rows {
+            if !row.is_finite() {
+                return Err(Obstacle::Range);
+            }
+            // Rounding of the passes is far below this margin.
+            if !(row.rest.magnitude() <= row.limit * N::Bound::from_f64(STANDING)) {
+                return Err(Obstacle::Standing(row.what));
+            }
         }
         cell.possible = Possible::of(&cell.rows, cell.length);
         Ok(cell)

@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Limited, Obstacle, Planner};
 use crate::grid::Grid;
-use crate::passes::{ObstacleAt, acting, controllable, duration, ends_of, fastest, time_between};
+use crate::passes::{acting, controllable, duration, ends_of, fastest, time_between};
 use crate::piece::Piece;
 use core::ops::Range;
 use nalgebra::Vector3;
@@ -120,16 +120,14 @@ impl Run {
     /// Plans again with the limits as they are in the cells.
     ///
     /// # Errors
-    /// The first place where the machine cannot stand, or the first where next to nothing is left of the limits.
+    /// The first place where next to nothing is left of the limits.
     pub fn replan(&mut self, pieces: &[PathPiece]) -> Result<(), PathRefusal> {
         for (cell, place) in self.cells.iter_mut().zip(&self.places) {
             if cell.apply_tightening() < SHARE_LEAST {
                 return Err(PathRefusal::at(*place, pieces, Obstacle::Refused));
             }
         }
-        controllable(&self.cells, 0.0, &mut self.squares).map_err(
-            |ObstacleAt { cell, obstacle }| PathRefusal::at(self.places[cell], pieces, obstacle),
-        )?;
+        controllable(&self.cells, 0.0, &mut self.squares);
         fastest(&self.cells, 0.0, &mut self.squares);
         self.duration_s = duration(&self.cells, &self.squares);
         Ok(())

@@ -105,7 +105,7 @@ const SHARE: f64 = 0.999;
 /// Part of the tolerances that moves may use at the instants that are looked at.
 const PART_OF_TOLERANCE: f64 = 0.97;
 /// Part of the feed that moves may use at the instants that are looked at.
-const FEED: f64 = 0.9999;
+const FEED: f64 = 0.9997;
 /// Rounds of planning, judging and mending.
 const ROUNDS: u32 = 60;
 
@@ -130,9 +130,14 @@ pub fn plan_moves<M: Model<N = f64>>(
     mut judge: impl FnMut(&[PlannedMove]) -> Vec<Judged>,
 ) -> Result<PlannedMoves, PathRefusal> {
     let mut plan = plan(planner, pieces, effort)?;
-    let mut moves = Vec::new();
+    let mut moves: Vec<PlannedMove> = Vec::new();
     for run in &mut plan.runs {
+        let start = moves.len();
         moves.extend(moves_of(planner, run, pieces, sampling, &mut judge)?);
+        // Pieces meet but for rounding; moves do exactly.
+        if start > 0 {
+            moves[start].from = moves[start - 1].to;
+        }
     }
     Ok(PlannedMoves { plan, moves })
 }
@@ -174,39 +179,6 @@ fn moves_of<M: Model<N = f64>>(
             true => Vec::new(),
             false => judge(&draft.moves),
         };
-        if std::env::var_os("DBG").is_some() {
-            let worst = (0..draft.moves.len())
-                .map(|i| draft.deviation(i, pieces, sampling))
-                .fold(0.0, f64::max);
-            let mut by = 0.0;
-            let mut n = 0;
-            let mut r = 0;
-            let mut unsplit = 0;
-            for (i, v) in verdicts.iter().enumerate() {
-                match v {
-                    Judged::Exceeded(b) => {
-                        if !splits(&draft.moves[i]) {
-                            unsplit += 1
-                        };
-                        n += 1;
-                        if *b > by {
-                            by = *b
-                        }
-                    }
-                    Judged::Refused => r += 1,
-                    _ => {}
-                }
-            }
-            println!(
-                "run {:?} dur {:.6} ({:.1} ticks) step {step} moves {} fine {} dev {worst:.3} exceeded {n} unsplit {unsplit} by {by:.4} refused {r} slower {}",
-                run.pieces,
-                run.duration_s,
-                run.duration_s / sampling.period_s,
-                draft.moves.len(),
-                fine.len(),
-                slower.len()
-            );
-        }
         for (index, judged) in verdicts.into_iter().enumerate() {
             let each = &draft.moves[index];
             match judged {
@@ -310,7 +282,7 @@ impl<'a> Draft<'a> {
     /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants; or
     /// its speed in parts of the feed, if that is more.
     fn deviation(&self, index: usize, pieces: &[PathPiece], sampling: Sampling) -> f64 {
-        const INSTANTS: u32 = 8;
+        const INSTANTS: u32 = 16;
         let metres = PART_OF_TOLERANCE * sampling.tolerance_m;
         let tolerances = Vector3::new(metres, metres, PART_OF_TOLERANCE * sampling.tolerance_rad);
         let each = &self.moves[index];
@@ -323,6 +295,8 @@ impl<'a> Draft<'a> {
             self.period_s,
         );
         let ticks = f64::from(each.ticks);
+        // Speed that the rounding of both ends adds at most.
+        let rounded = 3.0 * sampling.resolution_m / (ticks * self.period_s);
         let deviations = (0..=INSTANTS).map(|instant| {
             let part = f64::from(instant) / f64::from(INSTANTS);
             let distance = self.distance(self.knots[index] + part * ticks);
@@ -336,7 +310,7 @@ impl<'a> Draft<'a> {
             let along = point.first.component_div(&tolerances);
             // A difference along the path is one in time.
             let off = off - along * (off.dot(&along) / along.dot(&along));
-            let speed = played.velocity.x.hypot(played.velocity.y);
+            let speed = played.velocity.x.hypot(played.velocity.y) + rounded;
             let feed = pieces[place.piece]
                 .feed_m_s
                 .map_or(f64::INFINITY, |feed| FEED * feed);

@@ -2,57 +2,26 @@
 //!
 //! x is given at the start of every cell and at the end of the last: one value more than there are
 //! cells. The backward pass finds the greatest x at each place from which the end can still be
-//! reached: below it every x can, for the limits are convex and rest is within them. The forward pass
+//! reached: below it every x can, for the limits are convex, and rest is within them in every cell that was measured. The
+//! forward pass
 //! takes the greatest x that stays below.
 
-use crate::cell::{Cell, Limited, Obstacle};
+use crate::cell::{Cell, Limited};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::program::Program;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::Enclose;
 
-/// Obstacle in one of the cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ObstacleAt {
-    /// Index of the cell.
-    pub cell: usize,
-    /// The obstacle.
-    pub obstacle: Obstacle,
-}
-
 /// Backward pass: writes to `squares` the greatest x at each place from which x = `end` can be reached at the
 /// end of the last cell. `squares` has one value more than `cells`; what it holds before is where searches begin.
-///
-/// # Errors
-/// The first cell in which the machine cannot stand.
-pub fn controllable<N: Enclose>(
-    cells: &[Cell<N>],
-    end: N::Bound,
-    squares: &mut [N::Bound],
-) -> Result<(), ObstacleAt> {
+pub fn controllable<N: Enclose>(cells: &[Cell<N>], end: N::Bound, squares: &mut [N::Bound]) {
     let mut at_end = end;
     squares[cells.len()] = at_end;
     for (index, cell) in cells.iter().enumerate().rev() {
-        let start =
-            greatest_start(cell, at_end, squares[index]).map_err(|_| first_standing(cells))?;
+        let start = greatest_start(cell, at_end, squares[index]);
         squares[index] = start;
         at_end = start.div(cell.joint);
     }
-    Ok(())
-}
-
-/// The first of `cells` in which the machine cannot stand; one is known to be.
-fn first_standing<N: Enclose>(cells: &[Cell<N>]) -> ObstacleAt {
-    let standing = |(cell, each)| {
-        let what = Program::of(each, N::Bound::ZERO).standing()?;
-        let obstacle = Obstacle::Standing(what);
-        Some(ObstacleAt { cell, obstacle })
-    };
-    let found = cells.iter().enumerate().find_map(standing);
-    found.unwrap_or(ObstacleAt {
-        cell: 0,
-        obstacle: Obstacle::Range,
-    })
 }
 
 /// Forward pass: lowers `squares`, as [`controllable`] has left them, to the fastest motion that begins with
@@ -118,17 +87,10 @@ const STEPS: u32 = 32;
 const SETTLED: u32 = 1 << 16;
 
 /// Greatest x at the start of `cell` from which x <= `end` can be reached; `guess` may be near it.
-fn greatest_start<N: Enclose>(
-    cell: &Cell<N>,
-    end: N::Bound,
-    guess: N::Bound,
-) -> Result<N::Bound, Limited> {
-    if let Some(what) = Program::of(cell, N::Bound::ZERO).standing() {
-        return Err(what);
-    }
-    Ok(best(cell, N::Bound::ZERO, guess, |program, cap, _| {
+fn greatest_start<N: Enclose>(cell: &Cell<N>, end: N::Bound, guess: N::Bound) -> N::Bound {
+    best(cell, N::Bound::ZERO, guess, |program, cap, _| {
         Some(program.greatest_start(cap, lesser(end, cap)))
-    }))
+    })
 }
 
 /// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
@@ -154,8 +116,7 @@ fn best<N: Enclose>(
     }
     let allowing = |x, cap| {
         let program = Program::of(cell, x);
-        let stands = program.standing().is_none();
-        stands.then(|| reach(&program, cap, x)).flatten()
+        program.stands().then(|| reach(&program, cap, x)).flatten()
     };
     let mut best = zero;
     if cell.powers.is_empty() {

@@ -29,7 +29,8 @@ pub(crate) struct Program<B> {
     greatest: Vec<EndBound<B>, INEQUALITIES>,
     /// Greatest y of the inequalities without z.
     start_cap: B,
-    standing: Option<Limited>,
+    /// Rest is within the limits.
+    stands: bool,
 }
 
 /// A bound of z: at_rest + slope y.
@@ -53,17 +54,15 @@ impl<B: Arithmetic> Program<B> {
             least: Vec::new(),
             greatest: Vec::new(),
             start_cap: unbounded(),
-            standing: None,
+            stands: true,
         };
-        inequalities(cell, greatest, |each, what| program.add(each, what));
+        inequalities(cell, greatest, |each, _| program.add(each));
         program
     }
 
     /// There is room for each.
-    fn add(&mut self, each: Inequality<B>, what: Limited) {
-        if !(each.limit >= B::ZERO) {
-            self.standing = self.standing.or(Some(what));
-        }
+    fn add(&mut self, each: Inequality<B>) {
+        self.stands &= each.limit >= B::ZERO;
         if each.end == B::ZERO {
             if each.start > B::ZERO {
                 self.start_cap = lesser(self.start_cap, each.limit.div(each.start));
@@ -81,9 +80,9 @@ impl<B: Arithmetic> Program<B> {
         };
     }
 
-    /// The quantity that is beyond its limit at rest.
-    pub(crate) fn standing(&self) -> Option<Limited> {
-        self.standing
+    /// Returns true if rest is within the limits.
+    pub(crate) fn stands(&self) -> bool {
+        self.stands
     }
 
     /// Least and greatest z for this `y`; the least is above the greatest where `y` is too large for every z.
