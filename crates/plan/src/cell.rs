@@ -15,7 +15,7 @@
 //! the coefficients as Taylor models over its stretch, so they bound the quantity at every point.
 
 use crate::bound::Possible;
-use crate::extreme::lesser;
+use crate::extreme::{greater, lesser};
 use crate::piece::{PathPoint, Piece};
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -394,11 +394,10 @@ impl<N: Enclose> Cell<N> {
         self.tightened = lesser(self.tightened, share);
     }
 
-    /// Lowers the part of the limits that the passes use, and returns that part.
-    pub fn apply_tightening(&mut self) -> N::Bound {
-        self.share *= self.tightened;
+    /// Lowers the part of the limits that the passes use, down to 1e-8 at most: the pace goes with its root.
+    pub fn apply_tightening(&mut self) {
+        self.share = greater(self.share * self.tightened, N::Bound::ratio(1, 100_000_000));
         self.tightened = N::Bound::ONE;
-        self.share
     }
 
     /// Length in p.

@@ -118,19 +118,13 @@ impl Run {
     }
 
     /// Plans again with the limits as they are in the cells.
-    ///
-    /// # Errors
-    /// The first place where next to nothing is left of the limits.
-    pub fn replan(&mut self, pieces: &[PathPiece]) -> Result<(), PathRefusal> {
-        for (cell, place) in self.cells.iter_mut().zip(&self.places) {
-            if cell.apply_tightening() < SHARE_LEAST {
-                return Err(PathRefusal::at(*place, pieces, Obstacle::Refused));
-            }
+    pub fn replan(&mut self) {
+        for cell in &mut self.cells {
+            cell.apply_tightening();
         }
         controllable(&self.cells, 0.0, &mut self.squares);
         fastest(&self.cells, 0.0, &mut self.squares);
         self.duration_s = duration(&self.cells, &self.squares);
-        Ok(())
     }
 
     /// Duration of cell `index`.
@@ -154,9 +148,6 @@ impl Run {
 /// Sine of the angle between two tangents above which the path has a corner. Rounding of a path's numbers stays
 /// below it.
 const CORNER: f64 = 1e-9;
-
-/// Least part of the limits that moves are made with: a thousandth of the pace that the limits allow.
-const SHARE_LEAST: f64 = 1e-6;
 
 /// Most cells for each piece, where these are more than [`Effort::cells_max`].
 const CELLS_PER_PIECE_MAX: usize = 32;
@@ -220,7 +211,7 @@ fn plan_run<M: Model<N = f64>>(
     let cells_max = effort.cells_max.max(CELLS_PER_PIECE_MAX * range.len());
     let mut gap_before = f64::INFINITY;
     loop {
-        let (mut run, times) = grid.plan(range.clone())?;
+        let (mut run, times) = grid.plan(range.clone());
         // The bound knows nothing of the reserve for holds: the two are compared without one.
         let allowed = effort.gap * run.least_s;
         let gap = run.duration_s - run.least_s;
@@ -231,7 +222,7 @@ fn plan_run<M: Model<N = f64>>(
             for cell in &mut run.cells {
                 cell.reserve(planner.ramp());
             }
-            run.replan(pieces)?;
+            run.replan();
             return Ok(run);
         }
         gap_before = gap;

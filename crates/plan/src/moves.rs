@@ -155,7 +155,7 @@ fn moves_of<M: Model<N = f64>>(
     let mut strikes = vec![MARGIN; run.cells.len()];
     let refusal = |place| PathRefusal::at(place, pieces, Obstacle::Refused);
     run.tighten(0..run.cells.len(), SHARE);
-    run.replan(pieces)?;
+    run.replan();
     for _ in 0..ROUNDS {
         let timeline = Timeline::of(run);
         let step = sampling.least_ticks(path_acceleration(run, pieces, planner.lever_m()));
@@ -205,7 +205,7 @@ fn moves_of<M: Model<N = f64>>(
             strikes[cells.clone()].fill(2.0 * margin);
             run.tighten(cells, 1.0 / (1.0 + by + margin));
         }
-        run.replan(pieces)?;
+        run.replan();
     }
     Err(refusal(run.places[0]))
 }
