@@ -134,7 +134,7 @@ fn ten_thousand_bad_paths_are_refused() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes an hour"]
 fn ten_thousand_random_paths_keep_limits_and_path() {
     study(10_000, 10_000);
 }
