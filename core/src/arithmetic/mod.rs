@@ -26,6 +26,7 @@ pub use wide::{RoundsEachStep, WideArithmetic};
 use crate::source::ToSource;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use nalgebra::Vector2;
 
 /// Constants, conversions and functions of single values.
 ///
@@ -100,6 +101,16 @@ pub trait Arithmetic:
     #[inline(always)]
     fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
         a * b - c * d
+    }
+    /// a . b.
+    #[inline(always)]
+    fn dot_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        Self::ab_plus_cd(a.x, b.x, a.y, b.y)
+    }
+    /// a x b.
+    #[inline(always)]
+    fn cross_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        Self::ab_minus_cd(a.x, b.y, a.y, b.x)
     }
     /// self / divisor. A zero divisor gives a value that is not [finite](Self::is_finite).
     fn div(self, divisor: Self) -> Self;

@@ -6,25 +6,25 @@ use nalgebra::Vector2;
 /// Scalar product a . b.
 #[inline(always)]
 pub fn dot<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N {
-    N::ab_plus_cd(a.x, b.x, a.y, b.y)
+    N::dot_of(&a, &b)
 }
 
 /// Plane cross product a x b = ax by - ay bx, positive when b lies counter-clockwise of a.
 #[inline(always)]
 pub fn cross<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N {
-    N::ab_minus_cd(a.x, b.y, a.y, b.x)
+    N::cross_of(&a, &b)
 }
 
 /// Scalar product a . b, not rounded.
 #[inline(always)]
 pub fn sum_dot<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
-    N::sum_ab_plus_cd(a.x, b.x, a.y, b.y)
+    N::sum_dot_of(&a, &b)
 }
 
 /// Plane cross product a x b, not rounded.
 #[inline(always)]
 pub fn sum_cross<N: WideArithmetic>(a: Vector2<N>, b: Vector2<N>) -> N::Sum {
-    N::sum_ab_minus_cd(a.x, b.y, a.y, b.x)
+    N::sum_cross_of(&a, &b)
 }
 
 /// `v` turned by +90 degrees (E v in the documentation).

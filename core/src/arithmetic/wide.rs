@@ -75,6 +75,16 @@ pub trait WideArithmetic: Arithmetic {
     fn sum_ab_plus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
     /// a b - c d, not rounded.
     fn sum_ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self::Sum;
+    /// a . b, not rounded.
+    #[inline(always)]
+    fn sum_dot_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self::Sum {
+        Self::sum_ab_plus_cd(a.x, b.x, a.y, b.y)
+    }
+    /// a x b, not rounded.
+    #[inline(always)]
+    fn sum_cross_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self::Sum {
+        Self::sum_ab_minus_cd(a.x, b.y, a.y, b.x)
+    }
     /// The sum, rounded.
     fn round(sum: Self::Sum) -> Self;
     /// sum f, rounded once.
@@ -186,6 +196,14 @@ impl<T: RoundsEachStep> WideArithmetic for T {
     #[inline(always)]
     fn sum_ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
         Self::ab_minus_cd(a, b, c, d)
+    }
+    #[inline(always)]
+    fn sum_dot_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        Self::dot_of(a, b)
+    }
+    #[inline(always)]
+    fn sum_cross_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        Self::cross_of(a, b)
     }
     #[inline(always)]
     fn round(sum: Self) -> Self {

@@ -77,7 +77,7 @@ pub trait DyadKernel: WideArithmetic {
     /// `to` - `from`, two arms as in a [`span`](Self::span).
     #[inline(always)]
     fn arm_between(from: Vector2<Self>, to: Vector2<Self>) -> Vector2<Self> {
-        to - from
+        Vector2::new(to.x - from.x, to.y - from.y)
     }
 
     /// a x b of links, or of a link and the difference of two arms.
@@ -249,7 +249,7 @@ impl<N: RoundsEachStep> Squares<N> {
         );
         DyadPosition {
             r1,
-            r2: d - r1,
+            r2: Vector2::new(d.x - r1.x, d.y - r1.y),
             r1_cross_r2,
             inverse_cross: r1_cross_r2.reciprocal(),
             r1_dot_r2: N::HALF * self.twice_dot,

@@ -4,6 +4,7 @@ use super::operators::{difference_of_products, inverse, root, rounded_again, sum
 use super::{AngleModel, Float, Middle, Rough, Roundoffs, TaylorModel, Terms};
 use crate::admission::Enclose;
 use crate::admission::enclose::Centre;
+use nalgebra::Vector2;
 use trirrr_core::number::{Arithmetic, RoundsEachStep};
 
 impl<N: Enclose> RoundsEachStep for TaylorModel<N> {}
@@ -92,6 +93,18 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     #[inline(always)]
     fn ab_minus_cd(a: Self, b: Self, c: Self, d: Self) -> Self {
         difference_of_products(a, b, c, d)
+    }
+
+    /// A function of its own: operands stay in memory up to here.
+    #[inline(never)]
+    fn dot_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        sum_of_products(a.x, b.x, a.y, b.y)
+    }
+
+    /// As [`dot_of`](Self::dot_of).
+    #[inline(never)]
+    fn cross_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
+        difference_of_products(a.x, b.y, a.y, b.x)
     }
 
     #[inline(never)]
