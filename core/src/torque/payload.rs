@@ -4,7 +4,7 @@ use super::demand::Demand;
 use crate::inverse::Rotation;
 use crate::machine::Parameters;
 use crate::model::PayloadKind;
-use crate::number::{Number, cross, perpendicular};
+use crate::number::{Number, cross};
 use crate::setpoint::Setpoint;
 use crate::source::ToSource;
 use crate::to_source;
@@ -140,10 +140,21 @@ impl<N: Number> Payload<N> for Offset<N> {
     fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N> {
         let (velocity, a) = (setpoint.velocity, setpoint.acceleration);
         let s = rotation.apply(self.com);
-        let a_com = a.xy() + (perpendicular(s) * a.z - s * (velocity.z * velocity.z));
-        let inertial = (a_com - self.gravity).map(|a| a.scaled(self.mass));
+        // By coordinates: large numbers are copied as parts of vectors.
+        let turning_sq = velocity.z * velocity.z;
+        let inertial = |a_d: N, across: N, along: N, gravity: N| {
+            let a_com = a_d + (across * a.z - along * turning_sq);
+            (a_com - gravity).scaled(self.mass)
+        };
+        let inertial = Vector2::new(
+            inertial(a.x, -s.y, s.x, self.gravity.x),
+            inertial(a.y, s.x, s.y, self.gravity.y),
+        );
         Demand {
-            force: inertial - self.wrench_force,
+            force: Vector2::new(
+                inertial.x - self.wrench_force.x,
+                inertial.y - self.wrench_force.y,
+            ),
             moment: a.z.scaled(self.inertia) + cross(s, inertial) - self.wrench_moment,
         }
     }

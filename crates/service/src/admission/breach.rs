@@ -55,22 +55,19 @@ pub(super) struct Breach<N> {
     pub(super) ramp: bool,
     /// True if the limit is broken all over the interval.
     pub(super) certain: bool,
-    /// Halvings of the interval after which the limit would be kept if nothing but curvature mattered, 1 to 3.
+    /// Halvings of the interval after which the limit would be kept if nothing but curvature mattered, 1 or 2.
     pub(super) halvings: u32,
 }
 
-/// As in a [`Breach`] that is `excess` beyond its limit.
+/// As in a [`Breach`] that is `excess` beyond its limit. At most two: over long intervals the excess falls faster than
+/// curvature.
 #[inline(never)]
 fn halvings<N: Arithmetic>(excess: N, curved: N) -> u32 {
-    let quarter = |part: N| N::HALF * (N::HALF * part);
     let room = curved - excess;
-    let rest = quarter(curved);
-    if !(room > N::ZERO) || rest <= room {
-        1
-    } else if quarter(rest) <= room {
-        2
-    } else {
-        3
+    let after_one = N::HALF * (N::HALF * curved);
+    match room > N::ZERO && after_one > room {
+        true => 2,
+        false => 1,
     }
 }
 
