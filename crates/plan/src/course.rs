@@ -156,7 +156,7 @@ const PARTS_MAX: f64 = 8.0;
 /// Part of the allowed gap that a new grid is made for.
 const SAFETY: f64 = 0.8;
 /// Part of a gap above which a finer grid has not lowered it.
-const PROGRESS: f64 = 0.9;
+const PROGRESS: f64 = 0.7;
 
 /// Plans the path of `pieces`. The motion begins and ends at rest, and stops at corners.
 ///

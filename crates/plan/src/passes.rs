@@ -140,6 +140,9 @@ fn best<N: Enclose>(
     let (mut low, mut high) = (from, greater(from, far()));
     best = allowing(from, from).unwrap_or(zero);
     for _ in 0..STEPS {
+        if high - low <= high * N::Bound::ratio(1, SETTLED) {
+            break;
+        }
         let middle = half * (low + high);
         let reached = allowing(middle, middle);
         best = reached.map_or(best, |reached| greater(best, reached));
