@@ -1,16 +1,17 @@
 //! One interval of a move, measured: the very stages of the tick, run on Taylor models.
 
 use super::bounds::{MotorBounds, TorqueBounds};
-use super::breach::{Breach, Extent, greater};
+use super::breach::{Breach, Extent};
+use super::legs::{add_motion, lines, solve, torques, unsolved};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
-use nalgebra::{Vector2, Vector3};
-use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
-use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
+use nalgebra::Vector3;
+use trirrr_core::dyad::{Accelerations, Rates};
+use trirrr_core::inverse::{LegMotion, Rotation};
 use trirrr_core::limits::Limits;
-use trirrr_core::machine::{BuildError, Leg, LegParameters, Parameters};
+use trirrr_core::machine::{BuildError, LegParameters, Parameters};
 use trirrr_core::model::Model;
-use trirrr_core::number::{Arithmetic, dot};
+use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Segment, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
@@ -281,136 +282,4 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         }
         Ok(())
     }
-
-    /// Returns the limit that is broken where the pipeline ends without a value.
-    fn breach(
-        &self,
-        status: Status,
-        setpoint: &Setpoint<TaylorModel<N>>,
-        rotation: &Rotation<TaylorModel<N>>,
-    ) -> Breach<Float<N>> {
-        match status {
-            Status::Unreachable { leg } | Status::SerialSingular { leg } => {
-                let geometry = &self.tick.geometry().legs()[leg];
-                let c = rotation.apply(geometry.joint());
-                let d = (setpoint.pose.position - geometry.base()) + c;
-                let squared = dot(d, d);
-                let (shortest, longest) = geometry.dyad().reach();
-                let (shortest, longest) = (shortest.middle(), longest.middle());
-                // The span that is on the wrong side, or may be, of the nearer of the two bounds.
-                let zero = <Float<N>>::ZERO;
-                let root = |square: Float<N>| greater(zero, square).sqrt();
-                let size = Extent {
-                    least: root(squared.middle() - squared.radius()),
-                    value: root(squared.middle()),
-                    greatest: root(squared.middle() + squared.radius()),
-                    curved: zero,
-                };
-                let stretched = !(squared.middle()
-                    <= <Float<N>>::HALF * (shortest * shortest + longest * longest));
-                let (limit, beyond) = if stretched {
-                    (longest, size.least - longest)
-                } else {
-                    (shortest, shortest - size.greatest)
-                };
-                // The roots and the reach itself are rounded.
-                let rounding = N::roundoff(longest + longest);
-                Breach {
-                    certain: beyond > (rounding + rounding) + (rounding + rounding),
-                    ..Breach::above(Bounded::Reach, leg, &size, limit, false)
-                }
-            }
-            // det A cannot be told from zero, in the number type of the tick.
-            Status::ParallelSingular => {
-                let size = Extent {
-                    least: <Float<N>>::ZERO,
-                    value: <Float<N>>::ZERO,
-                    greatest: <Float<N>>::ONE,
-                    curved: <Float<N>>::ZERO,
-                };
-                let least = self.limits.parallel_distance;
-                Breach::below(Bounded::ParallelDistance, None, &size, least)
-            }
-            Status::OutOfRange => Breach::out_of_range(),
-        }
-    }
-}
-
-/// A function of its own: as a part of another one it would copy its results.
-#[inline(never)]
-pub(super) fn lines<N: Enclose>(
-    legs: &[LegMotion<TaylorModel<N>>; 3],
-) -> DistalLines<TaylorModel<N>> {
-    let [leg1, leg2, leg3] = legs;
-    DistalLines::of([&leg1.position, &leg2.position, &leg3.position])
-}
-
-/// Torques of one load. A function of its own, for its three calls.
-#[inline(never)]
-fn torques<M: Model>(
-    model: &M,
-    lines: &DistalLines<M::N>,
-    legs: &[LegMotion<M::N>; 3],
-    setpoint: &Setpoint<M::N>,
-    rotation: &Rotation<M::N>,
-) -> Result<[M::N; 3], Status> {
-    model.torques(Some(lines), legs, setpoint, rotation)
-}
-
-/// A leg to be filled in. No constant, which would take its place in an image.
-fn unsolved<N: Enclose>() -> LegMotion<TaylorModel<N>> {
-    let zero = Vector2::new(TaylorModel::ZERO, TaylorModel::ZERO);
-    LegMotion {
-        position: LegPosition {
-            platform_joint: zero,
-            links: DyadPosition {
-                r1: zero,
-                r2: zero,
-                r1_cross_r2: TaylorModel::ZERO,
-                inverse_cross: TaylorModel::ZERO,
-                r1_dot_r2: TaylorModel::ZERO,
-            },
-        },
-        rates: Rates {
-            proximal: TaylorModel::ZERO,
-            distal: TaylorModel::ZERO,
-        },
-        accelerations: Accelerations {
-            proximal: TaylorModel::ZERO,
-            distal: TaylorModel::ZERO,
-        },
-    }
-}
-
-/// Solves leg `index`.
-#[inline(never)]
-pub(super) fn solve<N: Enclose>(
-    index: usize,
-    leg: &Leg<TaylorModel<N>>,
-    setpoint: &Setpoint<TaylorModel<N>>,
-    rotation: &Rotation<TaylorModel<N>>,
-    motion: &mut LegMotion<TaylorModel<N>>,
-) -> Result<(), Status> {
-    let (platform_joint, span) = leg.span(setpoint.pose.position, rotation);
-    motion.position.platform_joint = platform_joint;
-    motion.position.links = leg
-        .dyad()
-        .position(span)
-        .map_err(|refused| refused.of_leg(index))?;
-    if N::IS_ROUGH_FIRST && span.x.is_rough() {
-        let lengths = leg.dyad().squared_lengths().map(TaylorModel::middle);
-        TaylorModel::narrow(&mut motion.position.links, &span, lengths);
-    }
-    Ok(())
-}
-
-/// Adds rates and accelerations to the position of a leg.
-#[inline(never)]
-pub(super) fn add_motion<N: Enclose>(
-    leg: &Leg<TaylorModel<N>>,
-    setpoint: &Setpoint<TaylorModel<N>>,
-    motion: &mut LegMotion<TaylorModel<N>>,
-) {
-    motion.rates = leg.rates(&motion.position, &setpoint.velocity);
-    motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
 }
