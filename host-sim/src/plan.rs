@@ -9,6 +9,7 @@ use serde_json::json;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use trirrr_core::setpoint::Pose;
 use trirrr_plan::course::{Effort, Run};
 use trirrr_plan::moves::PlannedMoves;
 use trirrr_scene::{JobPath, Scene, limited, plan_job};
@@ -147,21 +148,7 @@ fn write(
         );
         traces.push(t, [speed, speed_max]);
     }
-    let mut moves =
-        String::from("piece,ticks,x0,y0,alpha0,vx0,vy0,valpha0,x1,y1,alpha1,vx1,vy1,valpha1\n");
-    for each in &planned.moves {
-        let source = path.pieces[each.piece].source + 1;
-        let _ = write!(moves, "{source},{}", each.ticks);
-        for (pose, velocity) in [
-            (&each.from, &each.start_velocity),
-            (&each.to, &each.end_velocity),
-        ] {
-            let (x, y, alpha) = (pose.position.x, pose.position.y, pose.angle);
-            let [vx, vy, valpha] = (*velocity).into();
-            let _ = write!(moves, ",{x:?},{y:?},{alpha:?},{vx:?},{vy:?},{valpha:?}");
-        }
-        moves.push('\n');
-    }
+    let moves = moves_table(scene, path, planned);
     let mut files = Vec::new();
     for (file, text) in [("plan.csv", plan), ("moves.csv", moves)] {
         let file = folder.join(file);
@@ -171,6 +158,35 @@ fn write(
     let figure = traces.write(folder, &scene.name);
     files.push(figure.map_err(|error| unwritable(&error.path, &error.source))?);
     Ok(files)
+}
+
+/// The moves as a table that other clients play: the state at the end of each, after a row for the start.
+fn moves_table(scene: &Scene, path: &JobPath, planned: &PlannedMoves) -> String {
+    let mut table =
+        String::from("piece,duration,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,power,speed\n");
+    let mut row = |source: usize, duration: f64, values: [[f64; 3]; 3], tool: [f64; 2]| {
+        let _ = write!(table, "{},{duration:?}", source + 1);
+        for value in values.as_flattened().iter().chain(&tool) {
+            let _ = write!(table, ",{value:?}");
+        }
+        table.push('\n');
+    };
+    let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
+    row(
+        0,
+        0.0,
+        [pose(&scene.job.start), [0.0; 3], [0.0; 3]],
+        [0.0; 2],
+    );
+    for each in &planned.moves {
+        let source = path.pieces[each.piece].source;
+        let tool = path.tools[source].map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
+        let [_, velocity] = each.ends.velocities;
+        let [_, acceleration] = each.ends.accelerations.unwrap_or_default();
+        let end = [pose(&each.ends.to), velocity.into(), acceleration];
+        row(source, f64::from(each.ticks) * scene.period_s(), end, tool);
+    }
+    table
 }
 
 /// Seconds for which each limit is the nearest, the longest first.

@@ -5,7 +5,7 @@ use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Acting, Command, Message, Move, Refusal, Reply, Request, State, Telemetry,
+    Acting, AnyMove, Command, Message, Refusal, Reply, Request, State, Telemetry,
 };
 use trirrr_scene::offer;
 use trirrr_scene::{self as scene, JobPlayer, Scene};
@@ -34,7 +34,7 @@ fn there_and_back() -> Scene {
 /// The client: offers moves, holds, resumes.
 struct Client<'a> {
     machine: &'a mut dyn LocalService<f32>,
-    cycle: Vec<Move<f32>>,
+    cycle: Vec<AnyMove<f32>>,
     moves: u32,
     offered: u32,
     sequence: u32,
@@ -57,11 +57,7 @@ impl Client<'_> {
         while self.offered < self.moves {
             let index = self.offered as usize % self.cycle.len();
             let number = self.offered;
-            let next = Move {
-                number,
-                ..self.cycle[index]
-            };
-            match self.ask(Command::Move(next)) {
+            match self.ask(self.cycle[index].numbered(number).command()) {
                 Reply::Done => self.offered += 1,
                 Reply::Refused(Refusal::QueueFull) => break,
                 reply => panic!("move {number}: {reply:?}"),
@@ -118,14 +114,14 @@ fn ten_million_ticks_end_where_whole_numbers_say() {
 /// Plays rounds of the job for at least `ticks`.
 fn play(ticks: u64) {
     let scene = there_and_back();
-    let cycle: Vec<Move<f32>> = offer::moves(&scene, &Units::SI);
+    let cycle: Vec<AnyMove<f32>> = offer::moves(&scene, &Units::SI);
     let player = JobPlayer::<f32>::new(&scene.job, scene.period_s());
     let ticks_of_cycle = u64::from(player.ticks());
     let starts: Vec<u64> = cycle
         .iter()
         .scan(0, |sum, each| {
             let start = *sum;
-            *sum += u64::from(each.ticks);
+            *sum += u64::from(each.common().ticks);
             Some(start)
         })
         .collect();

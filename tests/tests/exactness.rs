@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 use std::cell::RefCell;
 use trirrr_core::number::{Arithmetic, Number};
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Setpoint};
+use trirrr_core::setpoint::{Hermite, Pose, Quintic, RestToRest, Setpoint};
 use trirrr_tests::bound::Worst;
 use trirrr_tests::random::for_all;
 
@@ -39,7 +39,7 @@ fn rounded<N: Number>(pose: &Pose<f64>) -> Pose<N> {
     Pose::from_f64(pose.position.x, pose.position.y, pose.angle)
 }
 
-/// Both ends of both kinds of move, to the bit, for f32 and f64, up to u32::MAX ticks; and after
+/// Both ends of all kinds of move, to the bit, for f32 and f64, up to u32::MAX ticks; and after
 /// the end, the end.
 fn ends_are_exact<N: Number>() {
     let moves = (pose(), pose(), velocity(), velocity(), ticks());
@@ -58,11 +58,20 @@ fn ends_are_exact<N: Number>() {
             ticks,
             period,
         );
+        let quintic = Quintic::new(
+            [from, to],
+            [v0, v1].map(|v| v.map(N::from_f64)),
+            [v1, v0].map(|a| a.map(N::from_f64)),
+            ticks,
+            period,
+        );
         assert_eq!(rest.at(0).pose, from);
         assert_eq!(chained.at(0).pose, from);
+        assert_eq!(quintic.at(0).pose, from);
         for tick in [ticks, ticks.saturating_add(1), u32::MAX] {
             assert_eq!(rest.at(tick).pose, to);
             assert_eq!(chained.at(tick).pose, to);
+            assert_eq!(quintic.at(tick).pose, to);
         }
         for end in [rest.at(0), rest.at(ticks)] {
             assert!(end.velocity.iter().all(|v| v.to_f64() == 0.0));
@@ -105,6 +114,44 @@ fn moves_join_without_a_jump() {
     worst
         .into_inner()
         .assert_within("velocity at joints", 0.2..=1.0);
+}
+
+/// At the joint of two quintics velocity and acceleration are the same but for the roundings of a multiplication by
+/// the duration, or its square, and of the division.
+#[test]
+fn quintics_join_without_a_jump() {
+    let worst = RefCell::new([Worst::default(), Worst::default()]);
+    let moves = (
+        [pose(), pose(), pose()],
+        [velocity(), velocity()],
+        ticks(),
+        ticks(),
+    );
+    for_all(5000, moves, |(poses, [v, a], first, second)| {
+        let zero = NO_VELOCITY;
+        let before = Quintic::new([poses[0], poses[1]], [zero, v], [zero, a], first, 0.01);
+        let after = Quintic::new([poses[1], poses[2]], [v, zero], [a, zero], second, 0.01);
+        let (end, start) = (before.at(first), after.at(0));
+        assert_eq!(end.pose, start.pose);
+        for joint in [end, start] {
+            for (index, (found, given)) in [(joint.velocity, v), (joint.acceleration, a)]
+                .into_iter()
+                .enumerate()
+            {
+                for i in 0..3 {
+                    let roundings = [4.0, 8.0][index];
+                    worst.borrow_mut()[index].compare(
+                        || format!("{given:?} {first} {second}"),
+                        found[i] - given[i],
+                        roundings * f64::UNIT_ROUNDOFF * given[i].abs(),
+                    );
+                }
+            }
+        }
+    });
+    let [velocities, accelerations] = worst.into_inner();
+    velocities.assert_within("velocity at joints", 0.2..=1.0);
+    accelerations.assert_within("acceleration at joints", 0.2..=1.0);
 }
 
 /// The Hermite cubic with both velocities zero is the rest-to-rest cubic, summed otherwise: pose

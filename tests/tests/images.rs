@@ -51,12 +51,7 @@ macro_rules! images {
                 let built = built.expect("a shipped scene is good");
                 assert_eq!(format!("{COEFFICIENTS:?}"), format!("{built:?}"));
                 assert_eq!(in_units(&PARTS, &UNITS, &PARAMETERS), (PARAMETERS, LIMITS));
-                let first = match MOVES[0] {
-                    trirrr_image::Move::RestToRest { from, .. } => from,
-                    trirrr_image::Move::Hermite { from, .. } => from,
-                };
-                let [x, y, alpha] = first;
-                let start = trirrr_core::setpoint::Pose::<Scalar>::from_f64(x, y, alpha);
+                let start = MOVES[0].ends::<Scalar, Curves>().from;
                 assert_eq!(format!("{START:?}"), format!("{start:?}"));
                 let period = <Scalar as WideArithmetic>::factor_from_f64(PERIOD);
                 assert_eq!(format!("{:?}", SETTINGS.period), format!("{period:?}"));

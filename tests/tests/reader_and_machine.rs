@@ -108,7 +108,7 @@ fn is_played<N: ServiceNumber>(scene: &Scene) -> bool {
         assert!(matches!(first, Reply::Hello(_)), "{first:?}");
         let mut sequence = 0;
         let taken = moves.iter().all(|each| {
-            let command = Command::Move(*each);
+            let command = each.command();
             let reply = machine.receive(&Request { sequence, command });
             sequence += 1;
             while machine.work() {}

@@ -43,6 +43,7 @@ impl Uncertain {
                     to: pose(self.to),
                     start_velocity: Vector3::zeros(),
                     end_velocity: Vector3::zeros(),
+                    accelerations: None,
                     duration_ticks: TICKS,
                     tool: None,
                 }],

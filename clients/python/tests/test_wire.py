@@ -6,7 +6,7 @@ from pathlib import Path
 
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
-    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, Refusal, Reply,
+    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, QuinticMove, Refusal, Reply,
     LeastDuration, Request, Setpoint, Start, State, Telemetry, Verdict, Violation,
 )
 
@@ -24,8 +24,8 @@ def hello(numbers) -> object:
     return Request(7, Command.Hello(content))
 
 
-def move(rounded) -> object:
-    return Request(300, Command.Move(Move(
+def a_move(rounded) -> object:
+    return Move(
         number=2,
         from_=Pose(*map(rounded, (0.21, 0.22, 0.15))),
         to=Pose(*map(rounded, (0.28, 0.28, 0.2))),
@@ -34,6 +34,18 @@ def move(rounded) -> object:
         ticks=300,
         tool_power=0.75,
         tool_speed=rounded(0.1),
+    )
+
+
+def move(rounded) -> object:
+    return Request(300, Command.Move(a_move(rounded)))
+
+
+def quintic(rounded) -> object:
+    return Request(300, Command.Quintic(QuinticMove(
+        common=a_move(rounded),
+        start_acceleration=(0.0, 0.0, 0.0),
+        end_acceleration=(0.5, 0.0, 0.0),
     )))
 
 
@@ -58,6 +70,7 @@ EXAMPLES = {
     "status": (F32, Request, Request(301, Command.Status())),
     "move": (F32, Request, move(single)),
     "move-f64": (F64, Request, move(float)),
+    "quintic": (F32, Request, quintic(single)),
     "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10))),
     "done": (F32, Message, Message.Reply(sequence=300, reply=Reply.Done())),
     "out-of-sequence": (F32, Message, Message.Reply(

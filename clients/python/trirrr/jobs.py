@@ -5,11 +5,11 @@ from __future__ import annotations
 import csv
 import math
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .messages import Move, Pose
+from .messages import Command, Move, Pose, QuinticMove
 
 #: A duration may be this far from a whole number of ticks, for it is written in decimals.
 _TOLERANCE_TICKS = 1e-6
@@ -34,6 +34,8 @@ class Step:
     power: float = 0.0
     speed_m_s: float = 0.0
     place: str = ""
+    #: At both ends of a quintic, (ax, ay, alphaddot); ``None`` for a cubic.
+    accelerations: tuple[Vector, Vector] | None = None
 
     def ticks(self, rate_hz: float) -> int:
         """Duration in ticks. ``JobError`` where it is no whole number."""
@@ -72,7 +74,7 @@ class Job:
     legs: list[dict[str, Any]] = field(default_factory=list)
 
     def moves(self, identity: Any) -> list[Any]:
-        """The moves for the machine that ``identity`` describes, numbered from 0."""
+        """The moves for the machine that ``identity`` describes, numbered from 0: ``Move`` or ``QuinticMove``."""
         length, time = identity.length_m, identity.time_s
 
         def pose(values: Vector) -> Pose:
@@ -82,8 +84,12 @@ class Job:
             speed = length / time
             return (values[0] / speed, values[1] / speed, values[2] * time)
 
-        return [
-            Move(
+        def acceleration(values: Vector) -> Vector:
+            linear = length / time**2
+            return (values[0] / linear, values[1] / linear, values[2] * time**2)
+
+        def move(number: int, step: Step) -> Any:
+            common = Move(
                 number=number,
                 from_=pose(step.start),
                 to=pose(step.end),
@@ -93,8 +99,19 @@ class Job:
                 tool_power=step.power,
                 tool_speed=step.speed_m_s * time / length,
             )
-            for number, step in enumerate(self.steps)
-        ]
+            if step.accelerations is None:
+                return common
+            start, end = map(acceleration, step.accelerations)
+            return QuinticMove(common=common, start_acceleration=start, end_acceleration=end)
+
+        return [move(number, step) for number, step in enumerate(self.steps)]
+
+
+def offer(move: Any, number: int) -> Any:
+    """The command that offers ``move`` under ``number``."""
+    if hasattr(move, "common"):
+        return Command.Quintic(replace(move, common=replace(move.common, number=number)))
+    return Command.Move(replace(move, number=number))
 
 
 def read(path: str) -> Job:
@@ -121,14 +138,23 @@ def _from_scene(path: str, data: bytes) -> Job:
         scene = tomllib.loads(data.decode())
         job = scene["job"]
         start = _pose(job["start"])
+        if job.get("timing") == "shortest":
+            raise JobError(f"{path}: a job along a path: take the moves.csv that `trirrr plan` writes")
         steps = []
-        velocity = _REST
+        velocity = acceleration = _REST
         for index, each in enumerate(job["move"], 1):
             end = _pose(each["to"])
             end_velocity = tuple(
                 float(each.get("end_velocity", {}).get(key, 0.0))
                 for key in ("vx_m_s", "vy_m_s", "valpha_rad_s")
             )
+            accelerations = None
+            if each.get("curve", "cubic") == "quintic":
+                end_acceleration = tuple(
+                    float(each.get("end_acceleration", {}).get(key, 0.0))
+                    for key in ("ax_m_s2", "ay_m_s2", "aalpha_rad_s2")
+                )
+                accelerations = (acceleration, end_acceleration)
             duration = each.get("duration_s")
             tool = each.get("tool")
             steps.append(
@@ -141,9 +167,11 @@ def _from_scene(path: str, data: bytes) -> Job:
                     float(tool["power"]) if tool else 0.0,
                     float(tool["speed_m_s"]) if tool else 0.0,
                     f"{path}: job.move[{index}]",
+                    accelerations,
                 )
             )
             start, velocity = end, end_velocity
+            acceleration = accelerations[1] if accelerations else _REST
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise JobError(f"{path}: {error}") from None
     except KeyError as error:
@@ -162,6 +190,10 @@ def _pose(table: dict[str, Any]) -> Vector:
 #: Columns of a table: end pose, then duration, then what is 0 where it is left out.
 _NEEDED = ("x", "y", "alpha", "duration")
 _OPTIONAL = ("vx", "vy", "valpha", "power", "speed")
+#: With these the moves are quintics.
+_QUINTIC = ("ax", "ay", "aalpha")
+#: For readers only: the piece of a path that a move belongs to.
+_IGNORED = ("piece",)
 
 
 def _from_table(path: str, data: bytes) -> Job:
@@ -170,17 +202,18 @@ def _from_table(path: str, data: bytes) -> Job:
     except UnicodeDecodeError as error:
         raise JobError(f"{path}: {error}") from None
     names = rows.fieldnames or []
-    unknown = [name for name in names if name not in _NEEDED + _OPTIONAL]
+    unknown = [name for name in names if name not in _NEEDED + _OPTIONAL + _QUINTIC + _IGNORED]
+    is_quintic = any(name in names for name in _QUINTIC)
     missing = [name for name in _NEEDED if name not in names]
     if missing or unknown:
         raise JobError(f"{path}: columns missing: {missing}, unknown: {unknown}")
     steps: list[Step] = []
-    before: tuple[Vector, Vector] | None = None
+    before: tuple[Vector, Vector, Vector] | None = None
     for row in rows:
         place = f"{path}: line {rows.line_num}"
 
         def number(name: str) -> float:
-            text = row.get(name) or ("0" if name in _OPTIONAL else "")
+            text = row.get(name) or ("" if name in _NEEDED else "0")
             try:
                 value = float(text)
             except ValueError:
@@ -191,16 +224,28 @@ def _from_table(path: str, data: bytes) -> Job:
 
         end = (number("x"), number("y"), number("alpha"))
         velocity = (number("vx"), number("vy"), number("valpha"))
+        acceleration = (number("ax"), number("ay"), number("aalpha"))
         duration = number("duration")
         if before is None:
-            if duration != 0 or velocity != _REST:
+            if duration != 0 or velocity != _REST or acceleration != _REST:
                 raise JobError(f"{place}: the first row is where the machine stands: duration 0, at rest")
         else:
-            start, start_velocity = before
+            start, start_velocity, start_acceleration = before
+            accelerations = (start_acceleration, acceleration) if is_quintic else None
             steps.append(
-                Step(start, end, start_velocity, velocity, duration, number("power"), number("speed"), place)
+                Step(
+                    start,
+                    end,
+                    start_velocity,
+                    velocity,
+                    duration,
+                    number("power"),
+                    number("speed"),
+                    place,
+                    accelerations,
+                )
             )
-        before = (end, velocity)
+        before = (end, velocity, acceleration)
     if not steps:
         raise JobError(f"{path}: a job needs a start and at least one move")
     if steps[-1].end_velocity != _REST:

@@ -228,6 +228,8 @@ Refusal = Enum(
     Recovery=Violation,
     Busy=None,
     NoHoming=None,
+    NoQuintics=None,
+    StartAcceleration=None,
 )
 
 Hello = Struct(
@@ -247,6 +249,13 @@ Move = Struct(
     ticks=U32,
     tool_power=N,
     tool_speed=N,
+)
+
+QuinticMove = Struct(
+    "QuinticMove",
+    common=Move,
+    start_acceleration=array(N, 3),
+    end_acceleration=array(N, 3),
 )
 
 Recovery = Struct(
@@ -270,6 +279,7 @@ Command = Enum(
     Recover=Recovery,
     Telemetry={"every": U16},
     Home=None,
+    Quintic=QuinticMove,
 )
 
 Request = Struct(

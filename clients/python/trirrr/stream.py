@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from . import words
 from .exchange import Exchange, Refused, Silent
-from .jobs import Job
+from .jobs import Job, offer
 from .messages import NUMBERS, Command, Recovery
 from .ports import Port, PortError
 from .postcard import Value
@@ -19,6 +18,7 @@ _MODULUS = 1 << 32
 #: Refusals that pass by themselves.
 _NOT_YET = {
     "Move": {"QueueFull", "Busy"},
+    "Quintic": {"QueueFull", "Busy"},
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
     "Stop": {"Busy"},
@@ -182,8 +182,7 @@ class Stream:
             if not self.status.room:
                 return self._start()
             number = (self._base + self._offered) % _MODULUS
-            move = dataclasses.replace(self._moves[self._offered], number=number)
-            if not self._command(Command.Move(move)):
+            if not self._command(offer(self._moves[self._offered], number)):
                 return False
             self._offered += 1
             return True
@@ -204,7 +203,7 @@ class Stream:
             name = refused.refusal.name
             if name in _NOT_YET.get(command.name, ()):
                 return False
-            if command.name == "Move":
+            if command.name in ("Move", "Quintic"):
                 raise JobFailed(f"move {self._offered + 1}: {refused}") from None
             raise JobFailed(str(refused)) from None
 

@@ -1,20 +1,20 @@
 //! Setpoints: commanded pose, velocity and acceleration of the platform at a tick.
 //!
-//! Time is a whole number of ticks, an argument and never a clock. Both kinds of move are evaluated
+//! Time is a whole number of ticks, an argument and never a clock. All kinds of move are evaluated
 //! from the nearer end. The first and the last tick of a move then give its two poses exactly, and
 //! a chain of moves neither drifts nor jumps.
 
-mod hermite;
 mod joint;
 mod move_time;
+mod polynomial;
 mod rest_to_rest;
 mod segment;
 mod serial;
 
-pub use hermite::Hermite;
 pub use joint::{JointMove, JointSetpoint, shorter_way, wrapped};
+pub use polynomial::{Cubic, Fifth, Hermite, Polynomial, Quintic, TwoSided};
 pub use rest_to_rest::RestToRest;
-pub use segment::Segment;
+pub use segment::{Cubics, Curve, CurveKind, Ends, NoQuintic, Quintics, Segment};
 
 use crate::number::Number;
 use crate::to_source;

@@ -4,7 +4,7 @@
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Model, ModelVisitor};
-use trirrr_core::setpoint::Pose;
+use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
@@ -161,7 +161,7 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
 impl<N, S> LocalService<N> for Service<'_, S>
 where
     N: ServiceNumber,
-    S: trirrr_service::Scene<N = N, Replacement = Section, Part = Section>,
+    S: trirrr_service::Scene<N = N, Replacement = Section, Part = Section, Curves = Quintics>,
     S::Homing: Homing<N, Inputs = [bool; 3]>,
 {
     fn tick(&mut self) {

@@ -6,7 +6,7 @@ use crate::{JobFailure, Patience};
 use std::time::Duration;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{
-    Command, Hello, Message, Move, Reply, Request, Telemetry, Transmit,
+    AnyMove, Command, Hello, Message, Reply, Request, Telemetry, Transmit,
 };
 use trirrr_service::ServiceNumber;
 
@@ -47,7 +47,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
     /// `tick_rate_hz`.
     pub fn new(
         service: &'a mut dyn LocalService<N>,
-        moves: Vec<Move<N>>,
+        moves: Vec<AnyMove<N>>,
         hello: Hello,
         tick_rate_hz: f64,
     ) -> Self {
@@ -87,7 +87,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                     let Request { sequence, command } = request;
                     let message = Message::Reply { sequence, reply };
                     self.client.receive(&message, self.now);
-                    if is_done && !matches!(command, Command::Move(_)) {
+                    if is_done && command.offered().is_none() {
                         // The tick takes one order at a time: the one after a start is the first of
                         // the path.
                         if matches!(command, Command::Start) {

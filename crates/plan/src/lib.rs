@@ -18,6 +18,8 @@ pub mod cell;
 pub mod corner;
 #[cfg(feature = "std")]
 pub mod course;
+#[cfg(feature = "std")]
+mod draft;
 mod extreme;
 #[cfg(feature = "std")]
 mod grid;
@@ -26,5 +28,7 @@ pub mod moves;
 pub mod passes;
 pub mod piece;
 mod program;
+#[cfg(feature = "std")]
+mod spline;
 #[cfg(feature = "std")]
 mod timeline;

@@ -99,16 +99,4 @@ impl Timeline {
             ..places[index]
         }
     }
-
-    /// Times at which the acceleration jumps by more than `part` of its largest size.
-    pub(crate) fn jumps(&self, part: f64) -> Vec<f64> {
-        let sizes = self.marks.iter().map(|mark| mark.acceleration.abs());
-        let least = part * sizes.fold(0.0, f64::max);
-        let pairs = self.marks.windows(2);
-        let jump = |pair: &[Mark]| {
-            let change = pair[1].acceleration - pair[0].acceleration;
-            (change.abs() > least).then_some(pair[1].time)
-        };
-        pairs.filter_map(jump).collect()
-    }
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{LinkParameters, Parameters, example};
 use trirrr_core::model::{Dynamic, Model};
-use trirrr_core::setpoint::{Hermite, Pose};
+use trirrr_core::setpoint::{Ends, Pose, Quintics};
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, Massive, Massless};
 use trirrr_core::torque::payload::Centred;
@@ -13,7 +13,7 @@ use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::{Effort, PathPiece, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
-use trirrr_protocol::message::Move;
+use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_service::admission::{Admission, Verdict};
 
 fn machine(links: bool) -> Parameters {
@@ -65,19 +65,23 @@ fn planned<M: Model<N = f64>>(
     let limits = Limits::build(limits).expect("limits");
     let ramp = 1.0 / (f64::from(RAMP_TICKS) * SAMPLING.period_s);
     let planner = Planner::<M>::build(parameters, limits, ramp).expect("a machine");
-    let mut admission = Admission::<M>::build(parameters, limits, RAMP_TICKS, SAMPLING.period_s)
-        .expect("a machine");
+    let mut admission =
+        Admission::<M, Quintics>::build(parameters, limits, RAMP_TICKS, SAMPLING.period_s)
+            .expect("a machine");
     let mut judged = |each: &PlannedMove| {
-        admission.offer(&Move {
-            number: 0,
-            from: each.from,
-            to: each.to,
-            start_velocity: each.start_velocity.into(),
-            end_velocity: each.end_velocity.into(),
-            ticks: each.ticks,
-            tool_power: 0.0,
-            tool_speed: 0.0,
-        });
+        let Ends {
+            from,
+            to,
+            velocities,
+            accelerations,
+        } = each.ends;
+        let [start_velocity, end_velocity] = velocities.map(Into::into);
+        let common = Move {
+            start_velocity,
+            end_velocity,
+            ..Move::rest_to_rest(0, from, to, each.ticks)
+        };
+        assert!(admission.offer_any(&AnyMove::new(common, accelerations)));
         loop {
             if let Some(violation) = admission.violation() {
                 return Judged::Exceeded(violation.value / violation.limit - 1.0);
@@ -225,12 +229,15 @@ fn the_bracket_holds_the_least_times_and_moves_come_near() {
         let [first, .., last] = &planned.moves[..] else {
             panic!("{}: one move", problem.name);
         };
-        assert_eq!(first.from, pieces[0].piece.at(0.0).pose);
+        assert_eq!(first.ends.from, pieces[0].piece.at(0.0).pose);
         let end = pieces[pieces.len() - 1].piece.end();
-        assert!((last.to.position - end.position).amax() < 1e-12);
+        assert!((last.ends.to.position - end.position).amax() < 1e-12);
         for pair in planned.moves.windows(2) {
-            assert_eq!(pair[0].to, pair[1].from);
-            assert_eq!(pair[0].end_velocity, pair[1].start_velocity);
+            let [before, after] = [pair[0].ends, pair[1].ends];
+            assert_eq!(before.to, after.from);
+            assert_eq!(before.velocities[1], after.velocities[0]);
+            let accelerations = [before, after].map(|ends| ends.accelerations.expect("quintics"));
+            assert_eq!(accelerations[0][1], accelerations[1][0]);
         }
     }
 }
@@ -247,15 +254,21 @@ fn moves_keep_limits_and_path() {
     let planned = planned::<WithLinks>(&parameters, &problem.limits, &pieces).expect("a plan");
     let tick = Tick::<WithLinks>::build(&parameters).expect("a machine");
     let (mut worst, mut away): (f64, f64) = (0.0, 0.0);
+    // Torques at the end of the move before, and the largest step from one move to the next.
+    let (mut before, mut step): (Option<[f64; 3]>, f64) = (None, 0.0);
+    let torques = |setpoint| {
+        tick.evaluate(&setpoint)
+            .expect("a motion")
+            .motors
+            .map(|motor| motor.torque)
+    };
     for each in &planned.moves {
-        let segment = Hermite::<f64>::new(
-            each.from,
-            each.start_velocity,
-            each.to,
-            each.end_velocity,
-            each.ticks,
-            SAMPLING.period_s,
-        );
+        let segment = each.segment(SAMPLING.period_s);
+        let [start, end] = [0.0, 1.0].map(|s| torques(segment.at_fraction(s)));
+        for (before, start) in before.iter().flatten().zip(start) {
+            step = step.max((start - before).abs());
+        }
+        before = Some(end);
         for part in 0..=8 * each.ticks {
             let setpoint = segment.at_fraction(f64::from(part) / f64::from(8 * each.ticks));
             let motion = tick.evaluate(&setpoint).expect("a motion");
@@ -267,7 +280,11 @@ fn moves_keep_limits_and_path() {
             away = away.max(from_outline(setpoint.pose.position));
         }
     }
-    println!("largest part of a limit {worst:.6}, largest distance from the path {away:.3e} m");
+    println!(
+        "largest part of a limit {worst:.6}, largest distance from the path {away:.3e} m, largest step of a torque between moves {:.3e} of its limit",
+        step / 0.3
+    );
+    assert!(step <= 1e-9 * 0.3, "{step}");
     assert!(worst <= 1.0 && worst > 0.99, "{worst}");
     assert!(away <= SAMPLING.tolerance_m && away > 0.0, "{away}");
 }

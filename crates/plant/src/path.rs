@@ -1,7 +1,7 @@
 //! The job as a path in time: setpoints at every instant, not only at ticks.
 
 use nalgebra::Vector3;
-use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use trirrr_core::setpoint::{Quintics, Segment, Setpoint};
 use trirrr_scene::{JobMove, Scene};
 
 /// The moves of a job on the time axis.
@@ -16,7 +16,7 @@ pub struct JobPath {
 struct TimedMove {
     start: f64,
     end: f64,
-    segment: Segment<f64>,
+    segment: Segment<f64, Quintics>,
 }
 
 impl JobPath {
@@ -29,7 +29,7 @@ impl JobPath {
             TimedMove {
                 start,
                 end: f64::from(tick) / scene.tick_rate_hz,
-                segment: segment(each, scene.period_s()),
+                segment: each.segment(each.duration_ticks, scene.period_s()),
             }
         };
         let last = scene.job.moves.last();
@@ -55,23 +55,11 @@ impl JobPath {
             return self.rest;
         };
         let s = (t - each.start) / (each.end - each.start);
-        match &each.segment {
-            Segment::RestToRest(segment) => segment.at_fraction(s),
-            Segment::Hermite(segment) => segment.at_fraction(s),
-        }
+        each.segment.at_fraction(s)
     }
 
     /// The setpoint at `t`.
     pub fn at(&self, t: f64) -> Setpoint<f64> {
         self.in_move(self.moves.partition_point(|each| each.end <= t), t)
     }
-}
-
-fn segment(each: &JobMove, period: f64) -> Segment<f64> {
-    let ticks = each.duration_ticks;
-    if each.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(each.from, each.to, ticks, period));
-    }
-    let (v0, v1) = (each.start_velocity, each.end_velocity);
-    Segment::Hermite(Hermite::new(each.from, v0, each.to, v1, ticks, period))
 }

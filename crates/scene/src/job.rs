@@ -4,7 +4,8 @@ use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::read::{Bound, Document, Place, Section};
 use nalgebra::Vector3;
-use trirrr_core::setpoint::Pose;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Ends, Pose, Quintics, Segment};
 use trirrr_core::units::Units;
 
 /// A start pose and the moves from it, one after the other without a pause.
@@ -19,7 +20,7 @@ pub struct Job {
     pub path: Option<JobPath>,
 }
 
-/// One move, a cubic in time on every coordinate.
+/// One move, a polynomial in time on every coordinate: a cubic, or a quintic with accelerations at its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobMove {
     /// Pose at its start.
@@ -30,6 +31,8 @@ pub struct JobMove {
     pub start_velocity: Vector3<f64>,
     /// (vx, vy, alphadot) at its end, m/s and rad/s.
     pub end_velocity: Vector3<f64>,
+    /// (ax, ay, alphaddot) at both ends of a quintic, m/s^2 and rad/s^2; none for a cubic.
+    pub accelerations: Option<[Vector3<f64>; 2]>,
     /// Duration in ticks, positive.
     pub duration_ticks: u32,
     /// Work of the tool on the way; none: it is off.
@@ -54,6 +57,9 @@ impl Job {
             to: units.pose(&each.to),
             start_velocity: units.velocity(&each.start_velocity),
             end_velocity: units.velocity(&each.end_velocity),
+            accelerations: each
+                .accelerations
+                .map(|both| both.map(|one| units.acceleration(&one))),
             tool: each.tool.map(|tool| Tool {
                 speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
                 ..tool
@@ -75,10 +81,31 @@ impl Job {
     }
 }
 
+impl Job {
+    /// Returns true if a move is a quintic.
+    pub fn has_quintics(&self) -> bool {
+        self.moves.iter().any(|each| each.accelerations.is_some())
+    }
+}
+
 impl JobMove {
-    /// Returns true if both ends are at rest.
-    pub fn is_rest_to_rest(&self) -> bool {
-        self.start_velocity == Vector3::zeros() && self.end_velocity == Vector3::zeros()
+    /// Returns what the curve of the move is given by, in the number type `N`.
+    pub fn ends<N: Number>(&self) -> Ends<N, Quintics> {
+        let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
+        let number = |v: &Vector3<f64>| v.map(N::from_f64);
+        Ends {
+            from: pose(&self.from),
+            to: pose(&self.to),
+            velocities: [number(&self.start_velocity), number(&self.end_velocity)],
+            accelerations: self
+                .accelerations
+                .map(|both| both.each_ref().map(|one| number(one).into())),
+        }
+    }
+
+    /// Builds the move in the number type `N`, in `ticks` ticks of `period_s` in place of its own.
+    pub fn segment<N: Number>(&self, ticks: u32, period_s: f64) -> Segment<N, Quintics> {
+        Segment::new(&self.ends(), ticks, N::factor_from_f64(period_s))
     }
 }
 
@@ -131,12 +158,21 @@ pub(crate) fn read_job(
     }
     let mut from = start;
     let mut start_velocity = Some(Vector3::zeros());
+    let mut start_acceleration = Vector3::zeros();
     let mut moves = Vec::with_capacity(sections.len());
     let mut complete = true;
     for each in &sections {
         let to = read_pose(each, "to");
         let end_velocity = read_velocity(each);
-        let ticks = read_ticks(each, rate, [from, to], [start_velocity, end_velocity]);
+        let end_acceleration = read_end_acceleration(each);
+        let is_quintic = end_acceleration.is_some_and(|end| end.is_some());
+        let ticks = match is_quintic && !each.has("duration_s") {
+            true => {
+                each.refuse("duration_s", "a quintic needs its duration");
+                None
+            }
+            false => read_ticks(each, rate, [from, to], [start_velocity, end_velocity]),
+        };
         let tool = read_tool(each);
         let whole = || {
             Some(JobMove {
@@ -144,6 +180,7 @@ pub(crate) fn read_job(
                 to: to?,
                 start_velocity: start_velocity?,
                 end_velocity: end_velocity?,
+                accelerations: end_acceleration?.map(|end| [start_acceleration, end]),
                 duration_ticks: ticks?,
                 tool: tool?,
             })
@@ -153,10 +190,15 @@ pub(crate) fn read_job(
             None => complete = false,
         }
         (from, start_velocity) = (to, end_velocity);
+        start_acceleration = end_acceleration.flatten().unwrap_or(Vector3::zeros());
     }
     let last = sections.last()?;
     if start_velocity.is_some_and(|velocity| velocity != Vector3::zeros()) {
         last.refuse("end_velocity", "the last move must end at rest");
+    }
+    if start_acceleration != Vector3::zeros() {
+        let reason = "the last move must end without an acceleration";
+        last.refuse("end_acceleration", reason);
     }
     let total: u64 = moves
         .iter()
@@ -224,11 +266,37 @@ fn read_velocity(each: &Section) -> Option<Vector3<f64>> {
     if !each.has("end_velocity") {
         return Some(Vector3::zeros());
     }
-    let velocity = each.section("end_velocity")?;
-    let vx = velocity.number_or("vx_m_s", Bound::Finite, 0.0);
-    let vy = velocity.number_or("vy_m_s", Bound::Finite, 0.0);
-    let valpha = velocity.number_or("valpha_rad_s", Bound::Finite, 0.0);
-    Some(Vector3::new(vx?, vy?, valpha?))
+    read_rates(
+        &each.section("end_velocity")?,
+        ["vx_m_s", "vy_m_s", "valpha_rad_s"],
+    )
+}
+
+/// The acceleration at the end of a quintic: `Some(None)` for a cubic.
+fn read_end_acceleration(each: &Section) -> Option<Option<Vector3<f64>>> {
+    let is_quintic = match each.has("curve") {
+        true => each.choice("curve", &[("cubic", false), ("quintic", true)])?,
+        false => false,
+    };
+    if !each.has("end_acceleration") {
+        return Some(is_quintic.then(Vector3::zeros));
+    }
+    if !is_quintic {
+        let reason = "goes with curve = \"quintic\"";
+        each.refuse("end_acceleration", reason);
+        return None;
+    }
+    read_rates(
+        &each.section("end_acceleration")?,
+        ["ax_m_s2", "ay_m_s2", "aalpha_rad_s2"],
+    )
+    .map(Some)
+}
+
+/// Three numbers, each 0 where it is left out.
+fn read_rates(section: &Section, keys: [&'static str; 3]) -> Option<Vector3<f64>> {
+    let [x, y, alpha] = keys.map(|key| section.number_or(key, Bound::Finite, 0.0));
+    Some(Vector3::new(x?, y?, alpha?))
 }
 
 /// The tool of a move: `Some(None)` where it is left out.

@@ -7,8 +7,9 @@ use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::BuildError;
 use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::{Move, Refusal, Violation};
+use trirrr_protocol::message::{AnyMove, Refusal, Violation};
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::{ServiceNumber, check_offer, longest_move};
 
@@ -42,27 +43,36 @@ pub(crate) enum Unjudged {
 /// # Errors
 /// [`Unjudged`].
 pub(crate) fn judge(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
-    judge_with(scene, true)
+    judge_with(scene, usize::MAX, true)
 }
 
-/// As [`judge`], but no violation names the shortest duration that would pass.
+/// As [`judge`] the first `count` moves, but no violation names the shortest duration that would pass.
 ///
 /// # Errors
 /// [`Unjudged`].
-pub(crate) fn judge_quickly(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
-    judge_with(scene, false)
+pub(crate) fn judge_quickly(
+    scene: &Scene,
+    count: usize,
+) -> Result<Vec<Option<Objection>>, Unjudged> {
+    judge_with(scene, count, false)
 }
 
-fn judge_with(scene: &Scene, shortest: bool) -> Result<Vec<Option<Objection>>, Unjudged> {
-    in_number_type!(scene.number, N => judge_in::<N>(scene, shortest))
+fn judge_with(
+    scene: &Scene,
+    count: usize,
+    shortest: bool,
+) -> Result<Vec<Option<Objection>>, Unjudged> {
+    in_number_type!(scene.number, N => judge_in::<N>(scene, count, shortest))
 }
 
 fn judge_in<N: ServiceNumber>(
     scene: &Scene,
+    count: usize,
     shortest: bool,
 ) -> Result<Vec<Option<Objection>>, Unjudged> {
     let units = units::<N>(scene)?;
-    let moves = offer::moves::<N>(scene, &units);
+    let mut moves = offer::moves::<N>(scene, &units);
+    moves.truncate(count);
     let job = OfferedJob {
         scene,
         units: &units,
@@ -76,7 +86,7 @@ fn judge_in<N: ServiceNumber>(
 struct OfferedJob<'a, N: ServiceNumber> {
     scene: &'a Scene,
     units: &'a Units,
-    moves: &'a [Move<N>],
+    moves: &'a [AnyMove<N>],
     /// Violations name the shortest duration.
     shortest: bool,
 }
@@ -91,7 +101,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             moves,
             shortest,
         } = self;
-        let mut admission = Admission::<M>::build(
+        let mut admission = Admission::<M, Quintics>::build(
             &units.parameters(&scene.parameters),
             Limits::build(&units.limits(&scene.limits))?,
             scene.ramp_ticks(),
@@ -103,8 +113,8 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
 }
 
 fn objection<M: Model<N: ServiceNumber>>(
-    admission: &mut Admission<M>,
-    offered: &Move<M::N>,
+    admission: &mut Admission<M, Quintics>,
+    offered: &AnyMove<M::N>,
     units: &Units,
     shortest: bool,
 ) -> Option<Objection> {
@@ -114,7 +124,7 @@ fn objection<M: Model<N: ServiceNumber>>(
         Err(Refusal::Tool) => return Some(Objection::Tool),
         Err(_) => return Some(Objection::NotFinite),
     }
-    admission.offer(offered);
+    admission.offer_any(offered);
     loop {
         match admission.step() {
             Verdict::Undecided => {

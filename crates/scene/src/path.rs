@@ -3,7 +3,6 @@
 
 use crate::job::{JobMove, PlacedJob};
 use crate::judge::{Objection, Unjudged, judge};
-use crate::player::segment;
 use crate::read::{Document, Place};
 use crate::words::{self, short};
 use crate::{NumberType, Scene};
@@ -100,7 +99,8 @@ impl Workspace<'_> {
         };
         let (period_s, ticks) = (self.period_s, each.duration_ticks);
         let time_s = violation.at * f64::from(ticks) * period_s;
-        let pose = segment::<f64>(each, ticks, period_s)
+        let pose = each
+            .segment::<f64>(ticks, period_s)
             .at_fraction(violation.at)
             .pose;
         let mut reason = format!(

@@ -10,6 +10,7 @@ use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters};
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::number::{Arithmetic, Fixed};
+use trirrr_core::setpoint::Ends;
 use trirrr_plan::cell::{Limited, Obstacle, Planner};
 use trirrr_plan::course::{Effort, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
@@ -21,6 +22,11 @@ pub enum Unplanned {
     /// The machine or a limit is refused.
     #[error(transparent)]
     Machine(#[from] BuildError),
+    /// Each run can be played, but not in units that hold all of them.
+    #[error(
+        "the number type of the scene has no units for all pieces together; take another number type or two jobs"
+    )]
+    Units,
     /// An obstacle on the path.
     #[error("{}", obstacle(.0))]
     Path(PathRefusal),
@@ -31,17 +37,37 @@ pub enum Unplanned {
 /// # Errors
 /// [`Unplanned`].
 pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedMoves, Unplanned> {
-    scene.model().visit(PlanJob {
-        scene,
-        path,
-        effort,
-    })
+    let mut others = Vec::new();
+    loop {
+        let planned = scene.model().visit(PlanJob {
+            scene,
+            path,
+            effort,
+            others: &others,
+        })?;
+        // Runs are judged one by one. Units of a number type of little range are those of the whole job: they may be
+        // larger, and then the runs are judged again in those.
+        if planned.plan.runs.len() == 1 || scene.number != NumberType::Fixed {
+            return Ok(planned);
+        }
+        let moves = job_moves(path, &planned.moves);
+        let is_kept = |judged: &Judged| *judged == Judged::Kept;
+        if judged(scene, &moves, &[]).iter().all(is_kept) {
+            return Ok(planned);
+        }
+        if !others.is_empty() {
+            return Err(Unplanned::Units);
+        }
+        others = moves;
+    }
 }
 
 struct PlanJob<'a> {
     scene: &'a Scene,
     path: &'a JobPath,
     effort: Effort,
+    /// Moves that ask for room in the units beside those that are judged.
+    others: &'a [JobMove],
 }
 
 impl ModelVisitor<f64> for PlanJob<'_> {
@@ -52,6 +78,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             scene,
             path,
             effort,
+            others,
         } = self;
         let limits = Limits::build(&scene.limits)?;
         let ramp = 1.0 / (f64::from(scene.ramp_ticks()) * scene.period_s());
@@ -63,7 +90,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             resolution_m: resolution_m(scene),
             ticks_min: ticks_min(scene),
         };
-        let judge = |moves: &[PlannedMove]| judged(scene, path, moves);
+        let judge = |moves: &[PlannedMove]| judged(scene, &job_moves(path, moves), others);
         plan_moves(&planner, &path.pieces, effort, sampling, judge).map_err(Unplanned::Path)
     }
 }
@@ -86,17 +113,17 @@ fn resolution_m(scene: &Scene) -> f64 {
     }
 }
 
-/// Judges planned moves of `scene`, which do not stand in its job yet.
-fn judged(scene: &Scene, path: &JobPath, moves: &[PlannedMove]) -> Vec<Judged> {
+/// Judges `moves` of `scene`, which do not stand in its job yet, in units that have room for `others`, too.
+fn judged(scene: &Scene, moves: &[JobMove], others: &[JobMove]) -> Vec<Judged> {
     let job = Job {
-        moves: job_moves(path, moves),
+        moves: [moves, others].concat(),
         ..scene.job.clone()
     };
     let trial = Scene {
         job,
         ..scene.clone()
     };
-    let Ok(objections) = judge_quickly(&trial) else {
+    let Ok(objections) = judge_quickly(&trial, moves.len()) else {
         return vec![Judged::Refused; moves.len()];
     };
     let judged = |objection: Option<Objection>| match objection {
@@ -114,13 +141,22 @@ fn judged(scene: &Scene, path: &JobPath, moves: &[PlannedMove]) -> Vec<Judged> {
 
 /// Converts planned moves of `path` to moves of a job.
 fn job_moves(path: &JobPath, moves: &[PlannedMove]) -> Vec<JobMove> {
-    let job_move = |each: &PlannedMove| JobMove {
-        from: each.from,
-        to: each.to,
-        start_velocity: each.start_velocity,
-        end_velocity: each.end_velocity,
-        duration_ticks: each.ticks,
-        tool: path.tools[path.pieces[each.piece].source],
+    let job_move = |each: &PlannedMove| {
+        let Ends {
+            from,
+            to,
+            velocities: [start_velocity, end_velocity],
+            accelerations,
+        } = each.ends;
+        JobMove {
+            from,
+            to,
+            start_velocity,
+            end_velocity,
+            accelerations: accelerations.map(|both| both.map(Into::into)),
+            duration_ticks: each.ticks,
+            tool: path.tools[path.pieces[each.piece].source],
+        }
     };
     moves.iter().map(job_move).collect()
 }
@@ -130,19 +166,9 @@ pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedP
     match plan_job(scene, &placed.path, Effort::default()) {
         Ok(planned) => {
             scene.job.moves = job_moves(&placed.path, &planned.moves);
-            if let [_] = planned.plan.runs[..] {
-                return Some(());
-            }
-            // Runs were judged one by one, each in units of its own.
-            let objections = judge_quickly(scene).ok()?;
-            let Some(index) = objections.iter().position(Option::is_some) else {
-                return Some(());
-            };
-            let source = placed.path.pieces[planned.moves[index].piece].source;
-            let reason =
-                "the number type of the scene has no room for this piece beside the others";
-            document.refuse(&placed.places[source], reason);
+            return Some(());
         }
+        Err(error @ Unplanned::Units) => document.refuse(&placed.places[0], error.to_string()),
         Err(Unplanned::Path(refusal)) => {
             let source = placed.path.pieces[refusal.place.piece].source;
             document.refuse(&placed.places[source], obstacle(&refusal));

@@ -2,7 +2,7 @@
 
 use crate::job::{Job, JobMove};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment, Setpoint};
+use trirrr_core::setpoint::{Quintics, Segment, Setpoint};
 
 /// A job's moves built in the number type `N`, ready to be asked for any tick.
 ///
@@ -25,23 +25,7 @@ pub struct JobPlayer<N: Number> {
 struct TimedMove<N: Number> {
     /// Tick of the job at which it starts.
     start: u32,
-    segment: Segment<N>,
-}
-
-/// `each` in `ticks` ticks of `period_s` in place of its own.
-pub(crate) fn segment<N: Number>(each: &JobMove, ticks: u32, period_s: f64) -> Segment<N> {
-    let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
-    let (from, to, period) = (
-        pose(&each.from),
-        pose(&each.to),
-        N::factor_from_f64(period_s),
-    );
-    if each.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
-    }
-    let start = each.start_velocity.map(N::from_f64);
-    let end = each.end_velocity.map(N::from_f64);
-    Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
+    segment: Segment<N, Quintics>,
 }
 
 impl<N: Number> JobPlayer<N> {
@@ -55,7 +39,7 @@ impl<N: Number> JobPlayer<N> {
         let timed = |each: &JobMove| {
             let timed = TimedMove {
                 start,
-                segment: segment(each, each.duration_ticks, period_s),
+                segment: each.segment(each.duration_ticks, period_s),
             };
             start += each.duration_ticks;
             timed

@@ -219,6 +219,22 @@ impl<'p> GreatestSizes<'p> {
         }
     }
 
+    /// Notes what a quintic forms of the coefficients of its `shape`, with a quarter of the square of its duration
+    /// times the accelerations at its ends.
+    fn quintic(&mut self, shape: Of, h: f64, t_v: [f64; 2], e: [f64; 2]) {
+        let [a, b] = t_v;
+        let [e0, e1] = e.map(f64::abs);
+        let (m, n) = (((h - a) + (h - b)).abs(), (b - a).abs());
+        let k = e0 + e1 + 1.5 * m;
+        self.note(shape, m.max(2.0 * (e0 + e1)));
+        // The functions that they are multiplied by, in the derivative and in the second one.
+        self.note(
+            shape,
+            a.abs().max(b.abs()) + 0.75 * m + 0.5 * n + 0.5 * (e0 + e1 + k),
+        );
+        self.note(shape, 3.0 * m + 1.5 * n + 2.0 * (e0 + e1 + k));
+    }
+
     /// Notes what a tick forms on the way to `motion`.
     fn motion(&mut self, setpoint: &Setpoint<f64>, motion: &Motion<f64>) {
         let p = self.parameters;
@@ -412,9 +428,19 @@ pub fn units_of_scene(scene: &Scene) -> Result<Units, RangeError> {
         let turn = each.to.angle - each.from.angle;
         measured.note(Of::ALPHA, each.from.angle);
         measured.note(Of::ALPHA, each.to.angle);
-        measured.curve(linear, t, h.x, [v0.x, v1.x]);
-        measured.curve(linear, t, h.y, [v0.y, v1.y]);
-        measured.curve(angular, t, turn, [v0.z, v1.z]);
+        let accelerations = each
+            .accelerations
+            .map(|both| both.map(|one| one * (0.25 * t * t)));
+        for (axis, (of, h)) in [(linear, h.x), (linear, h.y), (angular, turn)]
+            .into_iter()
+            .enumerate()
+        {
+            let t_v = [v0[axis], v1[axis]];
+            match accelerations {
+                None => measured.curve(of, t, h, t_v),
+                Some([e0, e1]) => measured.quintic(of[0], h, t_v, [e0[axis], e1[axis]]),
+            }
+        }
     }
     if let Ok(tick) = Everything::build(parameters) {
         let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());

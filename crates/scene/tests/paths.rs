@@ -101,3 +101,35 @@ fn an_obstacle_is_named_with_its_piece_and_place() {
     assert!(refusal.contains("job.path[2]: at p = "), "{refusal}");
     assert!(refusal.contains("leg"), "{refusal}");
 }
+
+/// A quintic given by hand: its keys, and what is refused.
+#[test]
+fn a_quintic_move_is_read() {
+    let to = "to = { x_m = 0.26, y_m = 0.25, alpha_rad = 0.4 }\n";
+    let back = "to = { x_m = 0.25, y_m = 0.245, alpha_rad = 0.4 }\n";
+    let first = "end_velocity = { vx_m_s = 0.02 }\ncurve = \"quintic\"\nend_acceleration = { ay_m_s2 = 0.1 }\n";
+    let job = |second: &str| {
+        with_job(&format!(
+            "[[job.move]]\n{to}duration_s = 0.5\n{first}[[job.move]]\n{back}{second}"
+        ))
+    };
+    let scene =
+        job("duration_s = 0.5\ncurve = \"quintic\"\n").unwrap_or_else(|error| panic!("{error}"));
+    assert!(scene.job.has_quintics());
+    let accelerations = scene
+        .job
+        .moves
+        .iter()
+        .map(|each| each.accelerations.map(|both| both.map(|one| one.y)));
+    assert_eq!(
+        accelerations.collect::<Vec<_>>(),
+        [Some([0.0, 0.1]), Some([0.1, 0.0])]
+    );
+    let refused = |second: &str| job(second).expect_err("refused").to_string();
+    let ends = "duration_s = 0.5\ncurve = \"quintic\"\nend_acceleration = { ay_m_s2 = 0.1 }\n";
+    assert!(refused(ends).contains("must end without an acceleration"));
+    assert!(refused("curve = \"quintic\"\n").contains("a quintic needs its duration"));
+    let cubic = "duration_s = 0.5\nend_acceleration = { ay_m_s2 = 0.1 }\n";
+    assert!(refused(cubic).contains("goes with curve = \"quintic\""));
+    assert!(refused("duration_s = 0.5\ncurve = \"septic\"\n").contains("curve"));
+}

@@ -81,7 +81,7 @@ fn the_thesis_scene_has_the_thesis_values_bit_for_bit() {
     assert_eq!((only.from.angle, only.to.angle), (pi / 20.0, pi / 15.0));
     assert_eq!((only.from.position.x, only.from.position.y), (0.21, 0.22));
     assert_eq!((only.to.position.x, only.to.position.y), (0.28, 0.28));
-    assert!(only.is_rest_to_rest());
+    assert!(only.ends::<f64>().is_rest_to_rest());
 }
 
 #[test]

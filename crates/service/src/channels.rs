@@ -4,18 +4,19 @@ use super::background::{self, Background, Stand};
 use super::coefficients::Coefficients;
 use super::foreground::{self, Foreground};
 use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
+use super::offered::Offered;
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::service::Service;
 use super::settings::Settings;
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use core::borrow::Borrow;
 use core::fmt;
 use heapless::spsc::Queue;
 use trirrr_core::machine::BuildError;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::status::Status;
-use trirrr_protocol::message::{Event, Fault, Move, Telemetry};
+use trirrr_protocol::message::{Event, Fault, Telemetry};
 
 /// Orders on their way to the tick, and one place that stays empty.
 const ORDERS: usize = 8;
@@ -32,8 +33,8 @@ const EVENTS: usize = 12;
 /// `MOVES` - 1 moves have room, those not yet judged and the one under way included; `SAMPLES` - 1 telemetry samples.
 /// `S` is the [kind of scene](Scene).
 pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
-    moves: Queue<QueuedMove<S::N>, MOVES>,
-    offered: Queue<Move<S::N>, MOVES>,
+    moves: Queue<QueuedMove<S::N, S::Curves>, MOVES>,
+    offered: Queue<Offered<S::N, S::Curves>, MOVES>,
     recoveries: Queue<Recover<S::N>, 2>,
     orders: Queue<Order, ORDERS>,
     reports: Queue<TickReport<S::N>, REPORTS>,
@@ -70,7 +71,7 @@ impl From<BuildError> for ServiceError {
     }
 }
 
-impl<N: Enclose, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
+impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize>
     Channels<S, MOVES, SAMPLES>
 {
     /// Empty queues.

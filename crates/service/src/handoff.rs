@@ -13,13 +13,13 @@
 use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{JointMove, Pose, Segment};
+use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
 use trirrr_protocol::message::{Acting, State};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct QueuedMove<N: Number> {
-    pub(super) segment: Segment<N>,
+pub(super) struct QueuedMove<N: Number, K: CurveKind> {
+    pub(super) segment: Segment<N, K>,
     pub(super) ticks: u32,
     pub(super) number: u32,
     pub(super) tool: Option<Tool<N>>,

@@ -42,6 +42,7 @@ mod guard;
 mod handoff;
 mod homing;
 mod number;
+mod offered;
 mod queue;
 mod scene;
 mod service;
@@ -59,6 +60,7 @@ pub use homing::{
     HomingTimes, NoHoming, Plan, Progress,
 };
 pub use number::ServiceNumber;
+pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
 pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithHoming};
 pub use service::{Played, Service};
 pub use settings::{SceneIdentity, Settings, key, name};

@@ -1,16 +1,14 @@
 //! The front door: a whole service in one thread.
 
-use crate::admission::Enclose;
 use crate::background::Background;
 use crate::foreground::{Foreground, Output};
 use crate::homing::Homing;
 use crate::number::ServiceNumber;
+use crate::offered::{CommandOf, RequestOf};
 use crate::scene::Scene;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motion;
-use trirrr_protocol::message::{
-    Command, FaultCode, Message, MessageRef, Reply, Request, State, Status, Telemetry,
-};
+use trirrr_protocol::message::{FaultCode, Message, MessageRef, Reply, State, Status, Telemetry};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_protocol::wire::{Counters, Decoder, decoded_length, encode, frame_length};
 
@@ -78,7 +76,7 @@ pub struct Service<'q, S: Scene, const LINE: usize = 512> {
     reply: Option<usize>,
 }
 
-impl<'q, N: Enclose, S: Scene<N = N>, const LINE: usize> Service<'q, S, LINE> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LINE> {
     pub(crate) fn new(foreground: Foreground<'q, S>, background: Background<'q, S>) -> Self {
         Self {
             foreground,
@@ -92,17 +90,13 @@ impl<'q, N: Enclose, S: Scene<N = N>, const LINE: usize> Service<'q, S, LINE> {
     }
 
     /// Executes a command at once. This program needs no hello and no sequence numbers.
-    pub fn submit(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
+    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
         self.background.submit(command)
     }
 
     /// Executes a request of a line, unless the service has executed the request before. `checksum` is
     /// that of the request's frame, see [`Background::receive`].
-    pub fn answer(
-        &mut self,
-        request: &Request<N, S::Replacement>,
-        checksum: u32,
-    ) -> Reply<N, S::Part> {
+    pub fn answer(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, S::Part> {
         self.background.receive(request, checksum)
     }
 
@@ -191,14 +185,14 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
     pub fn receive(&mut self, bytes: &[u8]) -> usize {
         const {
             assert!(
-                LINE >= decoded_length(longest::<Request<N, S::Replacement>>())
+                LINE >= decoded_length(longest::<RequestOf<S>>())
                     && LINE >= frame_length(longest::<Message<N, S::Part>>()),
                 "LINE is shorter than a message"
             );
         }
         let mut rest = bytes;
         while self.reply.is_none() {
-            let request = match self.decoder.take::<Request<N, S::Replacement>>(&mut rest) {
+            let request = match self.decoder.take::<RequestOf<S>>(&mut rest) {
                 None => break,
                 Some(Err(_)) => continue,
                 Some(Ok(request)) => request,

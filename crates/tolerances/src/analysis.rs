@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 use trirrr_core::machine::BuildError;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
+use trirrr_core::setpoint::{Pose, Quintics, Segment};
 use trirrr_scene::{JobMove, Scene};
 
 /// A move is divided into 2^3 intervals at first, and into 2^9 at most.
@@ -312,23 +312,19 @@ struct MoveInTime {
     /// Ticks before the move.
     start: u32,
     ticks: u32,
-    segment: Segment<BoxModel>,
+    segment: Segment<BoxModel, Quintics>,
 }
 
 /// The move as it is commanded, in real numbers: without the rounding of the tick's number type.
-fn segment(each: &JobMove, period_s: f64) -> Segment<BoxModel> {
+fn segment(each: &JobMove, period_s: f64) -> Segment<BoxModel, Quintics> {
+    let (ticks, period) = (each.duration_ticks, BoxModel::from_f64(period_s));
+    let ends = each.ends::<f64>();
     let pose = |pose: &Pose<f64>| Pose {
         position: pose.position.map(BoxModel::point),
         angle: BoxModel::point(pose.angle),
     };
-    let (from, to) = (pose(&each.from), pose(&each.to));
-    let (ticks, period) = (each.duration_ticks, BoxModel::from_f64(period_s));
-    if each.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
-    }
-    let velocity = |v: &Vector3<f64>| v.map(BoxModel::point);
-    let (start, end) = (velocity(&each.start_velocity), velocity(&each.end_velocity));
-    Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
+    let exact = ends.convert(pose, BoxModel::point);
+    Segment::of_kind(&exact, ends.is_rest_to_rest(), ticks, period)
 }
 
 const _: () = assert!(TIME < VARIABLES);

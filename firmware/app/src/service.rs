@@ -2,7 +2,9 @@
 
 #[cfg(homing)]
 use crate::scene::HOMING;
-use crate::scene::{COEFFICIENTS, Model, NAME, PARTS, SETTINGS, START, Scalar, TICK_RATE_HZ};
+use crate::scene::{
+    COEFFICIENTS, Curves, Model, NAME, PARTS, SETTINGS, START, Scalar, TICK_RATE_HZ,
+};
 use trirrr_protocol::message::{self, Board, Clock, Start};
 #[cfg(homing)]
 use trirrr_service::WithHoming;
@@ -14,7 +16,7 @@ const MOVES: usize = 16;
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type CompiledScene = Compiled<'static, Model>;
+type CompiledScene = Compiled<'static, Model, Curves>;
 
 /// Scene of this image, which no host can change.
 #[cfg(not(homing))]
@@ -26,9 +28,6 @@ pub(crate) type ImageScene = WithHoming<'static, CompiledScene>;
 
 /// A part of the scene in a reply.
 type ScenePart = <ImageScene as Scene>::Part;
-
-/// A part of the scene in a request.
-type SceneReplacement = <ImageScene as Scene>::Replacement;
 
 /// Memory between both halves.
 pub type Channels = trirrr_service::Channels<ImageScene, MOVES, SAMPLES>;
@@ -46,7 +45,7 @@ pub(crate) type Message = message::Message<Scalar, ScenePart>;
 pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, ScenePart>;
 
 /// Request of the host.
-pub(crate) type Request = message::Request<Scalar, SceneReplacement>;
+pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
 
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;
@@ -59,6 +58,7 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
+        curves: core::marker::PhantomData,
     };
     #[cfg(homing)]
     let scene = WithHoming {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{self, Hermite, Pose, RestToRest, Setpoint};
+use trirrr_core::setpoint::{self, CurveKind, Ends, Pose, Setpoint};
 
 /// Move as a constant in an image. Poses are (x m, y m, alpha rad), velocities
 /// (vx m/s, vy m/s, alphadot rad/s).
@@ -30,16 +30,67 @@ pub enum Move {
         /// Length in ticks, positive.
         ticks: u32,
     },
+    /// Has accelerations at both ends.
+    Quintic {
+        /// First pose and last pose.
+        poses: [[f64; 3]; 2],
+        /// Velocities there.
+        velocities: [[f64; 3]; 2],
+        /// Accelerations there: (ax m/s^2, ay m/s^2, alphaddot rad/s^2).
+        accelerations: [[f64; 3]; 2],
+        /// Length in ticks, positive.
+        ticks: u32,
+    },
+}
+
+impl Move {
+    /// Length in ticks.
+    pub fn ticks(&self) -> u32 {
+        match self {
+            Self::RestToRest { ticks, .. }
+            | Self::Hermite { ticks, .. }
+            | Self::Quintic { ticks, .. } => *ticks,
+        }
+    }
+
+    /// What the curve is given by, in the number type `N`. A quintic of a scene that plays none is a cubic.
+    pub fn ends<N: Number, K: CurveKind>(&self) -> Ends<N, K> {
+        let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
+        let vector = |v: [f64; 3]| Vector3::from(v.map(N::from_f64));
+        let ([from, to], velocities, accelerations) = match *self {
+            Self::RestToRest { from, to, .. } => ([from, to], [[0.0; 3]; 2], None),
+            Self::Hermite {
+                from,
+                from_velocity,
+                to,
+                to_velocity,
+                ..
+            } => ([from, to], [from_velocity, to_velocity], None),
+            Self::Quintic {
+                poses,
+                velocities,
+                accelerations,
+                ..
+            } => (poses, velocities, Some(accelerations)),
+        };
+        let accelerations = accelerations.map(|both| both.map(|one| one.map(N::from_f64)));
+        Ends {
+            from: pose(from),
+            to: pose(to),
+            velocities: velocities.map(vector),
+            accelerations: accelerations.and_then(K::some).unwrap_or_else(K::none),
+        }
+    }
 }
 
 /// Move built in the number type `N`, with the number of its own ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment<N: Number> {
-    curve: setpoint::Segment<N>,
+pub struct Segment<N: Number, K: CurveKind> {
+    curve: setpoint::Segment<N, K>,
     ticks: u32,
 }
 
-impl<N: Number> Segment<N> {
+impl<N: Number, K: CurveKind> Segment<N, K> {
     /// Number of ticks of this move alone, from its first. The tick between two moves belongs to the later one,
     /// the last tick of the job to the last move.
     pub fn ticks(&self) -> u32 {
@@ -54,43 +105,25 @@ impl<N: Number> Segment<N> {
 }
 
 /// Builds the moves one after another in the number type `N`, as the iterator reaches them.
-pub fn segments<N: Number>(moves: &[Move], period_s: f64) -> impl Iterator<Item = Segment<N>> {
+pub fn segments<N: Number, K: CurveKind>(
+    moves: &[Move],
+    period_s: f64,
+) -> impl Iterator<Item = Segment<N, K>> {
     let period = N::factor_from_f64(period_s);
     moves.iter().enumerate().map(move |(index, one)| {
-        let (curve, ticks) = build(one, period);
+        let ticks = one.ticks();
         let is_last = index + 1 == moves.len();
         Segment {
-            curve,
+            curve: setpoint::Segment::new(&one.ends(), ticks, period),
             ticks: ticks + u32::from(is_last),
         }
     })
 }
 
-fn build<N: Number>(one: &Move, period: N::Factor) -> (setpoint::Segment<N>, u32) {
-    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
-    let velocity = |v: [f64; 3]| Vector3::from(v.map(N::from_f64));
-    match *one {
-        Move::RestToRest { from, to, ticks } => {
-            let curve = RestToRest::new(pose(from), pose(to), ticks, period);
-            (setpoint::Segment::RestToRest(curve), ticks)
-        }
-        Move::Hermite {
-            from,
-            from_velocity,
-            to,
-            to_velocity,
-            ticks,
-        } => {
-            let [start, end] = [velocity(from_velocity), velocity(to_velocity)];
-            let curve = Hermite::new(pose(from), start, pose(to), end, ticks, period);
-            (setpoint::Segment::Hermite(curve), ticks)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trirrr_core::setpoint::Cubics;
 
     #[test]
     fn chained_moves_share_the_tick_between_them() {
@@ -117,7 +150,7 @@ mod tests {
                 ticks: 5,
             },
         ];
-        let built: Vec<Segment<f64>> = segments(&moves, 0.01).collect();
+        let built: Vec<Segment<f64, Cubics>> = segments(&moves, 0.01).collect();
         let ticks: Vec<u32> = built.iter().map(Segment::ticks).collect();
         assert_eq!(ticks, [4, 6, 5 + 1]);
         for pair in built.windows(2) {

@@ -66,7 +66,7 @@ impl EventLog {
     pub(super) fn answered<N: Transmit>(&mut self, request: &Request<N>, reply: &Reply<N>) {
         self.requests += 1;
         let mut ticks = 0;
-        if let Command::Move(offered) = &request.command {
+        if let Some(offered) = request.command.offered() {
             ticks = offered.ticks;
             self.offered = (offered.number, ticks);
         }
@@ -141,7 +141,7 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Status => "status",
         Command::Read(_) => "read",
         Command::Override(_) => "override",
-        Command::Move(_) => "move",
+        Command::Move(_) | Command::Quintic(_) => "move",
         Command::Start => "start",
         Command::Hold => "hold",
         Command::Resume => "resume",

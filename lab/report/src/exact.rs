@@ -85,8 +85,8 @@ fn state(job: &Job, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
     unreachable!("a job has a move")
 }
 
-/// Pose, velocity and acceleration on one move, `tick` ticks after its start: the cubic with the
-/// move's poses and velocities at its ends.
+/// Pose, velocity and acceleration on one move, `tick` ticks after its start: the polynomial with the
+/// move's poses and velocities at its ends, and the accelerations of a quintic.
 pub(crate) fn on_move(each: &JobMove, rate_hz: f64, tick: u32) -> [[DoubleDouble; 3]; 3] {
     let number = DoubleDouble::new;
     let whole = number(each.duration_ticks.into());
@@ -99,11 +99,41 @@ pub(crate) fn on_move(each: &JobMove, rate_hz: f64, tick: u32) -> [[DoubleDouble
         let way = number(to[axis]) - number(from[axis]);
         let start = number(each.start_velocity[axis]) * duration;
         let end = number(each.end_velocity[axis]) * duration;
-        let square = number(3.0) * way - number(2.0) * start - end;
-        let cube = start + end - number(2.0) * way;
-        state[0][axis] = number(from[axis]) + s * (start + s * (square + s * cube));
-        state[1][axis] = (start + s * (number(2.0) * square + number(3.0) * s * cube)) / duration;
-        state[2][axis] = (number(2.0) * square + number(6.0) * s * cube) / (duration * duration);
+        let coefficients = match each.accelerations {
+            None => {
+                let square = number(3.0) * way - number(2.0) * start - end;
+                vec![start, square, start + end - number(2.0) * way]
+            }
+            Some(both) => {
+                let [bent, straightened] =
+                    both.map(|one| number(one[axis]) * duration * duration / number(2.0));
+                let sum = |parts: [f64; 5]| {
+                    let of = [way, start, end, bent, straightened];
+                    let products = of.into_iter().zip(parts);
+                    products.fold(number(0.0), |sum, (value, part)| sum + value * number(part))
+                };
+                vec![
+                    start,
+                    bent,
+                    sum([10.0, -6.0, -4.0, -3.0, 1.0]),
+                    sum([-15.0, 8.0, 7.0, 3.0, -2.0]),
+                    sum([6.0, -3.0, -3.0, -1.0, 1.0]),
+                ]
+            }
+        };
+        // Horner's rule, for the value and both derivatives.
+        let [mut value, mut first, mut second] = [number(0.0); 3];
+        for (index, coefficient) in coefficients.into_iter().enumerate().rev() {
+            let power = index as f64 + 1.0;
+            value = (value + coefficient) * s;
+            first = first * s + number(power) * coefficient;
+            if index > 0 {
+                second = second * s + number(power * (power - 1.0)) * coefficient;
+            }
+        }
+        state[0][axis] = number(from[axis]) + value;
+        state[1][axis] = first / duration;
+        state[2][axis] = second / (duration * duration);
     }
     state
 }

@@ -6,13 +6,13 @@
 
 use postcard::to_slice;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
 use trirrr_core::tick::Motor;
-use trirrr_protocol::message::{Move, State, Telemetry, Transmit};
+use trirrr_protocol::message::{AnyMove, State, Telemetry, Transmit};
 
 /// Watches one job.
 pub struct TrajectoryChecker<N: Transmit> {
-    segments: Vec<Segment<N>>,
+    segments: Vec<Segment<N, Quintics>>,
     /// Ticks of the job before each move, and of the whole job.
     starts: Vec<u64>,
     /// The machine's number of the first move.
@@ -44,11 +44,11 @@ struct Before {
 impl<N: Transmit> TrajectoryChecker<N> {
     /// Of a job of `moves`, the first of which the machine calls `base`, on a machine that takes
     /// `ramp` ticks from normal speed to rest and ticks every `period`.
-    pub fn new(moves: &[Move<N>], base: u32, ramp: u16, period: N::Factor) -> Self {
+    pub fn new(moves: &[AnyMove<N>], base: u32, ramp: u16, period: N::Factor) -> Self {
         let ramp = u32::from(ramp);
         let mut starts = vec![0];
         for each in moves {
-            starts.push(starts[starts.len() - 1] + u64::from(each.ticks));
+            starts.push(starts[starts.len() - 1] + u64::from(each.common().ticks));
         }
         Self {
             segments: moves.iter().map(|each| segment(each, period)).collect(),
@@ -237,7 +237,7 @@ impl<N: Transmit> TrajectoryChecker<N> {
     /// The setpoint of `segment` where the sample is, passed at `level`, to which `slope` led.
     fn setpoint(
         &self,
-        segment: &Segment<N>,
+        segment: &Segment<N, Quintics>,
         sample: &Telemetry<N>,
         level: u32,
         slope: i64,
@@ -282,14 +282,15 @@ impl<N: Transmit> TrajectoryChecker<N> {
 }
 
 /// The setpoints of a move, as the machine computes them.
-fn segment<N: Transmit>(each: &Move<N>, period: N::Factor) -> Segment<N> {
-    if each.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(each.from, each.to, each.ticks, period));
-    }
-    let [start, end] = [each.start_velocity, each.end_velocity].map(Into::into);
-    Segment::Hermite(Hermite::new(
-        each.from, start, each.to, end, each.ticks, period,
-    ))
+fn segment<N: Transmit>(each: &AnyMove<N>, period: N::Factor) -> Segment<N, Quintics> {
+    let common = each.common();
+    let ends = Ends {
+        from: common.from,
+        to: common.to,
+        velocities: [common.start_velocity, common.end_velocity].map(Into::into),
+        accelerations: each.accelerations(),
+    };
+    Segment::new(&ends, common.ticks, period)
 }
 
 /// Angle, rate, acceleration and torque of each motor.
@@ -344,11 +345,11 @@ mod tests {
     }
 
     /// A short job, and its samples with a command at some ticks.
-    fn played(commands: &[(u32, Command<f64>)]) -> (Vec<Move<f64>>, Vec<Telemetry<f64>>) {
+    fn played(commands: &[(u32, Command<f64>)]) -> (Vec<AnyMove<f64>>, Vec<Telemetry<f64>>) {
         let mut random = Random::new(7);
-        let mut job = random_job(&mut random, home());
+        let mut job = random_job(&mut random, home(), true);
         while !(3..8).contains(&job.len()) {
-            job = random_job(&mut random, home());
+            job = random_job(&mut random, home(), true);
         }
         let mut channels = DeviceChannels::new();
         let mut device = Device::new(&mut channels, LimitParameters::default(), 0);
@@ -362,7 +363,7 @@ mod tests {
         ask(&mut device, Command::Hello(hello()));
         ask(&mut device, Command::Telemetry { every: 1 });
         for (number, each) in (0..).zip(&job) {
-            ask(&mut device, Command::Move(Move { number, ..*each }));
+            ask(&mut device, each.numbered(number).command());
         }
         while device.service.step() {}
         device.tick();
@@ -381,7 +382,7 @@ mod tests {
         (job, samples)
     }
 
-    fn watch(job: &[Move<f64>], samples: &[Telemetry<f64>]) -> Result<(), String> {
+    fn watch(job: &[AnyMove<f64>], samples: &[Telemetry<f64>]) -> Result<(), String> {
         let mut checker = TrajectoryChecker::new(job, 0, RAMP_TICKS, 1.0 / TICK_RATE_HZ);
         for sample in samples {
             checker.see(sample, motors)?;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_protocol::message::{Acting, Message, Move, State, Telemetry};
+use trirrr_protocol::message::{Acting, AnyMove, Message, Move, State, Telemetry};
 use trirrr_service::ServiceNumber;
 
 /// Ticks of the way back to the start of the job, in seconds of the machine.
@@ -79,7 +79,7 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
     let back = Move {
         number: 0,
         from,
-        to: moves.first().context("a job without moves")?.from,
+        to: moves.first().context("a job without moves")?.common().from,
         start_velocity: [N::ZERO; 3],
         end_velocity: [N::ZERO; 3],
         ticks,
@@ -87,7 +87,7 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
         tool_speed: N::ZERO,
     };
     let mut base = None;
-    for job in [vec![back], moves] {
+    for job in [vec![AnyMove::Cubic(back)], moves] {
         let mut checker: Option<TrajectoryChecker<N>> = None;
         let client = conversation.play(expected, job.clone(), |sample, moment| {
             if sample.state == State::Running && checker.is_none() {

@@ -9,7 +9,7 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, JobFailure, Patience, UserCommand};
-use trirrr_protocol::message::{Message, Move, Reply, Telemetry};
+use trirrr_protocol::message::{AnyMove, Message, Reply, Telemetry};
 use trirrr_service::ServiceNumber;
 
 /// Longest look at the line while there is something else to do.
@@ -136,7 +136,7 @@ impl Conversation {
     pub(crate) fn play<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
-        moves: Vec<Move<N>>,
+        moves: Vec<AnyMove<N>>,
         see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<JobClient<N>> {
         let (client, result) = self.converse(expected, moves, see)?;
@@ -152,7 +152,7 @@ impl Conversation {
     pub(crate) fn converse<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
-        moves: Vec<Move<N>>,
+        moves: Vec<AnyMove<N>>,
         mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<(JobClient<N>, End<N>)> {
         let patience = Patience {

@@ -6,7 +6,9 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
 use trirrr_image::RuledSwitches;
-use trirrr_protocol::message::{Command, Hello, Message, Move, Reply, Request, State, Telemetry};
+use trirrr_protocol::message::{
+    AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry,
+};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_scene::pipeline::{self, Pipeline};
@@ -36,7 +38,7 @@ impl<N: ServiceNumber> Expected<N> {
     }
 
     /// The moves of the scene's job, numbered from 0.
-    pub(crate) fn moves(&self) -> Vec<Move<N>> {
+    pub(crate) fn moves(&self) -> Vec<AnyMove<N>> {
         offer::moves(&self.scene, &self.units)
     }
 
@@ -108,7 +110,7 @@ struct Host<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     switches: Option<RuledSwitches<'a, N>>,
     sequence: u32,
-    moves: Vec<Move<N>>,
+    moves: Vec<AnyMove<N>>,
     offered: usize,
 }
 
@@ -175,7 +177,7 @@ impl<N: ServiceNumber> Host<'_, N> {
     /// Offers as many moves as there is room for, has them judged, and is heard.
     fn feed(&mut self) {
         while let Some(next) = self.moves.get(self.offered).copied()
-            && self.ask(Command::Move(next)) == Reply::Done
+            && self.ask(next.command()) == Reply::Done
         {
             self.offered += 1;
         }

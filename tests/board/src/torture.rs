@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_protocol::message::{Move, State};
+use trirrr_protocol::message::{AnyMove, State};
 use trirrr_scene::offer;
 use trirrr_service::ServiceNumber;
 
@@ -86,18 +86,23 @@ pub(crate) fn run<N: ServiceNumber>(
 }
 
 /// A random job where the scene's starts.
-fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<Move<N>> {
+fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<AnyMove<N>> {
     let mut scene = expected.scene.clone();
-    let moves = random_job(random, scene.job.start);
+    // Only an image whose scene has quintics plays any.
+    let moves = random_job(random, scene.job.start, scene.job.has_quintics());
     scene.job.moves = moves
         .iter()
-        .map(|each| trirrr_scene::JobMove {
-            from: each.from,
-            to: each.to,
-            start_velocity: each.start_velocity.into(),
-            end_velocity: each.end_velocity.into(),
-            duration_ticks: each.ticks,
-            tool: None,
+        .map(|each| {
+            let common = each.common();
+            trirrr_scene::JobMove {
+                from: common.from,
+                to: common.to,
+                start_velocity: common.start_velocity.into(),
+                end_velocity: common.end_velocity.into(),
+                accelerations: each.accelerations().map(|both| both.map(Into::into)),
+                duration_ticks: common.ticks,
+                tool: None,
+            }
         })
         .collect();
     offer::moves(&scene, &expected.units)

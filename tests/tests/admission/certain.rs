@@ -19,8 +19,8 @@ fn study<N: Enclose>(count: usize, unproven: u32) {
     for case in machines(77).take(count) {
         let offer = offer(&within_a_turn(&case), &mut draw, DENSITY, 1e-6);
         let offered = in_type::<N>(&offer.offered);
-        let excess = extremes(&offer.setting, &offered, DENSITY).excess(&offer.setting);
-        let Err(found) = judge(&offer.setting, &offered).verdict else {
+        let excess = extremes(&offer.setting, offered, DENSITY).excess(&offer.setting);
+        let Err(found) = judge(&offer.setting, offered).verdict else {
             continue;
         };
         let label = format!("{found:?} {excess} {offer:?}");

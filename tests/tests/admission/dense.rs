@@ -2,13 +2,12 @@
 //! speed and of holds, stops and resumes.
 
 use crate::judge::Setting;
-use nalgebra::Vector3;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
-use trirrr_core::setpoint::{Hermite, RestToRest, Segment, Setpoint};
+use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
 use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
-use trirrr_protocol::message::Move;
+use trirrr_protocol::message::AnyMove;
 use trirrr_service::admission::Enclose;
 
 /// How closely a move is looked at.
@@ -96,26 +95,25 @@ impl Extremes {
 }
 
 /// The move as the tick plays it.
-pub(crate) fn segment<N: Enclose>(offered: &Move<N>, period_s: f64) -> Segment<N> {
-    let period = N::factor_from_f64(period_s);
-    if offered.is_rest_to_rest() {
-        let segment = RestToRest::new(offered.from, offered.to, offered.ticks, period);
-        return Segment::RestToRest(segment);
-    }
-    Segment::Hermite(Hermite::new(
-        offered.from,
-        Vector3::from(offered.start_velocity),
-        offered.to,
-        Vector3::from(offered.end_velocity),
-        offered.ticks,
-        period,
-    ))
+pub(crate) fn segment<N: Enclose>(
+    offered: impl Into<AnyMove<N>>,
+    period_s: f64,
+) -> Segment<N, Quintics> {
+    let offered = offered.into();
+    let common = offered.common();
+    let ends = Ends {
+        from: common.from,
+        to: common.to,
+        velocities: [common.start_velocity, common.end_velocity].map(Into::into),
+        accelerations: offered.accelerations(),
+    };
+    Segment::new(&ends, common.ticks, N::factor_from_f64(period_s))
 }
 
 /// The extremes of a move.
 pub(crate) fn extremes<N: Enclose>(
     setting: &Setting,
-    offered: &Move<N>,
+    offered: impl Into<AnyMove<N>>,
     density: Density,
 ) -> Extremes {
     let mut found = Extremes::NONE;
@@ -129,13 +127,13 @@ pub(crate) fn extremes<N: Enclose>(
 /// Calls `visitor` with the fraction of the move and the extremes there, as long as it returns true.
 pub(crate) fn visit<N: Enclose>(
     setting: &Setting,
-    offered: &Move<N>,
+    offered: impl Into<AnyMove<N>>,
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {
     ModelKind::of(&setting.parameters, true).visit(Visit {
         setting,
-        offered,
+        offered: offered.into(),
         density,
         visitor,
     });
@@ -145,7 +143,7 @@ type Visitor<'v> = dyn FnMut(f64, &Extremes) -> bool + 'v;
 
 struct Visit<'a, 'v, N: Enclose> {
     setting: &'a Setting,
-    offered: &'a Move<N>,
+    offered: AnyMove<N>,
     density: Density,
     visitor: &'a mut Visitor<'v>,
 }
@@ -154,13 +152,13 @@ impl<N: Enclose> ModelVisitor<N> for Visit<'_, '_, N> {
     type Output = ();
 
     fn visit<M: Model<N = N>>(self) {
-        with::<N, M>(self.setting, self.offered, self.density, self.visitor);
+        with::<N, M>(self.setting, &self.offered, self.density, self.visitor);
     }
 }
 
 fn with<N: Enclose, M: Model<N = N>>(
     setting: &Setting,
-    offered: &Move<N>,
+    offered: &AnyMove<N>,
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {

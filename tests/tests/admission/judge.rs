@@ -3,7 +3,8 @@
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
-use trirrr_protocol::message::{Move, Violation};
+use trirrr_core::setpoint::Quintics;
+use trirrr_protocol::message::{AnyMove, Violation};
 use trirrr_service::admission::{Admission, Enclose, Verdict};
 
 /// A machine with what it has to keep.
@@ -21,33 +22,34 @@ pub(crate) struct Judged<N: Enclose> {
     pub(crate) steps: u32,
 }
 
-pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: impl Into<AnyMove<N>>) -> Judged<N> {
+    let offered = offered.into();
     ModelKind::of(&setting.parameters, true).visit(Judge { setting, offered })
 }
 
 struct Judge<'a, N: Enclose> {
     setting: &'a Setting,
-    offered: &'a Move<N>,
+    offered: AnyMove<N>,
 }
 
 impl<N: Enclose> ModelVisitor<N> for Judge<'_, N> {
     type Output = Judged<N>;
 
     fn visit<M: Model<N = N>>(self) -> Judged<N> {
-        with::<N, M>(self.setting, self.offered)
+        with::<N, M>(self.setting, &self.offered)
     }
 }
 
-fn with<N: Enclose, M: Model<N = N>>(setting: &Setting, offered: &Move<N>) -> Judged<N> {
+fn with<N: Enclose, M: Model<N = N>>(setting: &Setting, offered: &AnyMove<N>) -> Judged<N> {
     let limits = Limits::build(&setting.limits).expect("good limits");
-    let mut admission = Admission::<M>::build(
+    let mut admission = Admission::<M, Quintics>::build(
         &setting.parameters,
         limits,
         setting.ramp_ticks,
         setting.period_s,
     )
     .expect("a good machine");
-    admission.offer(offered);
+    assert!(admission.offer_any(offered));
     let mut steps = 0;
     loop {
         steps += 1;

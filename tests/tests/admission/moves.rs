@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::Move;
+use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{Job, JobMove, Scene};
 use trirrr_tests::draw::Draw;
 use trirrr_tests::random::Case;
@@ -16,7 +16,7 @@ use trirrr_tests::random::Case;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Offer {
     pub(crate) setting: Setting,
-    pub(crate) offered: Move<f64>,
+    pub(crate) offered: AnyMove<f64>,
 }
 
 /// A random move from where `case` stands: of 1/300 to 3/5 of the machine's size, from
@@ -55,10 +55,27 @@ pub(crate) fn random_move(case: &Case, draw: &mut Draw) -> (Move<f64>, f64, u16)
     (offered, duration / f64::from(ticks), ramp_ticks)
 }
 
+/// `offered` as a quintic, with accelerations about those that a cubic has.
+fn bent(offered: &Move<f64>, period_s: f64, draw: &mut Draw) -> AnyMove<f64> {
+    let way = offered.from.displacement(&offered.to);
+    let duration = f64::from(offered.ticks) * period_s;
+    let mut acceleration = || {
+        if draw.chance(0.3) {
+            return [0.0; 3];
+        }
+        let each = way.map(|way| way / (duration * duration) * draw.within(-6.0, 6.0));
+        each.into()
+    };
+    AnyMove::new(*offered, Some([acceleration(), acceleration()]))
+}
+
 /// The move in another number type.
-pub(crate) fn in_type<N: Number>(offered: &Move<f64>) -> Move<N> {
+pub(crate) fn in_type<N: Number>(offered: &AnyMove<f64>) -> AnyMove<N> {
+    let accelerations = offered.accelerations();
+    let accelerations = accelerations.map(|both| both.map(|one| one.map(N::from_f64)));
+    let offered = offered.common();
     let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
-    Move {
+    let common = Move {
         number: offered.number,
         from: pose(&offered.from),
         to: pose(&offered.to),
@@ -67,16 +84,20 @@ pub(crate) fn in_type<N: Number>(offered: &Move<f64>) -> Move<N> {
         ticks: offered.ticks,
         tool_power: N::from_f64(offered.tool_power),
         tool_speed: N::from_f64(offered.tool_speed),
-    }
+    };
+    AnyMove::new(common, accelerations)
 }
 
 /// The very move as numbers.
-pub(crate) fn in_f64<N: Number>(offered: &Move<N>) -> Move<f64> {
+pub(crate) fn in_f64<N: Number>(offered: &AnyMove<N>) -> AnyMove<f64> {
+    let accelerations = offered.accelerations();
+    let accelerations = accelerations.map(|both| both.map(|one| one.map(N::to_f64)));
+    let offered = offered.common();
     let pose = |pose: &Pose<N>| Pose {
         position: pose.position.map(N::to_f64),
         angle: N::angle_to_f64(pose.angle),
     };
-    Move {
+    let common = Move {
         number: offered.number,
         from: pose(&offered.from),
         to: pose(&offered.to),
@@ -85,20 +106,25 @@ pub(crate) fn in_f64<N: Number>(offered: &Move<N>) -> Move<f64> {
         ticks: offered.ticks,
         tool_power: offered.tool_power.to_f64(),
         tool_speed: offered.tool_speed.to_f64(),
-    }
+    };
+    AnyMove::new(common, accelerations)
 }
 
 impl Offer {
     /// The offer in units in which `N` holds its machine, limits and move, as a scene with this job would run in
     /// them, with limits that are numbers of `N`; `None` where there are none.
-    pub(crate) fn in_type<N: Number>(&self, thesis: &Scene) -> Option<(Setting, Move<N>)> {
-        let Self { setting, offered } = self;
+    pub(crate) fn in_type<N: Number>(&self, thesis: &Scene) -> Option<(Setting, AnyMove<N>)> {
+        let (setting, offered) = (&self.setting, self.offered.common());
         let velocity = |velocity: [f64; 3]| Vector3::from(velocity);
         let only = JobMove {
             from: offered.from,
             to: offered.to,
             start_velocity: velocity(offered.start_velocity),
             end_velocity: velocity(offered.end_velocity),
+            accelerations: self
+                .offered
+                .accelerations()
+                .map(|both| both.map(Into::into)),
             duration_ticks: offered.ticks,
             tool: None,
         };
@@ -130,13 +156,15 @@ impl Offer {
         let parameters = units.parameters(&setting.parameters);
         parameters.check::<N>().ok()?;
         let only = &scene.job.in_units(&units).moves[0];
-        let offered = Move {
+        let common = Move {
             from: only.from,
             to: only.to,
             start_velocity: only.start_velocity.into(),
             end_velocity: only.end_velocity.into(),
             ..*offered
         };
+        let accelerations = only.accelerations.map(|both| both.map(Into::into));
+        let offered = AnyMove::new(common, accelerations);
         let setting = Setting {
             parameters,
             limits,
@@ -158,9 +186,36 @@ fn about(value: f64, nearest: f64, draw: &mut Draw) -> f64 {
     }
 }
 
-/// A move with limits about its extremes, each there or not, and as near as `nearest` of them.
+/// A cubic with limits about its extremes, each there or not, and as near as `nearest` of them.
 pub(crate) fn offer(case: &Case, draw: &mut Draw, density: Density, nearest: f64) -> Offer {
     let (offered, period_s, ramp_ticks) = random_move(case, draw);
+    limited(
+        case,
+        (&offered).into(),
+        period_s,
+        ramp_ticks,
+        draw,
+        density,
+        nearest,
+    )
+}
+
+/// As [`offer`], a quintic.
+pub(crate) fn offer_quintic(case: &Case, draw: &mut Draw, density: Density, nearest: f64) -> Offer {
+    let (offered, period_s, ramp_ticks) = random_move(case, draw);
+    let offered = bent(&offered, period_s, draw);
+    limited(case, offered, period_s, ramp_ticks, draw, density, nearest)
+}
+
+fn limited(
+    case: &Case,
+    offered: AnyMove<f64>,
+    period_s: f64,
+    ramp_ticks: u16,
+    draw: &mut Draw,
+    density: Density,
+    nearest: f64,
+) -> Offer {
     let mut setting = Setting {
         parameters: case.parameters,
         limits: LimitParameters {
@@ -171,7 +226,7 @@ pub(crate) fn offer(case: &Case, draw: &mut Draw, density: Density, nearest: f64
         ramp_ticks,
         period_s,
     };
-    let extremes = extremes(&setting, &offered, density);
+    let extremes = extremes(&setting, offered, density);
     if extremes.possible {
         let mut motors = |values: [f64; 3]| {
             let good = values.iter().all(|&value| value > 0.0);

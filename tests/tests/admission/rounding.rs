@@ -47,7 +47,7 @@ impl ModelVisitor<f32> for Visit<'_> {
         let velocity = |velocity: [f32; 3]| Vector3::from(velocity.map(Wide::of));
         let (from, to) = (pose(&offered.from), pose(&offered.to));
         let (ticks, period) = (offered.ticks, Wide::from_f64(setting.period_s));
-        let wide_segment = if offered.is_rest_to_rest() {
+        let wide_segment: Segment<Wide> = if offered.is_rest_to_rest() {
             Segment::RestToRest(RestToRest::new(from, to, ticks, period))
         } else {
             let [start, end] = [offered.start_velocity, offered.end_velocity].map(velocity);
@@ -116,7 +116,7 @@ fn few_values_are_rounded_by_more_than_the_allowance() {
         };
         ModelKind::of(&setting.parameters, true).visit(Visit {
             setting: &setting,
-            offered: &in_type(&offered),
+            offered: in_type(&(&offered).into()).common(),
             shares: &mut shares,
         });
     }

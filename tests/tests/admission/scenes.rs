@@ -2,14 +2,13 @@
 
 use crate::dense::{Density, extremes};
 use crate::judge::{Setting, judge};
-use crate::moves::in_type;
 use std::fs;
 use std::path::Path;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::number::Fixed;
-use trirrr_protocol::message::{Bounded, Move};
-use trirrr_scene::{Scene, units};
-use trirrr_service::admission::Enclose;
+use trirrr_protocol::message::{AnyMove, Bounded};
+use trirrr_scene::{Scene, offer, units};
+use trirrr_service::ServiceNumber;
 
 fn scenes() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
@@ -27,7 +26,7 @@ fn scenes() -> Vec<Scene> {
 }
 
 /// The scene's machine and moves in the units of `N`.
-fn in_units<N: Enclose>(scene: &Scene) -> Option<(Setting, Vec<Move<N>>)> {
+fn in_units<N: ServiceNumber>(scene: &Scene) -> Option<(Setting, Vec<AnyMove<N>>)> {
     let units = units::<N>(scene).ok()?;
     let setting = Setting {
         parameters: units.parameters(&scene.parameters),
@@ -35,22 +34,10 @@ fn in_units<N: Enclose>(scene: &Scene) -> Option<(Setting, Vec<Move<N>>)> {
         ramp_ticks: scene.ramp_ticks(),
         period_s: units.time(scene.period_s()),
     };
-    let moves = scene.job.moves.iter().map(|each| {
-        in_type(&Move {
-            number: 0,
-            from: units.pose(&each.from),
-            to: units.pose(&each.to),
-            start_velocity: units.velocity(&each.start_velocity).into(),
-            end_velocity: units.velocity(&each.end_velocity).into(),
-            ticks: each.duration_ticks,
-            tool_power: 0.0,
-            tool_speed: 0.0,
-        })
-    });
-    Some((setting, moves.collect()))
+    Some((setting, offer::moves(scene, &units)))
 }
 
-fn jobs_are_admitted<N: Enclose>(least: usize) {
+fn jobs_are_admitted<N: ServiceNumber>(least: usize) {
     let mut found = 0;
     for scene in scenes() {
         let Some((setting, moves)) = in_units::<N>(&scene) else {
@@ -73,7 +60,7 @@ fn the_jobs_of_all_scenes_are_admitted() {
 }
 
 /// Limits a fiftieth above what the tick in `N` reaches are kept, a fiftieth below broken.
-fn limits_are_kept<N: Enclose>() {
+fn limits_are_kept<N: ServiceNumber>() {
     let density = Density {
         samples: 2000,
         every_speed: false,

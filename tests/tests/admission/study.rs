@@ -3,13 +3,14 @@
 
 use crate::dense::{Density, extremes};
 use crate::judge::judge;
-use crate::moves::{in_f64, offer};
+use crate::moves::{Offer, in_f64, offer, offer_quintic};
 use std::fmt;
 use std::thread;
 use trirrr_core::number::Fixed;
 use trirrr_scene::Scene;
 use trirrr_service::admission::Enclose;
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
+use trirrr_tests::random::Case;
 
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
 
@@ -108,7 +109,16 @@ impl fmt::Display for Tally {
     }
 }
 
-fn tally<N: Enclose>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tally {
+/// A random offer on a machine, with limits as near as so much of themselves.
+type Offering = fn(&Case, &mut Draw, Density, f64) -> Offer;
+
+fn tally<N: Enclose>(
+    offering: Offering,
+    seed: u64,
+    moves: usize,
+    samples: u32,
+    nearest: f64,
+) -> Tally {
     let density = Density {
         samples,
         every_speed: false,
@@ -119,22 +129,22 @@ fn tally<N: Enclose>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tal
     for case in machines(seed).take(moves) {
         // An angle of many turns is known the less the more there are: that is not what is studied.
         let case = within_a_turn(&case);
-        let offer = offer(&case, &mut draw, density, nearest);
+        let offer = offering(&case, &mut draw, density, nearest);
         tally.moves += 1;
         let Some((setting, offered)) = offer.in_type::<N>(&thesis) else {
             tally.unheld += 1;
             continue;
         };
-        let own = extremes(&setting, &offered, density);
+        let own = extremes(&setting, offered, density);
         if !own.in_range {
             tally.unheld += 1;
             continue;
         }
         // The bounds hold both what a tick computes and what is true of the very numbers of the move.
-        let truth = extremes(&setting, &in_f64(&offered), density);
+        let truth = extremes(&setting, in_f64(&offered), density);
         let excesses = [&own, &truth].map(|extremes| extremes.excess(&setting));
         let excess = excesses[0].max(excesses[1]);
-        let judged = judge(&setting, &offered);
+        let judged = judge(&setting, offered);
         let feasible = excess <= 0.0;
         for (by, excess) in tally.by_each.iter_mut().zip(excesses) {
             by[0] += u32::from(excess <= 0.0);
@@ -163,9 +173,14 @@ fn tally<N: Enclose>(seed: u64, moves: usize, samples: u32, nearest: f64) -> Tal
 }
 
 fn on_two_threads<N: Enclose>(moves: usize, samples: u32, nearest: f64) -> Tally {
+    of_kind::<N>(offer, moves, samples, nearest)
+}
+
+fn of_kind<N: Enclose>(offering: Offering, moves: usize, samples: u32, nearest: f64) -> Tally {
     thread::scope(|scope| {
-        let halves =
-            [1, 2].map(|seed| scope.spawn(move || tally::<N>(seed, moves / 2, samples, nearest)));
+        let halves = [1, 2].map(|seed| {
+            scope.spawn(move || tally::<N>(offering, seed, moves / 2, samples, nearest))
+        });
         halves
             .into_iter()
             .map(|half| half.join().expect("no panic"))
@@ -208,6 +223,24 @@ fn nothing_infeasible_is_admitted_f32() {
 #[test]
 fn nothing_infeasible_is_admitted_fixed() {
     hold(&on_two_threads::<Fixed>(400, 1000, 1e-3));
+}
+
+#[test]
+fn nothing_infeasible_is_admitted_of_quintics() {
+    hold(&of_kind::<f64>(offer_quintic, 200, 1000, 1e-6));
+    hold(&of_kind::<f32>(offer_quintic, 200, 1000, 1e-3));
+    hold(&of_kind::<Fixed>(offer_quintic, 200, 1000, 1e-3));
+}
+
+/// The figures of quintics.
+#[test]
+#[ignore = "minutes; cargo xtask nightly runs it"]
+fn nothing_infeasible_is_admitted_of_ten_thousand_quintics() {
+    hold(&of_kind::<f64>(offer_quintic, 10_000, 1_000, 1e-6));
+    let tally = of_kind::<f32>(offer_quintic, 10_000, 1_000, 1e-3);
+    hold(&tally);
+    hold_refused(&tally, 0.01);
+    hold(&of_kind::<Fixed>(offer_quintic, 10_000, 1_000, 1e-3));
 }
 
 /// The figure: 10,000 moves, 10,000 samples each. A minute or two, so only on request.

@@ -20,13 +20,13 @@ fn verdicts_agree_away_from_limits() {
     for case in machines(31).take(400) {
         let offer = offer(&within_a_turn(&case), &mut draw, DENSITY, 1e-2);
         let single = in_type::<f32>(&offer.offered);
-        let found = extremes(&offer.setting, &offer.offered, DENSITY);
+        let found = extremes(&offer.setting, offer.offered, DENSITY);
         let excess = found.excess(&offer.setting);
         if excess.abs() < 5e-3 {
             continue;
         }
-        let double = judge(&offer.setting, &offer.offered).verdict;
-        let single = judge(&offer.setting, &single).verdict;
+        let double = judge(&offer.setting, offer.offered).verdict;
+        let single = judge(&offer.setting, single).verdict;
         let label = format!("{double:?} {single:?} {excess} {offer:?}");
         match (double, single) {
             (Ok(()), Ok(())) => admitted += 1,
@@ -51,7 +51,7 @@ fn verdicts_agree_away_from_limits() {
                     );
                     let slower = Move {
                         ticks: single,
-                        ..offer.offered
+                        ..*offer.offered.common()
                     };
                     assert_eq!(judge(&offer.setting, &slower).verdict, Ok(()), "{label}");
                     durations += 1;

@@ -6,9 +6,10 @@ use crate::geometry::{Coordinates, Polyline};
 use crate::truth::{Instant, State};
 use trirrr_core::limits::Limits;
 use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, plan};
-use trirrr_protocol::message::Move;
+use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{NumberType, Scene, offer};
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::{ServiceNumber, check_offer, longest_move};
@@ -42,7 +43,7 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     check_chain(job, &moves);
     let [least_s, plan_s] = scene.model().visit(Bound { scene });
     let period_s = scene.period_s();
-    let ticks: u32 = moves.iter().map(|each| each.ticks).sum();
+    let ticks: u32 = moves.iter().map(|each| each.common().ticks).sum();
     let mut findings = Findings {
         limit: 0.0,
         feed: 0.0,
@@ -67,7 +68,7 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     let mut before = 0;
     for each in &moves {
         // Evenly in time over all moves, and both ends of each.
-        let own = u64::from(samples) * u64::from(each.ticks) / u64::from(ticks) + 1;
+        let own = u64::from(samples) * u64::from(each.common().ticks) / u64::from(ticks) + 1;
         for sample in 0..=own {
             let state = state_at(each, sample as f64 / own as f64, period_s);
             let instant = Instant::of(&job.parameters, &state);
@@ -87,7 +88,7 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
             let off_given = given.deviation(state.pose, [path.tolerance_m + corner_m, turn]);
             findings.deviation = findings.deviation.max(off).max(off_given);
         }
-        before += each.ticks;
+        before += each.common().ticks;
     }
     assert_eq!(before, ticks);
     findings
@@ -126,7 +127,7 @@ fn part_of_limits(scene: &Scene, instant: &Instant, side: bool) -> f64 {
 }
 
 /// The moves as a service in `N` gets them, admitted one by one, as the numbers that they are.
-fn played<N: ServiceNumber>(scene: &Scene) -> Vec<Move<f64>> {
+fn played<N: ServiceNumber>(scene: &Scene) -> Vec<AnyMove<f64>> {
     let units = trirrr_scene::units::<N>(scene).expect("units");
     let moves = offer::moves::<N>(scene, &units);
     for each in &moves {
@@ -136,30 +137,31 @@ fn played<N: ServiceNumber>(scene: &Scene) -> Vec<Move<f64>> {
         scene,
         moves: &moves,
     });
-    let number = |value: N| value.to_f64();
-    let pose = |pose: &trirrr_core::setpoint::Pose<N>| {
-        trirrr_core::setpoint::Pose::from_f64(
-            pose.position.x.to_f64(),
-            pose.position.y.to_f64(),
-            N::angle_to_f64(pose.angle),
-        )
+    let pose = |pose: &Pose<N>| {
+        let [x, y] = [pose.position.x, pose.position.y].map(N::to_f64);
+        Pose::from_f64(x, y, N::angle_to_f64(pose.angle))
     };
-    let in_f64 = |each: &Move<N>| Move {
-        number: each.number,
-        from: pose(&each.from),
-        to: pose(&each.to),
-        start_velocity: each.start_velocity.map(number),
-        end_velocity: each.end_velocity.map(number),
-        ticks: each.ticks,
-        tool_power: 0.0,
-        tool_speed: 0.0,
+    let numbers = |values: [N; 3]| values.map(N::to_f64);
+    let in_f64 = |each: &AnyMove<N>| {
+        let common = each.common();
+        let same = Move {
+            start_velocity: numbers(common.start_velocity),
+            end_velocity: numbers(common.end_velocity),
+            ..Move::rest_to_rest(
+                common.number,
+                pose(&common.from),
+                pose(&common.to),
+                common.ticks,
+            )
+        };
+        AnyMove::new(same, each.accelerations().map(|both| both.map(numbers)))
     };
     moves.iter().map(in_f64).collect()
 }
 
 struct Admit<'a, N: ServiceNumber> {
     scene: &'a Scene,
-    moves: &'a [Move<N>],
+    moves: &'a [AnyMove<N>],
 }
 
 impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
@@ -168,7 +170,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
     fn visit<M: Model<N = N>>(self) {
         let Self { scene, moves } = self;
         let limits = Limits::build(&scene.limits).expect("limits");
-        let mut admission = Admission::<M>::build(
+        let mut admission = Admission::<M, Quintics>::build(
             &scene.parameters,
             limits,
             scene.ramp_ticks(),
@@ -176,7 +178,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
         )
         .expect("a machine");
         for each in moves {
-            admission.offer(each);
+            assert!(admission.offer_any(each));
             let verdict = loop {
                 match admission.step() {
                     Verdict::Undecided => {}
@@ -207,7 +209,7 @@ impl ModelVisitor<f64> for Bound<'_> {
     }
 }
 
-fn check_chain(job: &DrawnJob, moves: &[Move<f64>]) {
+fn check_chain(job: &DrawnJob, moves: &[AnyMove<f64>]) {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs() + 1e-3);
     let [first, .., last] = moves else {
         panic!("a move from rest to rest is no plan")
@@ -216,7 +218,8 @@ fn check_chain(job: &DrawnJob, moves: &[Move<f64>]) {
     for piece in &job.pieces {
         from = piece.end(from);
     }
-    for (pose, at) in [(&first.from, job.start), (&last.to, from)] {
+    let zero = [0.0; 3];
+    for (pose, at) in [(&first.common().from, job.start), (&last.common().to, from)] {
         let all = [pose.position.x, pose.position.y, pose.angle];
         assert!(
             all.into_iter().zip(at).all(|(a, b)| close(a, b)),
@@ -224,39 +227,51 @@ fn check_chain(job: &DrawnJob, moves: &[Move<f64>]) {
         );
     }
     assert_eq!(
-        (first.start_velocity, last.end_velocity),
-        ([0.0; 3], [0.0; 3])
+        [first.common().start_velocity, last.common().end_velocity],
+        [zero; 2]
     );
+    let accelerations = |each: &AnyMove<f64>| each.accelerations().expect("a quintic");
+    assert_eq!([accelerations(first)[0], accelerations(last)[1]], [zero; 2]);
     for pair in moves.windows(2) {
-        assert_eq!(pair[0].to, pair[1].from);
-        assert_eq!(pair[0].end_velocity, pair[1].start_velocity);
+        let [before, after] = [&pair[0], &pair[1]].map(AnyMove::common);
+        assert_eq!(before.to, after.from);
+        assert_eq!(before.end_velocity, after.start_velocity);
+        assert_eq!(accelerations(&pair[0])[1], accelerations(&pair[1])[0]);
     }
 }
 
-/// The move's cubic in the basis of Bernstein, which shares no formula with the setpoints of the core.
-fn state_at(each: &Move<f64>, part: f64, period_s: f64) -> State {
-    let duration = f64::from(each.ticks) * period_s;
-    let pose = |pose: &trirrr_core::setpoint::Pose<f64>| -> Coordinates {
-        [pose.position.x, pose.position.y, pose.angle]
-    };
-    let (from, to) = (pose(&each.from), pose(&each.to));
-    let rest = 1.0 - part;
+/// The move's quintic by de Casteljau's algorithm, which shares no formula with the setpoints of the core.
+fn state_at(each: &AnyMove<f64>, part: f64, period_s: f64) -> State {
+    let common = each.common();
+    let fifth = f64::from(common.ticks) * period_s / 5.0;
+    let pose = |pose: &Pose<f64>| -> Coordinates { [pose.position.x, pose.position.y, pose.angle] };
+    let (from, to) = (pose(&common.from), pose(&common.to));
+    let [bent, straightened] = each.accelerations().expect("a quintic");
     let mut state = State::default();
     for axis in 0..3 {
-        let third = duration / 3.0;
-        let b = [
+        let [v0, v1] = [common.start_velocity[axis], common.end_velocity[axis]].map(|v| v * fifth);
+        // The second difference of control points is T^2 a / 20.
+        let [a0, a1] = [bent[axis], straightened[axis]].map(|a| a * fifth * fifth * 1.25);
+        let mut points = vec![
             from[axis],
-            from[axis] + each.start_velocity[axis] * third,
-            to[axis] - each.end_velocity[axis] * third,
+            from[axis] + v0,
+            from[axis] + 2.0 * v0 + a0,
+            to[axis] - 2.0 * v1 + a1,
+            to[axis] - v1,
             to[axis],
         ];
-        let d = [b[1] - b[0], b[2] - b[1], b[3] - b[2]].map(|step| 3.0 * step / duration);
-        let dd = [d[1] - d[0], d[2] - d[1]].map(|step| 2.0 * step / duration);
-        state.pose[axis] = b[0] * rest.powi(3)
-            + 3.0 * part * rest * (b[1] * rest + b[2] * part)
-            + b[3] * part.powi(3);
-        state.velocity[axis] = d[0] * rest * rest + 2.0 * d[1] * rest * part + d[2] * part * part;
-        state.acceleration[axis] = dd[0] * rest + dd[1] * part;
+        while points.len() > 1 {
+            match points[..] {
+                [a, b] => state.velocity[axis] = (b - a) / fifth,
+                [a, b, c] => state.acceleration[axis] = (a - 2.0 * b + c) * 0.8 / (fifth * fifth),
+                _ => {}
+            }
+            points = points
+                .windows(2)
+                .map(|pair| pair[0] * (1.0 - part) + pair[1] * part)
+                .collect();
+        }
+        state.pose[axis] = points[0];
     }
     state
 }

@@ -90,7 +90,7 @@ impl Conversation<'_> {
     /// Runs the job of `seed` to its end.
     pub(crate) fn run(seed: u64) -> Tally {
         let mut random = Random::new(seed);
-        let moves = random_job(&mut random, home());
+        let moves = random_job(&mut random, home(), true);
         let mut channels = DeviceChannels::new();
         let patience = Patience {
             answer: Duration::from_millis(10),

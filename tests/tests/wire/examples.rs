@@ -9,8 +9,8 @@ use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, LeastDuration, Message, Move,
-    NAME_CAPACITY, PROTOCOL, Refusal, Reply, Request, Start, State, Telemetry, Transmit, Verdict,
-    Violation,
+    NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start, State, Telemetry,
+    Transmit, Verdict, Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -81,6 +81,21 @@ fn a_move<N: Transmit>() -> Request<N> {
             tool_speed: n(0.1),
         }),
     }
+}
+
+/// The same move with an acceleration at its end: 0.5 m/s^2 along x.
+fn a_quintic() -> Request<f32> {
+    let Command::Move(common) = a_move().command else {
+        unreachable!("it is one");
+    };
+    plain(
+        300,
+        Command::Quintic(QuinticMove {
+            common,
+            start_acceleration: [0.0; 3],
+            end_acceleration: [0.5, 0.0, 0.0],
+        }),
+    )
 }
 
 fn identity() -> Message<f32> {
@@ -163,6 +178,11 @@ fn the_example_frames_are_the_messages() {
             &a_move::<f32>(),
         ),
         section("move-f64", "The same to an f64 machine.", &a_move::<f64>()),
+        section(
+            "quintic",
+            "The same as a quintic, from no acceleration to 0.5 m/s^2 along x.",
+            &a_quintic(),
+        ),
         section(
             "telemetry-rate",
             "A sample every tenth tick.",

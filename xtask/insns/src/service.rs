@@ -1,15 +1,13 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
 use crate::drives::{self, Drives};
-use crate::scene::{COEFFICIENTS, MOVES, Model, PARTS, SETTINGS, START, Scalar};
-use nalgebra::Vector3;
+use crate::scene::{COEFFICIENTS, Curves, MOVES, Model, PARTS, SETTINGS, START, Scalar};
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::Move;
-use trirrr_protocol::message::{Command, Reply};
-use trirrr_service::{Background, Channels, Compiled, Foreground, Settings};
+use trirrr_core::setpoint::{Pose, Quintics};
+use trirrr_protocol::message::{AnyMove, Move, Reply};
+use trirrr_service::{Background, Channels, CommandOf, Compiled, Foreground, Settings};
 
-type CompiledScene = Compiled<'static, Model>;
+type CompiledScene = Compiled<'static, Model, Curves>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
@@ -29,7 +27,7 @@ pub type SceneForeground = Foreground<'static, CountedScene>;
 pub type SceneBackground = Background<'static, CountedScene>;
 
 /// Command that the service receives.
-pub type SceneCommand = Command<Scalar, <CountedScene as trirrr_service::Scene>::Replacement>;
+pub type SceneCommand = CommandOf<CountedScene>;
 
 /// Reply that the service gives.
 pub type SceneReply = Reply<Scalar, <CountedScene as trirrr_service::Scene>::Part>;
@@ -39,6 +37,7 @@ pub fn scene() -> CountedScene {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
+        curves: core::marker::PhantomData,
     };
     #[cfg(homing)]
     let scene = trirrr_service::WithHoming {
@@ -62,37 +61,23 @@ pub fn settings() -> Settings<Scalar> {
 }
 
 /// Move `index` of the job, called `number`; past its end, the last. The tool is on.
-pub fn offered(index: usize, number: u32) -> Move<Scalar> {
-    let pose = |[x, y, alpha]: [f64; 3]| Pose::from_f64(x, y, alpha);
-    let velocity = |v: [f64; 3]| Vector3::from(v.map(Scalar::from_f64)).into();
-    let rest = [Scalar::ZERO; 3];
-    let each = MOVES.get(index).or(MOVES.last());
-    let (from, to, start, end, ticks) = match each {
-        Some(trirrr_image::Move::RestToRest { from, to, ticks }) => {
-            (pose(*from), pose(*to), rest, rest, *ticks)
-        }
-        Some(trirrr_image::Move::Hermite {
-            from,
-            from_velocity,
-            to,
-            to_velocity,
-            ticks,
-        }) => {
-            let ends = (velocity(*from_velocity), velocity(*to_velocity));
-            (pose(*from), pose(*to), ends.0, ends.1, *ticks)
-        }
-        None => (pose([0.0; 3]), pose([0.0; 3]), rest, rest, 0),
+pub fn offered(index: usize, number: u32) -> AnyMove<Scalar> {
+    let Some(each) = MOVES.get(index).or(MOVES.last()) else {
+        return AnyMove::Cubic(Move::rest_to_rest(number, START, START, 0));
     };
-    Move {
+    let ends = each.ends::<Scalar, Quintics>();
+    let [start_velocity, end_velocity] = ends.velocities.map(Into::into);
+    let common = Move {
         number,
-        from,
-        to,
-        start_velocity: start,
-        end_velocity: end,
-        ticks,
+        from: ends.from,
+        to: ends.to,
+        start_velocity,
+        end_velocity,
+        ticks: each.ticks(),
         tool_power: Scalar::HALF,
         tool_speed: Scalar::ONE,
-    }
+    };
+    AnyMove::new(common, ends.accelerations)
 }
 
 /// Parts that run once per tick.

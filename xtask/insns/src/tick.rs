@@ -3,7 +3,7 @@
 //! None is inlined and all take their coefficients by reference, so that the geometry is
 //! known at run time only and nothing is computed by the compiler.
 
-use crate::scene::{Model, Scalar};
+use crate::scene::{Curves, Model, Scalar};
 use nalgebra::Vector2;
 use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::number::Arithmetic;
@@ -52,7 +52,7 @@ pub fn evaluate(tick: &SceneTick, setpoint: &Setpoint<Scalar>, outcome: &mut Tic
 
 /// One setpoint of a move.
 #[inline(never)]
-pub fn set(segment: &Segment<Scalar>, tick: u32, setpoint: &mut Setpoint<Scalar>) {
+pub fn set(segment: &Segment<Scalar, Curves>, tick: u32, setpoint: &mut Setpoint<Scalar>) {
     *setpoint = segment.at(tick);
 }
 

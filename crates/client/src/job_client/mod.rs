@@ -16,7 +16,7 @@ use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{
-    Command, Event, Hello, Identity, Message, Move, Reply, Request, Status, Telemetry, Transmit,
+    AnyMove, Command, Event, Hello, Identity, Message, Reply, Request, Status, Telemetry, Transmit,
 };
 
 /// Next act of the owner of the port.
@@ -87,7 +87,7 @@ impl<N: Transmit> JobClient<N> {
     /// The client replaces the numbers of the moves by those that the machine expects. Another
     /// conversation with the machine should have another number `conversation`.
     pub fn new(
-        moves: Vec<Move<N>>,
+        moves: Vec<AnyMove<N>>,
         hello: Hello,
         telemetry: u16,
         patience: Patience,

@@ -96,7 +96,7 @@ impl<N: Transmit> JobClient<N> {
             next => return next,
         };
         match self.progress.next_move() {
-            Some(each) => Next::Ask(Command::Move(each)),
+            Some(each) => Next::Ask(each.command()),
             None if self.is_ready() => Next::Ask(Command::Start),
             None => Next::Listen(look),
         }

@@ -1,11 +1,11 @@
 //! Count of the moves that a machine has taken and played.
 
-use trirrr_protocol::message::{Move, Status, Transmit};
+use trirrr_protocol::message::{AnyMove, Move, Status, Transmit};
 
 /// Moves of a job, and the part of them that the machine has.
 #[derive(Clone, Debug)]
 pub(super) struct JobProgress<N: Transmit> {
-    moves: Vec<Move<N>>,
+    moves: Vec<AnyMove<N>>,
     /// Number by which the machine calls the first move; known from the first status on.
     base: Option<u32>,
     /// Moves that the machine has taken.
@@ -15,7 +15,7 @@ pub(super) struct JobProgress<N: Transmit> {
 }
 
 impl<N: Transmit> JobProgress<N> {
-    pub(super) fn new(moves: Vec<Move<N>>) -> Self {
+    pub(super) fn new(moves: Vec<AnyMove<N>>) -> Self {
         Self {
             moves,
             base: None,
@@ -35,8 +35,12 @@ impl<N: Transmit> JobProgress<N> {
         self.offered
     }
 
-    /// Returns the move of `index`, counted from 0.
+    /// Returns what the move of `index`, counted from 0, has in common with all moves.
     pub(super) fn get(&self, index: u32) -> Option<&Move<N>> {
+        self.any(index).map(AnyMove::common)
+    }
+
+    fn any(&self, index: u32) -> Option<&AnyMove<N>> {
         self.moves.get(usize::try_from(index).ok()?)
     }
 
@@ -74,12 +78,9 @@ impl<N: Transmit> JobProgress<N> {
     }
 
     /// Returns the next move to offer, with the machine's number, if the machine has room.
-    pub(super) fn next_move(&self) -> Option<Move<N>> {
-        let next = self.get(self.offered).filter(|_| self.room > 0)?;
-        Some(Move {
-            number: self.base?.wrapping_add(self.offered),
-            ..*next
-        })
+    pub(super) fn next_move(&self) -> Option<AnyMove<N>> {
+        let next = self.any(self.offered).filter(|_| self.room > 0)?;
+        Some(next.numbered(self.base?.wrapping_add(self.offered)))
     }
 
     /// Counts a move that the machine has taken. Returns true if no other follows at once.

@@ -29,7 +29,7 @@ impl<N: Transmit> JobClient<N> {
                 self.approach.acknowledged = true;
                 self.phase = Phase::Surveying;
             }
-            Command::Move(_) => {
+            Command::Move(_) | Command::Quintic(_) => {
                 if let Some(status) = &mut self.status {
                     status.next = status.next.wrapping_add(1);
                 }
@@ -72,19 +72,21 @@ impl<N: Transmit> JobClient<N> {
             }
             // Not now: the status will say when.
             (_, Refusal::Busy)
-            | (Command::Move(_), Refusal::QueueFull)
+            | (Command::Move(_) | Command::Quintic(_), Refusal::QueueFull)
             | (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
                 self.schedule.wait(now)
             }
             // The machine counts its moves in another way: the status says how.
-            (Command::Move(_), Refusal::MoveNumber { .. }) => self.phase = Phase::Surveying,
+            (Command::Move(_) | Command::Quintic(_), Refusal::MoveNumber { .. }) => {
+                self.phase = Phase::Surveying
+            }
             // The user's command came too late or too early, which does no harm.
             (Command::Hold | Command::Resume, _) => {}
             (_, refusal) => match self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
                 _ => {
                     let offered = self.progress.offered();
-                    let index = matches!(command, Command::Move(_)).then_some(offered);
+                    let index = command.offered().is_some().then_some(offered);
                     self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
                 }
             },

@@ -9,14 +9,14 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 
 /// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
-/// [`Unread`](super::Unread) by a machine that takes none.
+/// [`Unread`](super::Unread) by a machine that takes none. `Q` is the same for a quintic move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema")]
-pub struct Request<N: Number, S = Section> {
+#[postcard(bound = "N: Transmit, S: Schema, Q: Schema")]
+pub struct Request<N: Number, S = Section, Q = QuinticMove<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
     /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
     /// sent back and otherwise ignored.
@@ -24,17 +24,17 @@ pub struct Request<N: Number, S = Section> {
     /// [`Identity`]: super::Identity
     pub sequence: u32,
     /// Command that the machine is to execute.
-    pub command: Command<N, S>,
+    pub command: Command<N, S, Q>,
 }
 
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema")]
-pub enum Command<N: Number, S = Section> {
+#[postcard(bound = "N: Transmit, S: Schema, Q: Schema")]
+pub enum Command<N: Number, S = Section, Q = QuinticMove<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
     Hello(Hello),
     /// Asks for the [status](super::Status).
@@ -64,6 +64,8 @@ pub enum Command<N: Number, S = Section> {
     },
     /// Looks for the switches or stops of the motors, then moves to the scene's start pose.
     Home,
+    /// Offers a quintic move, as [`Command::Move`] does a cubic one.
+    Quintic(Q),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -99,6 +101,98 @@ pub struct Move<N: Number> {
     /// Speed of the tool along the path at which it has `tool_power`, positive where there is any
     /// power. The power follows the true speed in proportion, up to 1.
     pub tool_speed: N,
+}
+
+/// One quintic move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct QuinticMove<N: Number> {
+    /// All that it has in common with a cubic one.
+    pub common: Move<N>,
+    /// (ax, ay, alphaddot) at its start: that at the end of the last move, in the bits, if that was a quintic;
+    /// otherwise 0.
+    pub start_acceleration: [N; 3],
+    /// (ax, ay, alphaddot) at its end.
+    pub end_acceleration: [N; 3],
+}
+
+/// A move of either kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyMove<N: Number> {
+    /// A cubic.
+    Cubic(Move<N>),
+    /// A quintic.
+    Quintic(QuinticMove<N>),
+}
+
+impl<N: Number, S> Command<N, S> {
+    /// The move that the command offers, or what it has in common with a cubic one.
+    pub fn offered(&self) -> Option<&Move<N>> {
+        match self {
+            Self::Move(common) | Self::Quintic(QuinticMove { common, .. }) => Some(common),
+            _ => None,
+        }
+    }
+}
+
+impl<N: Number> From<&Move<N>> for AnyMove<N> {
+    fn from(cubic: &Move<N>) -> Self {
+        Self::Cubic(*cubic)
+    }
+}
+
+impl<N: Number> From<&AnyMove<N>> for AnyMove<N> {
+    fn from(any: &AnyMove<N>) -> Self {
+        *any
+    }
+}
+
+impl<N: Number> AnyMove<N> {
+    /// A move with these accelerations at its ends, or a cubic without any.
+    pub fn new(common: Move<N>, accelerations: Option<[[N; 3]; 2]>) -> Self {
+        match accelerations {
+            None => Self::Cubic(common),
+            Some([start_acceleration, end_acceleration]) => Self::Quintic(QuinticMove {
+                common,
+                start_acceleration,
+                end_acceleration,
+            }),
+        }
+    }
+
+    /// All that both kinds have in common.
+    pub fn common(&self) -> &Move<N> {
+        match self {
+            Self::Cubic(common) | Self::Quintic(QuinticMove { common, .. }) => common,
+        }
+    }
+
+    /// The move with another number.
+    pub fn numbered(mut self, number: u32) -> Self {
+        match &mut self {
+            Self::Cubic(common) | Self::Quintic(QuinticMove { common, .. }) => {
+                common.number = number;
+            }
+        }
+        self
+    }
+
+    /// The accelerations at both ends of a quintic.
+    pub fn accelerations(&self) -> Option<[[N; 3]; 2]> {
+        match self {
+            Self::Cubic(_) => None,
+            Self::Quintic(each) => Some([each.start_acceleration, each.end_acceleration]),
+        }
+    }
+
+    /// The command that offers it.
+    pub fn command(&self) -> Command<N> {
+        match *self {
+            Self::Cubic(each) => Command::Move(each),
+            Self::Quintic(each) => Command::Quintic(each),
+        }
+    }
 }
 
 /// A joint-space move, rest to rest, from wherever the motors stand.

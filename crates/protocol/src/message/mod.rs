@@ -25,8 +25,8 @@ mod tests;
 mod violation;
 
 pub use board::{Board, Clock, Registers, Start};
-pub use command::{Command, Hello, Move, Recovery, Request};
-pub use part::{Replacement, Unread, Written};
+pub use command::{AnyMove, Command, Hello, Move, QuinticMove, Recovery, Request};
+pub use part::{Content, Unread, Written};
 pub use refusal::Refusal;
 pub use report::{
     Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,

@@ -1,62 +1,70 @@
-//! A part of the scene on the line of a machine that only passes it on: an image whose scene cannot
-//! be changed holds no code to read or to write a [`Section`], nor room for one. The layout is the
-//! same.
+//! Contents of a request on the line of a machine that takes none such: an image whose scene cannot be changed
+//! holds no code to read or to write a [`Section`], nor room for one, and one that plays no quintics, none for those.
+//! The layout is the same.
 
 use super::scene::Section;
 use core::fmt;
+use core::marker::PhantomData;
 use postcard_schema::Schema;
 use postcard_schema::schema::NamedType;
 use serde::de::{DeserializeOwned, Deserializer, SeqAccess, Visitor};
 use serde::ser::{SerializeTuple, Serializer};
 use serde::{Deserialize, Serialize};
 
-/// Type as which a part of the scene in a request is read.
-pub trait Replacement: DeserializeOwned + Schema {
-    /// The part; none where it was not read.
-    fn section(&self) -> Option<&Section>;
+/// Type as which a `T` in a request is read.
+pub trait Content<T>: DeserializeOwned + Schema {
+    /// The content; none where it was not read.
+    fn content(&self) -> Option<&T>;
 }
 
-impl Replacement for Section {
-    fn section(&self) -> Option<&Section> {
+impl<T: DeserializeOwned + Schema> Content<T> for T {
+    fn content(&self) -> Option<&T> {
         Some(self)
     }
 }
 
-/// A [`Section`] in a request to a machine that takes none: its bytes, which end the message, are left
+/// A `T` in a request to a machine that takes none: its bytes, which end the message, are left
 /// out whatever they say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unread;
+pub struct Unread<T = Section>(PhantomData<T>);
 
-impl Replacement for Unread {
+impl<T> Unread<T> {
+    /// The content that was left out.
+    pub const CONTENT: Self = Self(PhantomData);
+}
+
+impl<T: Schema> Content<T> for Unread<T> {
     #[inline(always)]
-    fn section(&self) -> Option<&Section> {
+    fn content(&self) -> Option<&T> {
         None
     }
 }
 
-impl Schema for Unread {
-    const SCHEMA: &'static NamedType = Section::SCHEMA;
+impl<T: Schema> Schema for Unread<T> {
+    const SCHEMA: &'static NamedType = T::SCHEMA;
 }
 
-impl<'de> Deserialize<'de> for Unread {
+impl<'de, T> Deserialize<'de> for Unread<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Rest;
+        deserializer.deserialize_tuple(usize::MAX, Rest)?;
+        Ok(Self::CONTENT)
+    }
+}
 
-        impl<'de> Visitor<'de> for Rest {
-            type Value = Unread;
+/// The bytes up to the end of the message.
+struct Rest;
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a part of a scene")
-            }
+impl<'de> Visitor<'de> for Rest {
+    type Value = ();
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<Unread, A::Error> {
-                // Up to the end of the message, which is an error of no concern.
-                while let Ok(Some(_)) = bytes.next_element::<u8>() {}
-                Ok(Unread)
-            }
-        }
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("bytes")
+    }
 
-        deserializer.deserialize_tuple(usize::MAX, Rest)
+    fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<(), A::Error> {
+        // The end of the message is an error of no concern.
+        while let Ok(Some(_)) = bytes.next_element::<u8>() {}
+        Ok(())
     }
 }
 

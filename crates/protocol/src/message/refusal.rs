@@ -87,4 +87,8 @@ pub enum Refusal<N: Number> {
     Busy,
     /// The scene has no homing: where the motors are is known.
     NoHoming,
+    /// The image holds no code for quintic moves.
+    NoQuintics,
+    /// The quintic move does not start with the acceleration that the last one ends with.
+    StartAcceleration,
 }

@@ -97,7 +97,7 @@ fn a_part_that_is_not_read_may_be_anything() {
     }
     let expected = Request {
         sequence: 7,
-        command: Command::Override(Unread),
+        command: Command::Override(Unread::CONTENT),
     };
     let limits = scene::Limits::from(&LimitParameters::default());
     let whole = Request::<f32> {

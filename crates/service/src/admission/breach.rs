@@ -2,8 +2,8 @@
 
 use crate::admission::Enclose;
 use trirrr_core::number::{Arithmetic, Number};
-use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{Bounded, Move, Violation};
+use trirrr_core::setpoint::{CurveKind, Ends, Pose};
+use trirrr_protocol::message::{Bounded, Violation};
 
 /// Bounds of the size of a quantity over an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,7 +158,10 @@ impl<N: Number> Breach<N> {
 }
 
 /// Returns the breach that makes `offered` no move at all, if there is one.
-pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>> {
+pub(super) fn of_input<N: Enclose, K: CurveKind>(
+    ends: &Ends<N, K>,
+    ticks: u32,
+) -> Option<Breach<N::Bound>> {
     let (zero, one) = (<N::Bound>::ZERO, <N::Bound>::ONE);
     let breach = |index, value, limit| Breach {
         what: Bounded::Range,
@@ -170,7 +173,7 @@ pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>
         certain: true,
         halvings: 1,
     };
-    if offered.ticks == 0 {
+    if ticks == 0 {
         return Some(breach(None, zero, one));
     }
     let angle = |pose: &Pose<N>| <N::Bound>::radians(N::angle_bound(pose.angle));
@@ -178,13 +181,15 @@ pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>
         let [x, y] = [pose.position.x, pose.position.y].map(N::bound);
         [x, y, angle(pose)]
     };
-    let groups = [
-        coordinates(&offered.from),
-        coordinates(&offered.to),
-        offered.start_velocity.map(N::bound),
-        offered.end_velocity.map(N::bound),
-    ];
-    for group in groups {
+    let [start, end] = ends
+        .velocities
+        .map(|velocity| velocity.map(N::bound).into());
+    let groups = [coordinates(&ends.from), coordinates(&ends.to), start, end];
+    let accelerations = K::given(&ends.accelerations).map(|both| both.map(|one| one.map(N::bound)));
+    for group in groups
+        .into_iter()
+        .chain(accelerations.into_iter().flatten())
+    {
         for (index, value) in group.into_iter().enumerate() {
             if !value.is_finite() {
                 return Some(breach(Some(index as u8), value, zero));
@@ -194,7 +199,7 @@ pub(super) fn of_input<N: Enclose>(offered: &Move<N>) -> Option<Breach<N::Bound>
     // An angle is known to its roundoff: beyond this one, to less than a ten-thousandth of a
     // radian.
     let finest = <N::Bound>::from_f64(1e-4);
-    for angle in [angle(&offered.from), angle(&offered.to)] {
+    for angle in [angle(&ends.from), angle(&ends.to)] {
         if N::roundoff(angle.abs()) > finest {
             let limit = finest.div(<N::Bound>::UNIT_ROUNDOFF);
             return Some(breach(Some(2), angle, limit));

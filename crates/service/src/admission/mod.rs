@@ -50,41 +50,41 @@ pub use path::Path;
 pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
-use nalgebra::Vector3;
+use crate::offered::Offered;
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
-use trirrr_protocol::message::{Move, Violation};
+use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Pose, Segment};
+use trirrr_protocol::message::{AnyMove, Move, Violation};
 
 /// Judges one move at a time. The parameters are those of the tick that will play the moves.
-pub struct Admission<M: Model<N: Enclose>> {
+pub struct Admission<M: Model<N: Enclose>, K: CurveKind = Cubics> {
     path: Path<M>,
-    judgement: Judgement<M::N>,
+    judgement: Judgement<M::N, K>,
 }
 
 /// The judgement of a move, without the coefficients, which may be constants.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Judgement<N: Enclose>(Work<N>);
+pub(crate) struct Judgement<N: Enclose, K: CurveKind>(Work<N, K>);
 
 /// Work that is under way.
 #[derive(Clone, Copy, Debug)]
-enum Work<N: Enclose> {
+enum Work<N: Enclose, K: CurveKind> {
     /// Nothing.
     None,
     /// The move itself.
     Check {
-        offered: Ends<N>,
-        segment: Segment<TaylorModel<N>>,
+        offered: Offer<N, K>,
+        segment: Segment<TaylorModel<N>, K>,
         scan: Scan<N::Bound>,
     },
     /// It is refused; the shortest duration that would pass is looked for.
     Search {
         violation: Violation<N>,
-        search: Search<N>,
+        search: Search<N, K>,
     },
     /// It is judged.
     Judged(Verdict<N>),
@@ -103,37 +103,29 @@ pub enum Verdict<N: Enclose> {
     Refused(Violation<N>),
 }
 
-/// Data that, besides its duration, determine the path of a move.
+/// A move under judgement, which can be played in any duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Ends<N: Enclose> {
-    from: Pose<N>,
-    to: Pose<N>,
-    start_velocity: [N; 3],
-    end_velocity: [N; 3],
+struct Offer<N: Enclose, K: CurveKind> {
+    ends: Ends<N, K>,
     rest_to_rest: bool,
     ticks: u32,
     period: N::Bound,
 }
 
-impl<N: Enclose> Ends<N> {
+impl<N: Enclose, K: CurveKind> Offer<N, K> {
     /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
-    fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>> {
+    fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>, K> {
         let pose = |pose: &Pose<N>| Pose {
             position: pose.position.map(TaylorModel::of),
             angle: AngleModel::of(pose.angle),
         };
-        let (from, to) = (pose(&self.from), pose(&self.to));
+        let ends = self.ends.convert(pose, TaylorModel::of);
         let period = TaylorModel::near(self.period);
-        if self.rest_to_rest {
-            return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
-        }
-        let velocity = |velocity: [N; 3]| Vector3::from(velocity.map(TaylorModel::of));
-        let (start, end) = (velocity(self.start_velocity), velocity(self.end_velocity));
-        Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
+        Segment::of_kind(&ends, self.rest_to_rest, ticks, period)
     }
 }
 
-impl<M: Model<N: Enclose>> Admission<M> {
+impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
     /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
     /// normal speed to rest.
     ///
@@ -164,7 +156,19 @@ impl<M: Model<N: Enclose>> Admission<M> {
     /// many turns that its error exceeds 1e-4 rad. The violation names the coordinate. The violation for a
     /// duration of zero ticks names none.
     pub fn offer(&mut self, offered: &Move<M::N>) {
-        self.judgement.offer(&self.path, offered);
+        self.judgement.offer(&self.path, &Offered::cubic(offered));
+    }
+
+    /// As [`Admission::offer`], for a move of either kind. Returns false for a quintic if `K` has none.
+    pub fn offer_any(&mut self, offered: &AnyMove<M::N>) -> bool {
+        let offered = match offered {
+            AnyMove::Cubic(cubic) => Some(Offered::cubic(cubic)),
+            AnyMove::Quintic(quintic) => Offered::of_quintic(quintic),
+        };
+        if let Some(offered) = &offered {
+            self.judgement.offer(&self.path, offered);
+        }
+        offered.is_some()
     }
 
     /// Does a bounded amount of work: measures one interval.
@@ -188,40 +192,35 @@ impl<M: Model<N: Enclose>> Admission<M> {
     }
 }
 
-impl<N: Enclose> Judgement<N> {
+impl<N: Enclose, K: CurveKind> Judgement<N, K> {
     pub(crate) const fn new() -> Self {
         Self(Work::None)
     }
 
     /// As [`Admission::offer`].
-    pub(crate) fn offer<M: Model<N = N>>(&mut self, path: &Path<M>, offered: &Move<N>) {
+    pub(crate) fn offer<M: Model<N = N>>(&mut self, path: &Path<M>, offered: &Offered<N, K>) {
         // Bounds of many turns would be as wide as their rounding: where turns are exact, only the rest counts.
-        let turns = offered.from.angle;
+        let turns = offered.common.from.angle;
         let without = |pose: &Pose<N>| Pose {
             angle: N::without_turns(pose.angle, turns),
             ..*pose
         };
-        let offered = &Move {
-            from: without(&offered.from),
-            to: without(&offered.to),
-            ..*offered
-        };
-        let ends = Ends {
-            from: offered.from,
-            to: offered.to,
-            start_velocity: offered.start_velocity,
-            end_velocity: offered.end_velocity,
-            rest_to_rest: offered.is_rest_to_rest(),
-            ticks: offered.ticks,
+        let mut ends = offered.ends();
+        (ends.from, ends.to) = (without(&ends.from), without(&ends.to));
+        let ticks = offered.common.ticks;
+        let offered = Offer {
+            ends,
+            rest_to_rest: ends.is_rest_to_rest(),
+            ticks,
             period: path.period,
         };
-        self.0 = match breach::of_input(offered) {
+        self.0 = match breach::of_input(&ends, ticks) {
             Some(breach) => Work::Judged(Verdict::Refused(
                 breach.violation(<N as Enclose>::Bound::ZERO),
             )),
             None => Work::Check {
-                offered: ends,
-                segment: ends.segment(ends.ticks),
+                offered,
+                segment: offered.segment(ticks),
                 scan: Scan::new::<N>(),
             },
         };

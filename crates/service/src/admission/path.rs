@@ -12,7 +12,7 @@ use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters, Parameters};
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::{Segment, Setpoint};
+use trirrr_core::setpoint::{CurveKind, Segment, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
@@ -84,9 +84,9 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
 
     /// Checks that every limit is kept for certain during the interval `s`. The error is the first that is not.
     /// `side` is the sign of det A, which may not change on the way; none where it is not known yet.
-    pub(super) fn check(
+    pub(super) fn check<K: CurveKind>(
         &self,
-        segment: &Segment<TaylorModel<N>>,
+        segment: &Segment<TaylorModel<N>, K>,
         s: TaylorModel<N>,
         side: &mut Option<bool>,
     ) -> Result<(), Breach<Float<N>>> {
@@ -101,9 +101,9 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     /// Measures what the `motors` do over the interval `s` of fractions of `segment`.
     /// It fails unless the interval is within reach and away from singularities for certain.
     #[inline(never)]
-    pub(super) fn measure(
+    pub(super) fn measure<K: CurveKind>(
         &self,
-        segment: &Segment<TaylorModel<N>>,
+        segment: &Segment<TaylorModel<N>, K>,
         s: TaylorModel<N>,
         side: &mut Option<bool>,
         motors: &mut [MotorBounds<N>; 3],

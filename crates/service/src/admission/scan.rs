@@ -6,7 +6,7 @@ use super::taylor::TaylorModel;
 use crate::admission::Enclose;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::Segment;
+use trirrr_core::setpoint::{CurveKind, Segment};
 
 /// Halvings of the whole move at which an interval that was measured roughly is measured again, precisely. From there
 /// on rounding is about as much as what is not linear. Shorter intervals are measured precisely at once.
@@ -115,10 +115,10 @@ impl<N: Arithmetic> Scan<N> {
     }
 
     /// Measures one interval of `segment`, or one instant once the move cannot pass any more.
-    pub(super) fn step<T: Enclose<Bound = N>, M: Model<N = T>>(
+    pub(super) fn step<T: Enclose<Bound = N>, M: Model<N = T>, K: CurveKind>(
         &mut self,
         path: &Path<M>,
-        segment: &Segment<TaylorModel<T>>,
+        segment: &Segment<TaylorModel<T>, K>,
     ) -> Scanned<N> {
         if let Some(doubt) = self.doubt {
             return self.look(doubt, path, segment);
@@ -148,11 +148,11 @@ impl<N: Arithmetic> Scan<N> {
     }
 
     /// Looks at one instant for a limit that is broken for certain.
-    fn look<T: Enclose<Bound = N>, M: Model<N = T>>(
+    fn look<T: Enclose<Bound = N>, M: Model<N = T>, K: CurveKind>(
         &mut self,
         doubt: Doubt<N>,
         path: &Path<M>,
-        segment: &Segment<TaylorModel<T>>,
+        segment: &Segment<TaylorModel<T>, K>,
     ) -> Scanned<N> {
         let Doubt { breach, look } = doubt;
         let Some(at) = self.instant(look) else {

@@ -1,6 +1,6 @@
 //! The shortest duration at which a move would pass.
 
-use super::Ends;
+use super::Offer;
 use super::bounds::MotorBounds;
 use super::path::Path;
 use super::scan::{Scan, Scanned};
@@ -8,7 +8,7 @@ use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::Segment;
+use trirrr_core::setpoint::{CurveKind, Segment};
 use trirrr_protocol::message::LeastDuration;
 
 /// Intervals in which the offered move is measured for a first guess: 2^this.
@@ -23,9 +23,9 @@ const MOST_UPWARDS: u32 = 15;
 
 /// A search under way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search<N: Enclose> {
-    offered: Ends<N>,
-    segment: Segment<TaylorModel<N>>,
+pub(super) struct Search<N: Enclose, K: CurveKind> {
+    offered: Offer<N, K>,
+    segment: Segment<TaylorModel<N>, K>,
     scan: Scan<Float<N>>,
     stage: Stage<Float<N>>,
 }
@@ -68,9 +68,9 @@ pub(super) enum Found {
     Shortest(Option<LeastDuration>),
 }
 
-impl<N: Enclose> Search<N> {
+impl<N: Enclose, K: CurveKind> Search<N, K> {
     /// For a move that fails, for certain or not.
-    pub(super) fn new(offered: Ends<N>, certain: bool) -> Self {
+    pub(super) fn new(offered: Offer<N, K>, certain: bool) -> Self {
         Self {
             segment: offered.segment(offered.ticks),
             scan: Scan::at_level(SURVEY),
@@ -146,7 +146,7 @@ impl<N: Enclose> Search<N> {
     }
 }
 
-impl<N: Enclose> Ends<N> {
+impl<N: Enclose, K: CurveKind> Offer<N, K> {
     /// Ticks of the move at `speed`, 0 to 1, at least one more than offered.
     fn slower(&self, speed: Float<N>) -> u32 {
         // Doubled until it is slow enough, then halved down: without a conversion of N to integers.

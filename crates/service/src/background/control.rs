@@ -6,8 +6,8 @@ use super::super::guard::{self, LimitBreach};
 use super::super::handoff::{Order, Recover};
 use super::super::scene::Scene;
 use super::Background;
-use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
+use crate::number::ServiceNumber;
 use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
 use trirrr_core::number::Number;
@@ -15,7 +15,7 @@ use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
 use trirrr_protocol::message::{Bounded, FaultCode, Recovery, Refusal, State, Violation};
 
-impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));

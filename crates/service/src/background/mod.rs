@@ -8,16 +8,18 @@ mod parts;
 mod receive;
 
 use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
+use super::offered::Offered;
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use crate::admission::{Enclose, Judgement};
+use crate::admission::Judgement;
+use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Event, Fault, Message, MessageRef, Move, Refusal, State, Status, Telemetry,
+    Acting, Event, Fault, Message, MessageRef, Refusal, State, Status, Telemetry,
 };
 
 /// The half of the service that receives commands, judges moves and has what is to be sent.
@@ -25,9 +27,9 @@ pub struct Background<'q, S: Scene> {
     scene: S,
     settings: Settings<S::N>,
     coefficients: S::Coefficients,
-    judgement: Judgement<S::N>,
+    judgement: Judgement<S::N, S::Curves>,
 
-    moves: Sender<'q, QueuedMove<S::N>>,
+    moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
     recoveries: Sender<'q, Recover<S::N>>,
     orders: Sender<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
@@ -37,7 +39,7 @@ pub struct Background<'q, S: Scene> {
     shared: &'q SharedCounters,
 
     /// Offered moves that are not judged yet; both ends are here.
-    offered: BothEnds<'q, Move<S::N>>,
+    offered: BothEnds<'q, Offered<S::N, S::Curves>>,
     /// Events that wait to be sent; both ends are here.
     events: BothEnds<'q, Event<S::N>>,
 
@@ -75,15 +77,15 @@ struct Last<N: Number> {
 
 /// A pose at which moves end, at rest.
 fn at_rest<N: Number>(pose: Pose<N>) -> Setpoint<N> {
-    ends(pose, [N::ZERO; 3])
+    ends(pose, [N::ZERO; 3], [N::ZERO; 3])
 }
 
-/// A pose at which moves end, with its velocity. There is no acceleration to go on from.
-fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3]) -> Setpoint<N> {
+/// A pose at which moves end, with its velocity, and the acceleration that a quintic goes on from.
+fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3], acceleration: [N; 3]) -> Setpoint<N> {
     Setpoint {
         pose,
         velocity: Vector3::from(velocity),
-        acceleration: Vector3::new(N::ZERO, N::ZERO, N::ZERO),
+        acceleration: Vector3::from(acceleration),
     }
 }
 
@@ -94,26 +96,26 @@ pub(super) struct Stand<N: Number> {
 }
 
 /// The ends that belong to the background.
-pub(super) struct BackgroundEnds<'q, N: Number, U> {
-    pub(super) moves: Sender<'q, QueuedMove<N>>,
-    pub(super) recoveries: Sender<'q, Recover<N>>,
+pub(super) struct BackgroundEnds<'q, S: Scene> {
+    pub(super) moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
+    pub(super) recoveries: Sender<'q, Recover<S::N>>,
     pub(super) orders: Sender<'q, Order>,
-    pub(super) setups: U,
-    pub(super) reports: Receiver<'q, TickReport<N>>,
-    pub(super) faults: Receiver<'q, Fault<N>>,
-    pub(super) samples: Receiver<'q, Telemetry<N>>,
+    pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
+    pub(super) reports: Receiver<'q, TickReport<S::N>>,
+    pub(super) faults: Receiver<'q, Fault<S::N>>,
+    pub(super) samples: Receiver<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
-    pub(super) offered: BothEnds<'q, Move<N>>,
-    pub(super) events: BothEnds<'q, Event<N>>,
+    pub(super) offered: BothEnds<'q, Offered<S::N, S::Curves>>,
+    pub(super) events: BothEnds<'q, Event<S::N>>,
 }
 
-impl<'q, N: Enclose, S: Scene<N = N>> Background<'q, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     pub(super) fn new(
         scene: S,
         coefficients: S::Coefficients,
         stand: Stand<N>,
         settings: Settings<N>,
-        ends: BackgroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Put<'q>>,
+        ends: BackgroundEnds<'q, S>,
     ) -> Self {
         let state = match scene.plan().is_some() {
             true => State::Unhomed,

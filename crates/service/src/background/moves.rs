@@ -1,18 +1,18 @@
 //! Moves: what is offered, its admission, and the queue to the tick.
 
 use super::super::handoff::QueuedMove;
+use super::super::offered::Offered;
 use super::super::scene::Scene;
 use super::super::tool::Tool;
 use super::{Background, ends};
 use crate::admission;
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use core::borrow::Borrow;
-use nalgebra::Vector3;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
-use trirrr_protocol::message::{Event, Move, Refusal, State, Verdict};
+use trirrr_core::setpoint::{Pose, Segment};
+use trirrr_protocol::message::{AnyMove, Event, Move, Refusal, State, Verdict};
 
-impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Moves for which there is room.
     pub(super) fn room(&self) -> u8 {
         let waiting = self.offered.0.len() + self.moves.len();
@@ -25,33 +25,41 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
 
     /// Takes a move to be judged.
     #[inline(never)]
-    pub(super) fn offer(&mut self, offered: &Move<N>) -> Result<(), Refusal<N>> {
+    pub(super) fn offer(&mut self, offered: &Offered<N, S::Curves>) -> Result<(), Refusal<N>> {
         match self.status.state {
             State::Idle | State::Running | State::Slowing | State::Holding => {}
             state => return Err(Refusal::State(state)),
         }
         // Not known for the moment in which the tick drops its queue.
-        let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
-        check_finite(offered)?;
-        if offered.number != self.status.next {
+        let before = self.status.end.ok_or(Refusal::State(self.status.state))?;
+        let (common, accelerations) = (&offered.common, offered.quintic());
+        check_finite(common, accelerations)?;
+        if common.number != self.status.next {
             return Err(Refusal::MoveNumber {
                 expected: self.status.next,
             });
         }
-        check_duration(offered, self.longest())?;
-        if offered.from != end.pose {
+        check_duration(common, self.longest())?;
+        if common.from != before.pose {
             return Err(Refusal::StartPose);
         }
-        if offered.start_velocity != <[N; 3]>::from(end.velocity) {
+        if common.start_velocity != <[N; 3]>::from(before.velocity) {
             return Err(Refusal::StartVelocity);
         }
-        check_tool(offered)?;
+        let mut end_acceleration = [N::ZERO; 3];
+        if let Some([start, end]) = accelerations {
+            if start != <[N; 3]>::from(before.acceleration) {
+                return Err(Refusal::StartAcceleration);
+            }
+            end_acceleration = end;
+        }
+        check_tool(common)?;
         if self.room() == 0 || !self.offered.0.send(*offered) {
             return Err(Refusal::QueueFull);
         }
         self.status.refused = None;
         self.status.next = self.status.next.wrapping_add(1);
-        self.status.end = Some(ends(offered.to, offered.end_velocity));
+        self.status.end = Some(ends(common.to, common.end_velocity, end_acceleration));
         Ok(())
     }
 
@@ -94,21 +102,22 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
             return;
         };
         self.checking = false;
+        let Move { ticks, number, .. } = offered.common;
         let planned = QueuedMove {
-            segment: segment(&offered, self.settings.period),
-            ticks: offered.ticks,
-            number: offered.number,
-            tool: Tool::of(&offered),
+            segment: Segment::new(&offered.ends(), ticks, self.settings.period),
+            ticks,
+            number,
+            tool: Tool::of(&offered.common),
             generation: self.generation,
         };
         if !self.moves.send(planned) {
             return;
         }
-        self.ahead = self.ahead.and(offered.ticks, offered.ends_at_rest());
+        self.ahead = self.ahead.and(ticks, offered.common.ends_at_rest());
         self.shared.set_ahead(self.ahead);
-        self.status.admitted = offered.number.wrapping_add(1);
+        self.status.admitted = number.wrapping_add(1);
         self.push_event(Event::Verdict(Verdict {
-            number: offered.number,
+            number,
             violation: None,
         }));
     }
@@ -121,10 +130,18 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         };
         while self.offered.1.receive().is_some() {}
         self.checking = false;
-        self.status.next = offered.number;
-        self.status.end = Some(ends(offered.from, offered.start_velocity));
+        // Where the refused one is a cubic, a quintic behind a quintic starts anew.
+        let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
+        let Move {
+            from,
+            start_velocity,
+            number,
+            ..
+        } = offered.common;
+        self.status.next = number;
+        self.status.end = Some(ends(from, start_velocity, acceleration));
         let verdict = Verdict {
-            number: offered.number,
+            number,
             violation: Some(violation),
         };
         self.status.refused = Some(verdict);
@@ -143,10 +160,11 @@ pub const fn longest_move(capacity: usize) -> u32 {
 ///
 /// # Errors
 /// [`Refusal::NotFinite`], [`Refusal::Duration`], [`Refusal::Tool`].
-pub fn check_offer<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refusal<N>> {
-    check_finite(offered)?;
-    check_duration(offered, longest)?;
-    check_tool(offered)
+pub fn check_offer<N: Number>(offered: &AnyMove<N>, longest: u32) -> Result<(), Refusal<N>> {
+    let common = offered.common();
+    check_finite(common, offered.accelerations())?;
+    check_duration(common, longest)?;
+    check_tool(common)
 }
 
 fn check_duration<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refusal<N>> {
@@ -163,18 +181,10 @@ fn check_tool<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
     }
 }
 
-/// The move as the tick plays it.
-fn segment<N: Number>(offered: &Move<N>, period: N::Factor) -> Segment<N> {
-    let (from, to, ticks) = (offered.from, offered.to, offered.ticks);
-    if offered.is_rest_to_rest() {
-        return Segment::RestToRest(RestToRest::new(from, to, ticks, period));
-    }
-    let start = Vector3::from(offered.start_velocity);
-    let end = Vector3::from(offered.end_velocity);
-    Segment::Hermite(Hermite::new(from, start, to, end, ticks, period))
-}
-
-fn check_finite<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
+fn check_finite<N: Number>(
+    offered: &Move<N>,
+    accelerations: Option<[[N; 3]; 2]>,
+) -> Result<(), Refusal<N>> {
     let pose = |pose: &Pose<N>| {
         pose.position.x.is_finite() && pose.position.y.is_finite() && N::angle_is_finite(pose.angle)
     };
@@ -183,6 +193,7 @@ fn check_finite<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
         && pose(&offered.to)
         && all(&offered.start_velocity)
         && all(&offered.end_velocity)
+        && accelerations.is_none_or(|both| both.iter().all(all))
         && offered.tool_power.is_finite()
         && offered.tool_speed.is_finite();
     finite.then_some(()).ok_or(Refusal::NotFinite)

@@ -4,20 +4,21 @@ use super::super::coefficients::Coefficients;
 use super::super::handoff::Order;
 use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
-use crate::admission::{Enclose, Judgement};
+use crate::admission::Judgement;
+use crate::number::ServiceNumber;
 use trirrr_core::forward::Forward;
 use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{Refusal, Replacement, State};
+use trirrr_protocol::message::{Content, Refusal, State};
 
 /// Newton steps after which a pose is not found. From the pose before a calibration it takes three
 /// or four.
 const MOST_STEPS: u32 = 32;
 
-impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
     /// is found by forward kinematics from where it was.
     pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
-        let section = part.section().ok_or(Refusal::NotAdjustable)?;
+        let section = part.content().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
         let (parameters, limits) = self.scene.changed(section, &units)?;
         self.require_idle()?;

@@ -3,20 +3,17 @@
 use super::super::handoff::count;
 use super::super::scene::Scene;
 use super::{Background, Last};
-use crate::admission::Enclose;
-use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply, Request};
+use crate::number::ServiceNumber;
+use crate::offered::{CommandOf, Offered, RequestOf};
+use trirrr_protocol::message::{Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply};
 
-impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Executes a request, unless it was executed already. Returns the reply, to be sent with the request's
     /// sequence number. `checksum` is that of the request's frame
     /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)). It tells a repeated request from
     /// another with the same number.
     #[inline(never)]
-    pub fn receive(
-        &mut self,
-        request: &Request<N, S::Replacement>,
-        checksum: u32,
-    ) -> Reply<N, S::Part> {
+    pub fn receive(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, S::Part> {
         // Whatever it is that comes, the host is there.
         count(&self.shared.heard);
         self.drain_reports();
@@ -57,7 +54,7 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
 
     /// Executes a command of the program that owns the service, which needs no hello and no sequence
     /// numbers.
-    pub fn submit(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
+    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
         count(&self.shared.heard);
         self.drain_reports();
         let result = match command {
@@ -97,7 +94,7 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
-    fn answer(&mut self, command: &Command<N, S::Replacement>) -> Reply<N, S::Part> {
+    fn answer(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => match self.scene.part(*name, &self.settings.scene.units()) {
@@ -108,12 +105,19 @@ impl<N: Enclose, S: Scene<N = N>> Background<'_, S> {
         }
     }
 
+    #[inline(always)]
+    fn offer_quintic(&mut self, offered: Option<&QuinticMove<N>>) -> Result<(), Refusal<N>> {
+        let offered = offered.and_then(Offered::of_quintic);
+        self.offer(&offered.ok_or(Refusal::NoQuintics)?)
+    }
+
     #[inline(never)]
-    fn execute(&mut self, command: &Command<N, S::Replacement>) -> Result<(), Refusal<N>> {
+    fn execute(&mut self, command: &CommandOf<S>) -> Result<(), Refusal<N>> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Override(section) => self.change(section),
-            Command::Move(offered) => self.offer(offered),
+            Command::Move(offered) => self.offer(&Offered::cubic(offered)),
+            Command::Quintic(offered) => self.offer_quintic(offered.content()),
             Command::Start => self.start(),
             Command::Hold => self.hold(),
             Command::Resume => self.resume(),

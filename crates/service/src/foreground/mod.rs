@@ -14,7 +14,7 @@ use super::homing::Homing;
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use trirrr_core::number::{Number, WideArithmetic};
@@ -32,7 +32,7 @@ pub struct Foreground<'q, S: Scene> {
     ramp: [<S::N as WideArithmetic>::Count; 2],
     host_timeout_ticks: u32,
 
-    moves: Receiver<'q, QueuedMove<S::N>>,
+    moves: Receiver<'q, QueuedMove<S::N, S::Curves>>,
     recoveries: Receiver<'q, Recover<S::N>>,
     orders: Receiver<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
@@ -92,24 +92,24 @@ enum Target<N: Number> {
 }
 
 /// The ends that belong to the tick.
-pub(super) struct ForegroundEnds<'q, N: Number, T> {
-    pub(super) moves: Receiver<'q, QueuedMove<N>>,
-    pub(super) recoveries: Receiver<'q, Recover<N>>,
+pub(super) struct ForegroundEnds<'q, S: Scene> {
+    pub(super) moves: Receiver<'q, QueuedMove<S::N, S::Curves>>,
+    pub(super) recoveries: Receiver<'q, Recover<S::N>>,
     pub(super) orders: Receiver<'q, Order>,
-    pub(super) setups: T,
-    pub(super) reports: Sender<'q, TickReport<N>>,
-    pub(super) faults: Sender<'q, Fault<N>>,
-    pub(super) samples: Sender<'q, Telemetry<N>>,
+    pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
+    pub(super) reports: Sender<'q, TickReport<S::N>>,
+    pub(super) faults: Sender<'q, Fault<S::N>>,
+    pub(super) samples: Sender<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
 }
 
-impl<'q, N: Enclose, S: Scene<N = N>> Foreground<'q, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     pub(super) fn new(
         setup: Setup<S::Model>,
         angles: [N::Angle; 3],
         homing: S::Homing,
         settings: &Settings<N>,
-        ends: ForegroundEnds<'q, N, <S::Slot as Slot<Setup<S::Model>>>::Take<'q>>,
+        ends: ForegroundEnds<'q, S>,
     ) -> Self {
         let feed = FeedScale::new(settings.ramp_ticks);
         let motor = |angle| Motor {

@@ -5,11 +5,11 @@ use super::super::handoff::{Order, QueuedMove};
 use super::super::homing::Homing;
 use super::super::scene::{Scene, Take};
 use super::{Foreground, Path};
-use crate::admission::Enclose;
 use crate::guard::Guard;
+use crate::number::ServiceNumber;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
     /// its first setpoint is this tick's. An order that does not fit the state, because the state
     /// changed while it was on its way, changes nothing.
@@ -48,7 +48,7 @@ impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
         false
     }
 
-    pub(super) fn is_stale(&self, planned: &QueuedMove<N>) -> bool {
+    pub(super) fn is_stale(&self, planned: &QueuedMove<N, S::Curves>) -> bool {
         planned.generation != self.generation
     }
 

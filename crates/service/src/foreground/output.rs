@@ -5,7 +5,7 @@ use super::super::handoff::QueuedMove;
 use super::super::homing::Homing;
 use super::super::scene::Scene;
 use super::{Foreground, Path};
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
@@ -22,7 +22,7 @@ pub struct Output<N: Number> {
     pub enabled: bool,
 }
 
-impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
     /// runs.
     #[inline]

@@ -5,11 +5,11 @@ use super::super::guard::LimitBreach;
 use super::super::homing::{Homing, Progress};
 use super::super::scene::Scene;
 use super::{Foreground, Path, Target};
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// One tick further; `started`: the path was begun in this tick, and this is its start.
     #[inline]
     pub(super) fn advance(&mut self, started: bool) -> Target<N> {

@@ -3,11 +3,11 @@
 use super::super::handoff::{TickReport, count};
 use super::super::scene::Scene;
 use super::Foreground;
-use crate::admission::Enclose;
+use crate::number::ServiceNumber;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::Telemetry;
 
-impl<N: Enclose, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Reports what changed; where there is no room, later.
     #[inline]
     pub(super) fn report(&mut self) {

@@ -1,34 +1,37 @@
 //! A scene that the host can change while the machine is idle.
 
 use super::{Scene, Setup};
-use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::homing::{NoHoming, Plan};
+use crate::number::ServiceNumber;
+use crate::offered::PlayedCurves;
 use crate::settings::Settings;
 use core::marker::PhantomData;
 use heapless::spsc::Queue;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, LegParameters, Parameters};
 use trirrr_core::model::{Model, ModelKind};
+use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::Refusal;
 use trirrr_protocol::message::scene::{Section, SectionName};
 
-/// Scene that the host can change, within the room that the model `M` has.
+/// Scene that the host can change, within the room that the model `M` has. It plays
+/// moves of the kinds `K`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adjustable<M> {
+pub struct Adjustable<M, K = Quintics> {
     parameters: Parameters,
     limits: LimitParameters,
-    model: PhantomData<M>,
+    types: PhantomData<(M, K)>,
 }
 
-impl<M: Model> Adjustable<M> {
+impl<M: Model, K> Adjustable<M, K> {
     /// Starts with this machine, in its own units. `M` has to be the model of the machine.
     pub fn new(parameters: Parameters, limits: LimitParameters) -> Self {
         Self {
             parameters,
             limits,
-            model: PhantomData,
+            types: PhantomData,
         }
     }
 
@@ -39,11 +42,12 @@ impl<M: Model> Adjustable<M> {
     }
 }
 
-impl<N: Enclose, M: Model<N = N>> Scene for Adjustable<M> {
+impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Adjustable<M, K> {
     type N = N;
     type Model = M;
     type Slot = Queue<Setup<M>, 2>;
     type Replacement = Section;
+    type Curves = K;
     type Part = Section;
     type Homing = NoHoming;
     type Coefficients = Coefficients<M>;

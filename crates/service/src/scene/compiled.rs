@@ -4,10 +4,14 @@ use super::{NoSlot, Scene};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::homing::{NoHoming, Plan};
+use crate::number::ServiceNumber;
+use crate::offered::PlayedCurves;
 use crate::settings::Settings;
+use core::marker::PhantomData;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::Model;
+use trirrr_core::setpoint::Cubics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{Refusal, Unread, Written};
@@ -15,11 +19,13 @@ use trirrr_protocol::message::{Refusal, Unread, Written};
 /// Scene that cannot change. A host may have built the coefficients; the service passes the
 /// description on as it is.
 #[derive(Clone, Copy, Debug)]
-pub struct Compiled<'a, M: Model<N: Enclose>> {
+pub struct Compiled<'a, M: Model<N: Enclose>, K = Cubics> {
     /// Coefficients of the service, in the units of the machine.
     pub coefficients: &'a Coefficients<M>,
     /// Description.
     pub parts: Parts<'a>,
+    /// Kinds of moves that the machine plays.
+    pub curves: PhantomData<K>,
 }
 
 /// Parts of a scene in SI units, each a [`Section`](trirrr_protocol::message::scene::Section) as the bytes on the line.
@@ -33,11 +39,12 @@ pub struct Parts<'a> {
     pub limits: &'a [u8],
 }
 
-impl<'a, N: Enclose, M: Model<N = N>> Scene for Compiled<'a, M> {
+impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Compiled<'a, M, K> {
     type N = N;
     type Model = M;
     type Slot = NoSlot;
     type Replacement = Unread;
+    type Curves = K;
     type Part = Written<'a>;
     type Homing = NoHoming;
     type Coefficients = &'a Coefficients<M>;

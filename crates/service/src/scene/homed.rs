@@ -1,9 +1,9 @@
 //! A scene with homing.
 
 use super::Scene;
-use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::homing::{Cycle, HomingCoefficients, Plan};
+use crate::number::ServiceNumber;
 use crate::settings::Settings;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Parameters};
@@ -20,11 +20,12 @@ pub struct WithHoming<'a, S: Scene> {
     pub homing: Option<&'a HomingCoefficients<S::N>>,
 }
 
-impl<'a, N: Enclose, S: Scene<N = N>> Scene for WithHoming<'a, S> {
+impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type N = N;
     type Model = S::Model;
     type Slot = S::Slot;
     type Replacement = S::Replacement;
+    type Curves = S::Curves;
     type Part = S::Part;
     type Homing = Option<Cycle<'a, N>>;
     type Coefficients = S::Coefficients;

@@ -3,7 +3,7 @@
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
 //! [`WithHoming`] adds homing to either. The choice is a type, so that a scene pays only for its own
-//! kind.
+//! kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 mod adjustable;
 mod compiled;
@@ -15,9 +15,10 @@ pub use compiled::{Compiled, Parts};
 pub use homed::WithHoming;
 pub use slot::{NoSlot, Put, Slot, Take};
 
-use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::homing::{Homing, Plan};
+use crate::number::ServiceNumber;
+use crate::offered::PlayedCurves;
 use crate::settings::Settings;
 use core::borrow::Borrow;
 use postcard_schema::Schema;
@@ -30,7 +31,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Refusal, Replacement};
+use trirrr_protocol::message::{Content, Refusal};
 
 /// Coefficients of the tick, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +47,7 @@ pub struct Setup<M: Model> {
 /// Scene of a service. The background keeps it.
 pub trait Scene {
     /// Number type.
-    type N: Enclose;
+    type N: ServiceNumber;
 
     /// Model of the machine.
     type Model: Model<N = Self::N>;
@@ -55,7 +56,10 @@ pub trait Scene {
     type Slot: Slot<Setup<Self::Model>>;
 
     /// Content of a part of the scene in a request. A scene that can be changed reads all of it.
-    type Replacement: Replacement;
+    type Replacement: Content<Section>;
+
+    /// Kinds of moves that the machine plays.
+    type Curves: PlayedCurves;
 
     /// Part of the scene in a reply.
     type Part: Serialize + Schema;

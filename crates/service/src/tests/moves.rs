@@ -1,7 +1,8 @@
 //! What is offered: refusals one by one, verdicts, the queue.
 
 use super::*;
-use trirrr_protocol::message::{Acting, Bounded};
+use trirrr_core::setpoint::{Ends, Quintics, Segment};
+use trirrr_protocol::message::{Acting, Bounded, QuinticMove};
 
 fn offered() -> Move<f64> {
     rest(0, home(), pose(0.28, 0.28, 0.2), 100)
@@ -367,4 +368,74 @@ fn telemetry_that_nobody_fetches_is_counted() {
     bench.done(Command::Telemetry { every: 0 });
     bench.ticks(100);
     assert!(bench.telemetry.is_empty());
+}
+
+fn quintic(common: Move<f64>, [start, end]: [[f64; 3]; 2]) -> Command<f64> {
+    Command::Quintic(QuinticMove {
+        common,
+        start_acceleration: start,
+        end_acceleration: end,
+    })
+}
+
+/// Setpoints of a chain of quintics, and the accelerations where they meet: from the end of the one before.
+#[test]
+fn quintics_chain_with_their_accelerations() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let (a, b, c) = (home(), pose(0.215, 0.225, 0.16), pose(0.22, 0.23, 0.165));
+    let (speed, bent, none) = ([0.05, 0.05, 0.05], [0.2, -0.1, 0.3], [0.0; 3]);
+    let first = moving(0, a, b, [none, speed], 100);
+    let second = moving(1, b, c, [speed, none], 100);
+    // From rest a quintic starts without an acceleration.
+    assert_eq!(
+        bench.refused(quintic(first, [bent, bent])),
+        Refusal::StartAcceleration
+    );
+    bench.done(quintic(first, [none, bent]));
+    assert_eq!(
+        bench.refused(quintic(second, [none, none])),
+        Refusal::StartAcceleration
+    );
+    let infinite = [f64::INFINITY, 0.0, 0.0];
+    assert_eq!(
+        bench.refused(quintic(second, [bent, infinite])),
+        Refusal::NotFinite
+    );
+    bench.done(quintic(second, [bent, none]));
+    bench.judge();
+    bench.done(Command::Start);
+    let ends = |from, to, velocities: [[f64; 3]; 2], accelerations| Ends::<f64, Quintics> {
+        from,
+        to,
+        velocities: velocities.map(Into::into),
+        accelerations: Some(accelerations),
+    };
+    let period = PERIOD_S;
+    let segments = [
+        Segment::new(&ends(a, b, [none, speed], [none, bent]), 100, period),
+        Segment::new(&ends(b, c, [speed, none], [bent, none]), 100, period),
+    ];
+    for tick in 0..=200_u32 {
+        bench.service.tick();
+        let (setpoint, _) = bench.service.motion().expect("a motion");
+        let index = usize::from(tick >= 100);
+        let expected = segments[index].at(tick - 100 * index as u32);
+        assert_eq!(*setpoint, expected, "{tick}");
+    }
+}
+
+#[test]
+fn a_cubic_may_follow_a_quintic() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let (a, b, c) = (home(), pose(0.215, 0.225, 0.16), pose(0.22, 0.23, 0.165));
+    let (speed, bent, none) = ([0.05, 0.05, 0.05], [0.2, -0.1, 0.3], [0.0; 3]);
+    bench.done(quintic(moving(0, a, b, [none, speed], 100), [none, bent]));
+    bench.done(Command::Move(moving(1, b, c, [speed, none], 100)));
+    // Behind a cubic a quintic starts anew.
+    let third = rest(2, c, b, 100);
+    assert_eq!(
+        bench.refused(quintic(third, [bent, none])),
+        Refusal::StartAcceleration
+    );
+    bench.done(quintic(third, [none, none]));
 }

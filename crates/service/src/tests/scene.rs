@@ -3,8 +3,9 @@
 use super::*;
 use trirrr_core::machine::Quantity;
 use trirrr_core::model::Kinematic;
+use trirrr_core::setpoint::Cubics;
 use trirrr_protocol::message::scene::{Limits, Section, SectionName};
-use trirrr_protocol::message::{Bounded, FaultCode};
+use trirrr_protocol::message::{Bounded, FaultCode, QuinticMove};
 
 fn read<S: Scene<N = f64>>(bench: &mut Bench<S>, name: SectionName) -> Section {
     match bench.ask(Command::Read(name)) {
@@ -63,8 +64,19 @@ fn an_image_without_the_code_refuses_overrides() {
             platform: part(SectionName::Platform),
             limits: part(SectionName::Limits),
         },
+        curves: core::marker::PhantomData::<Cubics>,
     };
     let mut bench = Bench::of(scene, home());
+    // It plays cubics only, and does not read the rest.
+    let quintic = QuinticMove {
+        common: rest(0, home(), home(), 10),
+        start_acceleration: [0.0; 3],
+        end_acceleration: [0.0; 3],
+    };
+    assert_eq!(
+        bench.refused(Command::Quintic(quintic)),
+        Refusal::NoQuintics
+    );
     for name in [
         SectionName::Leg(2),
         SectionName::Platform,

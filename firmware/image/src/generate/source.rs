@@ -46,6 +46,13 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let mut file = File(String::new());
     file.line(&format!("pub type Scalar = {scalar};"));
     file.line(&format!("pub type Model = {};", source.model));
+    let curves = match scene.job.has_quintics() {
+        true => "Quintics",
+        false => "Cubics",
+    };
+    file.line(&format!(
+        "pub type Curves = trirrr_core::setpoint::{curves};"
+    ));
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -157,7 +164,15 @@ fn move_source(each: &trirrr_scene::JobMove) -> String {
     let velocity = |velocity: Vector3<f64>| constant(&<[f64; 3]>::from(velocity));
     let (from, to, ticks) = (pose(&each.from), pose(&each.to), each.duration_ticks);
     let kind = "trirrr_image::Move";
-    if each.is_rest_to_rest() {
+    if let Some([start, end]) = each.accelerations {
+        let [v0, v1] = [each.start_velocity, each.end_velocity].map(velocity);
+        let [a0, a1] = [start, end].map(velocity);
+        return format!(
+            "{kind}::Quintic {{ poses: [{from}, {to}], velocities: [{v0}, {v1}], \
+             accelerations: [{a0}, {a1}], ticks: {ticks} }}"
+        );
+    }
+    if each.ends::<f64>().is_rest_to_rest() {
         return format!("{kind}::RestToRest {{ from: {from}, to: {to}, ticks: {ticks} }}");
     }
     let (start, end) = (velocity(each.start_velocity), velocity(each.end_velocity));

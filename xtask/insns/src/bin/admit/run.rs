@@ -4,11 +4,11 @@ use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_insns::scene::{LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS};
+use trirrr_insns::scene::{Curves, LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS};
 use trirrr_insns::service::offered;
 use trirrr_service::admission::{Admission, Verdict};
 
-type SceneAdmission = Admission<Model>;
+type SceneAdmission = Admission<Model, Curves>;
 
 #[inline(never)]
 fn step(admission: &mut SceneAdmission) -> bool {
@@ -21,7 +21,7 @@ fn judge_all(limits: &LimitParameters) {
     });
     let mut admission = built.unwrap_or_else(|error| counter::fail(error));
     for index in 0..MOVES.len() {
-        admission.offer(&offered(index, 0));
+        admission.offer_any(&offered(index, 0));
         let (mut total, mut longest, mut intervals) = (0, 0, 0);
         loop {
             counter::announce();

@@ -8,7 +8,7 @@ use trirrr_core::dyad::{OutOfReach, Rrr};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_image::{Checksum, Segment, segments};
-use trirrr_insns::scene::{MOVES, PARAMETERS, PERIOD, Scalar};
+use trirrr_insns::scene::{Curves, MOVES, PARAMETERS, PERIOD, Scalar};
 use trirrr_insns::tick::{SceneTick, TickOutcome, evaluate, set, solve};
 
 /// Result that [`solve`] leaves.
@@ -20,7 +20,7 @@ fn empty_evaluate(_: &SceneTick, _: &Setpoint<Scalar>, _: &mut TickOutcome) {}
 
 /// Stands in for [`set`].
 #[inline(never)]
-fn empty_set(_: &Segment<Scalar>, _: u32, _: &mut Setpoint<Scalar>) {}
+fn empty_set(_: &Segment<Scalar, Curves>, _: u32, _: &mut Setpoint<Scalar>) {}
 
 /// Stands in for [`solve`].
 #[inline(never)]
@@ -43,8 +43,8 @@ fn count_evaluate(
 /// As [`count_evaluate`], for the setpoint.
 #[inline(never)]
 fn count_set(
-    function: fn(&Segment<Scalar>, u32, &mut Setpoint<Scalar>),
-    segment: &Segment<Scalar>,
+    function: fn(&Segment<Scalar, Curves>, u32, &mut Setpoint<Scalar>),
+    segment: &Segment<Scalar, Curves>,
     tick: u32,
     setpoint: &mut Setpoint<Scalar>,
 ) -> u32 {
@@ -78,7 +78,7 @@ pub(crate) fn run() -> ! {
     let dyad = tick.geometry().legs()[0].dyad();
     let mut end = Vector2::new(0.0, 0.0).map(Scalar::from_f64);
     let mut links: SolvedLinks = Err(OutOfReach::Unreachable);
-    for segment in segments::<Scalar>(&MOVES, PERIOD) {
+    for segment in segments::<Scalar, Curves>(&MOVES, PERIOD) {
         for index in 0..segment.ticks() {
             let mut setpoint = segment.at(index);
             if first {

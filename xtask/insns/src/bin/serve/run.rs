@@ -10,11 +10,11 @@ use trirrr_image::RuledSwitches;
 use trirrr_insns::scene::HOMING;
 use trirrr_insns::scene::{MOVES, SETTINGS, Scalar};
 use trirrr_insns::service::{
-    SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered, scene, settings,
-    start, tick,
+    CountedScene, SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered,
+    scene, settings, start, tick,
 };
 use trirrr_protocol::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
-use trirrr_service::Channels;
+use trirrr_service::{Channels, command_of};
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
 /// come everywhere on the moves.
@@ -74,7 +74,10 @@ impl Host {
     fn feed(&mut self) {
         self.ask(Command::Status);
         while self.offered < MOVES.len() && self.background.status().room > 0 {
-            self.done(Command::Move(offered(self.offered, self.number)));
+            self.done(command_of::<CountedScene>(&offered(
+                self.offered,
+                self.number,
+            )));
             self.offered += 1;
             self.number = self.number.wrapping_add(1);
         }
@@ -157,8 +160,8 @@ pub(crate) fn run() -> ! {
         from: pose,
         start_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Arithmetic>::from_f64),
         end_velocity: [0.0; 3].map(<Scalar as trirrr_core::number::Arithmetic>::from_f64),
-        ticks: 10 * offered(0, 0).ticks.max(100),
-        ..offered(0, host.number)
+        ticks: 10 * offered(0, 0).common().ticks.max(100),
+        ..*offered(0, host.number).common()
     };
     host.done(Command::Move(back));
     host.number = host.number.wrapping_add(1);

@@ -1,0 +1,102 @@
+//! Moves as the background keeps them until they are judged, of the kinds that the scene plays.
+
+use crate::number::ServiceNumber;
+use crate::scene::Scene;
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Quintics};
+use trirrr_protocol::message::{AnyMove, Command, Content, Move, QuinticMove, Request, Unread};
+
+/// Kinds of moves that a service plays.
+pub trait PlayedCurves: CurveKind {
+    /// Type as which a quintic move in a request is read.
+    type Request<N: ServiceNumber>: Content<QuinticMove<N>>;
+
+    /// A quintic move as a service reads it.
+    fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> Self::Request<N>;
+}
+
+impl PlayedCurves for Cubics {
+    type Request<N: ServiceNumber> = Unread<QuinticMove<N>>;
+
+    #[inline(always)]
+    fn request<N: ServiceNumber>(_: &QuinticMove<N>) -> Unread<QuinticMove<N>> {
+        Unread::CONTENT
+    }
+}
+
+impl PlayedCurves for Quintics {
+    type Request<N: ServiceNumber> = QuinticMove<N>;
+
+    fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> QuinticMove<N> {
+        *quintic
+    }
+}
+
+/// Command as a service of the scene `S` reads it.
+pub type CommandOf<S> = Command<
+    <S as Scene>::N,
+    <S as Scene>::Replacement,
+    <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
+>;
+
+/// Offer of a move to a service of the scene `S`.
+pub fn command_of<S: Scene>(offered: &AnyMove<S::N>) -> CommandOf<S> {
+    match offered {
+        AnyMove::Cubic(cubic) => Command::Move(*cubic),
+        AnyMove::Quintic(quintic) => Command::Quintic(S::Curves::request(quintic)),
+    }
+}
+
+/// Request as a service of the scene `S` reads it.
+pub type RequestOf<S> = Request<
+    <S as Scene>::N,
+    <S as Scene>::Replacement,
+    <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
+>;
+
+/// A move of the kinds `K`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Offered<N: Number, K: CurveKind> {
+    pub(crate) common: Move<N>,
+    pub(crate) accelerations: K::Accelerations<N>,
+}
+
+impl<N: Number, K: CurveKind> Offered<N, K> {
+    pub(crate) fn cubic(common: &Move<N>) -> Self {
+        Self {
+            common: *common,
+            accelerations: K::none(),
+        }
+    }
+
+    /// The move, if the machine plays quintics.
+    #[inline(always)]
+    pub(crate) fn of_quintic(quintic: &QuinticMove<N>) -> Option<Self> {
+        let accelerations = [quintic.start_acceleration, quintic.end_acceleration];
+        Some(Self {
+            common: quintic.common,
+            accelerations: K::some(accelerations)?,
+        })
+    }
+
+    pub(crate) fn ends(&self) -> Ends<N, K> {
+        let Move {
+            from,
+            to,
+            start_velocity,
+            end_velocity,
+            ..
+        } = self.common;
+        Ends {
+            from,
+            to,
+            velocities: [start_velocity.into(), end_velocity.into()],
+            accelerations: self.accelerations,
+        }
+    }
+
+    /// Accelerations at both ends of a quintic.
+    pub(crate) fn quintic(&self) -> Option<[[N; 3]; 2]> {
+        K::given(&self.accelerations)
+    }
+}
