@@ -25,8 +25,12 @@ fn scenes() -> Vec<Scene> {
     scenes
 }
 
-/// The scene's machine and moves in the units of `N`.
+/// The scene's machine and moves in the units of `N`. A path was planned for the scene's own number type alone.
 fn in_units<N: ServiceNumber>(scene: &Scene) -> Option<(Setting, Vec<AnyMove<N>>)> {
+    let is_single = size_of::<N>() == size_of::<f32>() && N::PROPAGATES_NON_FINITE;
+    if scene.job.path.is_some() && !is_single {
+        return None;
+    }
     let units = units::<N>(scene).ok()?;
     let setting = Setting {
         parameters: units.parameters(&scene.parameters),
