@@ -202,10 +202,11 @@ impl<N: Number, K: CurveKind> Ends<N, K> {
         pose: impl Fn(&Pose<N>) -> Pose<T>,
         number: impl Fn(N) -> T,
     ) -> Ends<T, K> {
+        let [start, end] = &self.velocities;
         Ends {
             from: pose(&self.from),
             to: pose(&self.to),
-            velocities: self.velocities.map(|velocity| velocity.map(&number)),
+            velocities: [start.map(&number), end.map(&number)],
             accelerations: K::convert(&self.accelerations, number),
         }
     }

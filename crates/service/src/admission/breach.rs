@@ -1,6 +1,7 @@
 //! Limits that a move breaks.
 
 use crate::admission::Enclose;
+use nalgebra::Vector3;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{CurveKind, Ends, Pose};
 use trirrr_protocol::message::{Bounded, Violation};
@@ -181,20 +182,21 @@ pub(super) fn of_input<N: Enclose, K: CurveKind>(
         let [x, y] = [pose.position.x, pose.position.y].map(N::bound);
         [x, y, angle(pose)]
     };
-    let [start, end] = ends
-        .velocities
-        .map(|velocity| velocity.map(N::bound).into());
-    let groups = [coordinates(&ends.from), coordinates(&ends.to), start, end];
-    let accelerations = K::given(&ends.accelerations).map(|both| both.map(|one| one.map(N::bound)));
-    for group in groups
-        .into_iter()
-        .chain(accelerations.into_iter().flatten())
-    {
-        for (index, value) in group.into_iter().enumerate() {
-            if !value.is_finite() {
-                return Some(breach(Some(index as u8), value, zero));
-            }
-        }
+    let bounds = |v: &Vector3<N>| [N::bound(v.x), N::bound(v.y), N::bound(v.z)];
+    let [start, end] = &ends.velocities;
+    let groups = [
+        coordinates(&ends.from),
+        coordinates(&ends.to),
+        bounds(start),
+        bounds(end),
+    ];
+    let mut found = first_not_finite(&groups);
+    if let Some([start, end]) = K::given(&ends.accelerations) {
+        let groups = [start.map(N::bound), end.map(N::bound)];
+        found = found.or(first_not_finite(&groups));
+    }
+    if let Some((index, value)) = found {
+        return Some(breach(Some(index), value, zero));
     }
     // An angle is known to its roundoff: beyond this one, to less than a ten-thousandth of a
     // radian.
@@ -203,6 +205,19 @@ pub(super) fn of_input<N: Enclose, K: CurveKind>(
         if N::roundoff(angle.abs()) > finest {
             let limit = finest.div(<N::Bound>::UNIT_ROUNDOFF);
             return Some(breach(Some(2), angle, limit));
+        }
+    }
+    None
+}
+
+/// The first value that is infinite or not a number, and its coordinate.
+#[inline(never)]
+fn first_not_finite<B: Arithmetic>(groups: &[[B; 3]]) -> Option<(u8, B)> {
+    for group in groups {
+        for (index, value) in group.iter().enumerate() {
+            if !value.is_finite() {
+                return Some((index as u8, *value));
+            }
         }
     }
     None

@@ -9,7 +9,7 @@ use crate::admission;
 use crate::number::ServiceNumber;
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Pose, Segment};
+use trirrr_core::setpoint::{CurveKind, Pose, Segment};
 use trirrr_protocol::message::{AnyMove, Event, Move, Refusal, State, Verdict};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -25,14 +25,18 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Takes a move to be judged.
     #[inline(never)]
-    pub(super) fn offer(&mut self, offered: &Offered<N, S::Curves>) -> Result<(), Refusal<N>> {
+    pub(super) fn offer(
+        &mut self,
+        common: &Move<N>,
+        given: <S::Curves as CurveKind>::Accelerations<N>,
+    ) -> Result<(), Refusal<N>> {
         match self.status.state {
             State::Idle | State::Running | State::Slowing | State::Holding => {}
             state => return Err(Refusal::State(state)),
         }
         // Not known for the moment in which the tick drops its queue.
         let before = self.status.end.ok_or(Refusal::State(self.status.state))?;
-        let (common, accelerations) = (&offered.common, offered.quintic());
+        let accelerations = S::Curves::given(&given);
         check_finite(common, accelerations)?;
         if common.number != self.status.next {
             return Err(Refusal::MoveNumber {
@@ -54,7 +58,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             end_acceleration = end;
         }
         check_tool(common)?;
-        if self.room() == 0 || !self.offered.0.send(*offered) {
+        let offered = Offered {
+            common: *common,
+            accelerations: given,
+        };
+        if self.room() == 0 || !self.offered.0.send(offered) {
             return Err(Refusal::QueueFull);
         }
         self.status.refused = None;

@@ -4,7 +4,8 @@ use super::super::handoff::count;
 use super::super::scene::Scene;
 use super::{Background, Last};
 use crate::number::ServiceNumber;
-use crate::offered::{CommandOf, Offered, RequestOf};
+use crate::offered::{CommandOf, RequestOf};
+use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::{Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -107,8 +108,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     #[inline(always)]
     fn offer_quintic(&mut self, offered: Option<&QuinticMove<N>>) -> Result<(), Refusal<N>> {
-        let offered = offered.and_then(Offered::of_quintic);
-        self.offer(&offered.ok_or(Refusal::NoQuintics)?)
+        let quintic = offered.ok_or(Refusal::NoQuintics)?;
+        let accelerations = [quintic.start_acceleration, quintic.end_acceleration];
+        let accelerations = S::Curves::some(accelerations).ok_or(Refusal::NoQuintics)?;
+        self.offer(&quintic.common, accelerations)
     }
 
     #[inline(never)]
@@ -116,7 +119,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Override(section) => self.change(section),
-            Command::Move(offered) => self.offer(&Offered::cubic(offered)),
+            Command::Move(offered) => self.offer(offered, S::Curves::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
             Command::Start => self.start(),
             Command::Hold => self.hold(),
