@@ -2,7 +2,7 @@
 
 use trirrr_scene::{Scene, SceneError};
 
-const OUTLINE: &str = include_str!("../../../scenes/outline.toml");
+const OUTLINE: &str = include_str!("../../../scenes/paths/outline.toml");
 
 /// The outline's machine with another job.
 fn with_job(job: &str) -> Result<Scene, SceneError> {
