@@ -46,7 +46,7 @@ macro_rules! images {
             fn $image() {
                 use $image::*;
                 let built = Coefficients::<Model>::build(
-                    &PARAMETERS, &LIMITS, RAMP_TICKS, PERIOD,
+                    &PARAMETERS, &LIMITS, RAMP, PERIOD,
                 );
                 let built = built.expect("a shipped scene is good");
                 assert_eq!(format!("{COEFFICIENTS:?}"), format!("{built:?}"));

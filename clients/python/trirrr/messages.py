@@ -230,6 +230,7 @@ Refusal = Enum(
     NoHoming=None,
     NoQuintics=None,
     StartAcceleration=None,
+    FeedOverride=None,
 )
 
 Hello = Struct(
@@ -280,6 +281,7 @@ Command = Enum(
     Telemetry={"every": U16},
     Home=None,
     Quintic=QuinticMove,
+    FeedOverride={"percent": BYTE},
 )
 
 Request = Struct(
@@ -360,6 +362,7 @@ Status = Struct(
     end=Optional(SETPOINT),
     lost=U32,
     longest_tick=U32,
+    feed_percent=BYTE,
 )
 
 Event = Enum(

@@ -13,7 +13,7 @@ use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
 use trirrr_drives::{Active, Enable};
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, Move, Recovery, Reply, State};
 use trirrr_scene::Scene;
-use trirrr_service::{Adjustable, Channels, Service, Settings};
+use trirrr_service::{Adjustable, Channels, Ramp, Service, Settings};
 
 type Scalar = f32;
 type SceneChannels = Channels<Adjustable<Dynamic<Scalar>>, 4, 4>;
@@ -52,7 +52,7 @@ impl<'a> Machine<'a> {
     fn new(channels: &'a mut SceneChannels, line: &'a Line, most: u32) -> Self {
         let scene = scene();
         let settings = Settings {
-            ramp_ticks: 20,
+            ramp: Ramp::within(20, None),
             ..Settings::at(scene.tick_rate_hz)
         };
         let adjustable = Adjustable::new(scene.parameters, scene.limits);

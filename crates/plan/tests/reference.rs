@@ -14,6 +14,7 @@ use trirrr_plan::course::{Effort, PathPiece, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::{AnyMove, Move};
+use trirrr_service::Ramp;
 use trirrr_service::admission::{Admission, Verdict};
 
 fn machine(links: bool) -> Parameters {
@@ -44,8 +45,8 @@ const SAMPLING: Sampling = Sampling {
     ticks_min: 1,
 };
 
-/// A hold that takes a minute: the reserve for it is small.
-const RAMP_TICKS: u16 = 60_000;
+/// A hold takes a tenth of a second where there is room.
+const RAMP_TICKS: u16 = 100;
 
 fn path_pieces(pieces: &[Piece<f64>], feed_m_s: Option<f64>) -> Vec<PathPiece> {
     let piece = |(source, &piece)| PathPiece {
@@ -63,11 +64,14 @@ fn planned<M: Model<N = f64>>(
     pieces: &[PathPiece],
 ) -> Result<PlannedMoves, PathRefusal> {
     let limits = Limits::build(limits).expect("limits");
-    let ramp = 1.0 / (f64::from(RAMP_TICKS) * SAMPLING.period_s);
-    let planner = Planner::<M>::build(parameters, limits, ramp).expect("a machine");
-    let mut admission =
-        Admission::<M, Quintics>::build(parameters, limits, RAMP_TICKS, SAMPLING.period_s)
-            .expect("a machine");
+    let planner = Planner::<M>::build(parameters, limits, 0.0).expect("a machine");
+    let mut admission = Admission::<M, Quintics>::build(
+        parameters,
+        limits,
+        Ramp::within(RAMP_TICKS, None),
+        SAMPLING.period_s,
+    )
+    .expect("a machine");
     let mut judged = |each: &PlannedMove| {
         let Ends {
             from,

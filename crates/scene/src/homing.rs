@@ -61,7 +61,7 @@ impl Homing {
                 self.debounce_ticks,
                 angles,
                 units.time(scene.period_s()),
-                scene.ramp_ticks(),
+                scene.ramp().ticks,
             ),
         })
     }

@@ -104,7 +104,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
         let mut admission = Admission::<M, Quintics>::build(
             &units.parameters(&scene.parameters),
             Limits::build(&units.limits(&scene.limits))?,
-            scene.ramp_ticks(),
+            scene.ramp(),
             units.time(scene.period_s()),
         )?;
         let judge = |offered| objection(&mut admission, offered, units, shortest);

@@ -81,7 +81,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             others,
         } = self;
         let limits = Limits::build(&scene.limits)?;
-        let ramp = 1.0 / (f64::from(scene.ramp_ticks()) * scene.period_s());
+        let ramp = scene.service.stop_time_max_s.map_or(0.0, f64::recip);
         let planner = Planner::<M>::build(&scene.parameters, limits, ramp)?;
         let sampling = Sampling {
             period_s: scene.period_s(),
@@ -99,7 +99,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
 fn ticks_min(scene: &Scene) -> u32 {
     // One move is being played, and one is on its way.
     let waiting = offer::CAPACITY as u32 - 2;
-    (u32::from(scene.ramp_ticks()) / 2 + 1).div_ceil(waiting)
+    (u32::from(scene.ramp().ticks) / 2 + 1).div_ceil(waiting)
 }
 
 /// Distance between neighbouring positions in the number type of `scene`, at the size of the machine.

@@ -19,7 +19,7 @@ use std::str::FromStr;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::ModelKind;
-use trirrr_service::key;
+use trirrr_service::{Ramp, key};
 
 /// Slowest and fastest tick rate, Hz.
 const TICK_RATE_HZ: (f64, f64) = (1.0, 100_000.0);
@@ -188,13 +188,12 @@ impl Scene {
         1.0 / self.tick_rate_hz
     }
 
-    /// Ticks of a hold's way to rest, and of a resume's back: its time to the nearest tick, at least
-    /// one.
-    pub fn ramp_ticks(&self) -> u16 {
+    /// Ramp of a hold, a stop and a resume: its times to the nearest tick, at least one.
+    pub fn ramp(&self) -> Ramp {
         // Cannot overflow: a longer ramp is refused when it is read.
-        (self.service.hold_ramp_s * self.tick_rate_hz)
-            .round()
-            .max(1.0) as u16
+        let ticks = |seconds: f64| (seconds * self.tick_rate_hz).round().max(1.0);
+        let most = self.service.stop_time_max_s.map(|most| ticks(most) as u32);
+        Ramp::within(ticks(self.service.hold_ramp_s) as u16, most)
     }
 
     /// Duration of the job in ticks; it has one setpoint more.

@@ -10,8 +10,11 @@ const LONGEST_S: f64 = 3600.0;
 pub struct Service {
     /// A host that is silent for this long is taken for lost: controlled stop, s, positive.
     pub silence_timeout_s: f64,
-    /// A hold takes this long from full speed to rest, and a resume back, s, positive.
+    /// A hold takes this long from normal speed to rest where the limits leave room, and a resume back, s, positive.
     pub hold_ramp_s: f64,
+    /// A hold takes no longer than this from normal speed to rest, wherever it comes, s; as long as the path makes it if there
+    /// is none. At least `hold_ramp_s`.
+    pub stop_time_max_s: Option<f64>,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -21,6 +24,7 @@ impl Default for Service {
         Self {
             silence_timeout_s: 1.0,
             hold_ramp_s: 0.1,
+            stop_time_max_s: None,
             telemetry_ticks: 1,
         }
     }
@@ -51,6 +55,18 @@ pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service>
         }
         ticks <= most
     });
+    let stop_time_max_s = match section.has("stop_time_max_s") {
+        true => time("stop_time_max_s", 0.0).map(Some),
+        false => Some(None),
+    };
+    let stop_time_max_s = stop_time_max_s.filter(|most| match (most, hold_ramp_s) {
+        (Some(most), Some(ramp)) if *most < ramp => {
+            let reason = format!("must be at least hold_ramp_s, {ramp} (s)");
+            section.refuse("stop_time_max_s", reason);
+            false
+        }
+        _ => true,
+    });
     let telemetry_ticks = match section.has("telemetry_ticks") {
         true => section.integer("telemetry_ticks", 1, 65_535),
         false => Some(default.telemetry_ticks),
@@ -58,6 +74,7 @@ pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service>
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
+        stop_time_max_s: stop_time_max_s?,
         telemetry_ticks: telemetry_ticks?,
     })
 }

@@ -14,7 +14,7 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
     let silence = scene.service.silence_timeout_s * scene.tick_rate_hz;
     Settings {
         period: N::factor_from_f64(units.time(scene.period_s())),
-        ramp_ticks: scene.ramp_ticks(),
+        ramp: scene.ramp(),
         host_timeout_ticks: silence.round().max(1.0) as u32,
         telemetry_every: scene.service.telemetry_ticks as u16,
         scene: SceneIdentity {

@@ -26,7 +26,7 @@ fn the_first_refusal_is_the_one_shown() {
         block("```toml\n"),
         "duration_s = 1.0",
         1,
-        "duration_s = 0.5",
+        "duration_s = 0.4",
     );
     let error = Scene::parse(&faster, "my.toml").expect_err("too much torque");
     assert_eq!(

@@ -9,6 +9,7 @@ use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
+use trirrr_service::Ramp;
 use trirrr_service::admission::{Admission, Verdict};
 
 /// Tick rate, Hz.
@@ -21,8 +22,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..LimitParameters::default()
     };
     // A stop on the path takes 10 ticks; a stop anywhere keeps the limits too.
-    let mut admission =
-        Admission::<Dynamic<f64>>::build(&example(), Limits::build(&limits)?, 10, 1.0 / RATE_HZ)?;
+    let mut admission = Admission::<Dynamic<f64>>::build(
+        &example(),
+        Limits::build(&limits)?,
+        Ramp::within(10, None),
+        1.0 / RATE_HZ,
+    )?;
 
     let from = Pose::from_f64(0.21, 0.22, 0.157);
     let to = Pose::from_f64(0.28, 0.28, 0.209);

@@ -2,6 +2,7 @@
 
 use crate::admission::Enclose;
 use crate::admission::Path;
+use crate::pace::Ramp;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters, Quantity};
 use trirrr_core::model::Model;
@@ -32,8 +33,7 @@ to_source!([M: Model<N: Enclose>] Coefficients [M] in trirrr_service {
 
 impl<M: Model<N: Enclose>> Coefficients<M> {
     /// Checks the machine and its limits, in its own units, and builds the coefficients.
-    /// `ramp_ticks`, positive, is how long a hold or a stop takes from normal speed to rest; a tick
-    /// lasts `period`.
+    /// A hold or a stop takes `ramp`; a tick lasts `period`.
     ///
     /// # Errors
     /// The first quantity that is refused; a limit of torque or power where `M` computes no
@@ -41,7 +41,7 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
     pub fn build(
         parameters: &Parameters,
         limits: &LimitParameters,
-        ramp_ticks: u16,
+        ramp: Ramp,
         period: f64,
     ) -> Result<Self, BuildError> {
         if !M::TORQUES {
@@ -54,7 +54,7 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
             tick,
             limits,
             distances: Distances::build(parameters),
-            path: Path::build(parameters, limits.map(<M::N>::bound), ramp_ticks, period)?,
+            path: Path::build(parameters, limits.map(<M::N>::bound), ramp, period)?,
         })
     }
 }

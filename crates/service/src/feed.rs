@@ -1,22 +1,25 @@
-//! Time along the path: how a hold, a stop and a resume slow it down and speed it up.
+//! Time along the path: how a hold, a stop, a resume and a feed override change the pace.
 //!
-//! The path's own time s runs at the speed u = k / R of a tick per tick, where the level k is a
-//! whole number, R at normal speed and 0 at rest, and changes by at most one per tick. Between two
-//! ticks u is linear in time, so s advances by (k + k') / (2 R) ticks exactly: in parts of 1 / (2 R)
-//! of a tick s is a whole number. Nothing is rounded and nothing drifts, and whoever runs at normal
-//! speed stands at whole ticks of the path.
+//! The path's own time s runs at the pace u = k / T of a tick per tick, where the level k is a
+//! whole number, T at normal speed and 0 at rest. Between two ticks u is linear in time, so s advances by
+//! (k + k') / (2 T) ticks exactly: in parts of 1 / (2 T) of a tick s is a whole number. Nothing is rounded and nothing
+//! drifts, and whoever runs at normal speed stands at whole ticks of the path.
 //!
-//! From normal speed to rest takes R ticks and R^2 parts, which is R / 2 ticks of the path. So does
-//! the way back, and both together are R whole ticks. Where a ramp was broken off that does not come
-//! out; then the way back spends one tick more at the level d for which it does: d adds 2 d parts,
-//! and d = 0 .. R - 1 reaches every remainder, for remainders are even.
+//! T is [`FULL`] times R, the ticks of the ramp: from normal speed to rest it takes R ticks, and R / 2 ticks of the path,
+//! where the limits leave room for [`FULL`] levels a tick; elsewhere it takes longer.
+//!
+//! With D = T - k, every tick falls behind normal speed by D + D' parts. A way up to normal speed has to fall behind by
+//! what lacks to a whole tick. It waits for that just below normal speed, where D is a tick's change or less. What lacks,
+//! the position's part, and D have the same parity: so the last bit comes out.
+
+use super::pace::{FULL, Pace};
 
 /// Position on the path, in the path's own time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PathPosition {
     /// Whole ticks since the start of the move.
     pub(super) tick: u32,
-    /// Parts of 1 / (2 R) of a tick, less than 2 R.
+    /// Parts of 1 / (2 T) of a tick, less than 2 T.
     pub(super) part: u32,
 }
 
@@ -25,56 +28,63 @@ impl PathPosition {
     pub(super) const START: Self = Self { tick: 0, part: 0 };
 }
 
-/// The speed along the path.
+/// The pace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FeedScale {
-    /// R, positive.
-    ramp: u32,
+    /// T, positive.
+    top: u32,
     /// k.
     level: u32,
-    /// Level at which the way up spends one tick more; [`NOWHERE`] if it does not.
-    dwell: u32,
+    /// The level that the host asks for, at most T.
+    goal: u32,
 }
-
-/// No level.
-const NOWHERE: u32 = u32::MAX;
 
 /// One tick of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Step {
     /// k' after it.
     pub(super) level: u32,
-    /// k' - k: -1, 0 or 1.
+    /// k' - k.
     pub(super) slope: i32,
     /// Parts of a tick that the path advances.
-    parts: u32,
+    pub(super) parts: u32,
 }
 
 impl FeedScale {
-    /// At rest; `ramp`: R, at most 2^16.
+    /// At rest, on a ramp of `ramp` ticks.
     pub(super) fn new(ramp: u16) -> Self {
+        let top = u32::from(ramp.max(1)) * u32::from(FULL);
         Self {
-            ramp: u32::from(ramp).max(1),
+            top,
             level: 0,
-            dwell: NOWHERE,
+            goal: top,
         }
     }
 
-    /// R.
-    pub(super) fn ramp(&self) -> u32 {
-        self.ramp
+    /// T.
+    pub(super) fn top(&self) -> u32 {
+        self.top
     }
 
-    /// At normal speed from one tick to the next: for the start of a move that starts at rest.
+    /// Asks for `percent` of normal speed, 1 to 100.
+    pub(super) fn aim_at(&mut self, percent: u8) {
+        // Even, as T is: what lacks to a whole tick is even at the start of a path.
+        self.goal = (self.top * u32::from(percent) / 100).clamp(2, self.top) & !1;
+    }
+
+    /// At the pace that the host asks for from one tick to the next: for the start of a path that starts at rest.
     pub(super) fn start(&mut self) {
-        self.level = self.ramp;
-        self.dwell = NOWHERE;
+        self.level = self.goal;
     }
 
     /// At rest from one tick to the next: where a path ends.
     pub(super) fn end(&mut self) {
         self.level = 0;
-        self.dwell = NOWHERE;
+    }
+
+    /// At the end of a path, which may be nearer than the tick would have gone: a whole tick. The level becomes even with it.
+    pub(super) fn land(&mut self) {
+        self.level &= !1;
     }
 
     /// Returns true if the path stands.
@@ -82,22 +92,67 @@ impl FeedScale {
         self.level == 0
     }
 
-    /// One tick towards rest.
-    pub(super) fn slower(&self) -> Step {
-        self.step_length(self.level.saturating_sub(1))
+    /// Returns true if the pace is what the host asks for.
+    pub(super) fn is_at_goal(&self) -> bool {
+        self.level == self.goal
     }
 
-    /// One tick towards normal speed, or at it.
-    pub(super) fn faster(&self) -> Step {
-        let next = if self.level == self.dwell {
-            self.level
-        } else {
-            (self.level + 1).min(self.ramp)
+    /// One tick towards rest, at the rates of `pace`.
+    pub(super) fn slower(&self, pace: &Pace) -> Step {
+        let [any, half] = pace.braking();
+        let most = match 2 * self.level <= self.top {
+            true => half,
+            false => any,
         };
-        self.step_length(next)
+        self.step_to(self.level.saturating_sub(most))
     }
 
-    fn step_length(&self, level: u32) -> Step {
+    /// One tick at the same pace.
+    pub(super) fn steady(&self) -> Step {
+        self.step_to(self.level)
+    }
+
+    /// One tick towards the pace that the host asks for, or at it, at the rates of `pace`, from `part` of a tick.
+    pub(super) fn faster(&self, pace: &Pace, part: u32) -> Step {
+        if self.level >= self.goal {
+            let Step { level, .. } = self.slower(pace);
+            return self.step_to(level.max(self.goal));
+        }
+        let most = self.most_faster(pace);
+        let behind = self.top - self.level;
+        if self.goal < self.top {
+            return self.step_to((self.level + most).min(self.goal));
+        }
+        if behind > most {
+            return self.step_to(self.level + most.min(behind - most));
+        }
+        // Within a tick's change of normal speed: it waits until what lacks to a whole tick is right.
+        let lacks = match part < behind {
+            true => part + 2 * self.top,
+            false => part,
+        };
+        match lacks - behind {
+            0 => self.step_to(self.top),
+            rest if rest < 2 * behind => self.step_to(self.top - rest / 2),
+            // Too near to normal speed it would wait for long.
+            _ => {
+                let [any, _] = pace.braking();
+                self.step_to(self.level - any.min(most - behind))
+            }
+        }
+    }
+
+    /// Levels by which a tick may speed up. The rate that is proven is linear in u^2 between rest and normal speed, and that
+    /// which is linear in u is no greater. It has to hold at the pace to which it leads.
+    fn most_faster(&self, pace: &Pace) -> u32 {
+        let [rest, normal] = pace.faster.map(u32::from);
+        if rest == normal {
+            return rest;
+        }
+        (rest * (self.top - self.level) + normal * self.level) / (self.top + rest - normal)
+    }
+
+    fn step_to(&self, level: u32) -> Step {
         Step {
             level,
             slope: level as i32 - self.level as i32,
@@ -105,28 +160,10 @@ impl FeedScale {
         }
     }
 
-    /// Prepares the way from rest to normal speed such that it ends at a whole tick.
-    pub(super) fn aim(&mut self, part: u32) {
-        // R^2 + 2 d + part = 0 (mod 2 R). The part's parity is that of the levels that were
-        // climbed, that of R: d = -(R^2 + part) / 2 (mod R), and R^2 / 2 is R times a whole number,
-        // or half an R more where R is odd.
-        let odd = self.ramp % 2;
-        let half = (part + odd * self.ramp) / 2;
-        let over = if half < self.ramp {
-            half
-        } else {
-            half - self.ramp
-        };
-        self.dwell = if over == 0 { NOWHERE } else { self.ramp - over };
-    }
-
-    /// Takes the step: the position after it. `slope` up and down alike.
+    /// Takes the step: the position after it.
     pub(super) fn take(&mut self, step: Step, from: PathPosition) -> PathPosition {
-        if step.slope == 0 && step.level == self.dwell {
-            self.dwell = NOWHERE;
-        }
         self.level = step.level;
-        let whole = 2 * self.ramp;
+        let whole = 2 * self.top;
         // At most two ramps, one tick.
         let part = from.part + step.parts;
         if part < whole {
@@ -139,44 +176,57 @@ impl FeedScale {
         }
     }
 
-    /// Returns true if the path can still come to rest after `step` within what is left.
-    /// What is left before it are `ticks` whole ones less `part`.
-    pub(super) fn can_stop(&self, step: Step, ticks: u32, part: u32) -> bool {
-        // Beyond a ramp there is no question, and below the product fits.
-        if ticks > self.ramp {
-            return true;
-        }
-        let left = u64::from(ticks) * u64::from(2 * self.ramp);
-        let level = u64::from(step.level);
-        left >= u64::from(part) + u64::from(step.parts) + level * level
+    /// More room than it takes to stop from normal speed.
+    pub(super) fn room_most(&self) -> u32 {
+        self.top / 2 + 8 * u32::from(FULL)
     }
 
-    /// Returns true if `ticks` less `part` are enough to come to rest from normal speed.
-    pub(super) fn is_enough(&self, ticks: u32, part: u32) -> bool {
-        let at_normal_speed = Step {
-            level: self.ramp,
+    /// Returns true if the path can still come to rest after `step` on what is left. `room` is asked for the
+    /// [room](super::pace::Room) ahead of the whole tick of the position: at any pace (0), or at half of normal speed (1). The position
+    /// is `part` beyond the whole tick.
+    pub(super) fn can_stop(&self, step: Step, part: u32, room: impl Fn(usize) -> i32) -> bool {
+        self.is_room(step, part, room(0))
+            || (2 * step.level <= self.top && self.is_room(step, part, room(1)))
+    }
+
+    fn is_room(&self, step: Step, part: u32, room: i32) -> bool {
+        // More than the square of the level and the tick's own way ask for, and below the products fit.
+        if room > (self.top / 2) as i32 + 4 * i32::from(FULL) {
+            return true;
+        }
+        let left = i64::from(room) * i64::from(2 * self.top)
+            - i64::from(FULL) * i64::from(part + step.parts);
+        let level = i64::from(step.level);
+        left >= level * level + LAST
+    }
+
+    /// Returns true if `room` is enough to come to rest from the pace that the host asks for.
+    pub(super) fn is_enough(&self, part: u32, room: impl Fn(usize) -> i32) -> bool {
+        let at_goal = Step {
+            level: self.goal,
             slope: 0,
             parts: 0,
         };
-        self.can_stop(at_normal_speed, ticks, part)
+        self.can_stop(at_goal, part, room)
     }
 }
+
+/// The last tick before rest loses less than a whole tick's change r of j levels, and so r (j - r) of the room.
+const LAST: i64 = (FULL as i64 * FULL as i64) / 4;
 
 impl Step {
     /// Returns true if the step is one at normal speed all along.
     pub(super) fn is_normal(&self, feed: &FeedScale) -> bool {
-        self.slope == 0 && self.level == feed.ramp
+        self.slope == 0 && self.level == feed.top
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pace::{MovePaces, RoomCount, part_room};
     use proptest::prelude::*;
-
-    fn walk(feed: &mut FeedScale, position: &mut PathPosition, step: Step) {
-        *position = feed.take(step, *position);
-    }
+    use std::vec::Vec;
 
     #[test]
     fn a_hold_and_a_resume_take_whole_ticks() {
@@ -186,73 +236,200 @@ mod tests {
             let mut position = PathPosition { tick: 5, part: 0 };
             let mut ticks = 0;
             while !feed.is_at_rest() {
-                let step = feed.slower();
-                walk(&mut feed, &mut position, step);
+                let step = feed.slower(&Pace::FULL);
+                position = feed.take(step, position);
                 ticks += 1;
             }
             assert_eq!(ticks, u32::from(ramp));
-            // R^2 parts of 1 / (2 R).
+            // R T parts of 1 / (2 T).
             assert_eq!(
-                2 * (position.tick - 5) + position.part / u32::from(ramp),
+                2 * (position.tick - 5) + position.part / feed.top(),
                 u32::from(ramp)
             );
-            feed.aim(position.part);
-            while feed.level < feed.ramp {
-                let step = feed.faster();
-                walk(&mut feed, &mut position, step);
+            while !feed.is_at_goal() {
+                let step = feed.faster(&Pace::FULL, position.part);
+                position = feed.take(step, position);
             }
-            assert_eq!(
-                position,
-                PathPosition {
-                    tick: 5 + u32::from(ramp),
-                    part: 0
-                }
-            );
-            let step = feed.faster();
+            let expected = PathPosition {
+                tick: 5 + u32::from(ramp),
+                part: 0,
+            };
+            assert_eq!(position, expected);
+            let step = feed.faster(&Pace::FULL, position.part);
             assert!(step.is_normal(&feed));
-            walk(&mut feed, &mut position, step);
-            assert_eq!(
-                position,
-                PathPosition {
-                    tick: 6 + u32::from(ramp),
-                    part: 0
-                }
-            );
         }
     }
 
+    /// A path of parts with rates of their own.
+    struct Walk {
+        parts: Vec<(u32, Pace)>,
+        index: usize,
+        begin: u32,
+        total: RoomCount,
+        passed: RoomCount,
+        feed: FeedScale,
+        position: PathPosition,
+    }
+
+    impl Walk {
+        fn new(ramp: u16, parts: Vec<(u32, Pace)>) -> Self {
+            let feed = FeedScale::new(ramp);
+            let mut total = RoomCount::NOTHING;
+            for (ticks, pace) in &parts {
+                total.add(pace, *ticks, feed.room_most());
+            }
+            let mut passed = RoomCount::NOTHING;
+            passed.add(&parts[0].1, parts[0].0, feed.room_most());
+            Self {
+                parts,
+                index: 0,
+                begin: 0,
+                total,
+                passed,
+                feed,
+                position: PathPosition::START,
+            }
+        }
+
+        fn length(&self) -> u32 {
+            self.parts.iter().map(|(ticks, _)| ticks).sum()
+        }
+
+        fn room(&self) -> impl Fn(usize) -> i32 + '_ {
+            |x| {
+                let (ticks, pace) = self.parts[self.index];
+                let within = self.begin + ticks - self.position.tick;
+                let rate = pace.braking()[x];
+                self.passed.room.left(&self.total.room, x)
+                    + part_room(rate, within, self.feed.room_most()) as i32
+            }
+        }
+
+        fn pace(&self) -> Pace {
+            let (ticks, pace) = self.parts[self.index];
+            match self.parts.get(self.index + 1) {
+                Some((_, next)) if self.position.tick + 1 >= self.begin + ticks => pace.and(*next),
+                _ => pace,
+            }
+        }
+
+        /// One tick, and the rates that its parts allow are kept on it.
+        fn tick(&mut self, step: Step) {
+            let pace = self.pace();
+            let u = f64::from(step.level) / f64::from(self.feed.top());
+            let allowed = |[rest, normal]: [u8; 2]| {
+                f64::from(rest) + (f64::from(normal) - f64::from(rest)) * u * u
+            };
+            let slope = f64::from(step.slope);
+            // The rates at half of normal speed are those of its upper end.
+            let before = (f64::from(step.level) - slope) / f64::from(self.feed.top());
+            let slower = match before <= 0.5 {
+                true => f64::from(pace.slower[0]) * 0.75 + f64::from(pace.slower[1]) * 0.25,
+                false => f64::from(pace.slower[1]),
+            };
+            assert!(
+                slope >= -slower && slope <= allowed(pace.faster),
+                "{step:?} {pace:?}"
+            );
+            self.position = self.feed.take(step, self.position);
+            let (ticks, _) = self.parts[self.index];
+            if self.position.tick >= self.begin + ticks && self.index + 1 < self.parts.len() {
+                self.begin += ticks;
+                self.index += 1;
+                let (ticks, pace) = self.parts[self.index];
+                self.passed.add(&pace, ticks, self.feed.room_most());
+            }
+        }
+    }
+
+    fn paces() -> impl Strategy<Value = Pace> {
+        let pair = || (0u8..=FULL, 0u8..=FULL).prop_map(|(a, b)| [a.max(b), a.min(b)]);
+        let faster = pair().prop_map(|[rest, normal]| [rest.max(1), normal]);
+        prop_oneof![
+            Just(Pace::FULL),
+            (pair(), faster).prop_map(|(slower, faster)| Pace { slower, faster }),
+        ]
+    }
+
     proptest! {
-        /// However often ramps are broken off, normal speed stands at whole ticks; a path that can
-        /// stop before its end does. Down from anywhere, up from rest only, as the service does it.
+        /// However the rates change from part to part and whatever is asked for: the rates are kept, the path stops before its
+        /// end, and normal speed stands at whole ticks.
         #[test]
-        fn normal_speed_is_at_whole_ticks(
+        fn rates_are_kept_and_the_end_is_never_passed(
             ramp in 1u16..40,
-            wishes in proptest::collection::vec((any::<bool>(), 1u32..60), 1..30),
-            length in 40u32..2000,
+            parts in proptest::collection::vec((1u32..30, paces()), 1..40),
+            wishes in proptest::collection::vec((any::<bool>(), 1u8..=100, 1u32..60), 1..20),
         ) {
-            let mut feed = FeedScale::new(ramp);
-            let mut position = PathPosition::START;
-            feed.start();
-            let mut down = false;
-            for (go, ticks) in wishes {
+            let mut walk = Walk::new(ramp, parts);
+            let length = walk.length();
+            let mut wish = None;
+            for (go, percent, ticks) in wishes {
+                walk.feed.aim_at(if percent > 60 { 100 } else { percent });
                 for _ in 0..ticks {
-                    if feed.is_at_rest() && go {
-                        down = false;
-                        feed.aim(position.part);
+                    let part = walk.position.part;
+                    let faster = walk.feed.faster(&walk.pace(), part);
+                    let steady = walk.feed.steady();
+                    let can = |step| walk.feed.can_stop(step, part, walk.room());
+                    // Once it slows down it does so to rest.
+                    let down = wish == Some(false) && !walk.feed.is_at_rest();
+                    let step = match go && !down {
+                        true if can(faster) => faster,
+                        true if can(steady) => steady,
+                        _ => {
+                            wish = Some(false);
+                            walk.feed.slower(&walk.pace())
+                        }
+                    };
+                    if walk.feed.is_at_rest() {
+                        wish = None;
                     }
-                    let up = feed.faster();
-                    let left = length - position.tick;
-                    down = down || !go || !feed.can_stop(up, left, position.part);
-                    let step = if down { feed.slower() } else { up };
-                    position = feed.take(step, position);
-                    prop_assert!(position.part < 2 * u32::from(ramp));
-                    let at_the_end = position.tick == length && position.part == 0;
-                    prop_assert!(position.tick < length || at_the_end);
-                    if step.is_normal(&feed) {
-                        prop_assert_eq!(position.part, 0);
+                    walk.tick(step);
+                    prop_assert!(walk.position.part < 2 * walk.feed.top());
+                    prop_assert!(walk.position.tick < length, "{:?}", walk.position);
+                    if step.is_normal(&walk.feed) {
+                        prop_assert_eq!(walk.position.part, 0);
                     }
                 }
             }
         }
+
+        /// Wherever there is room to speed up, normal speed is reached within two ramps and stands at a whole tick.
+        #[test]
+        fn normal_speed_is_reached_at_a_whole_tick(
+            ramp in 1u16..40,
+            stops in proptest::collection::vec((1u32..50, 1u8..=FULL), 1..8),
+        ) {
+            let mut feed = FeedScale::new(ramp);
+            feed.start();
+            let mut position = PathPosition::START;
+            for (ticks, rate) in stops {
+                let pace = Pace { slower: [rate; 2], faster: [FULL; 2] };
+                for _ in 0..ticks {
+                    position = feed.take(feed.slower(&pace), position);
+                }
+                let mut waited = 0;
+                while !feed.is_at_goal() {
+                    position = feed.take(feed.faster(&Pace::FULL, position.part), position);
+                    waited += 1;
+                    prop_assert!(waited <= 2 * u32::from(ramp) + 4);
+                }
+                prop_assert_eq!(position.part, 0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_room_of_a_move_is_that_of_its_parts() {
+        let mut paces = MovePaces::FULL;
+        let low = Pace {
+            slower: [60, 20],
+            faster: [FULL; 2],
+        };
+        paces.lower(40, 3, 2, low);
+        let mut count = RoomCount::NOTHING;
+        count.add_move(&paces, 40, u32::MAX);
+        // Seven eighths at 128 and one at 20, or at 50 below half of normal speed; both changes lose a tick.
+        let expected = |rate: u32| 35 * 128 + 5 * rate - 2 * (128 - rate);
+        assert_eq!(count.room.0, [expected(20), expected(50)]);
     }
 }

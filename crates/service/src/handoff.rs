@@ -10,6 +10,7 @@
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
+use super::pace::{MovePaces, Room};
 use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
 use trirrr_core::number::Number;
@@ -23,6 +24,8 @@ pub(super) struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) ticks: u32,
     pub(super) number: u32,
     pub(super) tool: Option<Tool<N>>,
+    /// Rates at which the pace may change on it.
+    pub(super) paces: MovePaces,
     /// Generation of the queue: what was queued before the queue was dropped is not played.
     pub(super) generation: u8,
 }
@@ -39,6 +42,10 @@ pub(super) enum Order {
     Recover,
     Telemetry {
         every: u16,
+    },
+    /// The pace that the host asks for, in percent of normal speed.
+    FeedOverride {
+        percent: u8,
     },
     /// A new scene is in its slot.
     Adopt,
@@ -66,8 +73,8 @@ pub(super) struct TickReport<N: Number> {
     pub(super) begun: u32,
     /// and of the first that is not over.
     pub(super) done: u32,
-    /// Ticks of all moves of this generation that are over, modulo 2^31.
-    pub(super) played: u32,
+    /// Room of all parts of moves of this generation that were begun.
+    pub(super) passed: Room,
     /// Pose of the platform; meant in idle only.
     pub(super) pose: Pose<N>,
     /// Angles of the motors; meant in idle, fault and cleared only.
@@ -79,7 +86,9 @@ pub(super) struct TickReport<N: Number> {
 pub(super) struct SharedCounters {
     /// Requests heard. By the background.
     pub(super) heard: AtomicU32,
-    /// Admitted moves, as an [`Ahead`] in one word. By the background.
+    /// Room on the admitted moves at half of normal speed. By the background.
+    half_room: AtomicU32,
+    /// The rest of an [`Ahead`] in one word. By the background.
     ahead: AtomicU32,
     /// Ticks since the start. By the tick.
     pub(super) tick: AtomicU32,
@@ -89,36 +98,20 @@ pub(super) struct SharedCounters {
     pub(super) longest: AtomicU32,
 }
 
-/// Account of the admitted moves, in one word, so that both parts are of the same moment.
+/// Account of the admitted moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ahead {
-    /// Ticks of all moves of this generation that are admitted, modulo 2^31.
-    pub(super) ticks: u32,
+    /// Room of all moves of this generation that are admitted.
+    pub(super) room: Room,
     /// True if the last of these moves ends at rest.
     pub(super) ends_at_rest: bool,
 }
 
-/// Ticks are counted modulo this.
-const TICKS: u32 = 1 << 31;
-
 impl Ahead {
     pub(super) const NOTHING: Self = Self {
-        ticks: 0,
+        room: Room::NONE,
         ends_at_rest: true,
     };
-
-    /// With another move behind.
-    pub(super) fn and(self, ticks: u32, ends_at_rest: bool) -> Self {
-        Self {
-            ticks: self.ticks.wrapping_add(ticks) % TICKS,
-            ends_at_rest,
-        }
-    }
-
-    /// Ticks left when `played` are over.
-    pub(super) fn left(self, played: u32) -> u32 {
-        self.ticks.wrapping_sub(played) % TICKS
-    }
 }
 
 impl SharedCounters {
@@ -126,6 +119,7 @@ impl SharedCounters {
         Self {
             heard: AtomicU32::new(0),
             // At rest is 0: memory that starts as zeros takes no flash.
+            half_room: AtomicU32::new(0),
             ahead: AtomicU32::new(0),
             tick: AtomicU32::new(0),
             lost: AtomicU32::new(0),
@@ -133,18 +127,21 @@ impl SharedCounters {
         }
     }
 
-    /// Says what is admitted; after the moves themselves are in their queue.
+    /// Says what is admitted; after the moves themselves are in their queue. Who sees the second word sees the first.
     pub(super) fn set_ahead(&self, ahead: Ahead) {
-        let word = ahead.ticks << 1 | u32::from(!ahead.ends_at_rest);
+        let Room([room, half_room]) = ahead.room;
+        self.half_room.store(half_room, Ordering::Relaxed);
+        let word = room << 1 | u32::from(!ahead.ends_at_rest);
         self.ahead.store(word, Ordering::Release);
     }
 
-    /// Returns what is admitted. The moves themselves are in their queue by then.
+    /// Returns what is admitted. The moves themselves are in their queue by then. Between the two words of a move that ends
+    /// moving the room is that of before.
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
         let word = self.ahead.load(Ordering::Acquire);
         Ahead {
-            ticks: word >> 1,
+            room: Room([word >> 1, self.half_room.load(Ordering::Relaxed)]),
             ends_at_rest: word & 1 == 0,
         }
     }

@@ -43,10 +43,12 @@ mod handoff;
 mod homing;
 mod number;
 mod offered;
+mod pace;
 mod queue;
 mod scene;
 mod service;
 mod settings;
+mod stop;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -61,6 +63,8 @@ pub use homing::{
 };
 pub use number::ServiceNumber;
 pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
+pub use pace::{MovePaces, Pace, Ramp};
 pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithHoming};
 pub use service::{Played, Service};
 pub use settings::{SceneIdentity, Settings, key, name};
+pub use stop::{Stop, each_stop};

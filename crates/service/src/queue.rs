@@ -87,12 +87,6 @@ impl<'q, T> Receiver<'q, T> {
         self.receive();
     }
 
-    /// Returns whether at least two items wait.
-    #[inline]
-    pub(super) fn has_second(&self) -> bool {
-        self.0.capacity() != usize::MAX && self.0.len() >= 2
-    }
-
     /// Returns whether there is no room for another item.
     #[inline]
     pub(super) fn is_full(&self) -> bool {

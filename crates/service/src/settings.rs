@@ -1,5 +1,6 @@
 //! Settings that a service takes when it is built.
 
+use crate::pace::Ramp;
 use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
@@ -13,8 +14,8 @@ use trirrr_protocol::wire::schema;
 pub struct Settings<N: Number> {
     /// Length of a tick in the machine's unit of time.
     pub period: N::Factor,
-    /// Ticks from normal speed to rest, positive.
-    pub ramp_ticks: u16,
+    /// Ramp of a hold, a stop and a resume.
+    pub ramp: Ramp,
     /// Silence of the host after which a machine that moves comes to rest; 0 for never.
     pub host_timeout_ticks: u32,
     /// One telemetry sample every so many ticks, until the host asks otherwise; 0 for none.
@@ -97,7 +98,7 @@ impl<N: Transmit> Settings<N> {
         Self {
             period: N::factor_from_f64(1.0 / tick_rate_hz),
             // From float to integer the cast saturates.
-            ramp_ticks: ((0.1 * tick_rate_hz) as u16).max(1),
+            ramp: Ramp::within(((0.1 * tick_rate_hz) as u16).max(1), None),
             host_timeout_ticks: 0,
             telemetry_every: 0,
             scene: SceneIdentity {
@@ -126,7 +127,7 @@ impl<N: Number> Settings<N> {
             length_m: scene.length_m,
             time_s: scene.time_s,
             mass_kg: scene.mass_kg,
-            ramp_ticks: self.ramp_ticks,
+            ramp_ticks: self.ramp.ticks,
             silence_ticks: self.host_timeout_ticks,
             queue,
             next_sequence,

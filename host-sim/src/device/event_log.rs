@@ -150,5 +150,6 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Recover(_) => "recover",
         Command::Telemetry { .. } => "telemetry",
         Command::Home => "home",
+        Command::FeedOverride { .. } => "feed override",
     }
 }

@@ -8,7 +8,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Telemetry};
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
-use trirrr_service::{Adjustable, Channels, Output, SceneIdentity, Service, Settings, name};
+use trirrr_service::{Adjustable, Channels, Output, Ramp, SceneIdentity, Service, Settings, name};
 
 /// Ticks per second.
 pub const TICK_RATE_HZ: f64 = 1000.0;
@@ -68,7 +68,7 @@ impl<'q> Device<'q> {
     ) -> Self {
         let settings = Settings {
             period: 1.0 / TICK_RATE_HZ,
-            ramp_ticks: RAMP_TICKS,
+            ramp: Ramp::within(RAMP_TICKS, None),
             host_timeout_ticks: silence_ticks,
             telemetry_every: 0,
             scene: SceneIdentity {

@@ -10,6 +10,9 @@ use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::{AnyMove, State, Telemetry, Transmit};
 
+/// Levels by which the pace changes at most in a tick: a machine's ramp has so many for each of its ticks.
+const FULL: u32 = 128;
+
 /// Watches one job.
 pub struct TrajectoryChecker<N: Transmit> {
     segments: Vec<Segment<N, Quintics>>,
@@ -17,10 +20,11 @@ pub struct TrajectoryChecker<N: Transmit> {
     starts: Vec<u64>,
     /// The machine's number of the first move.
     base: u32,
-    /// Ticks from normal speed to rest.
-    ramp: u32,
-    ramp_counts: [N::Count; 2],
-    /// Change of the speed along the path per time on a ramp.
+    /// The level of the pace at normal speed.
+    top: u32,
+    /// To take fractions of: the level, the part of a tick, the change of the level in a tick.
+    counts: [N::Count; 3],
+    /// Greatest change of the pace per time.
     slope: N::Factor,
     before: Option<Before>,
     samples: u64,
@@ -36,8 +40,7 @@ struct Before {
     at: u32,
     part: u32,
     state: State,
-    /// What the speed along the path can be, in parts of the ramp. More than one only where the
-    /// path ended within a tick.
+    /// What the level of the pace can be. More than one only where the path ended within a tick.
     levels: Vec<u32>,
 }
 
@@ -45,7 +48,7 @@ impl<N: Transmit> TrajectoryChecker<N> {
     /// Of a job of `moves`, the first of which the machine calls `base`, on a machine that takes
     /// `ramp` ticks from normal speed to rest and ticks every `period`.
     pub fn new(moves: &[AnyMove<N>], base: u32, ramp: u16, period: N::Factor) -> Self {
-        let ramp = u32::from(ramp);
+        let top = FULL * u32::from(ramp);
         let mut starts = vec![0];
         for each in moves {
             starts.push(starts[starts.len() - 1] + u64::from(each.common().ticks));
@@ -54,9 +57,9 @@ impl<N: Transmit> TrajectoryChecker<N> {
             segments: moves.iter().map(|each| segment(each, period)).collect(),
             starts,
             base,
-            ramp,
-            ramp_counts: [N::count(ramp), N::count(2 * ramp)],
-            slope: N::factor_over(N::quotient(1, ramp), period),
+            top,
+            counts: [top, 2 * top, FULL].map(N::count),
+            slope: N::factor_over(N::quotient(1, u32::from(ramp)), period),
             before: None,
             samples: 0,
             is_over: false,
@@ -117,16 +120,16 @@ impl<N: Transmit> TrajectoryChecker<N> {
             return Err(format!("beyond the move's {} ticks", segment.ticks()));
         }
         let levels = match &self.before {
-            None if (index, sample.at, sample.part) == (0, 0, 0) => vec![self.ramp],
+            None if (index, sample.at, sample.part) == (0, 0, 0) => vec![self.top],
             None => return Err("not the start of the job".into()),
             // Moves came too slowly: it stood at the end of what it had, and starts again.
             Some(before) if before.state == State::Idle => {
                 if (index, sample.at, sample.part) != (before.index + 1, 0, 0) {
                     return Err("not the start of the next move".into());
                 }
-                vec![self.ramp]
+                vec![self.top]
             }
-            Some(_) if self.is_blind => vec![self.ramp],
+            Some(_) if self.is_blind => vec![self.top],
             Some(before) => self.go_on(before, index, sample)?,
         };
         if self.is_blind && !same(&sample.setpoint, &segment.at(sample.at)) {
@@ -168,21 +171,25 @@ impl<N: Transmit> TrajectoryChecker<N> {
             return Ok(());
         };
         // A stop drops the job and with it the place on it: it is where the last tick led.
-        let mut part = before.part + 1;
-        let mut at = before.at;
-        if part == 2 * self.ramp {
-            (at, part) = (at + 1, 0);
-        }
-        let sample = &Telemetry {
-            at,
-            part,
-            ..*sample
-        };
         let segment = &self.segments[before.index as usize];
-        let expected = self.setpoint(segment, sample, 0, -1);
-        match before.levels.contains(&1) && same(&expected, &sample.setpoint) {
+        let stops = |&level: &u32| {
+            let passed = before.part + level;
+            let (at, part) = (passed / (2 * self.top), passed % (2 * self.top));
+            let at = before.at + at;
+            let sample = &Telemetry {
+                at,
+                part,
+                ..*sample
+            };
+            let expected = self.setpoint(segment, sample, 0, -i64::from(level));
+            level <= FULL && same(&expected, &sample.setpoint)
+        };
+        match before.levels.iter().any(stops) {
             true => Ok(()),
-            false => Err(format!("the stop should end at {expected:?}")),
+            false => Err(format!(
+                "the stop does not end where move {}, tick {} and {} parts at {:?} lead",
+                before.index, before.at, before.part, before.levels
+            )),
         }
     }
 
@@ -205,18 +212,17 @@ impl<N: Transmit> TrajectoryChecker<N> {
         let at_end = sample.at == segment.ticks() && sample.part == 0;
         let mut levels = Vec::new();
         for &level in &before.levels {
-            for next in level.saturating_sub(1)..=(level + 1).min(self.ramp) {
+            for next in level.saturating_sub(FULL)..=(level + FULL).min(self.top) {
                 let beyond = then + u64::from(level + next);
-                let lands = beyond == now || (at_end && beyond > now && then <= now);
+                let cut = at_end && beyond > now && then <= now;
+                if beyond != now && !cut {
+                    continue;
+                }
                 let slope = i64::from(next) - i64::from(level);
-                if lands
-                    && !levels.contains(&next)
-                    && same(
-                        &self.setpoint(segment, sample, next, slope),
-                        &sample.setpoint,
-                    )
-                {
-                    levels.push(next);
+                let expected = self.setpoint(segment, sample, next, slope);
+                if same(&expected, &sample.setpoint) {
+                    // At the end of the path it becomes even.
+                    levels.push(if at_end { next & !1 } else { next });
                 }
             }
         }
@@ -224,14 +230,14 @@ impl<N: Transmit> TrajectoryChecker<N> {
             false => Ok(levels),
             true => Err(format!(
                 "the path does not go on from move {}, tick {} and {} parts at the speeds {:?} of {}",
-                before.index, before.at, before.part, before.levels, self.ramp
+                before.index, before.at, before.part, before.levels, self.top
             )),
         }
     }
 
     /// Place on the whole job in parts of a tick.
     fn place(&self, index: u32, at: u32, part: u32) -> u64 {
-        (self.starts[index as usize] + u64::from(at)) * u64::from(2 * self.ramp) + u64::from(part)
+        (self.starts[index as usize] + u64::from(at)) * u64::from(2 * self.top) + u64::from(part)
     }
 
     /// The setpoint of `segment` where the sample is, passed at `level`, to which `slope` led.
@@ -242,19 +248,24 @@ impl<N: Transmit> TrajectoryChecker<N> {
         level: u32,
         slope: i64,
     ) -> Setpoint<N> {
-        let part = (sample.part != 0).then(|| N::fraction(sample.part, &self.ramp_counts[1]));
+        let part = (sample.part != 0).then(|| N::fraction(sample.part, &self.counts[1]));
         let on_path = segment.between(sample.at, part);
-        if sample.part == 0 && level == self.ramp && slope == 0 {
+        if sample.part == 0 && level == self.top && slope == 0 {
             return on_path;
         }
-        let speed = match level == self.ramp {
+        let speed = match level == self.top {
             true => N::ONE,
-            false => N::fraction(level, &self.ramp_counts[0]),
+            false => N::fraction(level, &self.counts[0]),
         };
         let mut acceleration = on_path.acceleration * speed * speed;
         if slope != 0 {
             let change = if slope > 0 { self.slope } else { -self.slope };
-            acceleration += on_path.velocity.map(|velocity| velocity.scaled(change));
+            let levels = slope.unsigned_abs() as u32;
+            let share = (levels != FULL).then(|| N::fraction(levels, &self.counts[2]));
+            acceleration += on_path.velocity.map(|velocity| {
+                let whole = velocity.scaled(change);
+                share.map_or(whole, |share| whole * share)
+            });
         }
         Setpoint {
             pose: on_path.pose,

@@ -54,10 +54,7 @@ impl<N: ServiceNumber> Expected<N> {
 
     /// Ticks from normal speed to rest.
     pub(crate) fn ramp(&self) -> u16 {
-        // As the image has it; the scene's reader holds it to the range.
-        (self.scene.service.hold_ramp_s * self.scene.tick_rate_hz)
-            .round()
-            .max(1.0) as u16
+        self.scene.ramp().ticks
     }
 
     /// What a board that has just been switched on does, from the service on the host: its homing,

@@ -9,6 +9,7 @@ use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::AnyMove;
 use trirrr_service::admission::Enclose;
+use trirrr_service::{MovePaces, Pace};
 
 /// How closely a move is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +46,40 @@ impl Extremes {
         torque: [0.0; 3],
         power: [0.0; 3],
     };
+
+    /// Takes in what the tick computes for `setpoint` at the pace `u` that changes by `slope`; the torques.
+    fn add<N: Enclose, M: Model<N = N>>(
+        &mut self,
+        tick: &Tick<M>,
+        setpoint: &Setpoint<N>,
+        u: f64,
+        slope: f64,
+    ) -> [f64; 3] {
+        // A factor: in the units of fixed point a ramp is steeper than what they hold.
+        let (u, slope) = (N::from_f64(u), N::factor_from_f64(slope));
+        let scaled = Setpoint {
+            pose: setpoint.pose,
+            velocity: setpoint.velocity * u,
+            acceleration: setpoint.acceleration * (u * u)
+                + setpoint.velocity.map(|v| v.scaled(slope)),
+        };
+        let motion = match tick.evaluate(&scaled) {
+            Ok(motion) => motion,
+            Err(status) => {
+                self.possible = false;
+                self.in_range &= status != Status::OutOfRange;
+                return [0.0; 3];
+            }
+        };
+        for (leg, motor) in motion.motors.iter().enumerate() {
+            let raise = |greatest: &mut f64, value: f64| *greatest = greatest.max(value.abs());
+            raise(&mut self.rate[leg], motor.rate.to_f64());
+            raise(&mut self.acceleration[leg], motor.acceleration.to_f64());
+            raise(&mut self.torque[leg], motor.torque.to_f64());
+            raise(&mut self.power[leg], (motor.torque * motor.rate).to_f64());
+        }
+        motion.motors.map(|motor| motor.torque.to_f64())
+    }
 
     fn join(&mut self, other: &Self) {
         self.possible &= other.possible;
@@ -165,37 +200,12 @@ fn with<N: Enclose, M: Model<N = N>>(
     let tick = Tick::<M>::build(&setting.parameters).expect("a good machine");
     let distances = Distances::<N>::build(&setting.parameters);
     let segment = segment(offered, setting.period_s);
-    let ramp = 1.0 / (f64::from(setting.ramp_ticks) * setting.period_s);
+    let ramp = 1.0 / (f64::from(setting.ramp.ticks) * setting.period_s);
     let mut side = None;
     for sample in 0..=density.samples {
         let setpoint = segment.at_fraction(N::ratio(sample, density.samples));
         let mut at = Extremes::NONE;
-        let mut evaluate = |u: f64, slope: f64| {
-            // A factor: in the units of fixed point a ramp is steeper than what they hold.
-            let (u, slope) = (N::from_f64(u), N::factor_from_f64(slope));
-            let scaled = Setpoint {
-                pose: setpoint.pose,
-                velocity: setpoint.velocity * u,
-                acceleration: setpoint.acceleration * (u * u)
-                    + setpoint.velocity.map(|v| v.scaled(slope)),
-            };
-            let motion = match tick.evaluate(&scaled) {
-                Ok(motion) => motion,
-                Err(status) => {
-                    at.possible = false;
-                    at.in_range &= status != Status::OutOfRange;
-                    return [0.0; 3];
-                }
-            };
-            for (leg, motor) in motion.motors.iter().enumerate() {
-                let raise = |greatest: &mut f64, value: f64| *greatest = greatest.max(value.abs());
-                raise(&mut at.rate[leg], motor.rate.to_f64());
-                raise(&mut at.acceleration[leg], motor.acceleration.to_f64());
-                raise(&mut at.torque[leg], motor.torque.to_f64());
-                raise(&mut at.power[leg], (motor.torque * motor.rate).to_f64());
-            }
-            motion.motors.map(|motor| motor.torque.to_f64())
-        };
+        let mut evaluate = |u: f64, slope: f64| at.add(&tick, &setpoint, u, slope);
         evaluate(1.0, 0.0);
         for slope in [ramp, -ramp] {
             let fast = evaluate(1.0, slope);
@@ -228,5 +238,57 @@ fn with<N: Enclose, M: Model<N = N>>(
         if !visitor(f64::from(sample) / f64::from(density.samples), &at) {
             return;
         }
+    }
+}
+
+/// The extremes of a move at the rates of `paces`, at paces from rest to normal speed, at so many instants.
+pub(crate) fn visit_paced(
+    setting: &Setting,
+    offered: &AnyMove<f64>,
+    paces: &MovePaces,
+    samples: u32,
+) -> Extremes {
+    ModelKind::of(&setting.parameters, true).visit(VisitPaced {
+        setting,
+        offered,
+        paces,
+        samples,
+    })
+}
+
+struct VisitPaced<'a> {
+    setting: &'a Setting,
+    offered: &'a AnyMove<f64>,
+    paces: &'a MovePaces,
+    samples: u32,
+}
+
+impl ModelVisitor<f64> for VisitPaced<'_> {
+    type Output = Extremes;
+
+    fn visit<M: Model<N = f64>>(self) -> Extremes {
+        let setting = self.setting;
+        let tick = Tick::<M>::build(&setting.parameters).expect("a good machine");
+        let segment = segment(*self.offered, setting.period_s);
+        let ramp = 1.0 / (f64::from(setting.ramp.ticks) * setting.period_s);
+        let ticks = self.offered.common().ticks;
+        let mut found = Extremes::NONE;
+        for sample in 0..=self.samples {
+            let at = f64::from(sample) / f64::from(self.samples);
+            let setpoint = segment.at_fraction(at);
+            let whole = ((at * f64::from(ticks)) as u32).min(ticks - 1);
+            let pace = self.paces.at(ticks, whole);
+            for percent in 0..=50 {
+                let u = f64::from(percent) / 50.0;
+                let rate = |[rest, normal]: [u8; 2]| {
+                    let (rest, normal) = (f64::from(rest), f64::from(normal));
+                    ramp * (rest + (normal - rest) * u * u) / f64::from(Pace::LEVELS)
+                };
+                for slope in [0.0, -rate(pace.slower), rate(pace.faster)] {
+                    found.add(&tick, &setpoint, u, slope);
+                }
+            }
+        }
+        found
     }
 }

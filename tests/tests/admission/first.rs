@@ -5,6 +5,7 @@ use crate::judge::{Setting, judge};
 use crate::moves::random_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, Move};
+use trirrr_service::Ramp;
 use trirrr_tests::draw::{Draw, machines};
 
 const DENSITY: Density = Density {
@@ -30,7 +31,7 @@ fn possible_moves(seed: u64) -> impl Iterator<Item = (Setting, Move<f64>, Extrem
         let setting = Setting {
             parameters: case.parameters,
             limits: NONE,
-            ramp_ticks,
+            ramp: Ramp::fixed(ramp_ticks),
             period_s,
         };
         let found = extremes(&setting, &offered, DENSITY);
@@ -191,7 +192,7 @@ fn a_violation_says_whether_it_takes_a_ramp() {
     for (setting, offered, found) in possible_moves(13).take(15) {
         let mut steady = setting;
         // A ramp so slow that it changes nothing.
-        steady.ramp_ticks = u16::MAX;
+        steady.ramp = Ramp::fixed(u16::MAX);
         steady.period_s = setting.period_s;
         let quiet = extremes(&steady, &offered, DENSITY);
         for (kind, motor) in [(&MOTORS[1], 0), (&MOTORS[2], 1)] {

@@ -5,6 +5,7 @@ use crate::thesis_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move};
+use trirrr_service::Ramp;
 use trirrr_service::admission::Enclose;
 use trirrr_tests::machines::thesis;
 
@@ -17,7 +18,7 @@ fn setting() -> Setting {
             rate_rad_s: Some([2.0; 3]),
             ..LimitParameters::default()
         },
-        ramp_ticks: 10,
+        ramp: Ramp::fixed(10),
         period_s: 0.01,
     }
 }

@@ -7,6 +7,7 @@ mod first;
 mod input;
 mod judge;
 mod moves;
+mod paces;
 mod rounding;
 mod scenes;
 mod shortest;

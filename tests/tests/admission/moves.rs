@@ -9,6 +9,7 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{Job, JobMove, Scene};
+use trirrr_service::Ramp;
 use trirrr_tests::draw::Draw;
 use trirrr_tests::random::Case;
 
@@ -56,7 +57,7 @@ pub(crate) fn random_move(case: &Case, draw: &mut Draw) -> (Move<f64>, f64, u16)
 }
 
 /// `offered` as a quintic, with accelerations about those that a cubic has.
-fn bent(offered: &Move<f64>, period_s: f64, draw: &mut Draw) -> AnyMove<f64> {
+pub(crate) fn bent(offered: &Move<f64>, period_s: f64, draw: &mut Draw) -> AnyMove<f64> {
     let way = offered.from.displacement(&offered.to);
     let duration = f64::from(offered.ticks) * period_s;
     let mut acceleration = || {
@@ -223,7 +224,7 @@ fn limited(
             parallel_distance_min: 0.01,
             ..LimitParameters::default()
         },
-        ramp_ticks,
+        ramp: Ramp::fixed(ramp_ticks),
         period_s,
     };
     let extremes = extremes(&setting, offered, density);

@@ -11,6 +11,7 @@ use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::Move;
+use trirrr_service::Ramp;
 use trirrr_service::admission::{AngleModel, TaylorModel};
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
@@ -111,7 +112,7 @@ fn few_values_are_rounded_by_more_than_the_allowance() {
         let setting = Setting {
             parameters: case.parameters,
             limits: LimitParameters::default(),
-            ramp_ticks,
+            ramp: Ramp::fixed(ramp_ticks),
             period_s,
         };
         ModelKind::of(&setting.parameters, true).visit(Visit {

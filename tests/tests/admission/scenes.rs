@@ -8,6 +8,7 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::number::Fixed;
 use trirrr_protocol::message::{AnyMove, Bounded};
 use trirrr_scene::{Scene, offer, units};
+use trirrr_service::Ramp;
 use trirrr_service::ServiceNumber;
 
 fn scenes() -> Vec<Scene> {
@@ -35,7 +36,7 @@ fn in_units<N: ServiceNumber>(scene: &Scene) -> Option<(Setting, Vec<AnyMove<N>>
     let setting = Setting {
         parameters: units.parameters(&scene.parameters),
         limits: units.limits(&scene.limits),
-        ramp_ticks: scene.ramp_ticks(),
+        ramp: scene.ramp(),
         period_s: units.time(scene.period_s()),
     };
     Some((setting, offer::moves(scene, &units)))
@@ -71,9 +72,11 @@ fn limits_are_kept<N: ServiceNumber>() {
     };
     let mut compared = 0;
     for scene in scenes() {
-        let Some((setting, moves)) = in_units::<N>(&scene) else {
+        let Some((mut setting, moves)) = in_units::<N>(&scene) else {
             continue;
         };
+        // The samples know the ramp's own rate.
+        setting.ramp = Ramp::fixed(setting.ramp.ticks);
         for offered in moves.iter().take(2) {
             let found = extremes(&setting, offered, density);
             let label = format!("{}: {offered:?} {found:?}", scene.name);

@@ -5,6 +5,7 @@ use crate::judge::{Setting, judge};
 use crate::moves::random_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, LeastDuration, Move};
+use trirrr_service::Ramp;
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 const DENSITY: Density = Density {
@@ -28,7 +29,7 @@ fn too_fast(seed: u64, rest: bool) -> impl Iterator<Item = (Setting, Move<f64>)>
         let mut setting = Setting {
             parameters: case.parameters,
             limits: LimitParameters::default(),
-            ramp_ticks,
+            ramp: Ramp::fixed(ramp_ticks),
             period_s,
         };
         let found = extremes(&setting, &offered, DENSITY);
@@ -158,7 +159,7 @@ fn it_scales_as_the_formulas_say() {
     let mut setting = Setting {
         parameters: trirrr_tests::machines::thesis(),
         limits: LimitParameters::default(),
-        ramp_ticks: u16::MAX,
+        ramp: Ramp::fixed(u16::MAX),
         period_s: 0.01,
     };
     let dense = Density {
@@ -194,7 +195,7 @@ fn a_load_at_rest_leaves_none() {
             torque_nm: Some([0.05; 3]),
             ..LimitParameters::default()
         },
-        ramp_ticks: 10,
+        ramp: Ramp::fixed(10),
         period_s: 0.01,
     };
     let violation = judge(&setting, &crate::thesis_move::<f64>(100))

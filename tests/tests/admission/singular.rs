@@ -5,6 +5,7 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move};
+use trirrr_service::Ramp;
 use trirrr_tests::machines::thesis;
 
 /// Where det A = 0 at (0.245, 0.25) m on the thesis machine, from the reference data.
@@ -18,7 +19,7 @@ fn setting(serial_distance_min: f64, parallel_distance_min: f64) -> Setting {
             parallel_distance_min,
             ..LimitParameters::default()
         },
-        ramp_ticks: 10,
+        ramp: Ramp::fixed(10),
         period_s: 0.01,
     }
 }

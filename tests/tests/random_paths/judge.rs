@@ -173,7 +173,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
         let mut admission = Admission::<M, Quintics>::build(
             &scene.parameters,
             limits,
-            scene.ramp_ticks(),
+            scene.ramp(),
             scene.period_s(),
         )
         .expect("a machine");

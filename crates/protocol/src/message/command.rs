@@ -66,6 +66,11 @@ pub enum Command<N: Number, S = Section, Q = QuinticMove<N>> {
     Home,
     /// Offers a quintic move, as [`Command::Move`] does a cubic one.
     Quintic(Q),
+    /// Changes the pace of all motion along a path: at once, where the machine moves, as fast as its limits leave room.
+    FeedOverride {
+        /// 1 to 100 % of normal speed.
+        percent: u8,
+    },
 }
 
 /// Protocol, layout and scene that a host expects of the machine.

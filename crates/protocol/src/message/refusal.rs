@@ -91,4 +91,6 @@ pub enum Refusal<N: Number> {
     NoQuintics,
     /// The quintic move does not start with the acceleration that the last one ends with.
     StartAcceleration,
+    /// The feed override is not 1 to 100 %.
+    FeedOverride,
 }

@@ -140,6 +140,8 @@ pub struct Status<N: Number> {
     /// The longest tick so far, from when it was due until its outputs stood, in counts of the
     /// board's timer.
     pub longest_tick: u32,
+    /// Feed override: the pace that the host asked for last, in percent of normal speed.
+    pub feed_percent: u8,
 }
 
 /// The verdict over a move.
@@ -189,7 +191,7 @@ pub struct Telemetry<N: Number> {
     pub number: u32,
     /// Whole ticks of the move's own time that have passed,
     pub at: u32,
-    /// and the rest in parts of 2 `ramp_ticks` to the tick; always 0 at normal speed.
+    /// and the rest in parts of 256 `ramp_ticks` to the tick; always 0 at normal speed.
     pub part: u32,
     /// Pose, velocity, acceleration, time scaling included.
     pub setpoint: Setpoint<N>,

@@ -11,13 +11,15 @@
 //! power        = w u (g + d u^2 + v u')
 //! ```
 //!
-//! Acceleration and torque are affine in (u^2, u'), so their extremes over 0 <= u <= 1 and
-//! |u'| <= r are those at the corners; the power is a cubic of u between two ramps.
+//! Acceleration and torque are affine in (u^2, u'), so what keeps the limits is convex: with (0, a) and (1, b) all that
+//! lies between them does, and with both signs of u' a constant pace, too. The power at some u is affine in u', and a
+//! cubic of u on the line from (0, a) to (1, b).
 
 use super::breach::{Breach, Extent, greater};
 use super::enclose::Centre;
 use super::taylor::{Float, Middle, TaylorModel};
 use crate::admission::Enclose;
+use crate::pace::{FULL, Pace};
 use trirrr_core::limits::Limits;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
@@ -56,69 +58,134 @@ impl<N: Enclose> MotorBounds<N> {
         torque: None,
     };
 
-    /// Checks that motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1.
-    /// The error is the broken limit. A larger `speed` never breaks less: the speeds and ramps of a
-    /// slower move are among those of a faster one. `M` says whether there are torques to look at.
+    /// Checks that motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1, and the pace changes
+    /// at no more than the rates `least`. The error is the broken limit. A larger `speed` never breaks less: the
+    /// paces of a slower move are among those of a faster one. `M` says whether there are torques to look at.
     pub(super) fn check<M: Model<N: Enclose>>(
         &self,
         index: usize,
         limits: &Limits<Float<N>>,
         speed: Float<N>,
+        least: &Pace,
+    ) -> Result<(), Breach<Float<N>>> {
+        let mut pace = *least;
+        self.lower::<M>(index, limits, speed, least, &mut pace)
+    }
+
+    /// Checks as [`check`](Self::check) does, and lowers the rates of `pace` until they keep the limits, down to `least`.
+    pub(super) fn lower<M: Model<N: Enclose>>(
+        &self,
+        index: usize,
+        limits: &Limits<Float<N>>,
+        speed: Float<N>,
+        least: &Pace,
+        pace: &mut Pace,
+    ) -> Result<(), Breach<Float<N>>> {
+        let keeps = |slower: bool, [rest, normal]: [u8; 2]| {
+            let part = |levels: u8| {
+                let part = <Float<N>>::ratio(u32::from(levels), u32::from(FULL));
+                if slower { -part } else { part }
+            };
+            self.keeps::<M>(index, limits, speed, [part(rest), part(normal)])
+        };
+        let both = [
+            (true, &least.slower, &mut pace.slower),
+            (false, &least.faster, &mut pace.faster),
+        ];
+        for (slower, least, rates) in both {
+            let Err(breach) = keeps(slower, *rates) else {
+                continue;
+            };
+            // A limit that is broken at a constant pace says more.
+            keeps(slower, [0, 0])?;
+            if rates == least {
+                return Err(breach);
+            }
+            keeps(slower, *least)?;
+            let [rest, normal] = *least;
+            rates[0] = greatest(rest, rates[0], |rest| keeps(slower, [rest, normal]).is_ok());
+            let most = rates[1].min(rates[0]);
+            rates[1] = greatest(normal, most, |normal| {
+                keeps(slower, [rates[0], normal]).is_ok()
+            });
+        }
+        Ok(())
+    }
+
+    /// Checks that motor `index` keeps `limits` where the pace changes at these parts of the ramp's rate: at rest, at normal
+    /// speed, and what lies between.
+    #[inline(never)]
+    fn keeps<M: Model<N: Enclose>>(
+        &self,
+        index: usize,
+        limits: &Limits<Float<N>>,
+        speed: Float<N>,
+        [at_rest, at_speed]: [Float<N>; 2],
     ) -> Result<(), Breach<Float<N>>> {
         let squared = speed * speed;
+        let is_ramp = at_rest != <Float<N>>::ZERO || at_speed != <Float<N>>::ZERO;
         let rate = scaled(self.rate, speed);
+        let torques = self.torque.as_ref().filter(|_| M::TORQUES).map(|torque| {
+            let ramp = scaled(torque.ramp, speed);
+            let steady = torque.at_rest + scaled(torque.dynamic, squared);
+            [
+                torque.at_rest + scaled(ramp, at_rest),
+                steady + scaled(ramp, at_speed),
+            ]
+        });
         let all = [
             (Bounded::Rate, &limits.rate),
             (Bounded::Acceleration, &limits.acceleration),
             (Bounded::Torque, &limits.torque),
             (Bounded::Power, &limits.power),
         ];
-        let torque = self.torque.as_ref().filter(|_| M::TORQUES);
-        let torque = torque.map(|torque| {
-            let steady = torque.at_rest + scaled(torque.dynamic, squared);
-            (torque.at_rest, steady, scaled(torque.ramp, speed))
-        });
         for (what, limits) in all {
             let Some(limit) = limits.map(|limits| limits[index]) else {
                 continue;
             };
-            let (steady, ramp) = match (what, &torque) {
+            let size = match (what, &torques) {
+                (Bounded::Rate, _) => rate.extent(),
                 (Bounded::Acceleration, _) => {
-                    let steady = scaled(self.acceleration, squared);
                     let ramp = scaled(self.ramp_acceleration, speed);
-                    (steady.extent(), either_ramp(steady, ramp))
+                    let steady = scaled(self.acceleration, squared);
+                    let slow = scaled(ramp, at_rest).extent();
+                    slow.or((steady + scaled(ramp, at_speed)).extent())
                 }
-                (Bounded::Torque, &Some((at_rest, steady, ramp))) => (
-                    steady.extent().or(at_rest.extent()),
-                    either_ramp(steady, ramp).or(either_ramp(at_rest, ramp)),
-                ),
-                (Bounded::Power, &Some((at_rest, steady, ramp))) => {
-                    let size = (rate * steady).extent();
-                    let torque = either_ramp(steady, ramp).or(either_ramp(at_rest, ramp));
+                (Bounded::Torque, &Some([slow, fast])) => slow.extent().or(fast.extent()),
+                (Bounded::Power, &Some([slow, fast])) => {
                     // The product of the largest rate and the largest torque settles most cases.
-                    let settled = rate.magnitude() * torque.greatest <= limit;
-                    let on_ramp = |ramp| greatest_power(rate, at_rest + ramp, steady + ramp);
-                    let ramps = match settled {
-                        true => size,
-                        false => on_ramp(ramp).or(on_ramp(-ramp)),
-                    };
-                    (size, ramps)
+                    let greatest = slow.extent().or(fast.extent()).greatest;
+                    match rate.magnitude() * greatest <= limit {
+                        true => continue,
+                        false => greatest_power(rate, slow, fast),
+                    }
                 }
-                (Bounded::Rate, _) => (rate.extent(), rate.extent()),
                 _ => continue,
             };
-            for (size, ramp) in [(steady, false), (ramp, true)] {
-                // What is not a number is beyond its limit.
-                if !(size.greatest <= limit) {
-                    return Err(Breach::above(what, index, &size, limit, ramp));
-                }
+            // What is not a number is beyond its limit.
+            if !(size.greatest <= limit) {
+                let ramp = is_ramp && what != Bounded::Rate;
+                return Err(Breach::above(what, index, &size, limit, ramp));
             }
         }
         Ok(())
     }
 }
 
-/// `model` times `factor`, which is not negative.
+/// The greatest number from `least`, which is good, to `most` that `is_good`, where all below one that is are good.
+fn greatest(least: u8, most: u8, is_good: impl Fn(u8) -> bool) -> u8 {
+    let (mut good, mut bad) = (least, most.saturating_add(1));
+    while bad - good > 1 {
+        let middle = good + (bad - good) / 2;
+        match is_good(middle) {
+            true => good = middle,
+            false => bad = middle,
+        }
+    }
+    good
+}
+
+/// `model` times `factor`.
 #[inline(never)]
 fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N> {
     if factor == <Float<N>>::ONE {
@@ -127,14 +194,8 @@ fn scaled<N: Enclose>(model: TaylorModel<N>, factor: Float<N>) -> TaylorModel<N>
     TaylorModel {
         constant: model.constant * <Middle<N>>::exactly(factor),
         linear: model.linear * factor,
-        error: model.error * factor,
+        error: model.error * factor.abs(),
     }
-}
-
-/// Largest size on a ramp up or down.
-#[inline(never)]
-fn either_ramp<N: Enclose>(steady: TaylorModel<N>, ramp: TaylorModel<N>) -> Extent<Float<N>> {
-    (steady + ramp).extent().or((steady - ramp).extent())
 }
 
 /// Largest size of w u (a (1 - u^2) + c u^2) for 0 <= u <= 1: the power on a ramp with the torque

@@ -51,6 +51,7 @@ pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
 use crate::offered::Offered;
+use crate::pace::{MovePaces, Ramp};
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
@@ -68,7 +69,11 @@ pub struct Admission<M: Model<N: Enclose>, K: CurveKind = Cubics> {
 
 /// The judgement of a move, without the coefficients, which may be constants.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Judgement<N: Enclose, K: CurveKind>(Work<N, K>);
+pub(crate) struct Judgement<N: Enclose, K: CurveKind> {
+    work: Work<N, K>,
+    /// Rates for which there is room on what is checked.
+    paces: MovePaces,
+}
 
 /// Work that is under way.
 #[derive(Clone, Copy, Debug)]
@@ -126,19 +131,18 @@ impl<N: Enclose, K: CurveKind> Offer<N, K> {
 }
 
 impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
-    /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
-    /// normal speed to rest.
+    /// Builds the coefficients. A hold or a stop takes `ramp`.
     ///
     /// # Errors
     /// The first quantity of the machine that is refused.
     pub fn build(
         parameters: &Parameters,
         limits: Limits<M::N>,
-        ramp_ticks: u16,
+        ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
         let limits = limits.map(<M::N>::bound);
-        Path::build(parameters, limits, ramp_ticks, period_s).map(Self::over)
+        Path::build(parameters, limits, ramp, period_s).map(Self::over)
     }
 
     /// With coefficients that are built.
@@ -178,12 +182,17 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
 
     /// Returns the violation as soon as the move is refused, while the shortest duration may still be looked for.
     pub fn violation(&self) -> Option<Violation<M::N>> {
-        match &self.judgement.0 {
+        match &self.judgement.work {
             Work::Search { violation, .. } | Work::Judged(Verdict::Refused(violation)) => {
                 Some(*violation)
             }
             _ => None,
         }
+    }
+
+    /// Rates at which the pace may change on the move, once it is admitted.
+    pub fn paces(&self) -> MovePaces {
+        self.judgement.paces()
     }
 
     /// Returns the state of the judgement, without any work on it.
@@ -194,7 +203,10 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
 
 impl<N: Enclose, K: CurveKind> Judgement<N, K> {
     pub(crate) const fn new() -> Self {
-        Self(Work::None)
+        Self {
+            work: Work::None,
+            paces: MovePaces::FULL,
+        }
     }
 
     /// As [`Admission::offer`].
@@ -214,7 +226,8 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
             ticks,
             period: path.period,
         };
-        self.0 = match breach::of_input(&ends, ticks) {
+        self.paces = MovePaces::FULL;
+        self.work = match breach::of_input(&ends, ticks) {
             Some(breach) => Work::Judged(Verdict::Refused(
                 breach.violation(<N as Enclose>::Bound::ZERO),
             )),
@@ -228,19 +241,19 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
 
     /// As [`Admission::step`].
     pub(crate) fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Verdict<N> {
-        match &mut self.0 {
+        match &mut self.work {
             Work::None => return Verdict::Nothing,
             Work::Judged(verdict) => return *verdict,
             Work::Check {
                 offered,
                 segment,
                 scan,
-            } => match scan.step(path, segment) {
+            } => match scan.step(path, segment, Some(&mut self.paces)) {
                 Scanned::Undecided => {}
-                Scanned::Passed => self.0 = Work::Judged(Verdict::Admitted),
+                Scanned::Passed => self.work = Work::Judged(Verdict::Admitted),
                 Scanned::Failed { breach, at } => {
                     let violation = breach.violation(at);
-                    self.0 = if breach.is_of_speed() {
+                    self.work = if breach.is_of_speed() {
                         let search = Search::new(*offered, breach.certain);
                         Work::Search { violation, search }
                     } else {
@@ -255,15 +268,20 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
                         shortest,
                         ..*violation
                     };
-                    self.0 = Work::Judged(Verdict::Refused(violation));
+                    self.work = Work::Judged(Verdict::Refused(violation));
                 }
             },
         }
         self.verdict()
     }
 
+    /// Rates for which there is room on an admitted move.
+    pub(crate) fn paces(&self) -> MovePaces {
+        self.paces
+    }
+
     fn verdict(&self) -> Verdict<N> {
-        match &self.0 {
+        match &self.work {
             Work::None => Verdict::Nothing,
             Work::Judged(verdict) => *verdict,
             Work::Check { .. } | Work::Search { .. } => Verdict::Undecided,

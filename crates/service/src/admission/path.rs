@@ -5,6 +5,7 @@ use super::breach::{Breach, Extent};
 use super::legs::{add_motion, lines, solve, torques, unsolved};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
+use crate::pace::{Pace, Ramp};
 use nalgebra::Vector3;
 use trirrr_core::dyad::{Accelerations, Rates};
 use trirrr_core::inverse::{LegMotion, Rotation};
@@ -34,6 +35,8 @@ pub struct Path<M: Model<N: Enclose>> {
     pub(crate) period: Float<M::N>,
     /// r: largest rate of change of the speed along the path, in normal speeds per unit of time.
     pub(crate) ramp: TaylorModel<M::N>,
+    /// Rates of the pace, in parts of it, that every move leaves room for.
+    pub(crate) least: Pace,
     /// True if the motors may have to hold something at rest: gravity or a wrench.
     pub(crate) loaded: bool,
     /// Size of a velocity, an acceleration and 1 / (r1 x r2) that do not bring rates and accelerations out of range.
@@ -46,25 +49,25 @@ to_source!([M: Model<N: Enclose>] Path [M] in trirrr_service::admission {
     limits: Limits<Float<M::N>>,
     period: Float<M::N>,
     ramp: TaylorModel<M::N>,
+    least: Pace,
     loaded: bool,
     moderate: Float<M::N>,
 });
 
 impl<N: Enclose, M: Model<N = N>> Path<M> {
-    /// Builds the coefficients. `ramp_ticks`, positive, is how long a hold or a stop takes from
-    /// normal speed to rest; a tick lasts `period_s`.
+    /// Builds the coefficients. A hold or a stop takes `ramp`; a tick lasts `period_s`.
     ///
     /// # Errors
     /// The first quantity of the machine that is refused.
     pub fn build(
         parameters: &Parameters,
         limits: Limits<Float<N>>,
-        ramp_ticks: u16,
+        ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
         // The tick's own: a service is given no other, and a reader of scenes has to judge as a service does.
         let period_s = N::factor_to_f64(N::factor_from_f64(period_s));
-        let ramp = 1.0 / (f64::from(ramp_ticks.max(1)) * period_s);
+        let slope = 1.0 / (f64::from(ramp.ticks.max(1)) * period_s);
         // With lengths below l, at least 1, and all below m, a rate is below 4 l^2 m^2, and an acceleration below
         // 64 l^6 m^5: at most 2^124.
         let lengths =
@@ -77,23 +80,26 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             distances: Distances::build(parameters),
             limits,
             period: <Float<N>>::from_f64(period_s),
-            ramp: TaylorModel::from_f64(ramp),
+            ramp: TaylorModel::from_f64(slope),
+            least: ramp.least,
             loaded: parameters.is_loaded_at_rest(),
         })
     }
 
-    /// Checks that every limit is kept for certain during the interval `s`. The error is the first that is not.
+    /// Checks that every limit is kept for certain during the interval `s`. The error is the first that is not. Lowers the
+    /// rates of `pace` until they are kept, too.
     /// `side` is the sign of det A, which may not change on the way; none where it is not known yet.
     pub(super) fn check<K: CurveKind>(
         &self,
         segment: &Segment<TaylorModel<N>, K>,
         s: TaylorModel<N>,
         side: &mut Option<bool>,
+        pace: &mut Pace,
     ) -> Result<(), Breach<Float<N>>> {
         let mut motors = [MotorBounds::UNMEASURED; 3];
         self.measure(segment, s, side, &mut motors)?;
         for (index, motor) in motors.iter().enumerate() {
-            motor.check::<M>(index, &self.limits, <Float<N>>::ONE)?;
+            motor.lower::<M>(index, &self.limits, <Float<N>>::ONE, &self.least, pace)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::breach::Breach;
 use super::path::Path;
 use super::taylor::TaylorModel;
 use crate::admission::Enclose;
+use crate::pace::MovePaces;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{CurveKind, Segment};
@@ -114,19 +115,32 @@ impl<N: Arithmetic> Scan<N> {
         self.index >> self.level == 1
     }
 
-    /// Measures one interval of `segment`, or one instant once the move cannot pass any more.
+    /// Measures one interval of `segment`, or one instant once the move cannot pass any more. Lowers the `paces` to what the
+    /// limits leave room for; without them, to what is asked of every move.
     pub(super) fn step<T: Enclose<Bound = N>, M: Model<N = T>, K: CurveKind>(
         &mut self,
         path: &Path<M>,
         segment: &Segment<TaylorModel<T>, K>,
+        paces: Option<&mut MovePaces>,
     ) -> Scanned<N> {
         if let Some(doubt) = self.doubt {
             return self.look(doubt, path, segment);
         }
         self.measured += 1;
         let interval = self.interval();
-        match path.check(segment, interval, &mut self.side) {
+        let (ticks, level, index) = (segment.ticks(), self.level, self.index);
+        let mut pace = match &paces {
+            Some(paces) => paces.over(ticks, level, index),
+            None => path.least,
+        };
+        let before = pace;
+        match path.check(segment, interval, &mut self.side, &mut pace) {
+            // Long intervals have wide bounds, and lower the rates all along.
+            Ok(()) if pace != before && self.level < MovePaces::finest(ticks) => self.halve(1),
             Ok(()) => {
+                if let Some(paces) = paces {
+                    paces.lower(ticks, level, index, pace);
+                }
                 if self.advance() {
                     return Scanned::Passed;
                 }
@@ -138,13 +152,17 @@ impl<N: Arithmetic> Scan<N> {
                 self.precise = true;
             }
             Err(breach) => {
-                let halvings = breach.halvings.min(FINEST - self.level);
-                self.level += halvings;
-                self.index <<= halvings;
-                self.passed = 0;
+                self.halve(breach.halvings.min(FINEST - self.level));
             }
         }
         Scanned::Undecided
+    }
+
+    /// So many times.
+    fn halve(&mut self, times: u32) {
+        self.level += times;
+        self.index <<= times;
+        self.passed = 0;
     }
 
     /// Looks at one instant for a limit that is broken for certain.
@@ -163,7 +181,8 @@ impl<N: Arithmetic> Scan<N> {
         };
         // Beyond the end by its rounding.
         let at = if at > N::ONE { N::ONE } else { at };
-        match path.check(segment, TaylorModel::point(at), &mut self.side) {
+        let mut least = path.least;
+        match path.check(segment, TaylorModel::point(at), &mut self.side, &mut least) {
             Err(breach) if breach.certain => {
                 // det A has changed its sign before this instant: where the doubt is.
                 let crossed = breach.value == N::ZERO && breach.error == N::ZERO;

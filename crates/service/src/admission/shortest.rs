@@ -93,7 +93,8 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
                 if measured.is_ok() {
                     let keeps = |speed: Float<N>| {
                         motors.iter().enumerate().all(|(index, motor)| {
-                            motor.check::<M>(index, &path.limits, speed).is_ok()
+                            let least = &path.least;
+                            motor.check::<M>(index, &path.limits, speed, least).is_ok()
                         })
                     };
                     if !keeps(*speed) {
@@ -114,7 +115,7 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
                 });
                 self.restart(guess)
             }
-            Stage::Try(trial) => match self.scan.step(path, &self.segment) {
+            Stage::Try(trial) => match self.scan.step(path, &self.segment, None) {
                 Scanned::Undecided => Found::NotYet,
                 Scanned::Passed => {
                     let next = trial.after_pass();

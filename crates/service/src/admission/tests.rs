@@ -1,6 +1,7 @@
 //! The life of a judgement; what it finds is tested against dense samples in the package `tests`.
 
 use super::*;
+use crate::pace::Ramp;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
@@ -25,7 +26,7 @@ fn with_torque(limit_nm: f64) -> Admission<Dynamic<f32>> {
         ..LimitParameters::default()
     };
     let limits = Limits::build(&limits).expect("good limits");
-    Admission::build(&example(), limits, 50, 0.01).expect("a good machine")
+    Admission::build(&example(), limits, Ramp::within(50, None), 0.01).expect("a good machine")
 }
 
 fn judged(admission: &mut Admission<Dynamic<f32>>, offered: &Move<f32>) -> Verdict<f32> {

@@ -21,17 +21,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return Err(Refusal::State(self.status.state));
         }
         let undecided = self.offered.1.peek().is_some();
-        // In idle nothing is under way: what is left is all that is admitted.
-        let left = self.ahead.left(self.played);
-        if left == 0 {
+        // In idle nothing is under way.
+        if self.has_played_all() {
             return Err(if undecided {
                 Refusal::Undecided
             } else {
                 Refusal::NothingQueued
             });
         }
-        let enough = FeedScale::new(self.settings.ramp_ticks).is_enough(left, 0);
-        if !self.ahead.ends_at_rest && !enough {
+        let room = |x: usize| self.passed.left(&self.admitted.room, x);
+        let mut feed = FeedScale::new(self.settings.ramp.ticks);
+        feed.aim_at(self.status.feed_percent);
+        let enough = feed.is_enough(0, room);
+        if !self.ends_at_rest && !enough && self.moves.has_room() {
             return Err(if undecided {
                 Refusal::Undecided
             } else {
@@ -75,6 +77,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             }
             state => Err(Refusal::State(state)),
         }
+    }
+
+    /// In every state: the pace changes where the machine moves, and holds from then on.
+    pub(super) fn override_feed(&mut self, percent: u8) -> Result<(), Refusal<N>> {
+        if !(1..=100).contains(&percent) {
+            return Err(Refusal::FeedOverride);
+        }
+        self.order(Order::FeedOverride { percent }, self.status.state)?;
+        self.status.feed_percent = percent;
+        Ok(())
     }
 
     pub(super) fn set_telemetry(&mut self, every: u16) -> Result<(), Refusal<N>> {
@@ -148,8 +160,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         guard::within(Bounded::Rate, &limits.rate, rates)
             .and_then(|()| {
                 // A stop on the way adds the ramp's own: the rate over the ramp's duration.
-                let ramp = u32::from(self.settings.ramp_ticks.max(1));
-                let slope = slope::<N>(ramp, self.settings.period);
+                let slope = slope::<N>(self.settings.ramp.ticks, self.settings.period);
                 let [a, b, c] = rates.map(|rate| rate.scaled(slope));
                 let [x, y, z] = accelerations;
                 let sums = [x + a, y + b, z + c];
@@ -159,9 +170,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Ok(path)
     }
 
+    /// Returns true if every admitted move was begun.
+    fn has_played_all(&self) -> bool {
+        self.status.admitted == self.begun
+    }
+
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn require_idle(&self) -> Result<(), Refusal<N>> {
-        let empty = self.offered.1.peek().is_none() && self.ahead.left(self.played) == 0;
+        let empty = self.offered.1.peek().is_none() && self.has_played_all();
         if self.status.state == State::Idle && empty {
             Ok(())
         } else {

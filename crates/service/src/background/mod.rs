@@ -9,6 +9,7 @@ mod receive;
 
 use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::offered::Offered;
+use super::pace::{Room, RoomCount};
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
@@ -56,11 +57,15 @@ pub struct Background<'q, S: Scene> {
     reported: (State, Acting, u32),
     generation: u8,
     begun: u32,
-    played: u32,
+    /// Room of all parts that the tick has begun.
+    passed: Room,
     angles: [<S::N as Arithmetic>::Angle; 3],
     orders_sent: u8,
     orders_taken: u8,
-    ahead: Ahead,
+    /// Room of all admitted moves.
+    admitted: RoomCount,
+    /// The last of them ends at rest.
+    ends_at_rest: bool,
     /// The oldest of the offered moves is with the admission.
     checking: bool,
 }
@@ -152,15 +157,17 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 end: (state == State::Idle).then(|| at_rest(stand.pose)),
                 lost: 0,
                 longest_tick: 0,
+                feed_percent: 100,
             },
             reported: (state, Acting::Nothing, 0),
             generation: 0,
             begun: 0,
-            played: 0,
+            passed: Room::NONE,
             angles: stand.angles,
             orders_sent: 0,
             orders_taken: 0,
-            ahead: Ahead::NOTHING,
+            admitted: RoomCount::NOTHING,
+            ends_at_rest: true,
             checking: false,
         }
     }
@@ -223,7 +230,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     fn apply_report(&mut self, report: &TickReport<N>) {
         self.orders_taken = report.orders;
         self.begun = report.begun;
-        self.played = report.played;
+        self.passed = report.passed;
         self.angles = report.angles;
         let over = report.generation != self.generation;
         if over {
@@ -263,8 +270,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.checking = false;
         self.status.next = report.begun;
         self.status.admitted = report.begun;
-        self.ahead = Ahead::NOTHING;
-        self.shared.set_ahead(self.ahead);
+        self.admitted = RoomCount::NOTHING;
+        self.ends_at_rest = true;
+        self.shared.set_ahead(Ahead::NOTHING);
         self.status.end = None;
     }
 

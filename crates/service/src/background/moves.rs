@@ -1,6 +1,7 @@
 //! Moves: what is offered, its admission, and the queue to the tick.
 
-use super::super::handoff::QueuedMove;
+use super::super::feed::FeedScale;
+use super::super::handoff::{Ahead, QueuedMove};
 use super::super::offered::Offered;
 use super::super::scene::Scene;
 use super::super::tool::Tool;
@@ -116,13 +117,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             ticks,
             number,
             tool: Tool::of(&offered.common),
+            paces: self.judgement.paces(),
             generation: self.generation,
         };
         if !self.moves.send(planned) {
             return;
         }
-        self.ahead = self.ahead.and(ticks, offered.common.ends_at_rest());
-        self.shared.set_ahead(self.ahead);
+        let most = FeedScale::new(self.settings.ramp.ticks).room_most();
+        self.admitted.add_move(&planned.paces, ticks, most);
+        self.ends_at_rest = offered.common.ends_at_rest();
+        self.shared.set_ahead(Ahead {
+            room: self.admitted.room,
+            ends_at_rest: self.ends_at_rest,
+        });
         self.status.admitted = number.wrapping_add(1);
         self.push_event(Event::Verdict(Verdict {
             number,

@@ -24,7 +24,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.require_idle()?;
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
-        let ramp = self.settings.ramp_ticks;
+        let ramp = self.settings.ramp;
         let built = Coefficients::<S::Model>::build(&parameters, &limits, ramp, period);
         let built = built.map_err(refusal)?;
         let geometry = *built.tick.geometry();

@@ -129,6 +129,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Recover(recovery) => self.recover(recovery),
             Command::Telemetry { every } => self.set_telemetry(*every),
             Command::Home => self.home(),
+            Command::FeedOverride { percent } => self.override_feed(*percent),
         }
     }
 }

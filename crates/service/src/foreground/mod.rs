@@ -11,6 +11,7 @@ use super::feed::{FeedScale, PathPosition};
 use super::guard::{Guard, LimitBreach};
 use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::homing::Homing;
+use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
@@ -26,10 +27,9 @@ use trirrr_protocol::message::{Acting, Fault, FaultCode, State, Telemetry};
 pub struct Foreground<'q, S: Scene> {
     tick: Tick<S::Model>,
     pub(super) guard: Guard<S::N>,
-    /// 1 / (R dt): change of the speed along the path per time on a ramp.
+    /// 1 / (R dt): change of the pace per time on a ramp.
     slope: <S::N as WideArithmetic>::Factor,
-    /// R and 2 R, to take fractions of.
-    ramp: [<S::N as WideArithmetic>::Count; 2],
+    counts: Counts<S::N>,
     host_timeout_ticks: u32,
 
     moves: Receiver<'q, QueuedMove<S::N, S::Curves>>,
@@ -45,7 +45,12 @@ pub struct Foreground<'q, S: Scene> {
     state: State,
     acting: Acting,
     path: Path,
+    /// The move under way.
+    current: Option<QueuedMove<S::N, S::Curves>>,
     position: PathPosition,
+    part: Part,
+    /// Room of all parts that were begun.
+    passed: RoomCount,
     feed: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
     held: bool,
@@ -56,7 +61,6 @@ pub struct Foreground<'q, S: Scene> {
     generation: u8,
     begun: u32,
     done: u32,
-    played: u32,
     orders_taken: u8,
     /// Something changed that was not reported.
     unreported: bool,
@@ -69,7 +73,7 @@ pub struct Foreground<'q, S: Scene> {
     duration: u32,
 }
 
-/// Path under way: the head of a queue. It stays there until it is over.
+/// Path under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Path {
     None,
@@ -77,7 +81,7 @@ enum Path {
     Move,
     /// The last move of the job, at its end: a tick later it is over.
     Ended,
-    /// A recovery.
+    /// A recovery, the head of its queue. It stays there until it is over.
     Joints,
     /// A recovery at its end.
     JointsEnded,
@@ -111,7 +115,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         settings: &Settings<N>,
         ends: ForegroundEnds<'q, S>,
     ) -> Self {
-        let feed = FeedScale::new(settings.ramp_ticks);
+        let feed = FeedScale::new(settings.ramp.ticks);
         let motor = |angle| Motor {
             angle,
             rate: N::ZERO,
@@ -121,8 +125,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         Self {
             tick: setup.tick,
             guard: Guard::of_results(&setup.limits),
-            slope: slope::<N>(feed.ramp(), settings.period),
-            ramp: [N::count(feed.ramp()), N::count(2 * feed.ramp())],
+            slope: slope::<N>(settings.ramp.ticks, settings.period),
+            counts: Counts::new(&feed),
             host_timeout_ticks: settings.host_timeout_ticks,
             moves: ends.moves,
             recoveries: ends.recoveries,
@@ -139,7 +143,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             homing,
             acting: Acting::Nothing,
             path: Path::None,
+            current: None,
             position: PathPosition::START,
+            part: Part::WHOLE,
+            passed: RoomCount::NOTHING,
             feed,
             held: false,
             pose: setup.pose,
@@ -151,7 +158,6 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             generation: 0,
             begun: 0,
             done: 0,
-            played: 0,
             orders_taken: 0,
             unreported: false,
             heard: 0,
@@ -286,7 +292,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// [recovery](trirrr_protocol::message::Command::Recover) to get there. Whether it was heard.
     pub fn set_position(&mut self, angles: [N::Angle; 3]) -> bool {
         let waits = match self.state {
-            State::Idle => self.moves.peek().is_none(),
+            State::Idle => self.current.is_none() && self.moves.peek().is_none(),
             State::Unhomed => true,
             _ => false,
         };
@@ -337,11 +343,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     fn drop_queue(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;
+        self.current = None;
         self.position = PathPosition::START;
+        self.passed = RoomCount::NOTHING;
         self.feed.end();
         self.held = false;
         self.done = self.begun;
-        self.played = 0;
         self.unreported = true;
     }
 
@@ -356,7 +363,45 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     }
 }
 
+/// Part of a move with rates of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Part {
+    index: u32,
+    /// Tick of the move at which it ends.
+    end: u32,
+    pace: Pace,
+}
+
+impl Part {
+    /// That of a recovery: the ramp is part of its check.
+    const WHOLE: Self = Self {
+        index: 0,
+        end: u32::MAX,
+        pace: Pace::FULL,
+    };
+}
+
+/// Counts to take fractions of.
+struct Counts<N: Number> {
+    /// T, for the pace.
+    level: N::Count,
+    /// 2 T, for the position within a tick.
+    part: N::Count,
+    /// For the change of the pace in a tick.
+    change: N::Count,
+}
+
+impl<N: Number> Counts<N> {
+    fn new(feed: &FeedScale) -> Self {
+        Self {
+            level: N::count(feed.top()),
+            part: N::count(2 * feed.top()),
+            change: N::count(u32::from(FULL)),
+        }
+    }
+}
+
 /// u' on a ramp of `ramp` ticks: 1 / (R dt).
-pub(super) fn slope<N: Number>(ramp: u32, period: N::Factor) -> N::Factor {
-    N::factor_over(N::quotient(1, ramp), period)
+pub(super) fn slope<N: Number>(ramp: u16, period: N::Factor) -> N::Factor {
+    N::factor_over(N::quotient(1, u32::from(ramp.max(1))), period)
 }

@@ -4,7 +4,7 @@ use super::super::feed::PathPosition;
 use super::super::handoff::{Order, QueuedMove};
 use super::super::homing::Homing;
 use super::super::scene::{Scene, Take};
-use super::{Foreground, Path};
+use super::{Foreground, Part, Path};
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
 use trirrr_protocol::message::{Acting, State};
@@ -33,6 +33,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Order::ClearFault => self.clear_fault(),
             Order::Recover => return self.recover(),
             Order::Home => self.home(),
+            Order::FeedOverride { percent } => self.feed.aim_at(percent),
             Order::Telemetry { every } => {
                 self.every = every;
                 self.countdown = 0;
@@ -53,17 +54,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     fn start(&mut self) -> bool {
+        let full = self.moves.is_full();
         let ahead = self.shared.ahead();
-        let enough = ahead.ends_at_rest || self.feed.is_enough(ahead.left(self.played), 0);
-        if self.state != State::Idle || !enough {
+        let room = |x: usize| self.passed.room.left(&ahead.room, x);
+        let enough = ahead.ends_at_rest || self.feed.is_enough(0, room);
+        if self.state != State::Idle || !(enough || full) {
             return false;
         }
-        let Some(first) = self.moves.peek() else {
+        if !self.begin_next() {
             return false;
-        };
-        self.begun = first.number.wrapping_add(1);
-        self.path = Path::Move;
+        }
         self.begin();
+        if !enough {
+            // More does not fit in: slowly, as what there is allows.
+            self.feed.end();
+        }
         self.transition_to(State::Running, Acting::Nothing);
         true
     }
@@ -75,6 +80,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         self.drop_queue();
         self.path = Path::Joints;
+        self.part = Part::WHOLE;
         self.begin();
         self.transition_to(State::Recovering, Acting::Nothing);
         true

@@ -30,7 +30,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if !self.state.is_running() {
             return N::ZERO;
         }
-        match self.moves.peek() {
+        match &self.current {
             Some(QueuedMove {
                 tool: Some(tool), ..
             }) => tool.power(setpoint),

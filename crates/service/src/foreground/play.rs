@@ -3,9 +3,11 @@
 use super::super::feed::{PathPosition, Step};
 use super::super::guard::LimitBreach;
 use super::super::homing::{Homing, Progress};
+use super::super::pace::{FULL, MovePaces, Pace, part_room};
 use super::super::scene::Scene;
-use super::{Foreground, Path, Target};
+use super::{Foreground, Part, Path, Target};
 use crate::number::ServiceNumber;
+use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
 
@@ -23,7 +25,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             _ => {}
         }
         let step = if started {
-            self.feed.faster()
+            self.feed.steady()
         } else {
             let step = self.step_length();
             self.position = self.feed.take(step, self.position);
@@ -43,9 +45,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Progress::Moving(joints) => Target::Joints(joints),
             Progress::Done => {
                 self.path = Path::Joints;
+                self.part = Part::WHOLE;
                 self.begin();
                 self.transition_to(State::Recovering, Acting::Nothing);
-                self.target(self.feed.faster())
+                self.target(self.feed.steady())
             }
             Progress::Stopped => {
                 self.recoveries.discard();
@@ -70,12 +73,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         match self.path {
             Path::Ended => {
                 let stopping = matches!(self.state, State::Stopping);
-                if !stopping && self.moves.has_second() {
+                if !stopping && self.moves.peek().is_some() {
                     // The end of the last is the start of the next: this tick goes on from there.
                     self.take_next();
                     return;
                 }
-                self.leave();
+                self.current = None;
                 self.path = Path::None;
                 self.position = PathPosition::START;
                 self.feed.end();
@@ -102,60 +105,98 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// Chooses how far this tick goes: towards normal speed where the state and the queue allow, else
+    /// Chooses how far this tick goes: towards the pace that the host asks for where the state and the queue allow, else
     /// towards rest.
     #[inline]
     fn step_length(&mut self) -> Step {
         match self.state {
             State::Running => {
-                let faster = self.feed.faster();
+                let faster = self.faster();
                 if self.reaches(faster) {
-                    if faster.is_normal(&self.feed) && self.acting != Acting::Nothing {
+                    if faster.slope == 0 && self.feed.is_at_goal() && self.acting != Acting::Nothing
+                    {
                         self.transition_to(State::Running, Acting::Nothing);
                     }
                     return faster;
                 }
-                self.transition_to(State::Slowing, Acting::QueueDry);
+                if !self.moves.is_full() {
+                    self.transition_to(State::Slowing, Acting::QueueDry);
+                } else if let steady = self.feed.steady()
+                    && self.reaches(steady)
+                {
+                    // More does not fit in: as fast as what there is allows.
+                    return steady;
+                }
             }
-            State::Recovering => return self.feed.faster(),
+            State::Recovering => return self.faster(),
             State::Holding if !self.held && self.has_enough() => {
-                self.feed.aim(self.position.part);
                 self.transition_to(State::Running, Acting::Resume);
-                return self.feed.faster();
+                let faster = self.faster();
+                return match self.reaches(faster) {
+                    true => faster,
+                    false => self.feed.steady(),
+                };
             }
             State::Holding if !self.held && self.acting != Acting::QueueDry => {
                 self.transition_to(State::Holding, Acting::QueueDry);
             }
             _ => {}
         }
-        self.feed.slower()
+        self.feed.slower(&self.pace())
     }
 
-    /// Ticks of the path between its position in whole ticks and the end of what is admitted; none if
-    /// it ends at rest and so needs no room to stop.
+    fn faster(&self) -> Step {
+        // At its goal the pace does not change, whatever the rates.
+        match self.feed.is_at_goal() {
+            true => self.feed.steady(),
+            false => self.feed.faster(&self.pace(), self.position.part),
+        }
+    }
+
+    /// Rates of this tick: where it may go over into another part, the lesser ones of both.
+    #[inline(never)]
+    fn pace(&self) -> Pace {
+        let Part { index, end, pace } = self.part;
+        if self.position.tick.saturating_add(1) < end {
+            return pace;
+        }
+        let next = match &self.current {
+            Some(current) if end < current.ticks => Some(current.paces.of(index + 1)),
+            _ => self.moves.peek().map(|next| next.paces.of(0)),
+        };
+        next.map_or(pace, |next| pace.and(next))
+    }
+
+    /// Room to stop in ahead of the whole tick of the position, see [`FeedScale::can_stop`]; none if the path ends at rest
+    /// and needs none.
     #[inline]
-    fn left(&self) -> Option<u32> {
+    fn room(&self) -> Option<impl Fn(usize) -> i32> {
         let ahead = self.shared.ahead();
-        let left = ahead.left(self.played);
-        (!ahead.ends_at_rest).then(|| left.saturating_sub(self.position.tick))
+        let within = self.part.end.saturating_sub(self.position.tick);
+        let room = move |x: usize| {
+            let rate = self.part.pace.braking()[x];
+            self.passed.room.left(&ahead.room, x)
+                + part_room(rate, within, self.feed.room_most()) as i32
+        };
+        (!ahead.ends_at_rest).then_some(room)
     }
 
     /// Returns `true` if the path could still come to rest on what is admitted.
     #[inline]
     fn reaches(&self, step: Step) -> bool {
         let part = self.position.part;
-        self.left()
-            .is_none_or(|left| self.feed.can_stop(step, left, part))
+        self.room()
+            .is_none_or(|room| self.feed.can_stop(step, part, room))
     }
 
-    /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from normal
-    /// speed, or all that the queue can hold.
+    /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from the pace that the host asks
+    /// for, or all that the queue can hold.
     fn has_enough(&self) -> bool {
         let part = self.position.part;
         self.moves.is_full()
             || self
-                .left()
-                .is_none_or(|left| self.feed.is_enough(left, part))
+                .room()
+                .is_none_or(|room| self.feed.is_enough(part, room))
     }
 
     /// Over the end of a move into the next, or to the end of the path. At most one end lies in a
@@ -164,21 +205,22 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn change_over(&mut self) {
         match self.path {
             Path::Move => {
-                let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
+                if self.position.tick < self.part.end {
+                    return;
+                }
+                let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
                 if self.position.tick < ticks {
+                    self.begin_part(self.part.index + 1);
                     return;
                 }
                 if self.done != self.begun {
                     self.done = self.begun;
                     self.unreported = true;
                 }
-                if self.moves.has_second() {
+                if self.moves.peek().is_some() {
                     self.take_next();
                 } else if self.shared.ahead().ends_at_rest {
-                    self.position = PathPosition {
-                        tick: ticks,
-                        part: 0,
-                    };
+                    self.land(ticks);
                     self.path = Path::Ended;
                 }
                 // Else it stands at the very end of what is admitted and waits for more.
@@ -189,10 +231,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     .peek()
                     .map_or(0, |recovery| recovery.path.ticks());
                 if self.position.tick >= ticks {
-                    self.position = PathPosition {
-                        tick: ticks,
-                        part: 0,
-                    };
+                    self.land(ticks);
                     self.path = Path::JointsEnded;
                 }
             }
@@ -200,12 +239,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// The move under way is over.
-    fn leave(&mut self) {
-        let ticks = self.moves.peek().map_or(0, |planned| planned.ticks);
-        self.played = self.played.wrapping_add(ticks);
-        self.position.tick = self.position.tick.saturating_sub(ticks);
-        self.moves.discard();
+    /// A path that ends at rest ends there, even if the tick would have gone further.
+    fn land(&mut self, tick: u32) {
+        self.position = PathPosition { tick, part: 0 };
+        self.feed.land();
     }
 
     /// The next move takes the place of the one that ended.
@@ -213,11 +250,37 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     // but few.
     #[inline(never)]
     fn take_next(&mut self) {
-        self.leave();
-        if let Some(next) = self.moves.peek() {
-            self.begun = next.number.wrapping_add(1);
-            self.path = Path::Move;
-        }
+        let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
+        self.position.tick = self.position.tick.saturating_sub(ticks);
+        self.begin_next();
+    }
+
+    /// Takes the next move out of its queue; whether there was one.
+    pub(super) fn begin_next(&mut self) -> bool {
+        self.current = self.moves.receive();
+        let Some(current) = &self.current else {
+            return false;
+        };
+        self.begun = current.number.wrapping_add(1);
+        self.path = Path::Move;
+        self.begin_part(0);
+        true
+    }
+
+    /// Part `index` of the move begins.
+    #[inline(never)]
+    fn begin_part(&mut self, index: u32) {
+        let Some(current) = &self.current else {
+            return;
+        };
+        let begin = match index {
+            0 => 0,
+            _ => self.part.end,
+        };
+        let pace = current.paces.of(index);
+        let end = MovePaces::end_of(current.ticks, index);
+        self.part = Part { index, end, pace };
+        self.passed.add(&pace, end - begin, self.feed.room_most());
     }
 
     /// Returns what this path position asks of the machine, at the speed after `step`.
@@ -226,10 +289,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let position = self.position;
         match self.path {
             Path::Move | Path::Ended => {
-                let Some(planned) = self.moves.peek() else {
+                let Some(current) = &self.current else {
                     return Target::Setpoint(Self::standing(self.pose));
                 };
-                let on_path = planned.segment.between(position.tick, self.part());
+                let on_path = current.segment.between(position.tick, self.part());
                 // At normal speed the position is a whole tick, and the setpoint the segment's own.
                 if position.part == 0 && step.is_normal(&self.feed) {
                     return Target::Setpoint(on_path);
@@ -244,8 +307,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 let (speed, change) = self.speed(step);
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
                     *acceleration = *acceleration * speed * speed;
-                    if let Some(change) = change {
-                        *acceleration += rate.scaled(change);
+                    if let Some(change) = &change {
+                        *acceleration += change.of(*rate);
                     }
                     *rate *= speed;
                 }
@@ -259,19 +322,25 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     fn part(&self) -> Option<N> {
         let part = self.position.part;
-        (part != 0).then(|| N::fraction(part, &self.ramp[1]))
+        (part != 0).then(|| N::fraction(part, &self.counts.part))
     }
 
     /// u and u' after `step`.
-    fn speed(&self, step: Step) -> (N, Option<N::Factor>) {
-        let change = match step.slope {
-            0 => None,
-            1.. => Some(self.slope),
-            _ => Some(-self.slope),
-        };
-        let speed = match step.level == self.feed.ramp() {
+    fn speed(&self, step: Step) -> (N, Option<PaceChange<N>>) {
+        let change = (step.slope != 0).then(|| {
+            let levels = step.slope.unsigned_abs();
+            PaceChange {
+                slope: match step.slope > 0 {
+                    true => self.slope,
+                    false => -self.slope,
+                },
+                share: (levels != u32::from(FULL))
+                    .then(|| N::fraction(levels, &self.counts.change)),
+            }
+        });
+        let speed = match step.level == self.feed.top() {
             true => N::ONE,
-            false => N::fraction(step.level, &self.ramp[0]),
+            false => N::fraction(step.level, &self.counts.level),
         };
         (speed, change)
     }
@@ -281,7 +350,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let (speed, change) = self.speed(step);
         let mut acceleration = on_path.acceleration * speed * speed;
         if let Some(change) = change {
-            acceleration += on_path.velocity.map(|velocity| velocity.scaled(change));
+            acceleration += on_path.velocity.map(|velocity| change.of(velocity));
         }
         Setpoint {
             pose: on_path.pose,
@@ -306,6 +375,25 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.transition_to(state, self.acting);
             }
             _ => {}
+        }
+    }
+}
+
+/// u', not zero.
+struct PaceChange<N: Number> {
+    /// The greatest that there is, with its sign.
+    slope: N::Factor,
+    /// Part of it; none for all of it.
+    share: Option<N>,
+}
+
+impl<N: Number> PaceChange<N> {
+    /// Acceleration that it gives to the coordinate with `rate` at normal speed.
+    fn of(&self, rate: N) -> N {
+        let whole = rate.scaled(self.slope);
+        match self.share {
+            Some(share) => whole * share,
+            None => whole,
         }
     }
 }

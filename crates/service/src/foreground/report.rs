@@ -21,7 +21,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             acting: self.acting,
             begun: self.begun,
             done: self.done,
-            played: self.played,
+            passed: self.passed.room,
             pose: self.pose,
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
         };

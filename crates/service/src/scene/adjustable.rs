@@ -54,7 +54,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Adjustable<M,
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
         let period = N::factor_to_f64(settings.period);
-        Coefficients::build(&self.parameters, &self.limits, settings.ramp_ticks, period)
+        Coefficients::build(&self.parameters, &self.limits, settings.ramp, period)
     }
 
     fn part(&self, name: SectionName, units: &Units) -> Option<Section> {

@@ -79,7 +79,7 @@ pub(super) fn settings<N: Enclose>() -> Settings<N> {
 fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
     Settings {
         period: N::factor_from_f64(units.time(PERIOD_S)),
-        ramp_ticks: RAMP,
+        ramp: Ramp::within(RAMP, None),
         host_timeout_ticks: SILENCE,
         telemetry_every: 1,
         scene: SceneIdentity {

@@ -132,32 +132,30 @@ fn holds_stay_on_the_path_and_end_in_its_bits() {
             .filter(|sample| sample.state != State::Idle)
             .copied()
             .collect();
-        let (mut level, mut place) = (ramp as i64, -(2 * ramp as i64));
+        let top = i64::from(128 * ramp);
+        let (mut level, mut place) = (top, -2 * top);
         for sample in &samples {
             // The level that the state tells, from one tick to the next.
             let next = match sample.state {
-                State::Slowing | State::Holding => (level - 1).max(0),
-                _ => (level + 1).min(ramp as i64),
+                State::Slowing | State::Holding => (level - 128).max(0),
+                _ => (level + 128).min(top),
             };
             let slope = (next - level) as f64;
             place += level + next;
             level = next;
-            let (u, change) = (
-                level as f64 / f64::from(ramp),
-                slope / (f64::from(ramp) * PERIOD_S),
-            );
+            let (u, change) = (level as f64 / top as f64, slope / (top as f64 * PERIOD_S));
 
             // The job's own time, in parts.
             let before: u32 = moves[..sample.number as usize]
                 .iter()
                 .map(|each| each.ticks)
                 .sum();
-            let total = i64::from(2 * ramp * (before + sample.at) + sample.part);
-            let end = i64::from(2 * ramp * 188);
+            let total = 2 * top * i64::from(before + sample.at) + i64::from(sample.part);
+            let end = 2 * top * 188;
             assert_eq!(total, place.min(end), "hold at {at}, tick {}", sample.tick);
 
             let each = &moves[sample.number as usize];
-            let passed = f64::from(sample.at) + f64::from(sample.part) / f64::from(2 * ramp);
+            let passed = f64::from(sample.at) + f64::from(sample.part) / (2 * top) as f64;
             let on_path = segment(each).at_fraction(passed / f64::from(each.ticks));
             let setpoint = &sample.setpoint;
             // Both round a few times at sizes below 1: 16 u. The accelerations are up to 40 in
@@ -307,6 +305,162 @@ fn limits_are_kept_on_the_ramps() {
     assert!(peaks.iter().all(|peak| *peak > 0.6), "{peaks:?}");
 }
 
+/// The greatest of what the motors do on a job at normal speed.
+fn peaks(samples: &[Telemetry<f64>]) -> [f64; 4] {
+    let mut peaks = [0.0f64; 4];
+    for sample in samples {
+        for motor in 0..3 {
+            let (rate, torque) = (sample.rates[motor], sample.torques[motor]);
+            let values = [rate, sample.accelerations[motor], torque, rate * torque];
+            for (peak, value) in peaks.iter_mut().zip(values) {
+                *peak = peak.max(value.abs());
+            }
+        }
+    }
+    peaks
+}
+
+/// A job from rest to rest whose ends take all that the limits give, with a stop in the middle, and quick moves between.
+fn tight_job() -> (Vec<Move<f64>>, LimitParameters) {
+    let poses = [
+        home(),
+        pose(0.25, 0.24, 0.17),
+        pose(0.25, 0.27, 0.1),
+        pose(0.22, 0.23, 0.15),
+    ];
+    let job: Vec<_> = (0..3)
+        .map(|index| rest(index, poses[index as usize], poses[index as usize + 1], 60))
+        .collect();
+    let mut bench = Bench::<Thesis<f64>>::new();
+    for each in &job {
+        bench.offer(*each);
+    }
+    bench.done(Command::Start);
+    bench.until(State::Idle);
+    let [rate, acceleration, torque, power] = peaks(&bench.telemetry).map(|peak| 1.01 * peak);
+    let limits = LimitParameters {
+        rate_rad_s: Some([rate; 3]),
+        acceleration_rad_s2: Some([acceleration; 3]),
+        torque_nm: Some([torque; 3]),
+        power_w: Some([power; 3]),
+        ..LimitParameters::default()
+    };
+    (job, limits)
+}
+
+/// A job that uses its limits to a hundredth is admitted. A hold anywhere takes what room there is: it comes to rest, no
+/// limit is broken, and the job ends in its own bits.
+#[test]
+fn holds_take_the_room_that_there_is() {
+    let (job, limits) = tight_job();
+    let (mut longest, mut greatest) = (0, [0.0f64; 4]);
+    for at in 1..178 {
+        let mut bench = Bench::<Thesis<f64>>::with(example(), limits);
+        for each in &job {
+            bench.offer(*each);
+        }
+        assert_eq!(bench.status().admitted, 3, "{:?}", bench.status().refused);
+        bench.done(Command::Start);
+        bench.ticks(at);
+        bench.done(Command::Hold);
+        let mut ticks = 0;
+        while !matches!(bench.state(), State::Holding | State::Idle) {
+            bench.ticks(1);
+            ticks += 1;
+        }
+        longest = longest.max(ticks);
+        if bench.state() == State::Holding {
+            bench.done(Command::Resume);
+            bench.until(State::Idle);
+        }
+        let status = bench.status();
+        assert_eq!((status.fault, status.done), (None, 3), "hold at {at}");
+        assert_eq!(status.end.unwrap().pose, job[2].to);
+        let all = [
+            limits.rate_rad_s,
+            limits.acceleration_rad_s2,
+            limits.torque_nm,
+            limits.power_w,
+        ];
+        for (index, peak) in peaks(&bench.telemetry).into_iter().enumerate() {
+            let limit = all[index].unwrap()[0];
+            assert!(peak <= limit, "hold at {at}: {index} {peak} {limit}");
+            greatest[index] = greatest[index].max(peak / limit);
+        }
+    }
+    // Longer than with room all along, for it waits where the motion brakes by itself; and not much longer than two moves.
+    assert!((2 * u32::from(RAMP)..120).contains(&longest), "{longest}");
+    assert!(greatest.iter().all(|part| *part > 0.98), "{greatest:?}");
+}
+
+/// With a longest stop, a move that leaves no room for it is refused: only a ramp breaks the limit.
+#[test]
+fn a_longest_stop_is_kept_or_the_move_refused() {
+    let (job, limits) = tight_job();
+    let judged = |most| {
+        let ramp = Ramp::within(RAMP, most);
+        let limits = trirrr_core::limits::Limits::build(&limits).unwrap();
+        let mut admission =
+            crate::admission::Admission::<Dynamic<f64>>::build(&example(), limits, ramp, PERIOD_S)
+                .unwrap();
+        admission.offer(&job[0]);
+        loop {
+            match admission.step() {
+                crate::admission::Verdict::Undecided => {}
+                verdict => break verdict,
+            }
+        }
+    };
+    use crate::admission::Verdict;
+    assert_eq!(judged(None), Verdict::Admitted);
+    let Verdict::Refused(violation) = judged(Some(2 * u32::from(RAMP))) else {
+        panic!("there is no room at its end");
+    };
+    assert!(violation.ramp && violation.certain, "{violation:?}");
+    // Half a second to stop hardly adds to the torque.
+    assert_eq!(judged(Some(50 * u32::from(RAMP))), Verdict::Admitted);
+}
+
+/// The pace follows an override with a ramp, stays there, and comes back to the bits of the moves.
+#[test]
+fn an_override_changes_the_pace_and_nothing_else() {
+    let moves = chain::<f64>();
+    let expected = expected::<f64>();
+    for percent in [1, 37, 50, 99] {
+        let mut bench = ready::<f64>();
+        bench.ticks(10);
+        bench.done(Command::FeedOverride { percent });
+        bench.ticks(60);
+        assert_eq!(bench.status().feed_percent, percent);
+        let sample = *bench.telemetry.last().unwrap();
+        let each = &moves[sample.number as usize];
+        let top = 128 * u32::from(RAMP);
+        let passed = f64::from(sample.at) + f64::from(sample.part) / f64::from(2 * top);
+        let on_path = segment(each).at_fraction(passed / f64::from(each.ticks));
+        let u = f64::from((top * u32::from(percent) / 100) & !1) / f64::from(top);
+        let apart = sample.setpoint.velocity - on_path.velocity * u;
+        assert!(apart.abs().max() < 1e-12, "{percent}: {apart}");
+        assert_eq!(
+            (sample.state, sample.acting),
+            (State::Running, Acting::Nothing)
+        );
+        bench.done(Command::FeedOverride { percent: 100 });
+        bench.until(State::Idle);
+        assert_eq!(bench.status().done, 6);
+        let samples = bench.telemetry.iter().rev();
+        let last = samples.filter(|sample| sample.state == State::Running);
+        for (sample, setpoint) in last.zip(expected.iter().rev()).take(50) {
+            assert_eq!(sample.setpoint, *setpoint, "{percent}");
+        }
+    }
+    let mut bench = ready::<f64>();
+    for percent in [0, 101, 255] {
+        let refusal = bench.refused(Command::FeedOverride { percent });
+        assert_eq!(refusal, Refusal::FeedOverride);
+    }
+    assert_eq!(bench.status().feed_percent, 100);
+}
+
 /// What is queued ends moving and nothing follows: it comes to rest before the end, waits, and goes
 /// on by itself when there is more.
 #[test]
@@ -322,7 +476,8 @@ fn a_queue_that_runs_dry_comes_to_rest_on_the_path() {
     let status = bench.status();
     assert_eq!(status.acting, Acting::QueueDry);
     let sample = *bench.telemetry.last().unwrap();
-    assert_eq!((sample.number, sample.at, sample.part), (1, 2, 0));
+    // A tick before the end: what it takes to stop there is not known to the last bit.
+    assert_eq!((sample.number, sample.at, sample.part), (1, 1, 0));
     bench.ticks(50);
     assert_eq!(bench.state(), State::Holding);
     // A resume does not help: there is nothing to resume with.

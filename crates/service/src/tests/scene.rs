@@ -48,7 +48,8 @@ fn an_image_without_the_code_refuses_overrides() {
     let parameters = Box::leak(Box::new(example()));
     let limits = Box::leak(Box::new(LimitParameters::default()));
     let coefficients =
-        Coefficients::<Dynamic<f64>>::build(parameters, limits, RAMP, PERIOD_S).unwrap();
+        Coefficients::<Dynamic<f64>>::build(parameters, limits, Ramp::within(RAMP, None), PERIOD_S)
+            .unwrap();
     let part = |name| {
         let section = Section::of(name, parameters, limits).unwrap();
         let mut room = [0; 256];
@@ -113,7 +114,9 @@ fn an_image_without_the_code_refuses_overrides() {
 #[test]
 fn a_machine_without_torques_has_no_limit_of_them() {
     type Machine = Coefficients<Kinematic<f64>>;
-    let of = |limits: LimitParameters| Machine::build(&example(), &limits, RAMP, PERIOD_S);
+    let of = |limits: LimitParameters| {
+        Machine::build(&example(), &limits, Ramp::within(RAMP, None), PERIOD_S)
+    };
     assert!(of(LimitParameters::default()).is_ok());
     let some = Some([1.0; 3]);
     for (limits, quantity) in [

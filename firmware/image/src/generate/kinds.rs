@@ -4,15 +4,15 @@ use super::constant::{constant, path};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::{Model, ModelVisitor};
-use trirrr_service::Coefficients;
 use trirrr_service::admission::Enclose;
+use trirrr_service::{Coefficients, Ramp};
 
 /// Parameters of the coefficients, in the units of the machine.
 #[derive(Clone, Copy)]
 pub(super) struct Machine<'a> {
     pub(super) parameters: &'a Parameters,
     pub(super) limits: &'a LimitParameters,
-    pub(super) ramp_ticks: u16,
+    pub(super) ramp: Ramp,
     pub(super) period: f64,
 }
 
@@ -29,8 +29,7 @@ impl<N: Enclose> ModelVisitor<N> for Machine<'_> {
         let Self {
             parameters, limits, ..
         } = self;
-        let coefficients =
-            Coefficients::<M>::build(parameters, limits, self.ramp_ticks, self.period)?;
+        let coefficients = Coefficients::<M>::build(parameters, limits, self.ramp, self.period)?;
         Ok(ModelSource {
             model: path::<M>(),
             coefficients: constant(&coefficients),

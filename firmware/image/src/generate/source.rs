@@ -39,7 +39,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let machine = Machine {
         parameters,
         limits,
-        ramp_ticks: scene.ramp_ticks(),
+        ramp: scene.ramp(),
         period,
     };
     let source = scene.model().visit::<N, _>(machine)?;
@@ -89,7 +89,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     // What measurements are made from: the description, and the job, in the machine's units.
     file.constant("UNITS", "trirrr_core::units::Units", constant(&units));
     file.constant("PERIOD", "f64", format!("{period:?}"));
-    file.constant("RAMP_TICKS", "u16", scene.ramp_ticks().to_string());
+    file.constant("RAMP", "trirrr_service::Ramp", constant(&scene.ramp()));
     file.constant("PARAMETERS", parameters_type, constant(parameters));
     file.constant("LIMITS", limits_type, constant(limits));
     let mut moves = String::from("[\n");
@@ -186,17 +186,18 @@ fn move_source(each: &trirrr_scene::JobMove) -> String {
 fn settings<N: ServiceNumber>(settings: &Settings<N>) -> String {
     let Settings {
         period,
-        ramp_ticks,
+        ramp,
         host_timeout_ticks,
         telemetry_every,
         scene,
         board: _,
     } = settings;
     format!(
-        "trirrr_service::Settings {{ period: {}, ramp_ticks: {ramp_ticks}, \
+        "trirrr_service::Settings {{ period: {}, ramp: {}, \
          host_timeout_ticks: {host_timeout_ticks}, telemetry_every: {telemetry_every}, \
          scene: {}, board: trirrr_protocol::message::Board::HOST }}",
         constant(period),
+        constant(ramp),
         constant(scene),
     )
 }

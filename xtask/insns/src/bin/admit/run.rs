@@ -4,7 +4,7 @@ use super::counter;
 use core::hint::black_box;
 use semihosting::{println, process};
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_insns::scene::{Curves, LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP_TICKS};
+use trirrr_insns::scene::{Curves, LIMITS, MOVES, Model, PARAMETERS, PERIOD, RAMP};
 use trirrr_insns::service::offered;
 use trirrr_service::admission::{Admission, Verdict};
 
@@ -16,9 +16,8 @@ fn step(admission: &mut SceneAdmission) -> bool {
 }
 
 fn judge_all(limits: &LimitParameters) {
-    let built = Limits::build(limits).and_then(|limits| {
-        SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP_TICKS, PERIOD)
-    });
+    let built = Limits::build(limits)
+        .and_then(|limits| SceneAdmission::build(&black_box(PARAMETERS), limits, RAMP, PERIOD));
     let mut admission = built.unwrap_or_else(|error| counter::fail(error));
     for index in 0..MOVES.len() {
         admission.offer_any(&offered(index, 0));
