@@ -7,6 +7,8 @@
 //! | [`inputs`], [`model`], [`results`] | from `trirrr_truth`: the machine computed a second time |
 //! | [`scalar`], [`double_double`], [`dual`] | its numbers: 31 digits, or with derivatives |
 //! | [`random`], [`draw`] | random machines and states, and numbers |
+//! | [`workspace`] | machines with room to move about in |
+//! | [`instant`] | everything that a limit bounds, by the second model |
 //! | [`motors`] | what the motors need, as numbers |
 //! | [`vector_formulas`] | the tick in plain f64 with its functions handed in |
 //! | [`thesis_formula`] | the thesis's formulas, errors included |
@@ -18,9 +20,11 @@ pub use trirrr_truth::{double_double, dual, inputs, model, results, rounding, sc
 pub mod bound;
 pub mod draw;
 pub mod evaluate;
+pub mod instant;
 pub mod machines;
 pub mod motors;
 pub mod random;
 pub mod table;
 pub mod thesis_formula;
 pub mod vector_formulas;
+pub mod workspace;

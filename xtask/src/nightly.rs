@@ -46,6 +46,18 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "a million retargets",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "retarget",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "reader and machine near limits",
             "test",
             &[

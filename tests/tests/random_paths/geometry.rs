@@ -2,10 +2,8 @@
 
 use core::fmt::Write as _;
 use trirrr_plan::course::PathPiece;
+use trirrr_tests::instant::Coordinates;
 use trirrr_tests::scalar::solve;
-
-/// (x, y, alpha).
-pub(crate) type Coordinates = [f64; 3];
 
 /// A piece as a user writes it.
 #[derive(Clone, Debug)]

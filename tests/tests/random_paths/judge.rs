@@ -2,8 +2,7 @@
 //! motion at many instants.
 
 use crate::drawn::DrawnJob;
-use crate::geometry::{Coordinates, Polyline};
-use crate::truth::{Instant, State};
+use crate::geometry::Polyline;
 use trirrr_core::limits::Limits;
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::setpoint::{Pose, Quintics};
@@ -13,11 +12,10 @@ use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{NumberType, Scene, offer};
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::{ServiceNumber, check_offer, longest_move};
+use trirrr_tests::instant::{Instant, QuinticEnds, State};
 
 /// Chords of each piece that a motion is compared with.
 const CHORDS: u32 = 2048;
-/// Rounding of the independent model, as a part of a value.
-const ROUNDING: f64 = 1e-11;
 
 /// Largest parts of limits and tolerances that a motion takes, at most 1; and its duration over the bound.
 #[derive(Clone, Copy, Debug)]
@@ -69,10 +67,11 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     for each in &moves {
         // Evenly in time over all moves, and both ends of each.
         let own = u64::from(samples) * u64::from(each.common().ticks) / u64::from(ticks) + 1;
+        let ends = ends(each, period_s);
         for sample in 0..=own {
-            let state = state_at(each, sample as f64 / own as f64, period_s);
+            let state = ends.at(sample as f64 / own as f64);
             let instant = Instant::of(&job.parameters, &state);
-            findings.limit = findings.limit.max(part_of_limits(scene, &instant, side));
+            findings.limit = findings.limit.max(instant.part_of(&scene.limits, side));
             if let Some(fastest) = fastest {
                 let speed = state.velocity[0].hypot(state.velocity[1]);
                 findings.feed = findings.feed.max(speed / fastest);
@@ -92,38 +91,6 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     }
     assert_eq!(before, ticks);
     findings
-}
-
-/// The largest part of a limit, at most 1 where all are kept; infinite where a value is none.
-fn part_of_limits(scene: &Scene, instant: &Instant, side: bool) -> f64 {
-    let limits = &scene.limits;
-    let power: [f64; 3] = core::array::from_fn(|motor| instant.torque[motor] * instant.rate[motor]);
-    let mut most: f64 = match instant.side == side {
-        true => 0.0,
-        false => f64::INFINITY,
-    };
-    let mut note = |part: f64| {
-        most = if part.is_nan() {
-            f64::INFINITY
-        } else {
-            most.max(part)
-        }
-    };
-    for (limit, values) in [
-        (limits.rate_rad_s, instant.rate),
-        (limits.acceleration_rad_s2, instant.acceleration),
-        (limits.torque_nm, instant.torque),
-        (limits.power_w, power),
-    ] {
-        for (limit, value) in limit.iter().flatten().zip(values) {
-            note(value.abs() * (1.0 - ROUNDING) / limit);
-        }
-    }
-    for serial in instant.serial {
-        note(limits.serial_distance_min * (1.0 - ROUNDING) / serial);
-    }
-    note(limits.parallel_distance_min * (1.0 - ROUNDING) / instant.parallel);
-    most
 }
 
 /// The moves as a service in `N` gets them, admitted one by one, as the numbers that they are.
@@ -240,38 +207,20 @@ fn check_chain(job: &DrawnJob, moves: &[AnyMove<f64>]) {
     }
 }
 
-/// The move's quintic by de Casteljau's algorithm, which shares no formula with the setpoints of the core.
-fn state_at(each: &AnyMove<f64>, part: f64, period_s: f64) -> State {
+/// Ends of a move as numbers.
+fn ends(each: &AnyMove<f64>, period_s: f64) -> QuinticEnds {
     let common = each.common();
-    let fifth = f64::from(common.ticks) * period_s / 5.0;
-    let pose = |pose: &Pose<f64>| -> Coordinates { [pose.position.x, pose.position.y, pose.angle] };
-    let (from, to) = (pose(&common.from), pose(&common.to));
-    let [bent, straightened] = each.accelerations().expect("a quintic");
-    let mut state = State::default();
-    for axis in 0..3 {
-        let [v0, v1] = [common.start_velocity[axis], common.end_velocity[axis]].map(|v| v * fifth);
-        // The second difference of control points is T^2 a / 20.
-        let [a0, a1] = [bent[axis], straightened[axis]].map(|a| a * fifth * fifth * 1.25);
-        let mut points = vec![
-            from[axis],
-            from[axis] + v0,
-            from[axis] + 2.0 * v0 + a0,
-            to[axis] - 2.0 * v1 + a1,
-            to[axis] - v1,
-            to[axis],
-        ];
-        while points.len() > 1 {
-            match points[..] {
-                [a, b] => state.velocity[axis] = (b - a) / fifth,
-                [a, b, c] => state.acceleration[axis] = (a - 2.0 * b + c) * 0.8 / (fifth * fifth),
-                _ => {}
-            }
-            points = points
-                .windows(2)
-                .map(|pair| pair[0] * (1.0 - part) + pair[1] * part)
-                .collect();
-        }
-        state.pose[axis] = points[0];
+    let [start, end] = each.accelerations().expect("a quintic");
+    let state = |pose: &Pose<f64>, velocity, acceleration| State {
+        pose: [pose.position.x, pose.position.y, pose.angle],
+        velocity,
+        acceleration,
+    };
+    QuinticEnds {
+        states: [
+            state(&common.from, common.start_velocity, start),
+            state(&common.to, common.end_velocity, end),
+        ],
+        duration_s: f64::from(common.ticks) * period_s,
     }
-    state
 }

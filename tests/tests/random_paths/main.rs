@@ -6,7 +6,6 @@ mod drawn;
 mod geometry;
 mod judge;
 mod scene_text;
-mod truth;
 
 use drawn::{DrawnJob, draw};
 use judge::{Findings, judge};

@@ -1,12 +1,12 @@
 //! Drawn jobs as text of a scene.
 
 use crate::drawn::{DrawnJob, PLACES};
-use crate::truth::{Instant, State};
 use core::f64::consts::TAU;
 use core::fmt::Write as _;
 use nalgebra::Vector2;
 use trirrr_core::machine::Parameters;
 use trirrr_tests::draw::Draw;
+use trirrr_tests::instant::{Instant, State};
 
 /// The largest torque of a motor in states of rest along the path, and for an acceleration at its start.
 fn torque_sizes(job: &DrawnJob, acceleration: [f64; 3]) -> [f64; 2] {

@@ -38,6 +38,7 @@ mod instances;
 mod legs;
 mod path;
 mod refusal;
+mod retarget;
 mod scan;
 mod shortest;
 mod taylor;
@@ -47,6 +48,7 @@ pub use enclose::{Centre, Enclose};
 #[doc(hidden)]
 pub use instances::instances;
 pub use path::Path;
+pub use retarget::{Blocked, Retarget, RetargetRefusal, Retargeted};
 pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
@@ -118,6 +120,25 @@ struct Offer<N: Enclose, K: CurveKind> {
 }
 
 impl<N: Enclose, K: CurveKind> Offer<N, K> {
+    fn new(ends: &Ends<N, K>, ticks: u32, period: N::Bound) -> Self {
+        // Bounds of many turns would be as wide as their rounding: where turns are exact, only the rest counts.
+        let turns = ends.from.angle;
+        let without = |pose: &Pose<N>| Pose {
+            angle: N::without_turns(pose.angle, turns),
+            ..*pose
+        };
+        Self {
+            ends: Ends {
+                from: without(&ends.from),
+                to: without(&ends.to),
+                ..*ends
+            },
+            rest_to_rest: ends.is_rest_to_rest(),
+            ticks,
+            period,
+        }
+    }
+
     /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
     fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>, K> {
         let pose = |pose: &Pose<N>| Pose {
@@ -182,12 +203,7 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
 
     /// Returns the violation as soon as the move is refused, while the shortest duration may still be looked for.
     pub fn violation(&self) -> Option<Violation<M::N>> {
-        match &self.judgement.work {
-            Work::Search { violation, .. } | Work::Judged(Verdict::Refused(violation)) => {
-                Some(*violation)
-            }
-            _ => None,
-        }
+        self.judgement.violation()
     }
 
     /// Rates at which the pace may change on the move, once it is admitted.
@@ -211,23 +227,14 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
 
     /// As [`Admission::offer`].
     pub(crate) fn offer<M: Model<N = N>>(&mut self, path: &Path<M>, offered: &Offered<N, K>) {
-        // Bounds of many turns would be as wide as their rounding: where turns are exact, only the rest counts.
-        let turns = offered.common.from.angle;
-        let without = |pose: &Pose<N>| Pose {
-            angle: N::without_turns(pose.angle, turns),
-            ..*pose
-        };
-        let mut ends = offered.ends();
-        (ends.from, ends.to) = (without(&ends.from), without(&ends.to));
         let ticks = offered.common.ticks;
-        let offered = Offer {
-            ends,
-            rest_to_rest: ends.is_rest_to_rest(),
-            ticks,
-            period: path.period,
-        };
+        self.judge(Offer::new(&offered.ends(), ticks, path.period));
+    }
+
+    fn judge(&mut self, offered: Offer<N, K>) {
+        let ticks = offered.ticks;
         self.paces = MovePaces::FULL;
-        self.work = match breach::of_input(&ends, ticks) {
+        self.work = match breach::of_input(&offered.ends, ticks) {
             Some(breach) => Work::Judged(Verdict::Refused(
                 breach.violation(<N as Enclose>::Bound::ZERO),
             )),
@@ -278,6 +285,15 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
     /// Rates for which there is room on an admitted move.
     pub(crate) fn paces(&self) -> MovePaces {
         self.paces
+    }
+
+    fn violation(&self) -> Option<Violation<N>> {
+        match &self.work {
+            Work::Search { violation, .. } | Work::Judged(Verdict::Refused(violation)) => {
+                Some(*violation)
+            }
+            _ => None,
+        }
     }
 
     fn verdict(&self) -> Verdict<N> {

@@ -104,7 +104,7 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
                 if !self.scan.advance() {
                     return Found::NotYet;
                 }
-                let guess = self.offered.slower(*speed);
+                let guess = slower(self.offered.ticks, *speed);
                 self.stage = Stage::Try(Trial {
                     failed: self.offered.ticks,
                     too_short: *too_short,
@@ -147,27 +147,24 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
     }
 }
 
-impl<N: Enclose, K: CurveKind> Offer<N, K> {
-    /// Ticks of the move at `speed`, 0 to 1, at least one more than offered.
-    fn slower(&self, speed: Float<N>) -> u32 {
-        // Doubled until it is slow enough, then halved down: without a conversion of N to integers.
-        let ticks = self.ticks;
-        let slow = |longer: u32| <Float<N>>::ratio(ticks, longer) <= speed;
-        let mut longest = ticks.saturating_add(1);
-        while !slow(longest) && longest < u32::MAX {
-            longest = longest.saturating_mul(2);
-        }
-        let mut shortest = ticks;
-        while longest - shortest > 1 {
-            let middle = shortest + (longest - shortest) / 2;
-            if slow(middle) {
-                longest = middle;
-            } else {
-                shortest = middle;
-            }
-        }
-        longest
+/// Ticks of a move of `ticks` at `speed`, 0 to 1, at least one more.
+pub(super) fn slower<B: Arithmetic>(ticks: u32, speed: B) -> u32 {
+    // Doubled until it is slow enough, then halved down: without a conversion of B to integers.
+    let slow = |longer: u32| B::ratio(ticks, longer) <= speed;
+    let mut longest = ticks.saturating_add(1);
+    while !slow(longest) && longest < u32::MAX {
+        longest = longest.saturating_mul(2);
     }
+    let mut shortest = ticks;
+    while longest - shortest > 1 {
+        let middle = shortest + (longest - shortest) / 2;
+        if slow(middle) {
+            longest = middle;
+        } else {
+            shortest = middle;
+        }
+    }
+    longest
 }
 
 impl Trial {
