@@ -227,6 +227,9 @@ fn as_text(
         part(duration),
     );
     let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
+    if let Some(longest) = scene.longest_stop() {
+        let _ = writeln!(text, "a hold is {longest}");
+    }
     for (limit, time) in acting(points) {
         let share = 100.0 * time / duration;
         let _ = writeln!(text, "{share:6.1} % of the time limited by {limit}");
@@ -245,6 +248,7 @@ fn as_json(scene: &Scene, planned: &PlannedMoves) -> serde_json::Value {
             "cells": run.cells.len(),
         })
     });
+    let longest = scene.longest_stop();
     json!({
         "scene": scene.name,
         "moves": planned.moves.len(),
@@ -252,6 +256,8 @@ fn as_json(scene: &Scene, planned: &PlannedMoves) -> serde_json::Value {
         "played_s": planned.ticks() as f64 * scene.period_s(),
         "duration_s": planned.plan.duration_s(),
         "least_s": planned.plan.least_s(),
+        "longest_stop_s": longest.map(|longest| longest.time_s),
+        "longest_stop_m": longest.map(|longest| longest.way_m),
         "runs": runs.collect::<Vec<_>>(),
     })
 }

@@ -33,6 +33,13 @@ def arguments() -> argparse.ArgumentParser:
         metavar="SECONDS",
         help="acknowledge a fault, and take so long to bring the machine to where the job starts",
     )
+    parser.add_argument(
+        "--feed",
+        type=int,
+        choices=range(1, 101),
+        metavar="PERCENT",
+        help="feed override, 1 to 100 %% of normal speed",
+    )
     parser.add_argument("--answer", type=float, default=0.2, help="seconds to wait for an answer")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
@@ -71,6 +78,7 @@ def main() -> int:
         options.any_scene,
         answer_s=options.answer,
         recover_s=options.recover,
+        feed_percent=options.feed,
         survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
     )
     try:

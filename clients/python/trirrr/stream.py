@@ -22,6 +22,7 @@ _NOT_YET = {
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
     "Stop": {"Busy"},
+    "FeedOverride": {"Busy"},
     "Home": {"Busy"},
     "ClearFault": {"Busy"},
     "Recover": {"Busy"},
@@ -43,7 +44,8 @@ class Stream:
     ``heard`` gets events and telemetry, ``progress`` the moves done, their number and the state.
     ``survey``: what to ask before the job starts; the answers are in the attribute of that name.
     ``recover_s``: before the job, bring the machine to where the job starts, within so many seconds; a
-    latched fault is acknowledged for it.
+    latched fault is acknowledged for it. ``feed_percent``: feed override, 1 to 100 % of normal speed; see
+    ``override_feed`` for one while the job runs.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Stream:
         answer_s: float = 0.2,
         survey: Sequence[Value] = (),
         recover_s: float | None = None,
+        feed_percent: int | None = None,
     ) -> None:
         self._connect = connect
         self._job = job
@@ -69,6 +72,7 @@ class Stream:
         self._answer_s = answer_s
         self._questions = survey
         self._recover_s = recover_s
+        self._feed = feed_percent
         self.survey: list[Any] = []
         self._moves: list[Any] = []
         self._base: int | None = None
@@ -120,11 +124,18 @@ class Stream:
             self._look()
             self._command(Command.Telemetry(every=self._telemetry))
             while not self._look():
+                if self._feed is not None and self._command(Command.FeedOverride(percent=self._feed)):
+                    self._feed = None
                 if not self._push():
                     exchange.listen(pause)
         except KeyboardInterrupt:
             self._command(Command.Stop())
             raise JobFailed("stopped by the user") from None
+
+    def override_feed(self, percent: int) -> None:
+        """Plays at ``percent`` of normal speed, 1 to 100, from now on. For ``heard`` and ``progress``: the machine gets it
+        with the next look."""
+        self._feed = percent
 
     def recover(self, seconds: float, pause: float) -> None:
         """Acknowledges a latched fault, and takes ``seconds`` to move the motors to where they are at

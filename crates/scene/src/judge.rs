@@ -11,7 +11,10 @@ use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{AnyMove, Refusal, Violation};
 use trirrr_service::admission::{Admission, Verdict};
-use trirrr_service::{ServiceNumber, check_offer, longest_move};
+use trirrr_service::{MovePaces, ServiceNumber, check_offer, longest_move};
+
+/// Judgement of a move: the rates at which a hold may slow it down, or why it is not played.
+pub(crate) type Judgement = Result<MovePaces, Objection>;
 
 /// Reason why a service does not play a move. Values are in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,12 +40,11 @@ pub(crate) enum Unjudged {
     Range(#[from] RangeError),
 }
 
-/// Judges each move of `scene`, wherever the moves before it end. `None` stands for a move that
-/// is played.
+/// Judges each move of `scene`, wherever the moves before it end.
 ///
 /// # Errors
 /// [`Unjudged`].
-pub(crate) fn judge(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
+pub(crate) fn judge(scene: &Scene) -> Result<Vec<Judgement>, Unjudged> {
     judge_with(scene, usize::MAX, true)
 }
 
@@ -50,18 +52,11 @@ pub(crate) fn judge(scene: &Scene) -> Result<Vec<Option<Objection>>, Unjudged> {
 ///
 /// # Errors
 /// [`Unjudged`].
-pub(crate) fn judge_quickly(
-    scene: &Scene,
-    count: usize,
-) -> Result<Vec<Option<Objection>>, Unjudged> {
+pub(crate) fn judge_quickly(scene: &Scene, count: usize) -> Result<Vec<Judgement>, Unjudged> {
     judge_with(scene, count, false)
 }
 
-fn judge_with(
-    scene: &Scene,
-    count: usize,
-    shortest: bool,
-) -> Result<Vec<Option<Objection>>, Unjudged> {
+fn judge_with(scene: &Scene, count: usize, shortest: bool) -> Result<Vec<Judgement>, Unjudged> {
     in_number_type!(scene.number, N => judge_in::<N>(scene, count, shortest))
 }
 
@@ -69,7 +64,7 @@ fn judge_in<N: ServiceNumber>(
     scene: &Scene,
     count: usize,
     shortest: bool,
-) -> Result<Vec<Option<Objection>>, Unjudged> {
+) -> Result<Vec<Judgement>, Unjudged> {
     let units = units::<N>(scene)?;
     let mut moves = offer::moves::<N>(scene, &units);
     moves.truncate(count);
@@ -92,7 +87,7 @@ struct OfferedJob<'a, N: ServiceNumber> {
 }
 
 impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
-    type Output = Result<Vec<Option<Objection>>, BuildError>;
+    type Output = Result<Vec<Judgement>, BuildError>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
         let Self {
@@ -107,33 +102,33 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             scene.ramp(),
             units.time(scene.period_s()),
         )?;
-        let judge = |offered| objection(&mut admission, offered, units, shortest);
+        let judge = |offered| judgement(&mut admission, offered, units, shortest);
         Ok(moves.iter().map(judge).collect())
     }
 }
 
-fn objection<M: Model<N: ServiceNumber>>(
+fn judgement<M: Model<N: ServiceNumber>>(
     admission: &mut Admission<M, Quintics>,
     offered: &AnyMove<M::N>,
     units: &Units,
     shortest: bool,
-) -> Option<Objection> {
+) -> Judgement {
     match check_offer(offered, longest_move(offer::CAPACITY)) {
         Ok(()) => {}
-        Err(Refusal::Duration { longest }) => return Some(Objection::Duration(longest)),
-        Err(Refusal::Tool) => return Some(Objection::Tool),
-        Err(_) => return Some(Objection::NotFinite),
+        Err(Refusal::Duration { longest }) => return Err(Objection::Duration(longest)),
+        Err(Refusal::Tool) => return Err(Objection::Tool),
+        Err(_) => return Err(Objection::NotFinite),
     }
     admission.offer_any(offered);
     loop {
         match admission.step() {
             Verdict::Undecided => {
                 if let Some(violation) = admission.violation().filter(|_| !shortest) {
-                    return Some(Objection::Limit(violation.in_si(units)));
+                    return Err(Objection::Limit(violation.in_si(units)));
                 }
             }
-            Verdict::Refused(violation) => return Some(Objection::Limit(violation.in_si(units))),
-            Verdict::Admitted | Verdict::Nothing => return None,
+            Verdict::Refused(violation) => return Err(Objection::Limit(violation.in_si(units))),
+            Verdict::Admitted | Verdict::Nothing => return Ok(admission.paces()),
         }
     }
 }

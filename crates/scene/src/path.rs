@@ -61,8 +61,8 @@ pub(crate) fn check_job(
     if scene.job.path.is_some() {
         return Ok(());
     }
-    let objections = match judge(scene) {
-        Ok(objections) => objections,
+    let judgements = match judge(scene) {
+        Ok(judgements) => judgements,
         Err(Unjudged::Machine(error)) => return Err(error),
         // The job has to be good before its units can be chosen.
         Err(Unjudged::Range(_)) if allowed.contains(&false) => return Ok(()),
@@ -72,8 +72,8 @@ pub(crate) fn check_job(
         }
     };
     let ends = allowed.windows(2);
-    for (((each, place), objection), ends) in moves().zip(objections).zip(ends) {
-        if let (Some(objection), &[true, true]) = (objection, ends) {
+    for (((each, place), judgement), ends) in moves().zip(judgements).zip(ends) {
+        if let (Err(objection), &[true, true]) = (judgement, ends) {
             document.refuse(&place.whole, workspace.objection(each, &objection));
         }
     }

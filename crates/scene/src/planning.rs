@@ -2,7 +2,7 @@
 
 use crate::job::{Job, JobMove};
 use crate::job_path::{JobPath, PlacedPath};
-use crate::judge::{Objection, judge_quickly};
+use crate::judge::{Judgement, Objection, judge_quickly};
 use crate::read::Document;
 use crate::{NumberType, Scene, offer, words};
 use thiserror::Error;
@@ -123,20 +123,20 @@ fn judged(scene: &Scene, moves: &[JobMove], others: &[JobMove]) -> Vec<Judged> {
         job,
         ..scene.clone()
     };
-    let Ok(objections) = judge_quickly(&trial, moves.len()) else {
+    let Ok(judgements) = judge_quickly(&trial, moves.len()) else {
         return vec![Judged::Refused; moves.len()];
     };
-    let judged = |objection: Option<Objection>| match objection {
-        None => Judged::Kept,
-        Some(Objection::Limit(violation)) => match violation.what {
+    let judged = |judgement: Judgement| match judgement {
+        Ok(_) => Judged::Kept,
+        Err(Objection::Limit(violation)) => match violation.what {
             Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power => {
                 Judged::Exceeded(violation.value / violation.limit - 1.0)
             }
             _ => Judged::Refused,
         },
-        Some(_) => Judged::Refused,
+        Err(_) => Judged::Refused,
     };
-    objections.into_iter().map(judged).collect()
+    judgements.into_iter().map(judged).collect()
 }
 
 /// Converts planned moves of `path` to moves of a job.

@@ -48,6 +48,9 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &RunReport) -> i
         "job",
         &format!("{moves}, {duration} s: {ticks} ticks at {rate} Hz"),
     )?;
+    if let Some(longest) = scene.longest_stop() {
+        line(out, "a hold", &longest.to_string())?;
+    }
     let (records, setpoints) = (report.records, report.setpoints);
     let how = match &report.deadlines {
         Some(_) => "in real time",

@@ -16,7 +16,8 @@ use trirrr_scene::NumberType;
 #[command(after_help = "\
 The scene must be the one that the board's image was built from. Ctrl-C stops the machine on its \
 path and ends the stream; a second one ends the stream at once, and the board's host timeout \
-stops the machine. With --keys, a line `hold`, `resume` or `stop` on standard input does that.")]
+stops the machine. With --keys, a line `hold`, `resume`, `stop` or `feed PERCENT` on standard input \
+does that.")]
 pub struct StreamArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
@@ -48,7 +49,10 @@ pub struct StreamArgs {
     /// Do not home a machine that is not homed: the stream ends instead
     #[arg(long)]
     pub no_homing: bool,
-    /// Take `hold`, `resume` and `stop` from standard input, a line each
+    /// Play at so many percent of normal speed, 1 to 100
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub feed: Option<u8>,
+    /// Take `hold`, `resume`, `stop` and `feed PERCENT` from standard input, a line each
     #[arg(long)]
     pub keys: bool,
 }

@@ -16,7 +16,7 @@ pub(super) fn listen() -> Receiver<UserCommand> {
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
                 None => {
-                    let text = "trirrr: keys are hold, resume and stop (h, r, s)";
+                    let text = "trirrr: keys are hold, resume, stop and feed PERCENT (h, r, s, f)";
                     let _ = writeln!(io::stderr(), "{text}");
                 }
             }
@@ -30,7 +30,12 @@ fn read(line: &str) -> Option<UserCommand> {
         "hold" | "h" => Some(UserCommand::Hold),
         "resume" | "r" => Some(UserCommand::Resume),
         "stop" | "s" => Some(UserCommand::Stop),
-        _ => None,
+        line => {
+            let (word, percent) = line.split_once(char::is_whitespace)?;
+            let percent = percent.trim().parse().ok()?;
+            let is_feed = matches!(word, "feed" | "f") && (1..=100).contains(&percent);
+            is_feed.then_some(UserCommand::FeedOverride(percent))
+        }
     }
 }
 
@@ -47,6 +52,11 @@ mod tests {
             ("r", Some(UserCommand::Resume)),
             ("stop", Some(UserCommand::Stop)),
             ("s", Some(UserCommand::Stop)),
+            ("feed 50", Some(UserCommand::FeedOverride(50))),
+            ("f  100", Some(UserCommand::FeedOverride(100))),
+            ("feed 0", None),
+            ("feed 101", None),
+            ("feed", None),
             ("halt", None),
             ("", None),
         ] {

@@ -23,7 +23,7 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{JobClient, Patience};
+use trirrr_client::{JobClient, Patience, UserCommand};
 use trirrr_protocol::message::Telemetry;
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
@@ -105,6 +105,12 @@ fn stream<N: ServiceNumber>(
         stop,
         is_over: false,
     };
+    if let Some(percent) = args.feed {
+        session.client.command(UserCommand::FeedOverride(percent));
+    }
+    if let Some(longest) = scene.longest_stop() {
+        session.display.note(&format!("a hold is {longest}"));
+    }
     let result = session.run();
     let Session {
         client,

@@ -120,14 +120,14 @@ impl<N: Transmit> TrajectoryChecker<N> {
             return Err(format!("beyond the move's {} ticks", segment.ticks()));
         }
         let levels = match &self.before {
-            None if (index, sample.at, sample.part) == (0, 0, 0) => vec![self.top],
+            None if (index, sample.at, sample.part) == (0, 0, 0) => self.begins(segment, sample)?,
             None => return Err("not the start of the job".into()),
             // Moves came too slowly: it stood at the end of what it had, and starts again.
             Some(before) if before.state == State::Idle => {
                 if (index, sample.at, sample.part) != (before.index + 1, 0, 0) {
                     return Err("not the start of the next move".into());
                 }
-                vec![self.top]
+                self.begins(segment, sample)?
             }
             Some(_) if self.is_blind => vec![self.top],
             Some(before) => self.go_on(before, index, sample)?,
@@ -136,16 +136,6 @@ impl<N: Transmit> TrajectoryChecker<N> {
             return Err("not at normal speed after what was not seen".into());
         }
         self.is_blind = false;
-        let begins = matches!(
-            self.before,
-            None | Some(Before {
-                state: State::Idle,
-                ..
-            })
-        );
-        if begins && !same(&sample.setpoint, &segment.at(0)) {
-            return Err(format!("the move starts at {:?}", segment.at(0)));
-        }
         let last = index as usize + 1 == self.segments.len();
         self.is_over = last && sample.at == segment.ticks();
         self.samples += 1;
@@ -190,6 +180,25 @@ impl<N: Transmit> TrajectoryChecker<N> {
                 "the stop does not end where move {}, tick {} and {} parts at {:?} lead",
                 before.index, before.at, before.part, before.levels
             )),
+        }
+    }
+
+    /// Levels at which a path may begin: normal speed, a part of it that the host asked for, or, where the queue leaves no room to
+    /// stop, rest.
+    fn begins(
+        &self,
+        segment: &Segment<N, Quintics>,
+        sample: &Telemetry<N>,
+    ) -> Result<Vec<u32>, String> {
+        let goals = (0..=100).map(|percent| (self.top * percent / 100) & !1);
+        let levels = goals.filter(|level| {
+            let expected = self.setpoint(segment, sample, *level, 0);
+            same(&expected, &sample.setpoint)
+        });
+        let levels: Vec<u32> = levels.collect();
+        match levels.is_empty() {
+            false => Ok(levels),
+            true => Err(format!("the move starts at {:?}", segment.at(0))),
         }
     }
 

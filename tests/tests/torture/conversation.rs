@@ -46,6 +46,7 @@ pub(crate) struct Tally {
     pub(crate) dropped_frames: u64,
     pub(crate) reconnects: u64,
     pub(crate) holds: u64,
+    pub(crate) overrides: u64,
 }
 
 impl Tally {
@@ -60,6 +61,7 @@ impl Tally {
         self.dropped_frames += other.dropped_frames;
         self.reconnects += other.reconnects;
         self.holds += other.holds;
+        self.overrides += other.overrides;
     }
 
     fn add_counters(&mut self, counters: Counters) {
@@ -193,8 +195,14 @@ impl Conversation<'_> {
         }
     }
 
-    /// Now and then the user holds the job, and resumes it.
+    /// Now and then the user holds the job, and resumes it, or changes its pace.
     fn ask_for_holds(&mut self) {
+        if self.random.below(400) == 0 {
+            self.tally.overrides += 1;
+            let percent = 1 + self.random.below(100) as u8;
+            let percent = if percent > 50 { 100 } else { percent.max(10) };
+            self.client.command(UserCommand::FeedOverride(percent));
+        }
         if self.random.below(400) == 0 {
             self.tally.holds += u64::from(!self.held);
             self.client.command(if self.held {

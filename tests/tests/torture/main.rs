@@ -37,4 +37,5 @@ fn jobs_survive_a_bad_line() {
     assert!(total.dropped_frames > 0, "no damage was found");
     assert!(total.reconnects > 0, "no line was ever given up");
     assert!(total.holds > 0, "no job was ever held");
+    assert!(total.overrides > 0, "no pace was ever changed");
 }

@@ -42,6 +42,8 @@ pub enum UserCommand {
     Resume,
     /// Come to rest on the path and drop the rest.
     Stop,
+    /// Play at so many percent of normal speed, 1 to 100, from now on.
+    FeedOverride(u8),
 }
 
 /// Client that plays one job on a machine, without a port and a clock of its own.

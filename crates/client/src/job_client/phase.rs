@@ -81,6 +81,7 @@ impl<N: Transmit> JobClient<N> {
                 UserCommand::Hold => Command::Hold,
                 UserCommand::Resume => Command::Resume,
                 UserCommand::Stop => Command::Stop,
+                UserCommand::FeedOverride(percent) => Command::FeedOverride { percent },
             });
         }
         match self.schedule.look() {
