@@ -69,7 +69,8 @@ impl FeedScale {
     /// Asks for `percent` of normal speed, 1 to 100.
     pub(super) fn aim_at(&mut self, percent: u8) {
         // Even, as T is: what lacks to a whole tick is even at the start of a path.
-        self.goal = (self.top * u32::from(percent) / 100).clamp(2, self.top) & !1;
+        let goal = self.top * u32::from(percent) / 100;
+        self.goal = goal.min(self.top).max(2) & !1;
     }
 
     /// At the pace that the host asks for from one tick to the next: for the start of a path that starts at rest.
@@ -98,6 +99,7 @@ impl FeedScale {
     }
 
     /// One tick towards rest, at the rates of `pace`.
+    #[inline(never)]
     pub(super) fn slower(&self, pace: &Pace) -> Step {
         let [any, half] = pace.braking();
         let most = match 2 * self.level <= self.top {
@@ -113,6 +115,7 @@ impl FeedScale {
     }
 
     /// One tick towards the pace that the host asks for, or at it, at the rates of `pace`, from `part` of a tick.
+    #[inline(never)]
     pub(super) fn faster(&self, pace: &Pace, part: u32) -> Step {
         if self.level >= self.goal {
             let Step { level, .. } = self.slower(pace);
@@ -149,7 +152,8 @@ impl FeedScale {
         if rest == normal {
             return rest;
         }
-        (rest * (self.top - self.level) + normal * self.level) / (self.top + rest - normal)
+        let weighted = rest * (self.top - self.level) + normal * self.level;
+        weighted.checked_div(self.top + rest - normal).unwrap_or(0)
     }
 
     fn step_to(&self, level: u32) -> Step {
@@ -189,11 +193,14 @@ impl FeedScale {
             || (2 * step.level <= self.top && self.is_room(step, part, room(1)))
     }
 
+    #[inline]
     fn is_room(&self, step: Step, part: u32, room: i32) -> bool {
         // More than the square of the level and the tick's own way ask for, and below the products fit.
-        if room > (self.top / 2) as i32 + 4 * i32::from(FULL) {
-            return true;
-        }
+        room > (self.top / 2) as i32 + 4 * i32::from(FULL) || self.is_just_room(step, part, room)
+    }
+
+    #[inline(never)]
+    fn is_just_room(&self, step: Step, part: u32, room: i32) -> bool {
         let left = i64::from(room) * i64::from(2 * self.top)
             - i64::from(FULL) * i64::from(part + step.parts);
         let level = i64::from(step.level);

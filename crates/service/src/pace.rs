@@ -227,6 +227,7 @@ impl RoomCount {
 
     /// Counts a part of `ticks` with the paces `pace`. A tick that goes over from one part into the next changes the pace by
     /// the lesser of both rates: it may lose a tick of the difference. `most` is more than anybody needs.
+    #[inline(never)]
     pub(crate) fn add(&mut self, pace: &Pace, ticks: u32, most: u32) {
         let rates = pace.braking();
         let room = |x: usize| {

@@ -109,12 +109,23 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// towards rest.
     #[inline]
     fn step_length(&mut self) -> Step {
+        let steady = self.feed.steady();
+        let goes_on = self.state == State::Running && self.acting == Acting::Nothing;
+        match goes_on && self.feed.is_at_goal() && self.reaches(steady) {
+            true => steady,
+            false => self.change_pace(),
+        }
+    }
+
+    /// Chooses as [`step_length`](Self::step_length) does where the pace may change.
+    // A call: few ticks have it.
+    #[inline(never)]
+    fn change_pace(&mut self) -> Step {
         match self.state {
             State::Running => {
                 let faster = self.faster();
                 if self.reaches(faster) {
-                    if faster.slope == 0 && self.feed.is_at_goal() && self.acting != Acting::Nothing
-                    {
+                    if faster.slope == 0 && self.feed.is_at_goal() {
                         self.transition_to(State::Running, Acting::Nothing);
                     }
                     return faster;
@@ -137,7 +148,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     false => self.feed.steady(),
                 };
             }
-            State::Holding if !self.held && self.acting != Acting::QueueDry => {
+            State::Holding if !self.held => {
                 self.transition_to(State::Holding, Acting::QueueDry);
             }
             _ => {}
@@ -154,7 +165,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     /// Rates of this tick: where it may go over into another part, the lesser ones of both.
-    #[inline(never)]
     fn pace(&self) -> Pace {
         let Part { index, end, pace } = self.part;
         if self.position.tick.saturating_add(1) < end {
@@ -346,6 +356,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     /// q' u and q'' u^2 + q' u'.
+    #[inline(never)]
     fn scaled(&self, on_path: &Setpoint<N>, step: Step) -> Setpoint<N> {
         let (speed, change) = self.speed(step);
         let mut acceleration = on_path.acceleration * speed * speed;
