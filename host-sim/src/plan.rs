@@ -10,9 +10,9 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use trirrr_core::setpoint::Pose;
-use trirrr_plan::course::{Effort, Run};
+use trirrr_plan::course::{Effort, PathPiece, Run};
 use trirrr_plan::moves::PlannedMoves;
-use trirrr_scene::{JobPath, Scene, limited, plan_job};
+use trirrr_scene::{JobPath, PlannedJob, Scene, limited, plan_job};
 
 /// `trirrr plan`.
 ///
@@ -57,19 +57,19 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     let refused = |reason: String| CliError::Refused(format!("{name}: {reason}"));
     let path = scene.job.path.as_ref();
     let path = path.ok_or_else(|| refused("the job has no [[job.path]]".into()))?;
-    let planned = plan_job(&scene, path, effort).map_err(|error| refused(error.to_string()))?;
-    let points = all_points(path, &planned);
+    let job = plan_job(&scene, path, effort).map_err(|error| refused(error.to_string()))?;
+    let points = all_points(&job.path, &job.moves);
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
     let mut results = ResultFolder::create(&folder, "plan")?;
     results.begin()?;
-    let files = write(&scene, path, &planned, &points, &folder)?;
+    let files = write(&scene, &job, &points, &folder)?;
     results.end(&files, Ok(()))?;
     let text = match args.json {
-        true => format!("{}\n", as_json(&scene, &planned)),
-        false => as_text(&scene, path, &planned, &points, &files),
+        true => format!("{}\n", as_json(&scene, &job)),
+        false => as_text(&scene, &job, &points, &files),
     };
     printed(io::stdout().lock().write_all(text.as_bytes()))
 }
@@ -130,14 +130,13 @@ fn all_points(path: &JobPath, planned: &PlannedMoves) -> Vec<PlanPoint> {
 /// Writes tables and the figure; the files.
 fn write(
     scene: &Scene,
-    path: &JobPath,
-    planned: &PlannedMoves,
+    job: &PlannedJob,
     points: &[PlanPoint],
     folder: &Path,
 ) -> Result<Vec<PathBuf>, CliError> {
     // Shortest digits that read back as the same number, as in `ticks.csv`.
     let mut plan = String::from("t,piece,p,x,y,alpha,speed,speed_max,limit\n");
-    let mut traces = PlanTraces::new(points.len() as u64);
+    let mut traces = PlanTraces::new(points.len() as u64, job.path.free.is_some());
     for point in points {
         let [x, y, alpha] = point.pose;
         let (t, p, speed, speed_max) = (point.t, point.p, point.speed, point.speed_max);
@@ -146,9 +145,9 @@ fn write(
             "{t:?},{},{p:?},{x:?},{y:?},{alpha:?},{speed:?},{speed_max:?},{}",
             point.source, point.limit
         );
-        traces.push(t, [speed, speed_max]);
+        traces.push(t, [speed, speed_max, alpha]);
     }
-    let moves = moves_table(scene, path, planned);
+    let moves = moves_table(scene, &job.path, &job.moves);
     let mut files = Vec::new();
     for (file, text) in [("plan.csv", plan), ("moves.csv", moves)] {
         let file = folder.join(file);
@@ -203,13 +202,21 @@ fn acting(points: &[PlanPoint]) -> Vec<(&str, f64)> {
     acting
 }
 
-fn as_text(
-    scene: &Scene,
-    path: &JobPath,
-    planned: &PlannedMoves,
-    points: &[PlanPoint],
-    files: &[PathBuf],
-) -> String {
+/// Least and greatest alpha on the path, if the planner could choose it.
+fn alpha_range(path: &JobPath) -> Option<[f64; 2]> {
+    const PLACES: u32 = 64;
+    path.free.as_ref()?;
+    let places = |each: &PathPiece| {
+        let piece = each.piece;
+        (0..=PLACES).map(move |place| piece.at(f64::from(place) / f64::from(PLACES)).pose.angle)
+    };
+    let widened = |[least, greatest]: [f64; 2], angle: f64| [least.min(angle), greatest.max(angle)];
+    let angles = path.pieces.iter().flat_map(places);
+    Some(angles.fold([f64::INFINITY, f64::NEG_INFINITY], widened))
+}
+
+fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathBuf]) -> String {
+    let planned = &job.moves;
     let plan = &planned.plan;
     let (duration, least) = (plan.duration_s(), plan.least_s());
     let played = planned.ticks() as f64 * scene.period_s();
@@ -220,7 +227,7 @@ fn as_text(
          plan     {duration:.6} s   {:+.2} % over the bound, with room for holds\n\
          bound    {least:.6} s   no motion along the path within the limits is faster\n",
         scene.name,
-        path.tools.len(),
+        job.path.tools.len(),
         plan.runs.len() - 1,
         planned.moves.len(),
         planned.ticks(),
@@ -229,6 +236,17 @@ fn as_text(
     let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
     if let Some(longest) = scene.longest_stop() {
         let _ = writeln!(text, "a hold is {longest}");
+    }
+    if let Some([least, greatest]) = alpha_range(&job.path) {
+        let _ = write!(text, "alpha chosen: {least:.3} to {greatest:.3} rad; ");
+        let _ = match job.given_ticks {
+            Some(ticks) => writeln!(
+                text,
+                "with alpha as given the path is played in {:.6} s",
+                ticks as f64 * scene.period_s()
+            ),
+            None => writeln!(text, "with alpha as given the path has no plan"),
+        };
     }
     for (limit, time) in acting(points) {
         let share = 100.0 * time / duration;
@@ -240,7 +258,8 @@ fn as_text(
     text
 }
 
-fn as_json(scene: &Scene, planned: &PlannedMoves) -> serde_json::Value {
+fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
+    let planned = &job.moves;
     let runs = planned.plan.runs.iter().map(|run| {
         json!({
             "duration_s": run.duration_s,
@@ -259,5 +278,7 @@ fn as_json(scene: &Scene, planned: &PlannedMoves) -> serde_json::Value {
         "longest_stop_s": longest.map(|longest| longest.time_s),
         "longest_stop_m": longest.map(|longest| longest.way_m),
         "runs": runs.collect::<Vec<_>>(),
+        "alpha_rad": alpha_range(&job.path),
+        "given_s": job.given_ticks.map(|ticks| ticks as f64 * scene.period_s()),
     })
 }

@@ -154,6 +154,12 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         self.lever_m
     }
 
+    /// Returns true if the power of the motors is limited.
+    #[cfg(feature = "std")]
+    pub(crate) fn limits_power(&self) -> bool {
+        self.limits.power.is_some()
+    }
+
     /// Rate at which a hold may change the pace.
     pub fn ramp(&self) -> N::Bound {
         self.ramp
@@ -383,6 +389,21 @@ impl<N: Enclose> Cell<N> {
         self.joint = joint;
     }
 
+    /// Takes the coefficients in the middle of the cell for all of it: an estimate, no proof.
+    #[cfg(feature = "std")]
+    pub(crate) fn flatten(&mut self) {
+        let flat = |model: TaylorModel<N>| TaylorModel::point(model.line().constant);
+        for row in self
+            .rows
+            .iter_mut()
+            .chain(self.powers.iter_mut().map(|power| &mut power.torque))
+        {
+            row.acceleration = row.acceleration.map(flat);
+            row.square = flat(row.square);
+            row.rest = flat(row.rest);
+        }
+    }
+
     /// Leaves room for a hold at the rate `ramp` in the passes from now on; a cell is measured without.
     pub fn reserve(&mut self, ramp: N::Bound) {
         self.ramp = ramp;
@@ -407,7 +428,7 @@ impl<N: Enclose> Cell<N> {
 }
 
 impl Obstacle {
-    fn of(status: Status) -> Self {
+    pub(crate) fn of(status: Status) -> Self {
         match status {
             Status::Unreachable { leg } | Status::SerialSingular { leg } => Self::Reach(leg),
             Status::ParallelSingular => Self::ParallelDistance,

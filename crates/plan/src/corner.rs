@@ -1,7 +1,7 @@
 //! Rounding of corners: a smooth curve takes the place of two pieces' ends.
 
 use crate::course::{PathPiece, joint};
-use crate::piece::Piece;
+use crate::piece::{Piece, PlaneCurve};
 use nalgebra::Vector3;
 
 /// Largest part of a piece that is cut off at one end.
@@ -73,7 +73,9 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
     let turn = across.abs().atan2(along);
     let half_sine = (0.5 * turn).sin();
     let slight = turn < SLIGHT;
-    let straight = matches!((before, after), (Piece::Line { .. }, Piece::Line { .. }));
+    let straight = [before, after]
+        .iter()
+        .all(|piece| matches!(piece.curve, PlaneCurve::Line { .. }));
     let (reach, deviating) = match slight {
         false => (1.0, 0.25 * half_sine),
         true => (2.0 / 3.0, 0.5 * half_sine),

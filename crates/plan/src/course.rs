@@ -149,6 +149,8 @@ impl Run {
 /// below it.
 const CORNER: f64 = 1e-9;
 
+/// Cells of the first grid of a run, if it has few pieces.
+const CELLS: usize = 16;
 /// Most cells for each piece, where these are more than [`Effort::cells_max`].
 const CELLS_PER_PIECE_MAX: usize = 32;
 /// Most parts of a cell from one grid to the next.
@@ -167,15 +169,39 @@ pub fn plan<M: Model<N = f64>>(
     pieces: &[PathPiece],
     effort: Effort,
 ) -> Result<Plan, PathRefusal> {
-    let mut runs = Vec::new();
+    let plan = |range| plan_run(planner, pieces, range, effort);
+    let runs: Result<_, _> = ranges(pieces).into_iter().map(plan).collect();
+    Ok(Plan { runs: runs? })
+}
+
+/// Estimates the duration of [`plan`] on coarse grids of about so many `cells` for each run. That a limit is kept is not proven; that the machine can stand
+/// anywhere on the path is.
+///
+/// # Errors
+/// The first obstacle on the path.
+pub(crate) fn estimate<M: Model<N = f64>>(
+    planner: &Planner<M>,
+    pieces: &[PathPiece],
+    cells: usize,
+) -> Result<f64, PathRefusal> {
+    let mut duration_s = 0.0;
+    for range in ranges(pieces) {
+        duration_s += Grid::measure(planner, pieces, range, cells)?.estimate(planner.ramp());
+    }
+    Ok(duration_s)
+}
+
+/// Pieces from stop to stop.
+fn ranges(pieces: &[PathPiece]) -> Vec<Range<usize>> {
+    let mut ranges = Vec::new();
     let mut first = 0;
     for next in 1..=pieces.len() {
         if next == pieces.len() || joint(&pieces[next - 1].piece, &pieces[next].piece).is_none() {
-            runs.push(plan_run(planner, pieces, first..next, effort)?);
+            ranges.push(first..next);
             first = next;
         }
     }
-    Ok(Plan { runs })
+    ranges
 }
 
 /// Scale of x from the end of `before` to the start of `after`; none at a corner.
@@ -207,7 +233,7 @@ fn plan_run<M: Model<N = f64>>(
     range: Range<usize>,
     effort: Effort,
 ) -> Result<Run, PathRefusal> {
-    let mut grid = Grid::measure(planner, pieces, range.clone())?;
+    let mut grid = Grid::measure(planner, pieces, range.clone(), CELLS)?;
     let cells_max = effort.cells_max.max(CELLS_PER_PIECE_MAX * range.len());
     let mut gap_before = f64::INFINITY;
     loop {

@@ -3,6 +3,7 @@
 use crate::bound::least_time;
 use crate::cell::{Cell, Obstacle, Planner};
 use crate::course::{PathPiece, PathPlace, PathRefusal, Run, joint, length};
+use crate::passes::{controllable, duration, fastest};
 use crate::piece::Piece;
 use core::ops::Range;
 use trirrr_core::model::Model;
@@ -10,9 +11,6 @@ use trirrr_service::admission::TaylorModel;
 
 /// Halvings of a cell that does not pass.
 const HALVINGS: u32 = 20;
-
-/// Cells of the first grid of a run, if it has few pieces.
-const CELLS: usize = 16;
 
 /// Measured cells of a run.
 pub(crate) struct Grid<'a> {
@@ -45,11 +43,12 @@ impl<M: Model<N = f64>> Measuring<'_, M> {
 }
 
 impl<'a> Grid<'a> {
-    /// Measures the first cells of `range`: one for each piece, or more of few pieces.
+    /// Measures the first cells of `range`: one for each piece, or about `count` of few pieces.
     pub(crate) fn measure<M: Model<N = f64>>(
         planner: &Planner<M>,
         pieces: &'a [PathPiece],
         range: Range<usize>,
+        count: usize,
     ) -> Result<Self, PathRefusal> {
         let mut grid = Self::empty(pieces, 0);
         let mut measuring = Measuring {
@@ -58,7 +57,7 @@ impl<'a> Grid<'a> {
             side: None,
             piece: None,
         };
-        for (piece, marks) in marks(pieces, &range, CELLS) {
+        for (piece, marks) in marks(pieces, &range, count) {
             let first = grid.cells.len();
             for ends in marks.windows(2) {
                 grid.divide(&mut measuring, piece, [ends[0], ends[1]], HALVINGS)?;
@@ -140,6 +139,18 @@ impl<'a> Grid<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Estimates the duration of the plan with room for holds at the rate `ramp`.
+    pub(crate) fn estimate(mut self, ramp: f64) -> f64 {
+        for cell in &mut self.cells {
+            cell.flatten();
+            cell.reserve(ramp);
+        }
+        let mut squares = vec![0.0; self.places.len()];
+        controllable(&self.cells, 0.0, &mut squares);
+        fastest(&self.cells, 0.0, &mut squares);
+        duration(&self.cells, &squares)
     }
 
     /// The plan on this grid, and a lower bound of the time in each cell.

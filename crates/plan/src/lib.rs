@@ -12,6 +12,8 @@
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
+#[cfg(feature = "std")]
+pub mod alpha;
 pub mod bound;
 pub mod cell;
 #[cfg(feature = "std")]
@@ -25,6 +27,8 @@ mod extreme;
 mod grid;
 #[cfg(feature = "std")]
 pub mod moves;
+#[cfg(feature = "std")]
+pub mod natural;
 pub mod passes;
 pub mod piece;
 mod program;

@@ -1,22 +1,33 @@
 //! Pieces of a path: geometry without time.
 
+use core::ops::{Add, Mul};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::number::{Number, perpendicular};
 use trirrr_core::setpoint::Pose;
 
-/// A smooth piece of a path, a function of the parameter p from 0 at its start to 1 at its end.
-///
-/// Positions are those of the platform's reference point D in the fixed frame.
+/// A smooth piece of a path, a function of the parameter p from 0 at its start to 1 at its end: a curve of the
+/// platform's reference point D in the fixed frame, and a cubic of the platform's angle alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Piece<N: Number> {
-    /// Straight in all three coordinates.
+pub struct Piece<N: Number> {
+    /// Curve of D.
+    pub curve: PlaneCurve<N>,
+    /// alpha at p = 0.
+    pub angle: N::Angle,
+    /// Coefficients c1, c2, c3 of alpha = angle + c1 p + c2 p^2 + c3 p^3.
+    pub turning: [N; 3],
+}
+
+/// The curve of D along a [`Piece`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlaneCurve<N: Number> {
+    /// A straight line.
     Line {
-        /// Pose at p = 0.
-        start: Pose<N>,
-        /// Displacement to p = 1: (dx, dy, dalpha).
-        displacement: Vector3<N>,
+        /// D at p = 0.
+        start: Vector2<N>,
+        /// Displacement to p = 1.
+        displacement: Vector2<N>,
     },
-    /// A circular arc of D, with the platform's angle linear in p.
+    /// A circular arc.
     Arc {
         /// Centre of the circle.
         centre: Vector2<N>,
@@ -24,17 +35,13 @@ pub enum Piece<N: Number> {
         radius: Vector2<N>,
         /// Angle about the centre from p = 0 to p = 1, counter-clockwise positive.
         turn: N,
-        /// alpha at p = 0.
-        angle: N::Angle,
-        /// Change of alpha to p = 1.
-        rotation: N,
     },
-    /// A cubic in each coordinate: start + c1 p + c2 p^2 + c3 p^3.
+    /// A cubic: start + c1 p + c2 p^2 + c3 p^3.
     Cubic {
-        /// Pose at p = 0.
-        start: Pose<N>,
-        /// Coefficients c1, c2, c3 of (x, y, alpha).
-        coefficients: [Vector3<N>; 3],
+        /// D at p = 0.
+        start: Vector2<N>,
+        /// Coefficients c1, c2, c3 of (x, y).
+        coefficients: [Vector2<N>; 3],
     },
 }
 
@@ -49,53 +56,67 @@ pub struct PathPoint<N: Number> {
     pub second: Vector3<N>,
 }
 
-impl<N: Number> Piece<N> {
-    /// The point at `p`.
-    pub fn at(&self, p: N) -> PathPoint<N> {
+/// c1 p + c2 p^2 + c3 p^3 and its first two derivatives.
+fn cubic<N: Number, V: Copy + Add<Output = V> + Mul<N, Output = V>>(
+    [c1, c2, c3]: [V; 3],
+    p: N,
+) -> [V; 3] {
+    let half_second = c2 + c3 * (p + p + p);
+    [
+        (c1 + (c2 + c3 * p) * p) * p,
+        c1 + (c2 + half_second) * p,
+        half_second + half_second,
+    ]
+}
+
+impl<N: Number> PlaneCurve<N> {
+    /// D at `p`, with its first two derivatives.
+    fn at(&self, p: N) -> [Vector2<N>; 3] {
         match self {
             Self::Line {
                 start,
                 displacement,
-            } => PathPoint {
-                pose: start.displaced(*displacement * p),
-                first: *displacement,
-                second: Vector3::from([N::ZERO; 3]),
-            },
+            } => [
+                *start + *displacement * p,
+                *displacement,
+                Vector2::from([N::ZERO; 2]),
+            ],
             Self::Arc {
                 centre,
                 radius,
                 turn,
-                angle,
-                rotation,
             } => {
                 let (sin, cos) = N::sin_cos(N::angle(*turn * p));
                 let arm = Vector2::new(
                     N::ab_minus_cd(radius.x, cos, radius.y, sin),
                     N::ab_plus_cd(radius.y, cos, radius.x, sin),
                 );
-                let first = perpendicular(arm) * *turn;
                 let second = -(arm * (*turn * *turn));
-                PathPoint {
-                    pose: Pose {
-                        position: *centre + arm,
-                        angle: *angle + N::angle(*rotation * p),
-                    },
-                    first: Vector3::new(first.x, first.y, *rotation),
-                    second: Vector3::new(second.x, second.y, N::ZERO),
-                }
+                [*centre + arm, perpendicular(arm) * *turn, second]
             }
             Self::Cubic {
                 start,
-                coefficients: [c1, c2, c3],
+                coefficients,
             } => {
-                let three_c3_p = *c3 * (p + p + p);
-                let half_second = *c2 + three_c3_p;
-                PathPoint {
-                    pose: start.displaced((*c1 + (*c2 + *c3 * p) * p) * p),
-                    first: *c1 + (*c2 + half_second) * p,
-                    second: half_second + half_second,
-                }
+                let [way, first, second] = cubic(*coefficients, p);
+                [*start + way, first, second]
             }
+        }
+    }
+}
+
+impl<N: Number> Piece<N> {
+    /// The point at `p`.
+    pub fn at(&self, p: N) -> PathPoint<N> {
+        let [position, first, second] = self.curve.at(p);
+        let [turned, rate, bend] = cubic(self.turning, p);
+        PathPoint {
+            pose: Pose {
+                position,
+                angle: self.angle + N::angle(turned),
+            },
+            first: Vector3::new(first.x, first.y, rate),
+            second: Vector3::new(second.x, second.y, bend),
         }
     }
 }
@@ -104,64 +125,88 @@ impl<N: Number> Piece<N> {
 impl Piece<f64> {
     /// The straight piece from `from` to `to`.
     pub fn line(from: Pose<f64>, to: Pose<f64>) -> Self {
-        Self::Line {
-            start: from,
-            displacement: from.displacement(&to),
+        let way = from.displacement(&to);
+        Self {
+            curve: PlaneCurve::Line {
+                start: from.position,
+                displacement: way.xy(),
+            },
+            angle: from.angle,
+            turning: [way.z, 0.0, 0.0],
         }
     }
 
-    /// The arc from `from` about `centre` by `turn_rad`, with alpha at its end `end_angle`.
+    /// The arc from `from` about `centre` by `turn_rad`, with alpha linear in p, at its end `end_angle`.
     pub fn arc(from: Pose<f64>, centre: Vector2<f64>, turn_rad: f64, end_angle: f64) -> Self {
-        Self::Arc {
-            centre,
-            radius: from.position - centre,
-            turn: turn_rad,
+        Self {
+            curve: PlaneCurve::Arc {
+                centre,
+                radius: from.position - centre,
+                turn: turn_rad,
+            },
             angle: from.angle,
-            rotation: end_angle - from.angle,
+            turning: [end_angle - from.angle, 0.0, 0.0],
+        }
+    }
+
+    /// The piece start + c1 p + c2 p^2 + c3 p^3 with these `coefficients` of (x, y, alpha).
+    pub fn cubic(start: Pose<f64>, coefficients: [Vector3<f64>; 3]) -> Self {
+        Self {
+            curve: PlaneCurve::Cubic {
+                start: start.position,
+                coefficients: coefficients.map(|each| each.xy()),
+            },
+            angle: start.angle,
+            turning: coefficients.map(|each| each.z),
         }
     }
 
     /// The cubic Bezier piece with the four control poses `poses`.
     pub fn bezier(poses: [Pose<f64>; 4]) -> Self {
         let [d1, d2, d3] = [1, 2, 3].map(|i: usize| poses[i - 1].displacement(&poses[i]));
-        Self::Cubic {
-            start: poses[0],
-            coefficients: [d1 * 3.0, (d2 - d1) * 3.0, (d3 - d2) - (d2 - d1)],
+        Self::cubic(poses[0], [d1 * 3.0, (d2 - d1) * 3.0, (d3 - d2) - (d2 - d1)])
+    }
+
+    /// The same curve of D with another alpha.
+    pub fn with_alpha(self, angle: f64, turning: [f64; 3]) -> Self {
+        Self {
+            angle,
+            turning,
+            ..self
         }
     }
 
     /// The same piece in the number type `N`.
     pub fn over<N: Number>(&self) -> Piece<N> {
-        let vector = |v: &Vector3<f64>| v.map(N::from_f64);
-        let pose = |p: &Pose<f64>| Pose::from_f64(p.position.x, p.position.y, p.angle);
-        match self {
-            Self::Line {
-                start,
-                displacement,
-            } => Piece::Line {
-                start: pose(start),
-                displacement: vector(displacement),
+        let vector = |v: Vector2<f64>| v.map(N::from_f64);
+        Piece {
+            curve: match self.curve {
+                PlaneCurve::Line {
+                    start,
+                    displacement,
+                } => PlaneCurve::Line {
+                    start: vector(start),
+                    displacement: vector(displacement),
+                },
+                PlaneCurve::Arc {
+                    centre,
+                    radius,
+                    turn,
+                } => PlaneCurve::Arc {
+                    centre: vector(centre),
+                    radius: vector(radius),
+                    turn: N::from_f64(turn),
+                },
+                PlaneCurve::Cubic {
+                    start,
+                    coefficients,
+                } => PlaneCurve::Cubic {
+                    start: vector(start),
+                    coefficients: coefficients.map(vector),
+                },
             },
-            Self::Arc {
-                centre,
-                radius,
-                turn,
-                angle,
-                rotation,
-            } => Piece::Arc {
-                centre: centre.map(N::from_f64),
-                radius: radius.map(N::from_f64),
-                turn: N::from_f64(*turn),
-                angle: N::angle_from_f64(*angle),
-                rotation: N::from_f64(*rotation),
-            },
-            Self::Cubic {
-                start,
-                coefficients,
-            } => Piece::Cubic {
-                start: pose(start),
-                coefficients: coefficients.each_ref().map(vector),
-            },
+            angle: N::angle_from_f64(self.angle),
+            turning: self.turning.map(N::from_f64),
         }
     }
 
@@ -173,34 +218,28 @@ impl Piece<f64> {
             second,
         } = self.at(from);
         let span = to - from;
-        match self {
-            Self::Line { .. } => Self::Line {
-                start: pose,
-                displacement: first * span,
+        let (square, third) = (0.5 * span * span, span * span * span);
+        Self {
+            curve: match self.curve {
+                PlaneCurve::Line { .. } => PlaneCurve::Line {
+                    start: pose.position,
+                    displacement: first.xy() * span,
+                },
+                PlaneCurve::Arc { centre, turn, .. } => PlaneCurve::Arc {
+                    centre,
+                    radius: pose.position - centre,
+                    turn: turn * span,
+                },
+                PlaneCurve::Cubic {
+                    coefficients: [_, _, c3],
+                    ..
+                } => PlaneCurve::Cubic {
+                    start: pose.position,
+                    coefficients: [first.xy() * span, second.xy() * square, c3 * third],
+                },
             },
-            Self::Arc {
-                centre,
-                turn,
-                rotation,
-                ..
-            } => Self::Arc {
-                centre: *centre,
-                radius: pose.position - centre,
-                turn: turn * span,
-                angle: pose.angle,
-                rotation: rotation * span,
-            },
-            Self::Cubic {
-                coefficients: [_, _, c3],
-                ..
-            } => Self::Cubic {
-                start: pose,
-                coefficients: [
-                    first * span,
-                    second * (0.5 * span * span),
-                    c3 * (span * span * span),
-                ],
-            },
+            angle: pose.angle,
+            turning: [first.z * span, second.z * square, self.turning[2] * third],
         }
     }
 

@@ -4,14 +4,18 @@ use crate::job::{Tool, read_tool};
 use crate::read::{Bound, Place, Section};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::Pose;
+use trirrr_plan::alpha::FreePath;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
+use trirrr_plan::natural::natural_spline;
 use trirrr_plan::piece::Piece;
 
 /// Default of `tolerance_m`.
 const TOLERANCE_M: f64 = 1e-5;
 /// Default of `tolerance_rad`.
 const TOLERANCE_RAD: f64 = 1e-4;
+/// The same where alpha is free: what is played need not have just the alpha that was chosen.
+const FREE_TOLERANCE_RAD: f64 = 1e-2;
 
 /// Length of a piece, m or rad, below which it is what the rounding of its ends has left.
 const LENGTH_MIN: f64 = 1e-12;
@@ -19,8 +23,10 @@ const LENGTH_MIN: f64 = 1e-12;
 /// A path that a job follows in the least time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobPath {
-    /// The pieces, corners rounded; each knows its number in the file.
+    /// The pieces as they are played, corners rounded; each knows its number in the file.
     pub pieces: Vec<PathPiece>,
+    /// The path whose alpha the planner may choose, if it may.
+    pub free: Option<FreeAlpha>,
     /// Work of the tool on each piece of the file.
     pub tools: Vec<Option<Tool>>,
     /// Largest distance of the played motion from the path, m.
@@ -28,6 +34,18 @@ pub struct JobPath {
     /// Largest deviation of alpha, rad.
     pub tolerance_rad: f64,
 }
+
+/// A path whose alpha is free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeAlpha {
+    /// The pieces with alpha as the file gives it, corners rounded.
+    pub given: Vec<PathPiece>,
+    /// D's way, with alpha where it is fixed.
+    pub way: FreePath,
+}
+
+/// Pieces of one table, and alpha at the end of each if the table gives it.
+type Pieces = Vec<(Piece<f64>, Option<f64>)>;
 
 /// A path, and where its pieces stand in the file.
 pub(crate) struct PlacedPath {
@@ -42,21 +60,29 @@ pub(crate) fn read_path(
     start: Option<Pose<f64>>,
 ) -> Option<PlacedPath> {
     let tolerance_m = job.number_or("tolerance_m", Bound::Positive, TOLERANCE_M);
-    let tolerance_rad = job.number_or("tolerance_rad", Bound::Positive, TOLERANCE_RAD);
     let feed_m_s = read_feed(job);
     let corner_m = match job.has("corner_tolerance_m") {
         true => job.number("corner_tolerance_m", Bound::Positive).map(Some),
         false => Some(None),
     };
+    let is_free = match job.has("alpha") {
+        true => job.choice("alpha", &[("given", false), ("free", true)]),
+        false => Some(false),
+    };
+    let default_rad = match is_free {
+        Some(true) => FREE_TOLERANCE_RAD,
+        _ => TOLERANCE_RAD,
+    };
+    let tolerance_rad = job.number_or("tolerance_rad", Bound::Positive, default_rad);
     let mut from = start;
-    let (mut pieces, mut tools) = (Vec::new(), Vec::new());
+    let (mut pieces, mut ends, mut tools) = (Vec::new(), Vec::new(), Vec::new());
     let mut complete = true;
     for (source, each) in sections.iter().enumerate() {
-        let piece = read_piece(each, from);
+        let piece = read_piece(each, from, is_free == Some(true));
         let own_feed = read_feed(each);
         let tool = read_tool(each);
         if let Some(piece) = &piece
-            && piece.iter().any(|piece| !has_length(piece))
+            && piece.iter().any(|(piece, _)| !has_length(piece))
         {
             each.refuse_at(&each.place(), "has no length: it ends where it begins");
             complete = false;
@@ -64,29 +90,38 @@ pub(crate) fn read_path(
         from = piece
             .as_ref()
             .and_then(|piece| piece.last())
-            .map(Piece::end);
+            .map(|(piece, _)| piece.end());
         let whole = || Some((piece?, own_feed?.or(feed_m_s?), tool?));
         match whole() {
             Some((piece, feed_m_s, tool)) => {
-                pieces.extend(piece.into_iter().map(|piece| PathPiece {
-                    piece,
-                    feed_m_s,
-                    source,
-                }));
+                for (piece, end) in piece {
+                    ends.push(end);
+                    pieces.push(PathPiece {
+                        piece,
+                        feed_m_s,
+                        source,
+                    });
+                }
                 tools.push(tool);
             }
             None => complete = false,
         }
     }
     let (tolerance_m, tolerance_rad, corner_m) = (tolerance_m?, tolerance_rad?, corner_m?);
+    let is_free = is_free?;
     if !complete {
         return None;
     }
+    let way = is_free.then(|| FreePath::new(&pieces, &ends, corner_m));
     if let Some(corner_m) = corner_m {
         pieces = round_corners(&pieces, corner_m);
     }
     Some(PlacedPath {
         path: JobPath {
+            free: way.map(|way| FreeAlpha {
+                given: pieces.clone(),
+                way,
+            }),
             pieces,
             tools,
             tolerance_m,
@@ -110,7 +145,7 @@ fn has_length(piece: &Piece<f64>) -> bool {
 }
 
 /// The piece of one table, from `from`: several cubics for a spline.
-fn read_piece(each: &Section, from: Option<Pose<f64>>) -> Option<Vec<Piece<f64>>> {
+fn read_piece(each: &Section, from: Option<Pose<f64>>, is_free: bool) -> Option<Pieces> {
     const KINDS: [&str; 4] = ["line", "arc", "bezier", "spline"];
     let mut given = KINDS.iter().filter(|kind| each.has(kind));
     let (kind, second) = (given.next(), given.next());
@@ -121,58 +156,59 @@ fn read_piece(each: &Section, from: Option<Pose<f64>>) -> Option<Vec<Piece<f64>>
         return None;
     };
     let section = each.section(kind)?;
-    match *kind {
+    let piece = match *kind {
         "line" => {
             let to = read_end(&section, from);
-            Some(vec![Piece::line(from?, to?)])
+            Piece::line(from?, to?)
         }
         "arc" => {
             let centre = section.vector("centre_m", None);
             let turn = section.number("turn_rad", Bound::Finite);
             let angle = read_angle(&section, from);
-            Some(vec![Piece::arc(
-                from?,
-                Vector2::from(centre?),
-                turn?,
-                angle?,
-            )])
+            Piece::arc(from?, Vector2::from(centre?), turn?, angle?)
         }
-        "bezier" => {
-            let [c1, c2] = section.vectors::<2>("controls_m")?;
-            let to = read_end(&section, from);
-            let angles = match section.has("controls_alpha_rad") {
-                true => Some(Some(section.vector("controls_alpha_rad", None)?)),
-                false => Some(None),
-            };
-            let (from, to) = (from?, to?);
-            // Linear in p where nothing is said.
-            let third = (to.angle - from.angle) / 3.0;
-            let [a1, a2] = angles?.unwrap_or([from.angle + third, to.angle - third]);
-            let control = |[x, y]: [f64; 2], angle| Pose::from_f64(x, y, angle);
-            Some(vec![Piece::bezier([
-                from,
-                control(c1, a1),
-                control(c2, a2),
-                to,
-            ])])
+        "bezier" => read_bezier(&section, from, is_free)?,
+        _ => return read_spline(&section, from?),
+    };
+    let end = section.has("alpha_rad").then(|| piece.end().angle);
+    Some(vec![(piece, end)])
+}
+
+fn read_bezier(section: &Section, from: Option<Pose<f64>>, is_free: bool) -> Option<Piece<f64>> {
+    let [c1, c2] = section.vectors::<2>("controls_m")?;
+    let to = read_end(section, from);
+    let angles = match section.has("controls_alpha_rad") {
+        true if is_free => {
+            let reason = "gives alpha all the way, but alpha = \"free\" leaves it to the planner";
+            section.refuse("controls_alpha_rad", reason);
+            None
         }
-        _ => {
-            let through = section.sections("through")?;
-            if through.is_empty() {
-                section.refuse_list(
-                    "through",
-                    "a spline needs at least one pose to pass through",
-                );
-                return None;
-            }
-            let mut poses = vec![from?];
-            for each in &through {
-                let before = poses.last().copied();
-                poses.push(read_end(each, before)?);
-            }
-            Some(spline(&poses))
-        }
+        true => Some(Some(section.vector("controls_alpha_rad", None)?)),
+        false => Some(None),
+    };
+    let (from, to) = (from?, to?);
+    // Linear in p where nothing is said.
+    let third = (to.angle - from.angle) / 3.0;
+    let [a1, a2] = angles?.unwrap_or([from.angle + third, to.angle - third]);
+    let control = |[x, y]: [f64; 2], angle| Pose::from_f64(x, y, angle);
+    Some(Piece::bezier([from, control(c1, a1), control(c2, a2), to]))
+}
+
+fn read_spline(section: &Section, from: Pose<f64>) -> Option<Pieces> {
+    let through = section.sections("through")?;
+    if through.is_empty() {
+        let reason = "a spline needs at least one pose to pass through";
+        section.refuse_list("through", reason);
+        return None;
     }
+    let mut poses = vec![from];
+    let mut ends = Vec::with_capacity(through.len());
+    for each in &through {
+        let pose = read_end(each, poses.last().copied())?;
+        ends.push(each.has("alpha_rad").then_some(pose.angle));
+        poses.push(pose);
+    }
+    Some(spline(&poses).into_iter().zip(ends).collect())
 }
 
 /// x_m, y_m, and alpha_rad, which stays as in `from` where it is left out.
@@ -202,27 +238,9 @@ fn spline(poses: &[Pose<f64>]) -> Vec<Piece<f64>> {
             chord.dot(&chord).sqrt()
         })
         .collect();
-    let slope = |i: usize| (points[i + 1] - points[i]) / chords[i];
-    // Second derivatives at the poses by elimination in one sweep and back.
-    let count = points.len();
-    let mut seconds = vec![Vector3::from([0.0; 3]); count];
-    let mut factors = vec![0.0; count];
-    for i in 1..count - 1 {
-        let (before, after) = (chords[i - 1], chords[i]);
-        let pivot = 2.0 * (before + after) - before * factors[i - 1];
-        factors[i] = after / pivot;
-        seconds[i] = ((slope(i) - slope(i - 1)) * 6.0 - seconds[i - 1] * before) / pivot;
-    }
-    for i in (1..count - 1).rev() {
-        seconds[i] = seconds[i] - seconds[i + 1] * factors[i];
-    }
-    let piece = |i: usize| {
-        let (h, a, b) = (chords[i], seconds[i], seconds[i + 1]);
-        let tangent = slope(i) - (a * 2.0 + b) * (h / 6.0);
-        Piece::Cubic {
-            start: poses[i],
-            coefficients: [tangent * h, a * (0.5 * h * h), (b - a) * (h * h / 6.0)],
-        }
-    };
-    (0..count - 1).map(piece).collect()
+    let coefficients = natural_spline(&chords, &points);
+    let starts = poses.iter().zip(coefficients);
+    starts
+        .map(|(start, coefficients)| Piece::cubic(*start, coefficients))
+        .collect()
 }

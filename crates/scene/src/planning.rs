@@ -3,15 +3,17 @@
 use crate::job::{Job, JobMove};
 use crate::job_path::{JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
+use crate::obstacle::obstacle;
 use crate::read::Document;
-use crate::{NumberType, Scene, offer, words};
+use crate::{NumberType, Scene, offer};
 use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters};
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_core::setpoint::Ends;
-use trirrr_plan::cell::{Limited, Obstacle, Planner};
+use trirrr_plan::alpha::{Sampler, choose_alpha};
+use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_protocol::message::Bounded;
@@ -28,29 +30,89 @@ pub enum Unplanned {
     )]
     Units,
     /// An obstacle on the path.
-    #[error("{}", obstacle(.0))]
-    Path(PathRefusal),
+    #[error("{}", obstacle(refusal))]
+    Path {
+        /// Number of the piece in the file, from 0.
+        number: usize,
+        /// Place and reason.
+        refusal: PathRefusal,
+    },
+    /// An obstacle whatever alpha is.
+    #[error("{}; no other alpha leads past this place", obstacle(refusal))]
+    NoAlpha {
+        /// Number of the piece in the file, from 0.
+        number: usize,
+        /// Place and reason, with one alpha.
+        refusal: PathRefusal,
+    },
 }
 
-/// Plans `path`, the path of the job of `scene`. `scene` is otherwise checked.
+/// A job's path with its plan.
+#[derive(Clone, Debug)]
+pub struct PlannedJob {
+    /// The path as it is played.
+    pub path: JobPath,
+    /// Plan and moves.
+    pub moves: PlannedMoves,
+    /// Duration with alpha as the file gives it, in ticks, if the planner may choose alpha and that path is feasible.
+    pub given_ticks: Option<u64>,
+}
+
+/// Plans `path`, the path of the job of `scene`. `scene` is otherwise checked. A path whose alpha is free is planned
+/// as it is given, too: the faster plan counts.
 ///
 /// # Errors
 /// [`Unplanned`].
-pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedMoves, Unplanned> {
+pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedJob, Unplanned> {
+    let Some(free) = &path.free else {
+        return plan_either(scene, path, false, effort);
+    };
+    let as_given = JobPath {
+        pieces: free.given.clone(),
+        ..path.clone()
+    };
+    let given = plan_either(scene, &as_given, false, effort);
+    let chosen = plan_either(scene, path, true, effort);
+    let given_ticks = given.as_ref().ok().map(|planned| planned.moves.ticks());
+    let chosen = chosen.map(|planned| PlannedJob {
+        given_ticks,
+        ..planned
+    });
+    match (chosen, given) {
+        (Ok(chosen), Ok(given)) if given.moves.ticks() <= chosen.moves.ticks() => Ok(PlannedJob {
+            given_ticks,
+            ..given
+        }),
+        (Err(_), Ok(given)) => Ok(PlannedJob {
+            given_ticks,
+            ..given
+        }),
+        (chosen, _) => chosen,
+    }
+}
+
+/// Plans the pieces of `path`, or those with the alpha that the planner chooses.
+fn plan_either(
+    scene: &Scene,
+    path: &JobPath,
+    choose: bool,
+    effort: Effort,
+) -> Result<PlannedJob, Unplanned> {
     let mut others = Vec::new();
     loop {
         let planned = scene.model().visit(PlanJob {
             scene,
             path,
+            choose,
             effort,
             others: &others,
         })?;
         // Runs are judged one by one. Units of a number type of little range are those of the whole job: they may be
         // larger, and then the runs are judged again in those.
-        if planned.plan.runs.len() == 1 || scene.number != NumberType::Fixed {
+        if planned.moves.plan.runs.len() == 1 || scene.number != NumberType::Fixed {
             return Ok(planned);
         }
-        let moves = job_moves(path, &planned.moves);
+        let moves = job_moves(&planned.path, &planned.moves.moves);
         let is_kept = |judged: &Judged| *judged == Judged::Kept;
         if judged(scene, &moves, &[]).iter().all(is_kept) {
             return Ok(planned);
@@ -65,18 +127,21 @@ pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<Planned
 struct PlanJob<'a> {
     scene: &'a Scene,
     path: &'a JobPath,
+    /// The planner chooses alpha.
+    choose: bool,
     effort: Effort,
     /// Moves that ask for room in the units beside those that are judged.
     others: &'a [JobMove],
 }
 
 impl ModelVisitor<f64> for PlanJob<'_> {
-    type Output = Result<PlannedMoves, Unplanned>;
+    type Output = Result<PlannedJob, Unplanned>;
 
     fn visit<M: Model<N = f64>>(self) -> Self::Output {
         let Self {
             scene,
             path,
+            choose,
             effort,
             others,
         } = self;
@@ -90,8 +155,28 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             resolution_m: resolution_m(scene),
             ticks_min: ticks_min(scene),
         };
-        let judge = |moves: &[PlannedMove]| judged(scene, &job_moves(path, moves), others);
-        plan_moves(&planner, &path.pieces, effort, sampling, judge).map_err(Unplanned::Path)
+        let mut path = path.clone();
+        if let Some(free) = path.free.as_ref().filter(|_| choose) {
+            let sampler = Sampler::<M>::build(&scene.parameters, limits, ramp)?;
+            path.pieces = choose_alpha(&planner, &sampler, &free.way, shortest_reach_m(scene))
+                .map_err(|refusal| Unplanned::NoAlpha {
+                    number: free.way.pieces[refusal.place.piece].source,
+                    refusal,
+                })?;
+        }
+        let judge = |moves: &[PlannedMove]| judged(scene, &job_moves(&path, moves), others);
+        let planned = plan_moves(&planner, &path.pieces, effort, sampling, judge);
+        match planned {
+            Ok(moves) => Ok(PlannedJob {
+                path,
+                moves,
+                given_ticks: None,
+            }),
+            Err(refusal) => Err(Unplanned::Path {
+                number: path.pieces[refusal.place.piece].source,
+                refusal,
+            }),
+        }
     }
 }
 
@@ -161,70 +246,27 @@ fn job_moves(path: &JobPath, moves: &[PlannedMove]) -> Vec<JobMove> {
     moves.iter().map(job_move).collect()
 }
 
+/// Length of the shortest leg, stretched.
+fn shortest_reach_m(scene: &Scene) -> f64 {
+    let legs = scene.parameters.legs.iter();
+    let reaches = legs.map(|leg| leg.proximal_m + leg.distal_m);
+    reaches.fold(f64::INFINITY, f64::min)
+}
+
 /// Gives the job of `scene` the planned moves of its path, or refuses the piece with the first obstacle.
 pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedPath) -> Option<()> {
     match plan_job(scene, &placed.path, Effort::default()) {
         Ok(planned) => {
-            scene.job.moves = job_moves(&placed.path, &planned.moves);
+            scene.job.moves = job_moves(&planned.path, &planned.moves.moves);
+            scene.job.path = Some(planned.path);
             return Some(());
         }
         Err(error @ Unplanned::Units) => document.refuse(&placed.places[0], error.to_string()),
-        Err(Unplanned::Path(refusal)) => {
-            let source = placed.path.pieces[refusal.place.piece].source;
-            document.refuse(&placed.places[source], obstacle(&refusal));
+        Err(ref error @ (Unplanned::Path { number, .. } | Unplanned::NoAlpha { number, .. })) => {
+            document.refuse(&placed.places[number], error.to_string())
         }
         // The machine is checked, and refused, by itself.
         Err(Unplanned::Machine(_)) => {}
     }
     None
-}
-
-/// Describes an obstacle and its place.
-fn obstacle(refusal: &PathRefusal) -> String {
-    let PathRefusal {
-        place,
-        pose,
-        obstacle,
-    } = refusal;
-    let reason = match obstacle {
-        Obstacle::Reach(leg) => format!("leg {} does not reach the platform", leg + 1),
-        Obstacle::SerialDistance(leg) => format!(
-            "leg {} comes nearer to its serial singularity than [limits] serial_distance_min",
-            leg + 1
-        ),
-        Obstacle::ParallelDistance => {
-            "the machine comes nearer to a parallel singularity than [limits] \
-             parallel_distance_min, or crosses one"
-                .into()
-        }
-        Obstacle::Standing(what) => format!(
-            "the machine cannot stand there: {} is beyond its limit at rest; no duration helps",
-            limited(*what)
-        ),
-        Obstacle::Range => "a value leaves the range of the number type".into(),
-        Obstacle::Refused => {
-            "the moves of the plan are refused, however slow: the limits leave no room for the \
-             number type or the tick rate of the scene"
-                .into()
-        }
-    };
-    format!(
-        "at p = {} of the piece, x = {} m, y = {} m, alpha = {} rad: {reason}",
-        words::short(place.p),
-        words::short(pose.position.x),
-        words::short(pose.position.y),
-        words::short(pose.angle)
-    )
-}
-
-/// Names a limited quantity.
-pub fn limited(what: Limited) -> String {
-    let of_motor = |quantity: &str, motor: usize| format!("the {quantity} of motor {}", motor + 1);
-    match what {
-        Limited::Rate(motor) => of_motor("rate", motor),
-        Limited::Acceleration(motor) => of_motor("acceleration", motor),
-        Limited::Torque(motor) => of_motor("torque", motor),
-        Limited::Power(motor) => of_motor("power", motor),
-        Limited::Feed => "the feed".into(),
-    }
 }

@@ -133,3 +133,55 @@ fn a_quintic_move_is_read() {
     assert!(refused(cubic).contains("goes with curve = \"quintic\""));
     assert!(refused("duration_s = 0.5\ncurve = \"septic\"\n").contains("curve"));
 }
+
+const HOURGLASS: &str = include_str!("../../../scenes/paths/hourglass.toml");
+
+#[test]
+fn a_free_alpha_is_chosen_and_faster() {
+    let scene = Scene::parse(HOURGLASS, "hourglass.toml").unwrap_or_else(|error| panic!("{error}"));
+    let held = HOURGLASS.replace("alpha = \"free\"\n", "");
+    let held = Scene::parse(&held, "held.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert!(f64::from(scene.ticks()) < 0.95 * f64::from(held.ticks()));
+    let path = scene.job.path.as_ref().expect("a path");
+    let turns = |each: &&trirrr_plan::course::PathPiece| each.piece.turning != [0.0; 3];
+    assert!(path.pieces.iter().any(|each| turns(&each)));
+    let first = scene.job.moves.first().expect("a move");
+    assert_eq!(first.from, scene.job.start);
+    // alpha is that of the file where the file says so.
+    let ended = HOURGLASS.replace(
+        "line = { x_m = 0.16, y_m = 0.22 }",
+        "line = { x_m = 0.16, y_m = 0.22, alpha_rad = 0.3 }",
+    );
+    let ended = Scene::parse(&ended, "ended.toml").unwrap_or_else(|error| panic!("{error}"));
+    let last = ended.job.moves.last().expect("a move");
+    assert!((last.to.angle - 0.3).abs() < 1e-9);
+}
+
+#[test]
+fn a_bad_alpha_is_refused() {
+    let line = "[[job.path]]\nline = { x_m = 0.3, y_m = 0.245 }\n";
+    let bad = refusal(&format!("timing = \"shortest\"\nalpha = \"any\"\n{line}"));
+    assert!(bad.contains("job.alpha") && bad.contains("free"), "{bad}");
+    let given = refusal(
+        "alpha = \"free\"\n[[job.move]]\nto = { x_m = 0.3, y_m = 0.245, alpha_rad = 0.4 }\nduration_s = 1.0\n",
+    );
+    assert!(given.contains("job.alpha"), "{given}");
+    let controls = "[[job.path]]\nbezier = { controls_m = [[0.26, 0.245], [0.28, 0.26]], \
+                    x_m = 0.28, y_m = 0.28, controls_alpha_rad = [0.4, 0.4] }\n";
+    let controls = refusal(&format!(
+        "timing = \"shortest\"\nalpha = \"free\"\n{controls}"
+    ));
+    assert!(controls.contains("leaves it to the planner"), "{controls}");
+    let far = "[[job.path]]\nline = { x_m = 0.9, y_m = 0.245 }\n";
+    let far = refusal(&format!("timing = \"shortest\"\nalpha = \"free\"\n{far}"));
+    assert!(
+        far.contains("job.path[1]: at p = ")
+            && far.contains("no other alpha leads past this place"),
+        "{far}"
+    );
+    let nowhere = "[[job.path]]\nline = { x_m = 0.25, y_m = 0.245 }\n";
+    let nowhere = refusal(&format!(
+        "timing = \"shortest\"\nalpha = \"free\"\n{nowhere}"
+    ));
+    assert!(nowhere.contains("has no length"), "{nowhere}");
+}

@@ -1,4 +1,4 @@
-//! Figure of a plan: speed along the path beside the bound of any motion's speed.
+//! Figure of a plan: speed along the path beside the bound of any motion's speed; alpha where it was chosen.
 
 use super::FigureError;
 use std::io;
@@ -8,21 +8,23 @@ use trirrr_figures::panel::{Curve, Panel, draw};
 
 /// Speeds of a plan, thinned out in bounded memory.
 pub struct PlanTraces {
-    /// Speed, and the bound of any motion's speed there.
-    speeds: Decimator<2>,
+    /// Speed, the bound of any motion's speed there, and alpha.
+    values: Decimator<3>,
+    with_alpha: bool,
 }
 
 impl PlanTraces {
-    /// For a plan of `points` points.
-    pub fn new(points: u64) -> Self {
+    /// For a plan of `points` points; `with_alpha` draws alpha, too.
+    pub fn new(points: u64, with_alpha: bool) -> Self {
         Self {
-            speeds: Decimator::new(points),
+            values: Decimator::new(points),
+            with_alpha,
         }
     }
 
-    /// Adds the speed at time `t`, and its bound at that place of the path.
-    pub fn push(&mut self, t: f64, speeds: [f64; 2]) {
-        self.speeds.push(t, speeds);
+    /// Adds the speed at time `t`, its bound at that place of the path, and alpha.
+    pub fn push(&mut self, t: f64, values: [f64; 3]) {
+        self.values.push(t, values);
     }
 
     /// Draws the figure into `folder`, which must exist; the file written.
@@ -30,22 +32,30 @@ impl PlanTraces {
     /// # Errors
     /// The file that could not be written, and why.
     pub fn write(self, folder: &Path, name: &str) -> Result<PathBuf, FigureError> {
-        let points = self.speeds.finish();
+        let points = self.values.finish();
         let curve = |index: usize, label: &'static str| Curve {
             label: label.into(),
             points: points
                 .iter()
-                .map(|(t, speeds)| (*t, speeds[index]))
+                .map(|(t, values)| (*t, values[index]))
                 .collect(),
         };
-        let panel = Panel {
+        let mut panels = vec![Panel {
             quantity: "speed of D",
             unit: "m/s",
             from_zero: true,
             curves: vec![curve(0, "plan"), curve(1, "bound of any motion")],
-        };
+        }];
+        if self.with_alpha {
+            panels.push(Panel {
+                quantity: "alpha",
+                unit: "rad",
+                from_zero: false,
+                curves: vec![curve(2, "chosen")],
+            });
+        }
         let path = folder.join("plan.svg");
-        draw(&format!("{name}: the plan and its bound"), &[panel])
+        draw(&format!("{name}: the plan and its bound"), &panels)
             .map_err(|error| io::Error::other(error.to_string()))
             .and_then(|svg| std::fs::write(&path, svg))
             .map(|()| path.clone())

@@ -20,7 +20,16 @@ pub(crate) struct DrawnJob {
     /// Greatest speed of D on each piece.
     pub(crate) feeds: Vec<Option<f64>>,
     pub(crate) corner_m: Option<f64>,
+    /// The planner chooses alpha; the file then gives alpha at the end of all pieces, or of none.
+    pub(crate) free_alpha: Option<GivenEnds>,
     pub(crate) text: String,
+}
+
+/// alpha in the file of a path whose alpha is free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum GivenEnds {
+    All,
+    None,
 }
 
 /// A random piece from `from`, of about `size`; `tangent` is the direction in which the path comes.
@@ -136,6 +145,7 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
     let count = 1 + draw.within(0.0, 1.0).powi(2).mul_add(6.0, 0.0) as usize;
     let scale = draw.log_within(0.003, 0.25);
     let (mut pieces, mut from, mut tangent) = (Vec::new(), start, None);
+    let mut turns = false;
     for _ in 0..8 * count {
         let shortest = if draw.chance(0.1) { 0.01 } else { 0.2 };
         let size = reach * scale * draw.log_within(shortest, 1.5);
@@ -143,7 +153,9 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
         let inside =
             (0..=PLACES).all(|i| workspace.holds(next.at(from, f64::from(i) / f64::from(PLACES))));
         if inside {
-            from = next.end(from);
+            let end = next.end(from);
+            turns |= matches!(next, Drawn::Line { .. }) && end[..2] == from[..2];
+            from = end;
             tangent = Some(ahead);
             pieces.push(next);
         }
@@ -166,6 +178,14 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
     let corner_m = draw
         .chance(0.5)
         .then(|| reach * draw.log_within(1e-5, 1e-2));
+    // A piece along which D stands needs an alpha, and the curve of a spline depends on those that are given.
+    let splines = pieces
+        .iter()
+        .any(|each| matches!(each, Drawn::Spline { .. }));
+    let free_alpha = (!turns && draw.chance(0.15)).then(|| match splines || draw.chance(0.5) {
+        true => GivenEnds::All,
+        false => GivenEnds::None,
+    });
     let [serial_min, parallel_min] = [workspace.serial_min, workspace.parallel_min];
     let mut job = DrawnJob {
         parameters,
@@ -173,6 +193,7 @@ pub(crate) fn draw(case: &Case, draw: &mut Draw) -> Option<DrawnJob> {
         pieces,
         feeds,
         corner_m,
+        free_alpha,
         text: String::new(),
     };
     let mut text = header(draw);

@@ -1,5 +1,6 @@
 //! Geometry of a drawn path, by formulas of its own: points of its pieces, and their text in a scene.
 
+use crate::drawn::GivenEnds;
 use core::fmt::Write as _;
 use trirrr_plan::course::PathPiece;
 use trirrr_tests::instant::Coordinates;
@@ -68,9 +69,12 @@ impl Drawn {
     }
 
     /// The table's lines in a scene.
-    pub(crate) fn text(&self) -> String {
-        let pose =
-            |[x, y, alpha]: Coordinates| format!("x_m = {x:?}, y_m = {y:?}, alpha_rad = {alpha:?}");
+    pub(crate) fn text(&self, free: Option<GivenEnds>) -> String {
+        let angle = |alpha: f64| match free {
+            Some(GivenEnds::None) => String::new(),
+            _ => format!(", alpha_rad = {alpha:?}"),
+        };
+        let pose = |[x, y, alpha]: Coordinates| format!("x_m = {x:?}, y_m = {y:?}{}", angle(alpha));
         match self {
             Self::Line { to } => format!("line = {{ {} }}\n", pose(*to)),
             Self::Arc {
@@ -78,19 +82,21 @@ impl Drawn {
                 turn,
                 alpha,
             } => format!(
-                "arc = {{ centre_m = {centre:?}, turn_rad = {turn:?}, alpha_rad = {alpha:?} }}\n"
+                "arc = {{ centre_m = {centre:?}, turn_rad = {turn:?}{} }}\n",
+                angle(*alpha)
             ),
             Self::Bezier {
                 controls: [a, b, c],
             } => format!(
-                "bezier = {{ controls_m = [[{:?}, {:?}], [{:?}, {:?}]], \
-                 controls_alpha_rad = [{:?}, {:?}], {} }}\n",
+                "bezier = {{ controls_m = [[{:?}, {:?}], [{:?}, {:?}]], {}{} }}\n",
                 a[0],
                 a[1],
                 b[0],
                 b[1],
-                a[2],
-                b[2],
+                match free {
+                    Some(_) => String::new(),
+                    None => format!("controls_alpha_rad = [{:?}, {:?}], ", a[2], b[2]),
+                },
                 pose(*c)
             ),
             Self::Spline { through } => {

@@ -1,7 +1,7 @@
 //! Judgement of a planned job: the service's own admission of each move, and what the independent model says of the
 //! motion at many instants.
 
-use crate::drawn::DrawnJob;
+use crate::drawn::{DrawnJob, GivenEnds};
 use crate::geometry::Polyline;
 use trirrr_core::limits::Limits;
 use trirrr_core::model::{Model, ModelVisitor};
@@ -78,8 +78,8 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
             }
             let off = planned.deviation(state.pose, [path.tolerance_m, path.tolerance_rad]);
             let corner_m = job.corner_m.unwrap_or(0.0);
-            // A rounded corner turns the platform on its own way.
-            let turn = if corner_m > 0.0 {
+            // A rounded corner turns the platform on its own way, and so does the planner where it may.
+            let turn = if corner_m > 0.0 || job.free_alpha.is_some() {
                 f64::INFINITY
             } else {
                 path.tolerance_rad
@@ -187,7 +187,9 @@ fn check_chain(job: &DrawnJob, moves: &[AnyMove<f64>]) {
     }
     let zero = [0.0; 3];
     for (pose, at) in [(&first.common().from, job.start), (&last.common().to, from)] {
-        let all = [pose.position.x, pose.position.y, pose.angle];
+        let is_free = job.free_alpha == Some(GivenEnds::None) && pose == &last.common().to;
+        let angle = if is_free { at[2] } else { pose.angle };
+        let all = [pose.position.x, pose.position.y, angle];
         assert!(
             all.into_iter().zip(at).all(|(a, b)| close(a, b)),
             "{pose:?} {at:?}"

@@ -148,9 +148,12 @@ pub(crate) fn job_text(job: &DrawnJob, [tolerance_m, tolerance_rad]: [f64; 2]) -
     if let Some(corner_m) = job.corner_m {
         let _ = writeln!(text, "corner_tolerance_m = {corner_m:?}");
     }
+    if job.free_alpha.is_some() {
+        text += "alpha = \"free\"\n";
+    }
     for (piece, feed) in job.pieces.iter().zip(&job.feeds) {
         text += "[[job.path]]\n";
-        text += &piece.text();
+        text += &piece.text(job.free_alpha);
         if let Some(feed) = feed {
             let _ = writeln!(text, "feed_m_s = {feed:?}");
         }
