@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from . import PROTOCOL
-from .messages import NUMBERS, Command, Hello, Listener, Request, encode, schema_key
+from .messages import NUMBERS, Command, Goal, Hello, Listener, Pose, Request, encode, schema_key
 from .ports import Port, PortError
 from .postcard import Numbers, Value
 
@@ -103,6 +103,17 @@ class Exchange:
             raise
         self._sequence = (self._sequence + 1) % (1 << 32)
         return reply.content
+
+    def retarget(self, pose: tuple[float, float, float], velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+        """Asks for moves to ``pose`` (m, m, rad), to arrive with ``velocity`` (m/s, m/s, rad/s).
+
+        The machine plans them. Its verdicts and its status say what came of it.
+        """
+        length, time = self.identity.length_m, self.identity.time_s
+        speed = length / time
+        to = Pose(pose[0] / length, pose[1] / length, pose[2])
+        goal = Goal(to, (velocity[0] / speed, velocity[1] / speed, velocity[2] * time))
+        self.ask(Command.Retarget(goal))
 
     def listen(self, seconds: float) -> None:
         """Takes what comes in the next ``seconds``."""

@@ -231,6 +231,7 @@ Refusal = Enum(
     NoQuintics=None,
     StartAcceleration=None,
     FeedOverride=None,
+    Retargeting=None,
 )
 
 Hello = Struct(
@@ -265,6 +266,12 @@ Recovery = Struct(
     ticks=U32,
 )
 
+Goal = Struct(
+    "Goal",
+    to=POSE,
+    velocity=array(N, 3),
+)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -282,6 +289,7 @@ Command = Enum(
     Home=None,
     Quintic=QuinticMove,
     FeedOverride={"percent": BYTE},
+    Retarget=Goal,
 )
 
 Request = Struct(

@@ -1,15 +1,21 @@
 //! Moves as the background keeps them until they are judged, of the kinds that the scene plays.
 
+use crate::admission::{Aim, Aiming};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Quintics};
-use trirrr_protocol::message::{AnyMove, Command, Content, Move, QuinticMove, Request, Unread};
+use trirrr_protocol::message::{
+    AnyMove, Command, Content, Goal, Move, QuinticContent, QuinticMove, Request, Unread,
+};
 
 /// Kinds of moves that a service plays.
 pub trait PlayedCurves: CurveKind {
     /// Type as which a quintic move in a request is read.
-    type Request<N: ServiceNumber>: Content<QuinticMove<N>>;
+    type Request<N: ServiceNumber>: Content<QuinticMove<N>> + QuinticContent<Goal: Content<Goal<N>>>;
+
+    /// Work on a retarget.
+    type Aim<N: ServiceNumber>: Aiming<N>;
 
     /// A quintic move as a service reads it.
     fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> Self::Request<N>;
@@ -17,6 +23,7 @@ pub trait PlayedCurves: CurveKind {
 
 impl PlayedCurves for Cubics {
     type Request<N: ServiceNumber> = Unread<QuinticMove<N>>;
+    type Aim<N: ServiceNumber> = ();
 
     #[inline(always)]
     fn request<N: ServiceNumber>(_: &QuinticMove<N>) -> Unread<QuinticMove<N>> {
@@ -26,6 +33,7 @@ impl PlayedCurves for Cubics {
 
 impl PlayedCurves for Quintics {
     type Request<N: ServiceNumber> = QuinticMove<N>;
+    type Aim<N: ServiceNumber> = Option<Aim<N>>;
 
     fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> QuinticMove<N> {
         *quintic

@@ -151,5 +151,6 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Telemetry { .. } => "telemetry",
         Command::Home => "home",
         Command::FeedOverride { .. } => "feed override",
+        Command::Retarget(_) => "retarget",
     }
 }

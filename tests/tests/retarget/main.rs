@@ -72,7 +72,7 @@ fn study(sessions: usize, count: u32, samples: u32) {
 
 #[test]
 fn no_random_retarget_fails() {
-    study(40, 50, 200);
+    study(20, 50, 100);
 }
 
 #[test]

@@ -49,6 +49,7 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::StartAcceleration => {
             "it does not start with the acceleration that the last one ends with".into()
         }
+        Refusal::Retargeting => "the board is still planning the last retarget".into(),
         Refusal::FeedOverride => "a feed override is 1 to 100 percent".into(),
         Refusal::NoQuintics => "the board's image holds no code for quintic moves".into(),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),

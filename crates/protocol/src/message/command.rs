@@ -1,7 +1,7 @@
 //! Commands that a host sends to a machine.
 
-use super::Transmit;
 use super::scene::{Section, SectionName};
+use super::{Transmit, Unread};
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -12,11 +12,11 @@ use trirrr_core::setpoint::Pose;
 /// [`Unread`](super::Unread) by a machine that takes none. `Q` is the same for a quintic move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema, Q: Schema")]
-pub struct Request<N: Number, S = Section, Q = QuinticMove<N>> {
+#[postcard(bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema")]
+pub struct Request<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
     /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
     /// sent back and otherwise ignored.
@@ -30,11 +30,11 @@ pub struct Request<N: Number, S = Section, Q = QuinticMove<N>> {
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema, Q: Schema")]
-pub enum Command<N: Number, S = Section, Q = QuinticMove<N>> {
+#[postcard(bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema")]
+pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
     Hello(Hello),
     /// Asks for the [status](super::Status).
@@ -71,6 +71,9 @@ pub enum Command<N: Number, S = Section, Q = QuinticMove<N>> {
         /// 1 to 100 % of normal speed.
         percent: u8,
     },
+    /// Asks for moves to a goal, in the least time that the machine can prove. They are queued behind the last, as if the host
+    /// had offered them.
+    Retarget(Q::Goal),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -120,6 +123,31 @@ pub struct QuinticMove<N: Number> {
     pub start_acceleration: [N; 3],
     /// (ax, ay, alphaddot) at its end.
     pub end_acceleration: [N; 3],
+}
+
+/// Where a machine that plays quintics is to go, by moves that it plans itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct Goal<N: Number> {
+    /// Pose there.
+    pub to: Pose<N>,
+    /// (vx, vy, alphadot) there.
+    pub velocity: [N; 3],
+}
+
+/// Type as which a quintic move is read, with the one as which a [`Goal`] is.
+pub trait QuinticContent {
+    /// A [`Goal`], read or not.
+    type Goal: Clone + Copy + core::fmt::Debug + PartialEq;
+}
+
+impl<N: Number> QuinticContent for QuinticMove<N> {
+    type Goal = Goal<N>;
+}
+
+impl<N: Number> QuinticContent for Unread<QuinticMove<N>> {
+    type Goal = Unread<Goal<N>>;
 }
 
 /// A move of either kind.

@@ -25,7 +25,9 @@ mod tests;
 mod violation;
 
 pub use board::{Board, Clock, Registers, Start};
-pub use command::{AnyMove, Command, Hello, Move, QuinticMove, Recovery, Request};
+pub use command::{
+    AnyMove, Command, Goal, Hello, Move, QuinticContent, QuinticMove, Recovery, Request,
+};
 pub use part::{Content, Unread, Written};
 pub use refusal::Refusal;
 pub use report::{

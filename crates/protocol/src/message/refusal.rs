@@ -93,4 +93,6 @@ pub enum Refusal<N: Number> {
     StartAcceleration,
     /// The feed override is not 1 to 100 %.
     FeedOverride,
+    /// A retarget is being planned: no move is taken before its moves are.
+    Retargeting,
 }

@@ -48,7 +48,7 @@ pub use enclose::{Centre, Enclose};
 #[doc(hidden)]
 pub use instances::instances;
 pub use path::Path;
-pub use retarget::{Blocked, Retarget, RetargetRefusal, Retargeted};
+pub use retarget::{Aim, Aiming, Blocked, Retarget, RetargetRefusal, Retargeted};
 pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 

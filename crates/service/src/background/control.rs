@@ -6,6 +6,7 @@ use super::super::guard::{self, LimitBreach};
 use super::super::handoff::{Order, Recover};
 use super::super::scene::Scene;
 use super::Background;
+use crate::admission::Aiming;
 use crate::coefficients::Coefficients;
 use crate::number::ServiceNumber;
 use core::borrow::Borrow;
@@ -20,7 +21,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
         }
-        let undecided = self.offered.1.peek().is_some();
+        let undecided = self.offered.1.peek().is_some() || self.aim.is_under_way();
         // In idle nothing is under way.
         if self.has_played_all() {
             return Err(if undecided {
@@ -177,7 +178,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn require_idle(&self) -> Result<(), Refusal<N>> {
-        let empty = self.offered.1.peek().is_none() && self.has_played_all();
+        let empty =
+            self.offered.1.peek().is_none() && self.has_played_all() && !self.aim.is_under_way();
         if self.status.state == State::Idle && empty {
             Ok(())
         } else {

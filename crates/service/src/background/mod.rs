@@ -6,14 +6,15 @@ mod moves;
 pub use moves::{check_offer, longest_move};
 mod parts;
 mod receive;
+mod retarget;
 
 use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
-use super::offered::Offered;
+use super::offered::{Offered, PlayedCurves};
 use super::pace::{Room, RoomCount};
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use crate::admission::Judgement;
+use crate::admission::{Aiming, Judgement};
 use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
@@ -29,6 +30,8 @@ pub struct Background<'q, S: Scene> {
     settings: Settings<S::N>,
     coefficients: S::Coefficients,
     judgement: Judgement<S::N, S::Curves>,
+    /// The retarget that is being planned.
+    aim: <S::Curves as PlayedCurves>::Aim<S::N>,
 
     moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
     recoveries: Sender<'q, Recover<S::N>>,
@@ -131,6 +134,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             settings,
             coefficients,
             judgement: Judgement::new(),
+            aim: Aiming::<N>::NONE,
             moves: ends.moves,
             recoveries: ends.recoveries,
             orders: ends.orders,
@@ -176,7 +180,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// Whether there is more to do at once.
     pub fn step(&mut self) -> bool {
         self.drain_reports();
-        self.check_step()
+        self.retarget_step() || self.check_step()
     }
 
     /// Returns the message to send next: events, then telemetry.
@@ -268,6 +272,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.generation = report.generation;
         while self.offered.1.receive().is_some() {}
         self.checking = false;
+        self.aim = Aiming::<N>::NONE;
         self.status.next = report.begun;
         self.status.admitted = report.begun;
         self.admitted = RoomCount::NOTHING;

@@ -3,6 +3,7 @@
 use super::super::handoff::count;
 use super::super::scene::Scene;
 use super::{Background, Last};
+use crate::admission::Aiming;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
 use trirrr_core::setpoint::CurveKind;
@@ -119,6 +120,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Override(section) => self.change(section),
+            Command::Move(_) | Command::Quintic(_) | Command::Retarget(_)
+                if self.aim.is_under_way() =>
+            {
+                Err(Refusal::Retargeting)
+            }
             Command::Move(offered) => self.offer(offered, S::Curves::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
             Command::Start => self.start(),
@@ -130,6 +136,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Telemetry { every } => self.set_telemetry(*every),
             Command::Home => self.home(),
             Command::FeedOverride { percent } => self.override_feed(*percent),
+            Command::Retarget(goal) => self.retarget(goal.content()),
         }
     }
 }

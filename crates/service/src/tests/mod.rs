@@ -3,6 +3,7 @@ mod homing;
 mod moves;
 mod path;
 mod random;
+mod retarget;
 mod scene;
 mod sequence;
 mod states;

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 use std::vec;
-use trirrr_protocol::message::{DriveFault, FaultCode, Recovery};
+use trirrr_protocol::message::{DriveFault, FaultCode, Goal, Recovery};
 
 const RATE: f64 = 1.5;
 const TORQUE: f64 = 0.2;
@@ -17,6 +17,11 @@ enum Action {
         ticks: u32,
         moving: bool,
         wrong: bool,
+    },
+    /// To the nth of some poses, at rest or not.
+    Retarget {
+        to: usize,
+        moving: bool,
     },
     Start,
     Hold,
@@ -41,6 +46,7 @@ fn action() -> impl Strategy<Value = Action> {
     prop_oneof![
         6 => (0usize..5, 1u32..120, any::<bool>(), 0u8..10)
             .prop_map(|(to, ticks, moving, odd)| Action::Move { to, ticks, moving, wrong: odd == 0 }),
+        2 => (0usize..5, any::<bool>()).prop_map(|(to, moving)| Action::Retarget { to, moving }),
         4 => Just(Action::Start),
         2 => Just(Action::Hold),
         3 => Just(Action::Resume),
@@ -99,6 +105,10 @@ proptest! {
                         ..rest(status.next, from, place(to), ticks)
                     }))
                 }
+                Action::Retarget { to, moving } => Some(Command::Retarget(Goal {
+                    to: place(to),
+                    velocity: if moving { [0.02, -0.01, 0.05] } else { [0.0; 3] },
+                })),
                 Action::Start => Some(Command::Start),
                 Action::Hold => Some(Command::Hold),
                 Action::Resume => Some(Command::Resume),

@@ -15,7 +15,7 @@ use trirrr_core::setpoint::{Ends, Quintics, Setpoint};
 use trirrr_protocol::message::{Bounded, Move, QuinticMove};
 
 /// Shapes in the order in which they are tried. Of each kind the one after is tried only where a rate limit acts.
-pub(super) const SHAPES: [Shape; 7] = [
+pub(super) const SHAPES: [Shape; 8] = [
     Shape::Direct,
     Shape::Joined(16),
     Shape::Joined(8),
@@ -23,6 +23,7 @@ pub(super) const SHAPES: [Shape; 7] = [
     Shape::Apart(16),
     Shape::Apart(8),
     Shape::Apart(3),
+    Shape::Apart(0),
 ];
 
 /// Parts of [`profile::Rest`] in the order in which they are tried: of those that end, the first is taken.
@@ -32,9 +33,12 @@ const PARTS: [u32; 7] = [6, 32, 256, u32::MAX, 3, 2, 0];
 /// is room for the next one to begin.
 pub(super) const RESERVE: u32 = 256;
 
+/// Moves below which a motion to rest is one of them.
+const FEW: usize = 13;
+
 /// The work on a retarget, without the coefficients, which may be constants.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim<N: Enclose> {
+pub struct Aim<N: Enclose> {
     pub(super) problem: Problem<N>,
     pub(super) stage: Stage<N>,
     /// The sign of det A at the start.
@@ -78,6 +82,7 @@ impl<N: Enclose> Aim<N> {
         path: &Path<M>,
         start: &Setpoint<N>,
         target: &Setpoint<N>,
+        most: usize,
     ) -> Self {
         let is_there = start == target;
         Self {
@@ -85,6 +90,7 @@ impl<N: Enclose> Aim<N> {
                 ends: [*start, *target],
                 period: path.period,
                 stops: [Some(Rest::NONE); 2],
+                most,
             },
             stage: match is_there {
                 true => Stage::Done(Retargeted::Planned(0), None),
@@ -228,8 +234,13 @@ impl<N: Enclose> Aim<N> {
     /// Looks for the way to rest of end `index`, or of the next that moves.
     pub(super) fn rest(&mut self, index: usize, parts: usize) {
         let ways = 2 * PARTS.len();
-        let index = index + usize::from(parts == ways);
-        let parts = parts % ways;
+        // With few moves a motion to rest is one.
+        let few = self.problem.most < FEW;
+        let fits = |parts: &usize| !few || PARTS[parts % PARTS.len()] == 0;
+        let (index, parts) = match (parts..ways).find(fits) {
+            Some(parts) => (index, parts),
+            None => (index + 1, (0..ways).find(fits).unwrap_or(0)),
+        };
         let zero = [N::ZERO; 3];
         let moves = |end: &Setpoint<N>| {
             <[N; 3]>::from(end.velocity) != zero || <[N; 3]>::from(end.acceleration) != zero

@@ -22,7 +22,8 @@ pub(super) enum Shape {
     /// The way from rest to rest, and on top of it what the ends have of velocity and acceleration, brought to rest in
     /// twice the least time. The number: 32nds of the time in which it speeds up.
     Joined(u32),
-    /// To rest, from rest to rest, and from rest to the target, one after the other.
+    /// To rest, from rest to rest, and from rest to the target, one after the other. The number likewise; 0 for a way that
+    /// is one quintic.
     Apart(u32),
 }
 
@@ -43,6 +44,8 @@ pub(super) struct Problem<N: Enclose> {
     pub(super) period: Float<N>,
     /// How either end comes to rest. None where it does not.
     pub(super) stops: [Option<Rest>; 2],
+    /// Most moves of a motion.
+    pub(super) most: usize,
 }
 
 /// The candidate, ready to be evaluated at its joints.

@@ -17,7 +17,7 @@ mod timing;
 
 use super::Path;
 use crate::admission::Enclose;
-use aim::Aim;
+pub use aim::Aim;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{QuinticMove, Violation};
@@ -69,13 +69,13 @@ pub struct Retarget<M: Model<N: Enclose>> {
 impl<N: Enclose, M: Model<N = N>> Retarget<M> {
     /// With coefficients that are built.
     pub fn over(path: Path<M>, start: &Setpoint<N>, target: &Setpoint<N>) -> Self {
-        let aim = Aim::new(&path, start, target);
+        let aim = Aim::new(&path, start, target, usize::MAX);
         Self { path, aim }
     }
 
     /// Takes a new start and target, and drops the work under way.
     pub fn aim(&mut self, start: &Setpoint<N>, target: &Setpoint<N>) {
-        self.aim = Aim::new(&self.path, start, target);
+        self.aim = Aim::new(&self.path, start, target, usize::MAX);
     }
 
     /// Does a bounded amount of work: measures one instant or interval.
@@ -87,5 +87,77 @@ impl<N: Enclose, M: Model<N = N>> Retarget<M> {
     /// ends with the target's.
     pub fn planned(&self, index: usize) -> Option<QuinticMove<N>> {
         self.aim.planned(index)
+    }
+}
+
+/// Work on a retarget, or the place for it. Empty for machines that play no quintics.
+pub trait Aiming<N: Enclose>: Sized {
+    /// No work.
+    const NONE: Self;
+
+    /// Takes a start and a target, for a motion of `most` moves at most.
+    fn aim<M: Model<N = N>>(
+        &mut self,
+        path: &Path<M>,
+        start: &Setpoint<N>,
+        target: &Setpoint<N>,
+        most: usize,
+    );
+
+    /// As [`Retarget::step`]; none where there is no work.
+    fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Option<Retargeted<N>>;
+
+    /// As [`Retarget::planned`].
+    fn planned(&self, index: usize) -> Option<QuinticMove<N>>;
+
+    /// Returns true if there is work, done or not.
+    fn is_under_way(&self) -> bool;
+}
+
+impl<N: Enclose> Aiming<N> for () {
+    const NONE: Self = ();
+
+    #[inline(always)]
+    fn aim<M: Model<N = N>>(&mut self, _: &Path<M>, _: &Setpoint<N>, _: &Setpoint<N>, _: usize) {}
+
+    #[inline(always)]
+    fn step<M: Model<N = N>>(&mut self, _: &Path<M>) -> Option<Retargeted<N>> {
+        None
+    }
+
+    #[inline(always)]
+    fn planned(&self, _: usize) -> Option<QuinticMove<N>> {
+        None
+    }
+
+    #[inline(always)]
+    fn is_under_way(&self) -> bool {
+        false
+    }
+}
+
+impl<N: Enclose> Aiming<N> for Option<Aim<N>> {
+    const NONE: Self = None;
+
+    fn aim<M: Model<N = N>>(
+        &mut self,
+        path: &Path<M>,
+        start: &Setpoint<N>,
+        target: &Setpoint<N>,
+        most: usize,
+    ) {
+        *self = Some(Aim::new(path, start, target, most));
+    }
+
+    fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Option<Retargeted<N>> {
+        self.as_mut().map(|aim| aim.step(path))
+    }
+
+    fn planned(&self, index: usize) -> Option<QuinticMove<N>> {
+        self.as_ref()?.planned(index)
+    }
+
+    fn is_under_way(&self) -> bool {
+        self.is_some()
     }
 }

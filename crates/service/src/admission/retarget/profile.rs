@@ -67,6 +67,9 @@ impl<B: Number> Brake<B> {
 
     /// Displacement, velocity and acceleration at `tick`; behind the end, at rest.
     pub(super) fn at(&self, tick: u32) -> [Vector3<B>; 3] {
+        if self.rest == Rest::NONE {
+            return [Vector3::from([B::ZERO; 3]); 3];
+        }
         if self.rest.parts == 0 {
             return self.polynomial_at(tick.min(self.rest.ticks));
         }
@@ -124,12 +127,12 @@ impl Transfer {
     /// Fewest ticks.
     pub(super) const SHORTEST: u32 = 16;
 
-    /// `part`: 32nds of the time in which it speeds up, at most 16. `ticks`: [`SHORTEST`](Self::SHORTEST) or more.
+    /// `part`: 32nds of the time in which it speeds up, at most 16; 0 for one polynomial. `ticks`: [`SHORTEST`](Self::SHORTEST) or more.
     pub(super) fn new(ticks: u32, part: u32) -> Self {
         let run = u64::from(ticks) * u64::from(part) / 32;
         Self {
             ticks,
-            run: (run as u32).max(4),
+            run: if part == 0 { 0 } else { (run as u32).max(4) },
         }
     }
 
@@ -140,6 +143,9 @@ impl Transfer {
     /// Ends of the phases.
     pub(super) fn knots(&self) -> [u32; 6] {
         let Self { ticks, run } = *self;
+        if run == 0 {
+            return [ticks; 6];
+        }
         let ramp = self.ramp();
         // Without a steady velocity the acceleration goes linearly from one sign to the other.
         let [up, down] = match 2 * run < ticks {
@@ -155,6 +161,9 @@ impl Transfer {
         if tick >= ticks {
             return [B::ONE, B::ZERO, B::ZERO];
         }
+        if run == 0 {
+            return self.polynomial_at(tick);
+        }
         let ramp = self.ramp();
         let speed = B::ratio(1, ticks - run);
         let full = speed * B::ratio(1, run - ramp);
@@ -168,5 +177,20 @@ impl Transfer {
         let ([a, b, c], [d, e, f]) = (half(full), half(-full));
         let cruise = (B::ZERO, B::ZERO, ticks - 2 * run);
         after(B::ZERO, &[a, b, c, cruise, d, e, f], tick)
+    }
+
+    /// As [`at`](Self::at), along s^3 (10 - 15 s + 6 s^2) with s = t / T.
+    fn polynomial_at<B: Number>(&self, tick: u32) -> [B; 3] {
+        let (s, rest) = (
+            B::ratio(tick, self.ticks),
+            B::ratio(self.ticks - tick, self.ticks),
+        );
+        let (six, ten, thirty) = (B::ratio(6, 1), B::ratio(10, 1), B::ratio(30, self.ticks));
+        let (s_sq, both) = (s * s, s * rest);
+        [
+            s_sq * s * (ten - B::ratio(15, 1) * s + six * s_sq),
+            thirty * both * both,
+            thirty * B::ratio(2, self.ticks) * both * (rest - s),
+        ]
     }
 }

@@ -108,6 +108,9 @@ impl Timing {
             self.candidate.ticks = slower(self.candidate.ticks, 8);
             return Timed::NotYet;
         };
+        if chain.len() > problem.most {
+            return Timed::Nothing(None);
+        }
         let each = match self.candidate.shape {
             Shape::Direct => SAMPLES,
             Shape::Joined(_) | Shape::Apart(_) => EACH[0],
