@@ -7,7 +7,7 @@ use trirrr_core::units::Units;
 use trirrr_protocol::message::{AnyMove, Move, Transmit};
 
 /// Moves for which the service of a host has room; that of a board has no more. The longest move follows from it.
-pub const CAPACITY: usize = 16;
+pub const CAPACITY: usize = 128;
 
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<AnyMove<N>> {

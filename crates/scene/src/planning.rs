@@ -5,7 +5,7 @@ use crate::job_path::{JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
 use crate::obstacle::obstacle;
 use crate::read::Document;
-use crate::{NumberType, Scene, offer};
+use crate::{NumberType, Scene};
 use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters};
@@ -180,11 +180,13 @@ impl ModelVisitor<f64> for PlanJob<'_> {
     }
 }
 
-/// Ticks of a move so long that the moves in a board's queue last for a hold: it takes half its ramp of the path.
+/// Shortest time of a move, s: about what a board takes to prove one (`cargo xtask cycles`).
+const MOVE_MIN_S: f64 = 0.004;
+
+/// Fewest ticks of a move.
 fn ticks_min(scene: &Scene) -> u32 {
-    // One move is being played, and one is on its way.
-    let waiting = offer::CAPACITY as u32 - 2;
-    (u32::from(scene.ramp().ticks) / 2 + 1).div_ceil(waiting)
+    // The cast saturates.
+    (MOVE_MIN_S * scene.tick_rate_hz).round().max(1.0) as u32
 }
 
 /// Distance between neighbouring positions in the number type of `scene`, at the size of the machine.

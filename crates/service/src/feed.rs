@@ -12,7 +12,7 @@
 //! what lacks to a whole tick. It waits for that just below normal speed, where D is a tick's change or less. What lacks,
 //! the position's part, and D have the same parity: so the last bit comes out.
 
-use super::pace::{FULL, Pace};
+use super::pace::{FULL, Pace, RoomMeasure};
 
 /// Position on the path, in the path's own time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,9 +180,17 @@ impl FeedScale {
         }
     }
 
-    /// More room than it takes to stop from normal speed.
-    pub(super) fn room_most(&self) -> u32 {
-        self.top / 2 + 8 * u32::from(FULL)
+    /// The measure of rooms.
+    pub(super) fn room_measure(&self) -> RoomMeasure {
+        RoomMeasure {
+            // More than it takes to stop from normal speed.
+            most: self.top / 2 + 8 * u32::from(FULL),
+            // 2^11 parts of 2^19 leave half of the modulus: twice as many as 128 moves have.
+            log2: match self.top > 1 << 20 {
+                true => 3,
+                false => 0,
+            },
+        }
     }
 
     /// Returns true if the path can still come to rest after `step` on what is left. `room` is asked for the
@@ -195,6 +203,7 @@ impl FeedScale {
 
     #[inline]
     fn is_room(&self, step: Step, part: u32, room: i32) -> bool {
+        let room = room.saturating_mul(1 << self.room_measure().log2);
         // More than the square of the level and the tick's own way ask for, and below the products fit.
         room > (self.top / 2) as i32 + 4 * i32::from(FULL) || self.is_just_room(step, part, room)
     }
@@ -231,7 +240,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pace::{MovePaces, RoomCount, part_room};
+    use crate::pace::{MovePaces, RoomCount};
     use proptest::prelude::*;
     use std::vec::Vec;
 
@@ -283,10 +292,10 @@ mod tests {
             let feed = FeedScale::new(ramp);
             let mut total = RoomCount::NOTHING;
             for (ticks, pace) in &parts {
-                total.add(pace, *ticks, feed.room_most());
+                total.add(pace, *ticks, &feed.room_measure());
             }
             let mut passed = RoomCount::NOTHING;
-            passed.add(&parts[0].1, parts[0].0, feed.room_most());
+            passed.add(&parts[0].1, parts[0].0, &feed.room_measure());
             Self {
                 parts,
                 index: 0,
@@ -308,7 +317,7 @@ mod tests {
                 let within = self.begin + ticks - self.position.tick;
                 let rate = pace.braking()[x];
                 self.passed.room.left(&self.total.room, x)
-                    + part_room(rate, within, self.feed.room_most()) as i32
+                    + self.feed.room_measure().of(rate, within) as i32
             }
         }
 
@@ -344,7 +353,7 @@ mod tests {
                 self.begin += ticks;
                 self.index += 1;
                 let (ticks, pace) = self.parts[self.index];
-                self.passed.add(&pace, ticks, self.feed.room_most());
+                self.passed.add(&pace, ticks, &self.feed.room_measure());
             }
         }
     }
@@ -363,7 +372,7 @@ mod tests {
         /// end, and normal speed stands at whole ticks.
         #[test]
         fn rates_are_kept_and_the_end_is_never_passed(
-            ramp in 1u16..40,
+            ramp in prop_oneof![1u16..40, 8190u16..8200],
             parts in proptest::collection::vec((1u32..30, paces()), 1..40),
             wishes in proptest::collection::vec((any::<bool>(), 1u8..=100, 1u32..60), 1..20),
         ) {
@@ -434,7 +443,7 @@ mod tests {
         };
         paces.lower(40, 3, 2, low);
         let mut count = RoomCount::NOTHING;
-        count.add_move(&paces, 40, u32::MAX);
+        count.add_move(&paces, 40, &FeedScale::new(100).room_measure());
         // Seven eighths at 128 and one at 20, or at 50 below half of normal speed; both changes lose a tick.
         let expected = |rate: u32| 35 * 128 + 5 * rate - 2 * (128 - rate);
         assert_eq!(count.room.0, [expected(20), expected(50)]);

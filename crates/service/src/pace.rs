@@ -189,7 +189,7 @@ impl MovePaces {
     }
 }
 
-/// Room to stop in, in levels times ticks of path, modulo 2^31: at any pace, and at up to half of normal speed.
+/// Room to stop in, by a [`RoomMeasure`], modulo 2^31: at any pace, and at up to half of normal speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Room(pub(crate) [u32; 2]);
 
@@ -211,6 +211,23 @@ impl Room {
     }
 }
 
+/// Measure of rooms on a ramp, the same wherever they are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RoomMeasure {
+    /// More than anybody needs, in levels times ticks.
+    pub(crate) most: u32,
+    /// Rooms are counted in so many levels times ticks, as a power of two: all parts of a queue leave half of the
+    /// modulus.
+    pub(crate) log2: u32,
+}
+
+impl RoomMeasure {
+    /// Room of `ticks` at `rate`, rounded down.
+    pub(crate) fn of(&self, rate: u32, ticks: u32) -> u32 {
+        rate.saturating_mul(ticks).min(self.most) >> self.log2
+    }
+}
+
 /// Counts the room of one part after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RoomCount {
@@ -226,31 +243,29 @@ impl RoomCount {
     };
 
     /// Counts a part of `ticks` with the paces `pace`. A tick that goes over from one part into the next changes the pace by
-    /// the lesser of both rates: it may lose a tick of the difference. `most` is more than anybody needs.
+    /// the lesser of both rates: it may lose a tick of the difference.
     #[inline(never)]
-    pub(crate) fn add(&mut self, pace: &Pace, ticks: u32, most: u32) {
+    pub(crate) fn add(&mut self, pace: &Pace, ticks: u32, measure: &RoomMeasure) {
         let rates = pace.braking();
         let room = |x: usize| {
-            part_room(rates[x], ticks, most).wrapping_sub(rates[x].abs_diff(self.last[x]))
+            let lost = rates[x].abs_diff(self.last[x]) + ((1 << measure.log2) - 1);
+            measure
+                .of(rates[x], ticks)
+                .wrapping_sub(lost >> measure.log2)
         };
         self.room = self.room.and(Room([room(0), room(1)]));
         self.last = rates;
     }
 
     /// Counts all parts of a move of `ticks`.
-    pub(crate) fn add_move(&mut self, paces: &MovePaces, ticks: u32, most: u32) {
+    pub(crate) fn add_move(&mut self, paces: &MovePaces, ticks: u32, measure: &RoomMeasure) {
         let mut begin = 0;
         for index in 0..1 << MovePaces::parts_log2(ticks) {
             let end = MovePaces::end_of(ticks, index);
-            self.add(&paces.of(index), end - begin, most);
+            self.add(&paces.of(index), end - begin, measure);
             begin = end;
         }
     }
-}
-
-/// Room of `ticks` at `rate`, up to `most`.
-pub(crate) fn part_room(rate: u32, ticks: u32, most: u32) -> u32 {
-    rate.saturating_mul(ticks).min(most)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use trirrr_service::WithHoming;
 use trirrr_service::{Compiled, Scene, Settings};
 
 /// Places for moves; one stays empty.
-const MOVES: usize = 16;
+const MOVES: usize = 128;
 
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;

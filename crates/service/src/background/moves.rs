@@ -123,8 +123,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if !self.moves.send(planned) {
             return;
         }
-        let most = FeedScale::new(self.settings.ramp.ticks).room_most();
-        self.admitted.add_move(&planned.paces, ticks, most);
+        let measure = FeedScale::new(self.settings.ramp.ticks).room_measure();
+        self.admitted.add_move(&planned.paces, ticks, &measure);
         self.ends_at_rest = offered.common.ends_at_rest();
         self.shared.set_ahead(Ahead {
             room: self.admitted.room,

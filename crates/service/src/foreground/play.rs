@@ -3,7 +3,7 @@
 use super::super::feed::{PathPosition, Step};
 use super::super::guard::LimitBreach;
 use super::super::homing::{Homing, Progress};
-use super::super::pace::{FULL, MovePaces, Pace, part_room};
+use super::super::pace::{FULL, MovePaces, Pace};
 use super::super::scene::Scene;
 use super::{Foreground, Part, Path, Target};
 use crate::number::ServiceNumber;
@@ -185,8 +185,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let within = self.part.end.saturating_sub(self.position.tick);
         let room = move |x: usize| {
             let rate = self.part.pace.braking()[x];
-            self.passed.room.left(&ahead.room, x)
-                + part_room(rate, within, self.feed.room_most()) as i32
+            self.passed.room.left(&ahead.room, x) + self.feed.room_measure().of(rate, within) as i32
         };
         (!ahead.ends_at_rest).then_some(room)
     }
@@ -290,7 +289,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let pace = current.paces.of(index);
         let end = MovePaces::end_of(current.ticks, index);
         self.part = Part { index, end, pace };
-        self.passed.add(&pace, end - begin, self.feed.room_most());
+        self.passed
+            .add(&pace, end - begin, &self.feed.room_measure());
     }
 
     /// Returns what this path position asks of the machine, at the speed after `step`.
