@@ -21,6 +21,7 @@ def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(prog="trirrr", description=__doc__)
     parser.add_argument("job", help="scene file (.toml), or a table of moves (.csv)")
+    parser.add_argument("--moves", metavar="CSV", help="moves of a scene's job along a path, from `trirrr plan`")
     parser.add_argument("--port", required=True, help="serial port, or tcp:HOST:PORT")
     parser.add_argument("--baud", type=int, default=921_600, help="of a serial port (%(default)s)")
     parser.add_argument("--out", default="out", help="folder for ticks.csv and ticks.svg (%(default)s)")
@@ -63,7 +64,7 @@ def main() -> int:
             print(f"{done} of {moves} moves, {state.lower()}", flush=True)
 
     try:
-        job = jobs.read(options.job)
+        job = jobs.read(options.job, options.moves)
         if options.scalar:
             job = dataclasses.replace(job, number=options.scalar)
     except JobError as error:

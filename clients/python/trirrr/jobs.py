@@ -114,15 +114,22 @@ def offer(move: Any, number: int) -> Any:
     return Command.Move(replace(move, number=number))
 
 
-def read(path: str) -> Job:
-    """The job in a scene file (``.toml``) or a table (``.csv``). ``JobError`` says what is wrong."""
+def read(path: str, moves: str | None = None) -> Job:
+    """The job in a scene file (``.toml``) or a table (``.csv``). ``moves`` is the table of a scene's job along a
+    path. ``JobError`` says what is wrong."""
+    data = _bytes(path)
+    if not path.endswith(".csv"):
+        return _from_scene(path, data, moves)
+    if moves is not None:
+        raise JobError(f"{path}: a table of moves itself: --moves goes with a scene")
+    return _from_table(path, data)
+
+
+def _bytes(path: str) -> bytes:
     try:
-        data = Path(path).read_bytes()
+        return Path(path).read_bytes()
     except OSError as error:
         raise JobError(f"{path}: {error.strerror}") from None
-    if path.endswith(".csv"):
-        return _from_table(path, data)
-    return _from_scene(path, data)
 
 
 def scene_key(text: bytes) -> int:
@@ -133,16 +140,19 @@ def scene_key(text: bytes) -> int:
     return key or 1
 
 
-def _from_scene(path: str, data: bytes) -> Job:
+def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
     try:
         scene = tomllib.loads(data.decode())
         job = scene["job"]
         start = _pose(job["start"])
-        if job.get("timing") == "shortest":
-            raise JobError(f"{path}: a job along a path: take the moves.csv that `trirrr plan` writes")
-        steps = []
+        is_path = job.get("timing") == "shortest"
+        if is_path and moves is None:
+            raise JobError(f"{path}: a job along a path: give the moves.csv that `trirrr plan` writes with --moves")
+        if moves is not None and not is_path:
+            raise JobError(f"{path}: the job has moves of its own: --moves goes with a job along a path")
+        steps = _from_table(moves, _bytes(moves)).steps if moves is not None else []
         velocity = acceleration = _REST
-        for index, each in enumerate(job["move"], 1):
+        for index, each in enumerate([] if is_path else job["move"], 1):
             end = _pose(each["to"])
             end_velocity = tuple(
                 float(each.get("end_velocity", {}).get(key, 0.0))

@@ -1,0 +1,46 @@
+"""Jobs from scenes and tables."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+from trirrr import jobs
+
+SCENES = Path(__file__).resolve().parents[3] / "scenes"
+
+TABLE = (
+    "piece,duration,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,power,speed\n"
+    "1,0.0,0.22,0.24,0.1,0,0,0,0,0,0,0,0\n"
+    "1,0.1,0.225,0.24,0.1,0.1,0,0,0,0,0,0,0\n"
+    "2,0.1,0.23,0.24,0.1,0,0,0,0,0,0,1.0,0.06\n"
+)
+
+
+class JobAlongAPath(unittest.TestCase):
+    """A job along a path needs the table of its moves."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.table = str(Path(folder.name) / "moves.csv")
+        Path(self.table).write_text(TABLE)
+
+    def test_the_table_is_played_beside_its_scene(self):
+        scene = str(SCENES / "paths/square.toml")
+        job = jobs.read(scene, self.table)
+        self.assertEqual(job.scene, jobs.scene_key(Path(scene).read_bytes()))
+        self.assertEqual((job.number, job.torque, len(job.legs)), ("f32", False, 3))
+        self.assertEqual([step.power for step in job.steps], [0.0, 1.0])
+
+    def test_what_does_not_go_together_is_refused(self):
+        for path, moves, reason in [
+            (str(SCENES / "paths/square.toml"), None, "--moves"),
+            (str(SCENES / "thesis.toml"), self.table, "moves of its own"),
+            (self.table, self.table, "goes with a scene"),
+        ]:
+            with self.assertRaisesRegex(jobs.JobError, reason):
+                jobs.read(path, moves)
+
+
+if __name__ == "__main__":
+    unittest.main()
