@@ -85,6 +85,44 @@ proptest! {
     }
 }
 
+/// Where limits are far, a stop takes its ramp, and the way that a constant change of the pace gives. Where they are near, it
+/// takes longer, and no longer than the scene allows.
+#[test]
+fn the_longest_stop_is_known() {
+    let stop = |text: &str| {
+        let scene = Scene::parse(text, "x.toml").unwrap_or_else(|error| panic!("{error}"));
+        scene.longest_stop().expect("an admitted job")
+    };
+    let far = stop(THESIS);
+    // 0.1 s at 100 Hz are 10 ticks, and 5 ticks of a way whose fastest part is 1.5 times the mean of 0.0922 m/s.
+    assert!((far.time_s - 0.1).abs() < 1e-12);
+    let mean = (0.07f64).hypot(0.06);
+    assert!(
+        (0.9..1.0).contains(&(far.way_m / (1.5 * mean * 0.05))),
+        "{far}"
+    );
+
+    let limited = |service: &str| {
+        let tables = format!("[limits]\ntorque_nm = 0.06\n[service]\n{service}\n[platform]");
+        THESIS.replacen("[platform]", &tables, 1)
+    };
+    let near = stop(&limited("hold_ramp_s = 0.05"));
+    assert!(near.time_s > 0.1, "{near}");
+    let (mut admitted, mut refused) = (0, 0);
+    for most in [0.05, 0.06, 0.1, 0.2, 0.5, 1.0] {
+        let text = limited(&format!("hold_ramp_s = 0.05\nstop_time_max_s = {most}"));
+        match Scene::parse(&text, "x.toml") {
+            Ok(scene) => {
+                let capped = scene.longest_stop().expect("an admitted job");
+                assert!(capped.time_s <= most + 1e-9, "{most}: {capped}");
+                admitted += 1;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(admitted > 0 && refused > 0, "{admitted} {refused}");
+}
+
 #[test]
 fn random_jobs_are_of_both_kinds() {
     // The property above would hold trivially if one outcome never came.

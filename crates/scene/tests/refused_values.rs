@@ -138,6 +138,8 @@ fn the_service_and_the_tool() {
             "service.silence_timeout_s", Some("0"), "must be greater than 0 (s)"),
         case(("[platform]", 1, "[service]\nhold_ramp_s = 4e3\n[platform]"),
             "service.hold_ramp_s", Some("4e3"), "must be at most 3600 (s)"),
+        case(("[platform]", 1, "[service]\nstop_time_max_s = 0.05\n[platform]"),
+            "service.stop_time_max_s", Some("0.05"), "must be at least hold_ramp_s, 0.1 (s)"),
         case(("[platform]", 1, "[service]\nhold_ramp_ms = 100\n[platform]"),
             "service.hold_ramp_ms", Some("100"), "did you mean `hold_ramp_s`?"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 0\n[platform]"),
