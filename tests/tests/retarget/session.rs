@@ -24,7 +24,7 @@ pub(crate) struct Tally {
     pub(crate) one_move: u32,
     pub(crate) at_once: u32,
     pub(crate) refused: [u32; 5],
-    /// Retargets that failed, as text.
+    /// Refusals that the judge does not confirm, as text.
     pub(crate) failed: Vec<String>,
     pub(crate) largest: f64,
     pub(crate) steps: Vec<u32>,
@@ -150,9 +150,7 @@ impl ModelVisitor<f64> for Session<'_> {
                     }
                     let part = largest_part(setting, [&start, &target], &chain, samples);
                     tally.largest = tally.largest.max(part);
-                    if part > 1.0 {
-                        tally.failed.push(case());
-                    }
+                    assert!(part <= 1.0, "{part} of a limit: {}", case());
                     under_way = (chain, 0);
                 }
                 Retargeted::Refused(refusal) => {

@@ -27,7 +27,7 @@ pub(super) const SHAPES: [Shape; 8] = [
 ];
 
 /// Parts of [`profile::Rest`] in the order in which they are tried: of those that end, the first is taken.
-const PARTS: [u32; 7] = [6, 32, 256, u32::MAX, 3, 2, 0];
+const PARTS: [u32; 9] = [6, 32, 10, 256, u32::MAX, 4, 3, 2, 0];
 
 /// One such part of the duration is added, so that a motion does not use its limits up: wherever it is interrupted, there
 /// is room for the next one to begin.
@@ -150,6 +150,12 @@ impl<N: Enclose> Aim<N> {
                         self.problem.stops[index] = Some(Rest { ticks, parts });
                         self.rest(index + 1, 0);
                     }
+                    // The way that was found before stays what it is: no candidate with it is proven.
+                    Timed::Nothing(_) if self.again == Some(index) => {
+                        self.tried[index] = parts;
+                        self.failed = [true; SHAPES.len()];
+                        self.prove_shortest();
+                    }
                     Timed::Nothing(breach) => {
                         self.problem.stops[index] = None;
                         self.breaches[index] = self.breaches[index].or(breach);
@@ -234,9 +240,7 @@ impl<N: Enclose> Aim<N> {
     /// Looks for the way to rest of end `index`, or of the next that moves.
     pub(super) fn rest(&mut self, index: usize, parts: usize) {
         let ways = 2 * PARTS.len();
-        // With few moves a motion to rest is one.
-        let few = self.problem.most < FEW;
-        let fits = |parts: &usize| !few || PARTS[parts % PARTS.len()] == 0;
+        let fits = |parts: &usize| self.fits(*parts);
         let (index, parts) = match (parts..ways).find(fits) {
             Some(parts) => (index, parts),
             None => (index + 1, (0..ways).find(fits).unwrap_or(0)),
@@ -292,10 +296,14 @@ impl<N: Enclose> Aim<N> {
         self.problem.stops.iter().all(Option::is_some)
     }
 
-    /// The next way in which an end may come to rest.
+    /// Returns true for the ways to rest that make no more moves than asked: with few, a motion to rest is one.
+    fn fits(&self, parts: usize) -> bool {
+        self.problem.most >= FEW || PARTS[parts % PARTS.len()] == 0
+    }
+
+    /// The next way in which an end may come to rest. Those in small steps are for ends that have no other.
     pub(super) fn next_parts(&self, end: usize) -> Option<usize> {
         self.problem.stops[end].filter(|rest| *rest != Rest::NONE)?;
-        let next = self.tried[end] + 1;
-        (next < 2 * PARTS.len()).then_some(next)
+        (self.tried[end] + 1..PARTS.len()).find(|&parts| self.fits(parts))
     }
 }
