@@ -18,10 +18,9 @@ enum Action {
         moving: bool,
         wrong: bool,
     },
-    /// To the nth of some poses, at rest or not.
+    /// To rest at the nth of some poses.
     Retarget {
         to: usize,
-        moving: bool,
     },
     Start,
     Hold,
@@ -46,7 +45,7 @@ fn action() -> impl Strategy<Value = Action> {
     prop_oneof![
         6 => (0usize..5, 1u32..120, any::<bool>(), 0u8..10)
             .prop_map(|(to, ticks, moving, odd)| Action::Move { to, ticks, moving, wrong: odd == 0 }),
-        2 => (0usize..5, any::<bool>()).prop_map(|(to, moving)| Action::Retarget { to, moving }),
+        2 => (0usize..5).prop_map(|to| Action::Retarget { to }),
         4 => Just(Action::Start),
         2 => Just(Action::Hold),
         3 => Just(Action::Resume),
@@ -105,9 +104,9 @@ proptest! {
                         ..rest(status.next, from, place(to), ticks)
                     }))
                 }
-                Action::Retarget { to, moving } => Some(Command::Retarget(Goal {
+                Action::Retarget { to } => Some(Command::Retarget(Goal {
                     to: place(to),
-                    velocity: if moving { [0.02, -0.01, 0.05] } else { [0.0; 3] },
+                    velocity: [0.0; 3],
                 })),
                 Action::Start => Some(Command::Start),
                 Action::Hold => Some(Command::Hold),
