@@ -109,6 +109,22 @@ impl FeedScale {
         self.step_to(self.level.saturating_sub(most))
     }
 
+    /// One tick at the rates of `pace`, or where it goes beyond the tick `end` at the lesser ones of `pace` and `next`.
+    pub(super) fn across(
+        &self,
+        from: PathPosition,
+        end: u32,
+        [pace, next]: [Pace; 2],
+        step: impl Fn(&Pace) -> Step,
+    ) -> Step {
+        let within = step(&pace);
+        let crosses = from.part + within.parts >= 2 * self.top;
+        match crosses && from.tick.saturating_add(1) >= end {
+            true => step(&pace.and(next)),
+            false => within,
+        }
+    }
+
     /// One tick at the same pace.
     pub(super) fn steady(&self) -> Step {
         self.step_to(self.level)
@@ -321,17 +337,20 @@ mod tests {
             }
         }
 
-        fn pace(&self) -> Pace {
+        fn across(&self, step: impl Fn(&Pace) -> Step) -> (Step, Pace) {
             let (ticks, pace) = self.parts[self.index];
-            match self.parts.get(self.index + 1) {
-                Some((_, next)) if self.position.tick + 1 >= self.begin + ticks => pace.and(*next),
-                _ => pace,
+            let next = self.parts.get(self.index + 1).map_or(pace, |next| next.1);
+            let end = self.begin + ticks;
+            let step = self.feed.across(self.position, end, [pace, next], step);
+            let crosses = self.position.part + step.parts >= 2 * self.feed.top();
+            match crosses && self.position.tick + 1 >= end {
+                true => (step, pace.and(next)),
+                false => (step, pace),
             }
         }
 
         /// One tick, and the rates that its parts allow are kept on it.
-        fn tick(&mut self, step: Step) {
-            let pace = self.pace();
+        fn tick(&mut self, (step, pace): (Step, Pace)) {
             let u = f64::from(step.level) / f64::from(self.feed.top());
             let allowed = |[rest, normal]: [u8; 2]| {
                 f64::from(rest) + (f64::from(normal) - f64::from(rest)) * u * u
@@ -383,9 +402,9 @@ mod tests {
                 walk.feed.aim_at(if percent > 60 { 100 } else { percent });
                 for _ in 0..ticks {
                     let part = walk.position.part;
-                    let faster = walk.feed.faster(&walk.pace(), part);
-                    let steady = walk.feed.steady();
-                    let can = |step| walk.feed.can_stop(step, part, walk.room());
+                    let faster = walk.across(|pace| walk.feed.faster(pace, part));
+                    let steady = walk.across(|_| walk.feed.steady());
+                    let can = |step: (Step, Pace)| walk.feed.can_stop(step.0, part, walk.room());
                     // Once it slows down it does so to rest.
                     let down = wish == Some(false) && !walk.feed.is_at_rest();
                     let step = match go && !down {
@@ -393,7 +412,7 @@ mod tests {
                         true if can(steady) => steady,
                         _ => {
                             wish = Some(false);
-                            walk.feed.slower(&walk.pace())
+                            walk.across(|pace| walk.feed.slower(pace))
                         }
                     };
                     if walk.feed.is_at_rest() {
@@ -402,7 +421,7 @@ mod tests {
                     walk.tick(step);
                     prop_assert!(walk.position.part < 2 * walk.feed.top());
                     prop_assert!(walk.position.tick < length, "{:?}", walk.position);
-                    if step.is_normal(&walk.feed) {
+                    if step.0.is_normal(&walk.feed) {
                         prop_assert_eq!(walk.position.part, 0);
                     }
                 }

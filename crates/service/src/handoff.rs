@@ -86,10 +86,10 @@ pub(super) struct TickReport<N: Number> {
 pub(super) struct SharedCounters {
     /// Requests heard. By the background.
     pub(super) heard: AtomicU32,
-    /// Room on the admitted moves at half of normal speed. By the background.
-    half_room: AtomicU32,
-    /// The rest of an [`Ahead`] in one word. By the background.
-    ahead: AtomicU32,
+    /// The two rooms of an [`Ahead`]. By the background.
+    room: [AtomicU32; 2],
+    /// The rest of it.
+    rests: AtomicU32,
     /// Ticks since the start. By the tick.
     pub(super) tick: AtomicU32,
     /// Samples dropped. By the tick.
@@ -103,46 +103,47 @@ pub(super) struct SharedCounters {
 pub(super) struct Ahead {
     /// Room of all moves of this generation that are admitted.
     pub(super) room: Room,
-    /// True if the last of these moves ends at rest.
-    pub(super) ends_at_rest: bool,
+    /// One more than the number of the last of these moves that ends at rest: there a path can end without room.
+    pub(super) rests: u32,
 }
 
 impl Ahead {
-    pub(super) const NOTHING: Self = Self {
-        room: Room::NONE,
-        ends_at_rest: true,
-    };
+    /// Returns true if a move ends at rest of those from `number` on.
+    pub(super) fn rests_from(&self, number: u32) -> bool {
+        self.rests.wrapping_sub(number) as i32 > 0
+    }
 }
 
 impl SharedCounters {
     pub(super) const fn new() -> Self {
         Self {
             heard: AtomicU32::new(0),
-            // At rest is 0: memory that starts as zeros takes no flash.
-            half_room: AtomicU32::new(0),
-            ahead: AtomicU32::new(0),
+            // Memory that starts as zeros takes no flash.
+            room: [const { AtomicU32::new(0) }; 2],
+            rests: AtomicU32::new(0),
             tick: AtomicU32::new(0),
             lost: AtomicU32::new(0),
             longest: AtomicU32::new(0),
         }
     }
 
-    /// Says what is admitted; after the moves themselves are in their queue. Who sees the second word sees the first.
+    /// Says what is admitted; after the moves themselves are in their queue. Who sees the last word sees the others.
     pub(super) fn set_ahead(&self, ahead: Ahead) {
-        let Room([room, half_room]) = ahead.room;
-        self.half_room.store(half_room, Ordering::Relaxed);
-        let word = room << 1 | u32::from(!ahead.ends_at_rest);
-        self.ahead.store(word, Ordering::Release);
+        for (shared, room) in self.room.iter().zip(ahead.room.0) {
+            shared.store(room, Ordering::Relaxed);
+        }
+        self.rests.store(ahead.rests, Ordering::Release);
     }
 
-    /// Returns what is admitted. The moves themselves are in their queue by then. Between the two words of a move that ends
-    /// moving the room is that of before.
+    /// Returns what is admitted. The moves themselves are in their queue by then. While a move is added, the room may be more
+    /// than that up to the last rest: it is asked for beyond that one only.
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
-        let word = self.ahead.load(Ordering::Acquire);
+        let rests = self.rests.load(Ordering::Acquire);
+        let [any, half] = &self.room;
         Ahead {
-            room: Room([word >> 1, self.half_room.load(Ordering::Relaxed)]),
-            ends_at_rest: word & 1 == 0,
+            room: Room([any, half].map(|room| room.load(Ordering::Relaxed))),
+            rests,
         }
     }
 }

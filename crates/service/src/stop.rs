@@ -89,12 +89,11 @@ impl<'a> Walk<'a> {
         }
         while !self.feed.is_at_rest() {
             let (pace, end, behind) = self.parts();
-            let pace = match behind {
-                Some(behind) if self.position.tick + 1 >= end => pace.and(behind),
-                _ => pace,
-            };
+            let paces = [pace, behind.unwrap_or(pace)];
+            let slower = |pace: &Pace| self.feed.slower(pace);
+            let step = self.feed.across(self.position, end, paces, slower);
             let from = self.position.tick;
-            self.position = self.feed.take(self.feed.slower(&pace), self.position);
+            self.position = self.feed.take(step, self.position);
             ticks += 1;
             self.passed += self.position.tick - from;
             if self.position.tick < end {

@@ -3,7 +3,7 @@
 use super::super::feed::FeedScale;
 use super::super::foreground::slope;
 use super::super::guard::{self, LimitBreach};
-use super::super::handoff::{Order, Recover};
+use super::super::handoff::{Ahead, Order, Recover};
 use super::super::scene::Scene;
 use super::Background;
 use crate::admission::Aiming;
@@ -34,7 +34,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let mut feed = FeedScale::new(self.settings.ramp.ticks);
         feed.aim_at(self.status.feed_percent);
         let enough = feed.is_enough(0, room);
-        if !self.ends_at_rest && !enough && self.moves.has_room() {
+        let rests = Ahead {
+            room: self.admitted.room,
+            rests: self.rests,
+        }
+        .rests_from(self.begun);
+        if !rests && !enough && self.moves.has_room() {
             return Err(if undecided {
                 Refusal::Undecided
             } else {

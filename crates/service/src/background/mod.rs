@@ -67,8 +67,8 @@ pub struct Background<'q, S: Scene> {
     orders_taken: u8,
     /// Room of all admitted moves.
     admitted: RoomCount,
-    /// The last of them ends at rest.
-    ends_at_rest: bool,
+    /// As in [`Ahead`].
+    rests: u32,
     /// The oldest of the offered moves is with the admission.
     checking: bool,
 }
@@ -171,7 +171,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             orders_sent: 0,
             orders_taken: 0,
             admitted: RoomCount::NOTHING,
-            ends_at_rest: true,
+            rests: 0,
             checking: false,
         }
     }
@@ -276,8 +276,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.status.next = report.begun;
         self.status.admitted = report.begun;
         self.admitted = RoomCount::NOTHING;
-        self.ends_at_rest = true;
-        self.shared.set_ahead(Ahead::NOTHING);
+        self.rests = report.begun;
+        self.shared.set_ahead(Ahead {
+            room: Room::NONE,
+            rests: self.rests,
+        });
         self.status.end = None;
     }
 

@@ -125,10 +125,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         let measure = FeedScale::new(self.settings.ramp.ticks).room_measure();
         self.admitted.add_move(&planned.paces, ticks, &measure);
-        self.ends_at_rest = offered.common.ends_at_rest();
+        if offered.common.ends_at_rest() {
+            self.rests = number.wrapping_add(1);
+        }
         self.shared.set_ahead(Ahead {
             room: self.admitted.room,
-            ends_at_rest: self.ends_at_rest,
+            rests: self.rests,
         });
         self.status.admitted = number.wrapping_add(1);
         self.push_event(Event::Verdict(Verdict {

@@ -57,7 +57,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let full = self.moves.is_full();
         let ahead = self.shared.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
-        let enough = ahead.ends_at_rest || self.feed.is_enough(0, room);
+        let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
         if self.state != State::Idle || !(enough || full) {
             return false;
         }

@@ -2,6 +2,7 @@
 
 use super::super::feed::{PathPosition, Step};
 use super::super::guard::LimitBreach;
+use super::super::handoff::Ahead;
 use super::super::homing::{Homing, Progress};
 use super::super::pace::{FULL, MovePaces, Pace};
 use super::super::scene::Scene;
@@ -75,7 +76,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 let stopping = matches!(self.state, State::Stopping);
                 if !stopping && self.moves.peek().is_some() {
                     // The end of the last is the start of the next: this tick goes on from there.
+                    let enough = self.has_enough();
                     self.take_next();
+                    if !enough {
+                        self.feed.end();
+                        self.transition_to(State::Holding, Acting::QueueDry);
+                    }
                     return;
                 }
                 self.current = None;
@@ -153,41 +159,49 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             _ => {}
         }
-        self.feed.slower(&self.pace())
+        self.across(|pace| self.feed.slower(pace))
     }
 
     fn faster(&self) -> Step {
         // At its goal the pace does not change, whatever the rates.
         match self.feed.is_at_goal() {
             true => self.feed.steady(),
-            false => self.feed.faster(&self.pace(), self.position.part),
+            false => self.across(|pace| self.feed.faster(pace, self.position.part)),
         }
     }
 
-    /// Rates of this tick: where it may go over into another part, the lesser ones of both.
-    fn pace(&self) -> Pace {
+    /// A step at the rates of this tick: where it goes over into another part, at the lesser ones of both.
+    fn across(&self, step: impl Fn(&Pace) -> Step) -> Step {
         let Part { index, end, pace } = self.part;
-        if self.position.tick.saturating_add(1) < end {
-            return pace;
-        }
         let next = match &self.current {
             Some(current) if end < current.ticks => Some(current.paces.of(index + 1)),
             _ => self.moves.peek().map(|next| next.paces.of(0)),
         };
-        next.map_or(pace, |next| pace.and(next))
+        let paces = [pace, next.unwrap_or(pace)];
+        self.feed.across(self.position, end, paces, step)
     }
 
-    /// Room to stop in ahead of the whole tick of the position, see [`FeedScale::can_stop`]; none if the path ends at rest
-    /// and needs none.
+    /// Room to stop in ahead of the whole tick of the position, see [`FeedScale::can_stop`]; none if a move ahead ends at
+    /// rest: there the path can end without.
     #[inline]
     fn room(&self) -> Option<impl Fn(usize) -> i32> {
         let ahead = self.shared.ahead();
+        // The end of the move under way counts, unless the path stands there.
+        let next = match self.path {
+            Path::Ended => self.begun,
+            _ => self.begun.wrapping_sub(1),
+        };
+        (!ahead.rests_from(next)).then_some(self.room_beyond(ahead))
+    }
+
+    /// Room to stop in, whether the path rests or not.
+    #[inline]
+    fn room_beyond(&self, ahead: Ahead) -> impl Fn(usize) -> i32 {
         let within = self.part.end.saturating_sub(self.position.tick);
-        let room = move |x: usize| {
+        move |x: usize| {
             let rate = self.part.pace.braking()[x];
             self.passed.room.left(&ahead.room, x) + self.feed.room_measure().of(rate, within) as i32
-        };
-        (!ahead.ends_at_rest).then_some(room)
+        }
     }
 
     /// Returns `true` if the path could still come to rest on what is admitted.
@@ -226,11 +240,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     self.done = self.begun;
                     self.unreported = true;
                 }
-                if self.moves.peek().is_some() {
-                    self.take_next();
-                } else if self.shared.ahead().ends_at_rest {
+                let more = self.moves.peek().is_some();
+                if self.rests_here(more) {
                     self.land(ticks);
                     self.path = Path::Ended;
+                } else if more {
+                    self.take_next();
                 }
                 // Else it stands at the very end of what is admitted and waits for more.
             }
@@ -246,6 +261,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             _ => {}
         }
+    }
+
+    /// Returns true if the path rests at the end of the move under way: it is the last end at rest, and there is no `more`, or too
+    /// little of it to stop in from this pace.
+    #[inline(never)]
+    fn rests_here(&self, more: bool) -> bool {
+        let ahead = self.shared.ahead();
+        let stand = Step {
+            parts: 0,
+            ..self.feed.steady()
+        };
+        let part = self.position.part;
+        ahead.rests == self.begun
+            && !(more && self.feed.can_stop(stand, part, self.room_beyond(ahead)))
     }
 
     /// A path that ends at rest ends there, even if the tick would have gone further.

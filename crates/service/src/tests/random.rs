@@ -18,9 +18,10 @@ enum Action {
         moving: bool,
         wrong: bool,
     },
-    /// To rest at the nth of some poses.
+    /// To the nth of some poses, at rest or not.
     Retarget {
         to: usize,
+        moving: bool,
     },
     Start,
     Hold,
@@ -45,7 +46,7 @@ fn action() -> impl Strategy<Value = Action> {
     prop_oneof![
         6 => (0usize..5, 1u32..120, any::<bool>(), 0u8..10)
             .prop_map(|(to, ticks, moving, odd)| Action::Move { to, ticks, moving, wrong: odd == 0 }),
-        2 => (0usize..5).prop_map(|to| Action::Retarget { to }),
+        2 => (0usize..5, any::<bool>()).prop_map(|(to, moving)| Action::Retarget { to, moving }),
         4 => Just(Action::Start),
         2 => Just(Action::Hold),
         3 => Just(Action::Resume),
@@ -104,9 +105,9 @@ proptest! {
                         ..rest(status.next, from, place(to), ticks)
                     }))
                 }
-                Action::Retarget { to } => Some(Command::Retarget(Goal {
+                Action::Retarget { to, moving } => Some(Command::Retarget(Goal {
                     to: place(to),
-                    velocity: [0.0; 3],
+                    velocity: if moving { [0.02, -0.01, 0.05] } else { [0.0; 3] },
                 })),
                 Action::Start => Some(Command::Start),
                 Action::Hold => Some(Command::Hold),

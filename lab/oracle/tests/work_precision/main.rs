@@ -150,7 +150,7 @@ fn diffsol_agrees_with_the_reference_file() {
     let (rows, _) = follow::<11>(&CASES[0]);
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../tests/reference/fd_continuous_pd.csv"
+        "/../../tests/reference/fd_continuous_pd.csv"
     );
     let text = std::fs::read_to_string(file).unwrap();
     let mut worst = [0.0_f64; 3];
@@ -209,7 +209,7 @@ fn integrators_md_says_what_is_asserted() {
         };
         table += &format!("| {case} | {pose:e} | {event} |\n");
     }
-    let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/integrators.md");
+    let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/integrators.md");
     let document = std::fs::read_to_string(document).unwrap();
     let block = Block {
         name: "work-precision-oracle".into(),
