@@ -171,6 +171,12 @@ proptest! {
         };
         prop_assert_eq!(ask(&mut bench, Command::Stop), Reply::Done);
         bench.ticks(50);
+        // Where a move leaves no room, a stop takes until its end: the longest has 120 ticks, or is a retarget's.
+        for _ in 0..500 {
+            if bench.state() == State::Stopping {
+                bench.ticks(1);
+            }
+        }
         if bench.state() == State::Fault {
             prop_assert_eq!(ask(&mut bench, Command::ClearFault), Reply::Done);
             bench.ticks(1);

@@ -90,9 +90,12 @@ impl<'q> Watched<'q> {
         }
     }
 
-    /// Ticks enough for orders to be taken and any ramp to end.
+    /// Ticks enough for orders to be taken and a stop to end: where a move leaves no room, it takes until its end.
     fn settle(&mut self) {
-        for _ in 0..64 {
+        for passed in 0..100_000 {
+            if passed >= 64 && self.device.service.state() != State::Stopping {
+                return;
+            }
             self.device.service.step();
             self.tick();
         }

@@ -74,6 +74,8 @@ pub(super) enum Stage<N: Enclose> {
         piece: usize,
         judgement: Judgement<N, Quintics>,
     },
+    /// Chooses what to do next.
+    Choose,
     Done(Retargeted<N>, Option<Candidate>),
 }
 
@@ -136,6 +138,7 @@ impl<N: Enclose> Aim<N> {
         let longest = self.shortest().map_or(LONGEST, |(_, ticks)| ticks);
         match &mut self.stage {
             Stage::Done(done, _) => return *done,
+            Stage::Choose => self.prove_shortest(),
             Stage::Ends => match self.check_ends(path) {
                 Ok(()) => self.rest(0, 0),
                 Err((blocked, breach)) => self.refuse(blocked, breach),
@@ -154,7 +157,7 @@ impl<N: Enclose> Aim<N> {
                     Timed::Nothing(_) if self.again == Some(index) => {
                         self.tried[index] = parts;
                         self.failed = [true; SHAPES.len()];
-                        self.prove_shortest();
+                        self.choose();
                     }
                     Timed::Nothing(breach) => {
                         self.problem.stops[index] = None;
@@ -188,7 +191,7 @@ impl<N: Enclose> Aim<N> {
                 let rate = timing.acting == Some(Bounded::Rate);
                 match first {
                     true => self.time(shape + 1, rate),
-                    false => self.prove_shortest(),
+                    false => self.choose(),
                 }
             }
             Stage::Prove {
@@ -273,7 +276,7 @@ impl<N: Enclose> Aim<N> {
         };
         match (shape..SHAPES.len()).find(is_next) {
             Some(shape) => self.stage = Stage::Time(shape, Timing::new(SHAPES[shape]), true),
-            None => self.prove_shortest(),
+            None => self.choose(),
         }
     }
 

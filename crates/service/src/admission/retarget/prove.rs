@@ -21,6 +21,11 @@ impl<N: Enclose> Aim<N> {
             .min_by_key(|&(_, ticks)| ticks)
     }
 
+    /// Chooses in the next step: a slice of work has no recursion.
+    pub(super) fn choose(&mut self) {
+        self.stage = Stage::Choose;
+    }
+
     /// Begins the proof of the candidate that takes least. Without any, an end is brought to rest in another way, or the
     /// retarget is refused.
     pub(super) fn prove_shortest(&mut self) {
@@ -59,7 +64,7 @@ impl<N: Enclose> Aim<N> {
         let Some(chain) = chain else {
             self.found[shape] = None;
             self.failed[shape] = true;
-            return self.prove_shortest();
+            return self.choose();
         };
         if piece == chain.len() {
             self.stage = Stage::Done(Retargeted::Planned(piece), candidate);
@@ -85,7 +90,7 @@ impl<N: Enclose> Aim<N> {
             }
             _ => {
                 self.failed[shape] = true;
-                self.prove_shortest();
+                self.choose();
             }
         }
     }
