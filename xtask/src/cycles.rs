@@ -40,8 +40,8 @@ const CEILINGS: [Ceiling; 8] = [
     Ceiling::new("m3 fixed thesis tick ram", "max", 3400.0),
     Ceiling::new("m0 fixed thesis tick ram", "max", 15_000.0),
     // Of the service with a sample in each tick, with holds and homing.
-    Ceiling::new("m4f f32 * service ram", "max", 3100.0),
-    Ceiling::new("m4f f32 * service flash", "max", 3600.0),
+    Ceiling::new("m4f f32 * service ram", "max", 3400.0),
+    Ceiling::new("m4f f32 * service flash", "max", 4000.0),
 ];
 
 /// Modelled cycles of one piece of work on one board, with the setpoint in the tick.
