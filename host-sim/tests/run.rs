@@ -318,12 +318,12 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
 fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
     let mut scene = Scene::read(scene_file("engraving.toml")).unwrap();
     // There and back, again and again: more than wait.
-    let mut there = scene.job.moves[0].clone();
+    let mut there = scene.job.moves[0];
     (there.start_velocity, there.end_velocity) = ([0.0; 3].into(), [0.0; 3].into());
-    let mut back = there.clone();
+    let mut back = there;
     (back.from, back.to) = (there.to, there.from);
     scene.job.moves = (0..100)
-        .flat_map(|_| [there.clone(), back.clone()])
+        .flat_map(|_| [there, back])
         .collect();
     let count = scene.job.moves.len();
     let last = scene.job.moves.last_mut().unwrap();
