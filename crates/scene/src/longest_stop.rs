@@ -34,34 +34,43 @@ impl Scene {
             .zip(judgements)
             .map(|(ticks, judgement)| Some((ticks, judgement.ok()?)));
         let moves: Vec<_> = moves.collect::<Option<_>>()?;
-        let ways = self.ways();
+        let starts: Vec<u64> = moves
+            .iter()
+            .scan(0, |sum, (ticks, _)| {
+                let start = *sum;
+                *sum += u64::from(*ticks);
+                Some(start)
+            })
+            .collect();
         let mut longest = LongestStop::default();
         each_stop(&moves, self.ramp().ticks, |start, stop| {
-            let start = start as usize;
-            let end = (start + stop.path_ticks as usize).min(ways.len() - 1);
+            let way_m = self.way_m(&starts, start, stop.path_ticks);
             longest.time_s = longest.time_s.max(f64::from(stop.ticks) * self.period_s());
-            longest.way_m = longest.way_m.max(ways[end] - ways[start]);
+            longest.way_m = longest.way_m.max(way_m);
         });
         Some(longest)
     }
 
-    /// Way of D from the start of the job to each of its ticks.
-    fn ways(&self) -> Vec<f64> {
-        let mut way = 0.0;
-        let mut ways = vec![way];
-        for each in &self.job.moves {
-            let ticks = each.duration_ticks;
-            let segment = each.segment::<f64>(ticks, self.period_s());
+    /// Way of D during `ticks` of the job from its tick `start` on; `starts` are the first ticks of its moves.
+    fn way_m(&self, starts: &[u64], start: u64, mut ticks: u32) -> f64 {
+        let mut index = starts.partition_point(|first| *first <= start);
+        let mut way_m = 0.0;
+        while index > 0 && index <= starts.len() && ticks > 0 {
+            let each = &self.job.moves[index - 1];
+            let first = start.saturating_sub(starts[index - 1]) as u32;
+            let last = first.saturating_add(ticks).min(each.duration_ticks);
+            let segment = each.segment::<f64>(each.duration_ticks, self.period_s());
             let place = |tick| {
                 let Pose { position, .. } = segment.at(tick).pose;
                 position
             };
-            for tick in 0..ticks {
+            for tick in first..last {
                 let chord = place(tick + 1) - place(tick);
-                way += chord.x.hypot(chord.y);
-                ways.push(way);
+                way_m += chord.x.hypot(chord.y);
             }
+            ticks -= last - first;
+            index += 1;
         }
-        ways
+        way_m
     }
 }
