@@ -23,7 +23,7 @@ use trirrr_service::Contact;
 
 /// Most instructions that a tick may take on the board in f32, for service and drives. The count
 /// runs from when the tick was due until its outputs stood.
-const TICK_CEILING: f64 = 1500.0;
+const TICK_CEILING: f64 = 2000.0;
 
 /// The scene whose jobs are played over a bad line, and left in the middle: 1000 ticks per second,
 /// a job of some seconds.
