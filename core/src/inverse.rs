@@ -146,6 +146,22 @@ impl<N: Number> LegPosition<N> {
     }
 }
 
+impl<N: Number> LegMotion<N> {
+    /// Jerk of the platform joint when the platform moves as `setpoint` says, with the jerk `jerk`.
+    ///
+    /// With c the arm of the joint: j + (alpha''' - alpha'^3) E c - 3 alpha' alpha'' c.
+    fn platform_joint_jerk(&self, setpoint: &Setpoint<N>, jerk: &Vector3<N>) -> Vector2<N> {
+        let (rate, acceleration) = (setpoint.velocity.z, setpoint.acceleration.z);
+        let inwards = rate * acceleration;
+        N::arm_acceleration(
+            jerk.xy(),
+            jerk.z - rate * rate * rate,
+            inwards + inwards + inwards,
+            self.position.platform_joint,
+        )
+    }
+}
+
 impl OutOfReach {
     /// Returns the status of a tick whose leg `index` is refused.
     #[inline(always)]
@@ -231,5 +247,22 @@ impl<N: Number> Leg<N> {
     ) -> Accelerations<N> {
         self.dyad
             .accelerations(&position.links, rates, position.acceleration(setpoint))
+    }
+
+    /// Jerk of the motor while the leg moves with `motion`, and the platform as `setpoint` says, with the jerk `jerk`.
+    pub fn motor_jerk(
+        &self,
+        motion: &LegMotion<N>,
+        setpoint: &Setpoint<N>,
+        jerk: &Vector3<N>,
+    ) -> N {
+        let LegMotion {
+            position,
+            rates,
+            accelerations,
+        } = motion;
+        let jerk = motion.platform_joint_jerk(setpoint, jerk);
+        self.dyad
+            .proximal_jerk(&position.links, rates, accelerations, jerk)
     }
 }

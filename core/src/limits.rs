@@ -17,6 +17,8 @@ pub struct LimitParameters {
     pub torque_nm: Option<[f64; 3]>,
     /// Largest mechanical power of either sign, W.
     pub power_w: Option<[f64; 3]>,
+    /// Largest joint jerk of either sign, rad/s^3: rate of change of the acceleration.
+    pub jerk_rad_s3: Option<[f64; 3]>,
     /// Least [distance](crate::singularity) of each leg from its serial singularity,
     /// |r1 x r2| / (l1 l2): the sine of the angle between its links.
     pub serial_distance_min: f64,
@@ -30,6 +32,7 @@ to_source!(pub [] LimitParameters [] in trirrr_core::limits {
     acceleration_rad_s2,
     torque_nm,
     power_w,
+    jerk_rad_s3,
     serial_distance_min,
     parallel_distance_min,
 });
@@ -48,6 +51,7 @@ impl Default for LimitParameters {
             acceleration_rad_s2: None,
             torque_nm: None,
             power_w: None,
+            jerk_rad_s3: None,
             serial_distance_min: Self::SERIAL_DISTANCE_MIN,
             parallel_distance_min: Self::PARALLEL_DISTANCE_MIN,
         }
@@ -65,6 +69,8 @@ pub struct Limits<N> {
     pub torque: Option<[N; 3]>,
     /// Largest mechanical power of either sign.
     pub power: Option<[N; 3]>,
+    /// Largest joint jerk of either sign.
+    pub jerk: Option<[N; 3]>,
     /// Least distance of each leg from its serial singularity.
     pub serial_distance: N,
     /// Least distance of the machine from its parallel singularity.
@@ -76,6 +82,7 @@ to_source!(pub [N: ToSource] Limits [N] in trirrr_core::limits {
     acceleration,
     torque,
     power,
+    jerk,
     serial_distance,
     parallel_distance,
 });
@@ -106,6 +113,7 @@ impl<N: Number> Limits<N> {
             acceleration: motors(Quantity::AccelerationLimit, parameters.acceleration_rad_s2)?,
             torque: motors(Quantity::TorqueLimit, parameters.torque_nm)?,
             power: motors(Quantity::PowerLimit, parameters.power_w)?,
+            jerk: motors(Quantity::JerkLimit, parameters.jerk_rad_s3)?,
             serial_distance: distance(Quantity::SerialDistance, parameters.serial_distance_min)?,
             parallel_distance: distance(
                 Quantity::ParallelDistance,
@@ -122,6 +130,7 @@ impl<N: Number> Limits<N> {
             acceleration: motors(self.acceleration),
             torque: motors(self.torque),
             power: motors(self.power),
+            jerk: motors(self.jerk),
             serial_distance: change(self.serial_distance),
             parallel_distance: change(self.parallel_distance),
         }
@@ -163,7 +172,7 @@ mod tests {
     #[test]
     fn names_what_it_refuses() {
         type Change = fn(&mut LimitParameters);
-        let cases: [(Change, Quantity, Option<usize>); 7] = [
+        let cases: [(Change, Quantity, Option<usize>); 8] = [
             (
                 |p| p.rate_rad_s = Some([1.0, 0.0, 1.0]),
                 Quantity::RateLimit,
@@ -183,6 +192,11 @@ mod tests {
                 |p| p.power_w = Some([f64::INFINITY; 3]),
                 Quantity::PowerLimit,
                 Some(0),
+            ),
+            (
+                |p| p.jerk_rad_s3 = Some([1.0, 1.0, 0.0]),
+                Quantity::JerkLimit,
+                Some(2),
             ),
             // Beyond binary32.
             (

@@ -68,6 +68,11 @@ impl Units {
         self.of(0, -2, 0)
     }
 
+    /// The unit of jerks of angles, rad/s^3.
+    pub fn jerk_rad_s3(&self) -> f64 {
+        self.of(0, -3, 0)
+    }
+
     /// The unit of forces, N.
     pub fn force_n(&self) -> f64 {
         self.of(1, -2, 1)
@@ -124,6 +129,7 @@ impl Units {
             acceleration_rad_s2: over(limits.acceleration_rad_s2, self.acceleration_rad_s2()),
             torque_nm: over(limits.torque_nm, self.torque_nm()),
             power_w: over(limits.power_w, self.power_w()),
+            jerk_rad_s3: over(limits.jerk_rad_s3, self.jerk_rad_s3()),
             ..*limits
         }
     }

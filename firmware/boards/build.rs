@@ -22,6 +22,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     if env::var_os("DEP_TRIRRR_APP_HOMING").is_some() {
         println!("cargo:rustc-cfg=homing");
     }
+    println!("cargo:rustc-check-cfg=cfg(brake)");
+    if env::var_os("DEP_TRIRRR_APP_BRAKE").is_some() {
+        println!("cargo:rustc-cfg=brake");
+    }
+    println!("cargo:rustc-check-cfg=cfg(feedback)");
+    if env::var_os("DEP_TRIRRR_APP_FEEDBACK").is_some() {
+        println!("cargo:rustc-cfg=feedback");
+    }
     if env::var("CARGO_CFG_TARGET_OS")? == "none" {
         link()?;
     }

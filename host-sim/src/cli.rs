@@ -2,7 +2,9 @@
 
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
+use crate::goals::{FollowArgs, GotoArgs, JogArgs};
 use crate::linkage::LinkageArgs;
+use crate::machine::{DisableArgs, DrivesArgs, EnableArgs};
 use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
@@ -32,6 +34,18 @@ pub enum Command {
     Device(DeviceArgs),
     /// Stream a scene's job to a board, write its telemetry and figures
     Stream(StreamArgs),
+    /// Switch the drives of a machine on, where its motors are
+    Enable(EnableArgs),
+    /// Bring a machine to rest and switch its drives off
+    Disable(DisableArgs),
+    /// Show what the drives of a machine tell
+    Drives(DrivesArgs),
+    /// Move a machine to a pose, from rest or from any motion
+    Goto(GotoArgs),
+    /// Move a machine by hand: steps and velocities from standard input
+    Jog(JogArgs),
+    /// Send a machine to poses as they come, from standard input or a file
+    Follow(FollowArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row

@@ -2,7 +2,8 @@
 //!
 //! [`run`] plays a scene's job through the machine's service, in real time or as fast as the
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
-//! port. [`stream`] plays the job on a device or a board. [`eval`] evaluates a table of cases.
+//! port. [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives. [`eval`] evaluates a
+//! table of cases.
 //! [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
 
 #![forbid(unsafe_code)]
@@ -13,8 +14,10 @@ pub mod device;
 pub mod eval;
 pub mod failure;
 pub mod figures;
+pub mod goals;
 pub mod histogram;
 pub mod linkage;
+pub mod machine;
 pub mod plan;
 pub mod realtime;
 pub mod recording;

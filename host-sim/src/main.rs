@@ -11,7 +11,7 @@ use trirrr_host_sim::cli::{Cli, Command};
 use trirrr_host_sim::failure::CliError;
 use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
-use trirrr_host_sim::{device, eval, linkage, plan, report, run, stream};
+use trirrr_host_sim::{device, eval, goals, linkage, machine, plan, report, run, stream};
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -27,6 +27,12 @@ fn main() -> ExitCode {
             .and_then(|stop| device::command(args, &stop))
             .map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => stream(args),
+        Command::Enable(args) => switch(|stop| machine::enable(args, stop)),
+        Command::Disable(args) => switch(|stop| machine::disable(args, stop)),
+        Command::Drives(args) => switch(|stop| machine::drives(args, stop)),
+        Command::Goto(args) => to_goals(|stop| goals::goto(args, stop)),
+        Command::Jog(args) => to_goals(|stop| goals::jog(args, stop)),
+        Command::Follow(args) => to_goals(|stop| goals::follow(args, stop)),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
@@ -61,6 +67,20 @@ fn stream(args: &StreamArgs) -> Result<ExitCode, CliError> {
         }
         stream::StreamEnd::Stopped | stream::StreamEnd::Complete => Ok(ExitCode::SUCCESS),
     }
+}
+
+fn switch(go: impl FnOnce(&AtomicBool) -> Result<(), CliError>) -> Result<ExitCode, CliError> {
+    let stop = on_interrupt()?;
+    go(&stop).map(|()| ExitCode::SUCCESS)
+}
+
+fn to_goals(go: impl FnOnce(&AtomicBool) -> Result<bool, CliError>) -> Result<ExitCode, CliError> {
+    let stop = on_interrupt()?;
+    let code = match go(&stop)? {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::from(INTERRUPTED),
+    };
+    Ok(code)
 }
 
 fn run(args: &RunArgs) -> Result<ExitCode, CliError> {

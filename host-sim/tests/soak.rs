@@ -152,6 +152,8 @@ fn play(ticks: u64) {
         ));
         client.done(Command::Telemetry { every: 1 });
         client.tick();
+        client.done(Command::Enable);
+        client.tick();
         client.feed();
         client.done(Command::Start);
 

@@ -1,7 +1,9 @@
 //! The machine at one instant, by the independent model in plain `f64`.
 
 use crate::inputs::Inputs;
+use crate::jet::Jet;
 use crate::model::Kinematics;
+use crate::scalar::Scalar;
 use nalgebra::Vector3;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
@@ -70,6 +72,28 @@ impl QuinticEnds {
         }
         state
     }
+
+    /// Third derivative of the pose after `part` of the duration: a parabola through the third differences of the control
+    /// points, which are T^3 / 60 of it.
+    pub fn jerk_at(&self, part: f64) -> Coordinates {
+        let fifth = self.duration_s / 5.0;
+        let [from, to] = &self.states;
+        core::array::from_fn(|axis| {
+            let [v0, v1] = [from, to].map(|end| end.velocity[axis] * fifth);
+            let [a0, a1] = [from, to].map(|end| end.acceleration[axis] * fifth * fifth * 1.25);
+            // From the nearer end: a difference of poses that are far away has more rounding.
+            let middle = (to.pose[axis] - from.pose[axis]) - 2.0 * (v0 + v1) - (a0 - a1);
+            // First differences of the control points are v0, v0 + a0, middle, v1 - a1, v1.
+            let [b, c, d] = [
+                middle - v0 - 2.0 * a0,
+                v0 + v1 + a0 - a1 - 2.0 * middle,
+                middle - v1 + 2.0 * a1,
+            ];
+            let rest = 1.0 - part;
+            let blend = b * rest * rest + 2.0 * c * rest * part + d * part * part;
+            blend * 0.48 / (fifth * fifth * fifth)
+        })
+    }
 }
 
 /// Everything that a limit bounds. Not a number where a leg does not reach.
@@ -89,7 +113,7 @@ pub struct Instant {
     pub torque: [f64; 3],
 }
 
-fn inputs(parameters: &Parameters, state: &State) -> Inputs<f64> {
+fn inputs<S: Scalar>(parameters: &Parameters, state: &State) -> Inputs<S> {
     let [x, y, alpha] = state.pose;
     let setpoint = Setpoint {
         pose: Pose::from_f64(x, y, alpha),
@@ -97,6 +121,32 @@ fn inputs(parameters: &Parameters, state: &State) -> Inputs<f64> {
         acceleration: Vector3::from(state.acceleration),
     };
     Inputs::constants(parameters, &setpoint)
+}
+
+/// Jerks of the motors, rad/s^3, where the platform has the jerk `jerk`: the third derivatives of the angles, which the
+/// independent model finds from poses alone.
+pub fn jerks(parameters: &Parameters, state: &State, jerk: Coordinates) -> [f64; 3] {
+    let zero = State {
+        pose: state.pose,
+        ..State::default()
+    };
+    let along = |axis: usize| {
+        Jet::from_derivatives([
+            state.pose[axis],
+            state.velocity[axis],
+            state.acceleration[axis],
+            jerk[axis],
+        ])
+    };
+    let moving = Inputs {
+        position: [along(0), along(1)],
+        angle: along(2),
+        ..inputs::<Jet>(parameters, &zero)
+    };
+    moving
+        .kinematics()
+        .legs
+        .map(|leg| leg.angles[0].derivatives()[3])
 }
 
 impl Instant {
@@ -118,13 +168,13 @@ impl Instant {
 
     /// Without torques.
     pub fn kinematics(parameters: &Parameters, state: &State) -> Self {
-        let kinematics = inputs(parameters, state).kinematics();
+        let kinematics = inputs::<f64>(parameters, state).kinematics();
         Self::from(parameters, &kinematics, [0.0; 3])
     }
 
     /// With torques.
     pub fn of(parameters: &Parameters, state: &State) -> Self {
-        let inputs = inputs(parameters, state);
+        let inputs = inputs::<f64>(parameters, state);
         let kinematics = inputs.kinematics();
         let torques = inputs.dynamics(&kinematics).torques;
         Self::from(parameters, &kinematics, torques)

@@ -9,6 +9,7 @@
 //! | [`random`], [`draw`] | random machines and states, and numbers |
 //! | [`workspace`] | machines with room to move about in |
 //! | [`instant`] | everything that a limit bounds, by the second model |
+//! | [`jet`] | numbers with three derivatives by time |
 //! | [`motors`] | what the motors need, as numbers |
 //! | [`vector_formulas`] | the tick in plain f64 with its functions handed in |
 //! | [`thesis_formula`] | the thesis's formulas, errors included |
@@ -21,6 +22,7 @@ pub mod bound;
 pub mod draw;
 pub mod evaluate;
 pub mod instant;
+pub mod jet;
 pub mod machines;
 pub mod motors;
 pub mod random;

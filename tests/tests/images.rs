@@ -9,7 +9,7 @@ use trirrr_core::machine::Parameters;
 use trirrr_core::number::WideArithmetic;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::Section;
-use trirrr_service::{Coefficients, Parts, name};
+use trirrr_service::{Coefficients, Parts, PathPlanner, name};
 
 /// What the parts say, in `units`: all that there is to say of `any` machine.
 fn in_units(parts: &Parts, units: &Units, any: &Parameters) -> (Parameters, LimitParameters) {
@@ -56,6 +56,10 @@ macro_rules! images {
                 let period = <Scalar as WideArithmetic>::factor_from_f64(PERIOD);
                 assert_eq!(format!("{:?}", SETTINGS.period), format!("{period:?}"));
                 assert_eq!(SETTINGS.scene.name, name(NAME));
+                let mut planner = <Planner as PathPlanner<Scalar>>::EMPTY;
+                PathPlanner::<Scalar>::set_up(&mut planner, SETTINGS.planning);
+                let can_plan = PathPlanner::<Scalar>::can_plan(&planner);
+                assert_eq!(can_plan, SETTINGS.planning.is_some());
                 assert_eq!(SETTINGS.scene.tick_rate_hz, TICK_RATE_HZ);
                 assert_eq!(1.0 / TICK_RATE_HZ, PERIOD_S);
             }

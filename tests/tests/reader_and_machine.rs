@@ -106,7 +106,13 @@ fn is_played<N: ServiceNumber>(scene: &Scene) -> bool {
             command: hello,
         });
         assert!(matches!(first, Reply::Hello(_)), "{first:?}");
-        let mut sequence = 0;
+        let enabled = machine.receive(&Request {
+            sequence: 0,
+            command: Command::Enable,
+        });
+        assert_eq!(enabled, Reply::Done);
+        machine.tick();
+        let mut sequence = 1;
         let taken = moves.iter().all(|each| {
             let command = each.command();
             let reply = machine.receive(&Request { sequence, command });

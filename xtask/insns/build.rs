@@ -46,7 +46,7 @@ fn link(here: &Path) -> Result<(), Box<dyn Error>> {
     );
     fs::write(out.join("count.x"), script)?;
     println!("cargo:rerun-if-changed={}", sections.display());
-    for binary in ["count", "admit", "serve"] {
+    for binary in ["count", "admit", "plan", "serve"] {
         println!(
             "cargo:rustc-link-arg-bin={binary}=-T{}/count.x",
             out.display()

@@ -132,11 +132,22 @@ impl Ceiling {
     }
 }
 
-/// Checks that no figure of `rows` is above its ceiling.
+/// Checks that no figure of `rows` is above its ceiling: the one that names the row most closely.
 pub(crate) fn hold_ceilings<Row: BudgetRow>(rows: &[Row], ceilings: &[Ceiling]) -> Result<()> {
     for row in rows {
         let key = row.key();
-        for Ceiling { figure, most, .. } in ceilings.iter().filter(|one| one.is_of(&key)) {
+        let of_row: Vec<&Ceiling> = ceilings.iter().filter(|one| one.is_of(&key)).collect();
+        for Ceiling {
+            key: pattern,
+            figure,
+            most,
+        } in &of_row
+        {
+            let open = |pattern: &str| pattern.matches('*').count();
+            let closer = |one: &&Ceiling| one.figure == *figure && open(one.key) < open(pattern);
+            if of_row.iter().any(closer) {
+                continue;
+            }
             let figures = row.figures();
             let found = figures.iter().find(|(name, _)| name == figure);
             if let Some((_, value)) = found.filter(|(_, value)| value > most) {

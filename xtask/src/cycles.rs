@@ -32,7 +32,7 @@ use std::path::Path;
 use trirrr_scene::Scene;
 
 /// Ceilings that no change may exceed, cycles.
-const CEILINGS: [Ceiling; 8] = [
+const CEILINGS: [Ceiling; 10] = [
     Ceiling::new("m4f f32 thesis tick ram", "max", 1100.0),
     Ceiling::new("m4f f32 thesis tick flash", "max", 1250.0),
     Ceiling::new("m4f f32 thesis-links tick ram", "max", 1310.0),
@@ -42,6 +42,9 @@ const CEILINGS: [Ceiling; 8] = [
     // Of the service with a sample in each tick, with holds and homing.
     Ceiling::new("m4f f32 * service ram", "max", 3400.0),
     Ceiling::new("m4f f32 * service flash", "max", 4000.0),
+    // Its drives are heard and watched, six frames in a tick, beside the commands to them.
+    Ceiling::new("m4f f32 odrive service ram", "max", 4200.0),
+    Ceiling::new("m4f f32 odrive service flash", "max", 5000.0),
 ];
 
 /// Modelled cycles of one piece of work on one board, with the setpoint in the tick.

@@ -18,6 +18,7 @@ mod insns;
 mod nightly;
 mod packages;
 mod parallel;
+mod planning;
 mod programs;
 mod qemu;
 mod reference;
@@ -43,6 +44,8 @@ enum Chore {
     Insns(insns::InsnsArgs),
     /// Count the instructions of the admission of every move of a scene's job, under QEMU
     Admission(budget::Options),
+    /// Count the instructions of a plan of 100 cells, under QEMU
+    Planning(budget::Options),
     /// Model the cycles of the tick, the service and the admission on boards, from traces under QEMU
     Cycles(budget::Options),
     /// Measure flash and RAM: the tick alone on every target, and the firmware
@@ -71,6 +74,7 @@ fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
         Chore::Insns(arguments) => insns::run(&arguments),
         Chore::Admission(options) => admission::run(&options),
+        Chore::Planning(options) => planning::run(&options),
         Chore::Cycles(options) => cycles::run(&options),
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),

@@ -58,6 +58,18 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "goals that cut the motion",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "torture",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "reader and machine near limits",
             "test",
             &[
@@ -69,7 +81,7 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::cargo(
-            "a thousand machines that fall",
+            "a thousand machines that fall, and faults of drives",
             &[
                 "test",
                 "--release",
@@ -77,6 +89,8 @@ fn steps() -> Result<Vec<Step>> {
                 "trirrr-plant",
                 "--test",
                 "plant",
+                "--test",
+                "bus",
                 "--",
                 "--ignored",
                 "--nocapture",

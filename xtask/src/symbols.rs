@@ -83,7 +83,7 @@ const MARKS: &[Mark] = &[
     Mark {
         what: "CAN drives",
         names: &["6drives3can5build"],
-        used: |scene| matches!(kind(scene), "odrive" | "moteus"),
+        used: |scene| matches!(kind(scene), "odrive" | "mit" | "moteus"),
     },
     Mark {
         what: "homing",

@@ -5,7 +5,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from trirrr import words
-from trirrr.exchange import Refused
+from trirrr.exchange import Exchange, Refused
 from trirrr.jobs import Job, Step
 from trirrr.messages import (
     Acting, Bounded, Command, DriveFault, Fault, FaultCode, LeastDuration, Refusal, State, Violation,
@@ -38,6 +38,8 @@ class Machine:
         if self.refusals and (refusal := self.refusals.pop(0)) is not None:
             raise Refused(command, refusal)
         return None
+
+    enable = Exchange.enable
 
     def listen(self, seconds: float) -> None:
         self.pauses.append(seconds)
@@ -106,11 +108,11 @@ class Recovering(unittest.TestCase):
 
     def test_a_fault_is_acknowledged_and_the_motors_are_moved_to_the_start(self):
         # What the tick has not heard of is still there.
-        says = [status("Fault", self.FAULT), status("Cleared", self.FAULT)]
-        says += [status(state) for state in ("Cleared", "Recovering", "Recovering", "Idle")]
+        says = [status("Fault", self.FAULT), status("Disabled", self.FAULT)]
+        says += [status(state) for state in ("Disabled", "Disabled", "Cleared", "Recovering", "Recovering", "Idle")]
         machine = Machine(*says)
         recover(machine)
-        self.assertEqual(machine.heard, ["ClearFault", "Recover"])
+        self.assertEqual(machine.heard, ["ClearFault", "Enable", "Recover"])
         recovery = machine.last.content
         # 2 s at 100 Hz; 0.2 m in units of 0.5 m.
         self.assertEqual((recovery.ticks, recovery.to.x, recovery.to.alpha), (200, 0.4, 0.1))
@@ -126,9 +128,9 @@ class Recovering(unittest.TestCase):
         self.assertEqual(machine.heard, ["Recover"])
 
     def test_a_machine_with_homing_is_left_to_it(self):
-        machine = Machine(status("Fault", self.FAULT), status("Unhomed"))
+        machine = Machine(status("Fault", self.FAULT), status("Disabled"), status("Disabled"), status("Unhomed"))
         recover(machine)
-        self.assertEqual(machine.heard, ["ClearFault"])
+        self.assertEqual(machine.heard, ["ClearFault", "Enable"])
 
     def test_a_recovery_that_does_not_end_at_the_start_is_an_error(self):
         machine = Machine(status("Cleared"), status("Recovering"), status("Cleared", acting=Acting.Stop()))

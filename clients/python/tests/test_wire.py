@@ -20,7 +20,7 @@ def single(value: float) -> float:
 
 
 def hello(numbers) -> object:
-    content = Hello(protocol=1, schema=messages.schema_key(numbers), scene=0)
+    content = Hello(protocol=2, schema=messages.schema_key(numbers), scene=0)
     return Request(7, Command.Hello(content))
 
 
@@ -53,7 +53,7 @@ EXAMPLES = {
     "hello": (F32, Request, hello(F32)),
     "hello-f64": (F64, Request, hello(F64)),
     "identity": (F32, Message, Message.Reply(sequence=7, reply=Reply.Hello(Identity(
-        protocol=1,
+        protocol=2,
         schema=messages.schema_key(F32),
         scene=0x12345678,
         name=tuple(b"thesis".ljust(32, b"\0")),

@@ -104,16 +104,42 @@ class Exchange:
         self._sequence = (self._sequence + 1) % (1 << 32)
         return reply.content
 
-    def retarget(self, pose: tuple[float, float, float], velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+    def retarget(
+        self,
+        pose: tuple[float, float, float],
+        velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        cut: bool = False,
+        seconds: float = 0.0,
+    ) -> None:
         """Asks for moves to ``pose`` (m, m, rad), to arrive with ``velocity`` (m/s, m/s, rad/s).
 
-        The machine plans them. Its verdicts and its status say what came of it.
+        The machine plans them: from the motion under way with ``cut``, or else behind the moves that are queued, to take
+        ``seconds`` or more. Its verdicts and its status say what came of it.
         """
         length, time = self.identity.length_m, self.identity.time_s
         speed = length / time
+        ticks = round(seconds * self.identity.tick_rate_hz)
         to = Pose(pose[0] / length, pose[1] / length, pose[2])
-        goal = Goal(to, (velocity[0] / speed, velocity[1] / speed, velocity[2] * time))
+        goal = Goal(to, (velocity[0] / speed, velocity[1] / speed, velocity[2] * time), cut, ticks)
         self.ask(Command.Retarget(goal))
+
+    def enable(self, pause: float = 0.02) -> Any:
+        """Switches the drives on where the motors are, and waits until they hold. Returns the status: ``Idle``,
+        ``Unhomed``, ``Cleared``, or ``Disabled`` where the drives do not go on. Any other machine is left as it is."""
+        status = self.ask(Command.Status())
+        if status.state.name != "Disabled":
+            return status
+        while True:
+            try:
+                self.ask(Command.Enable())
+                break
+            except Refused as refused:
+                if refused.refusal.name != "Busy":
+                    raise
+                self.listen(pause)
+        while (status := self.ask(Command.Status())).state.name == "Enabling":
+            self.listen(pause)
+        return status
 
     def listen(self, seconds: float) -> None:
         """Takes what comes in the next ``seconds``."""

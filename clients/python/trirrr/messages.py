@@ -69,6 +69,7 @@ Limits = Struct(
     acceleration_rad_s2=Optional(array(F64, 3)),
     torque_nm=Optional(array(F64, 3)),
     power_w=Optional(array(F64, 3)),
+    jerk_rad_s3=Optional(array(F64, 3)),
     serial_distance_min=F64,
     parallel_distance_min=F64,
 )
@@ -90,6 +91,8 @@ Bounded = Enum(
     Torque=None,
     Power=None,
     Range=None,
+    Jerk=None,
+    AccelerationJump=None,
 )
 
 State = Enum(
@@ -104,6 +107,10 @@ State = Enum(
     Recovering=None,
     Unhomed=None,
     Homing=None,
+    Disabled=None,
+    Enabling=None,
+    Disabling=None,
+    Reacting=None,
 )
 
 Acting = Enum(
@@ -124,6 +131,8 @@ DriveFault = Enum(
     BusBusy=None,
     BusOff=None,
     Reported=None,
+    Silent=None,
+    NotOn=None,
 )
 
 FaultCode = Enum(
@@ -139,6 +148,7 @@ FaultCode = Enum(
     HomingNotFound=None,
     HomingNotReleased=None,
     HomingClosedAtStart=None,
+    FollowingError=None,
 )
 
 Fault = Struct(
@@ -180,6 +190,7 @@ Quantity = Enum(
     PowerLimit=None,
     SerialDistance=None,
     ParallelDistance=None,
+    JerkLimit=None,
 )
 
 LeastDuration = Struct(
@@ -232,6 +243,10 @@ Refusal = Enum(
     StartAcceleration=None,
     FeedOverride=None,
     Retargeting=None,
+    NoPaths=None,
+    PathUnderWay=None,
+    Feed=None,
+    NoFeedback=None,
 )
 
 Hello = Struct(
@@ -270,6 +285,25 @@ Goal = Struct(
     "Goal",
     to=POSE,
     velocity=array(N, 3),
+    cut=BOOL,
+    least_ticks=U32,
+)
+
+PathCurve = Enum(
+    "PathCurve",
+    Line={"to": POSE},
+    Arc={"centre": array(N, 2), "turn": N, "to_angle": ANGLE},
+    Bezier={"controls": array(POSE, 2), "to": POSE},
+)
+
+PathPiece = Struct(
+    "PathPiece",
+    number=U32,
+    curve=PathCurve,
+    feed=N,
+    tool_power=N,
+    tool_speed=N,
+    last=BOOL,
 )
 
 Command = Enum(
@@ -290,6 +324,10 @@ Command = Enum(
     Quintic=QuinticMove,
     FeedOverride={"percent": BYTE},
     Retarget=Goal,
+    Path=PathPiece,
+    Enable=None,
+    Disable=None,
+    Drives={"every": U16},
 )
 
 Request = Struct(
@@ -356,6 +394,51 @@ Verdict = Struct(
     violation=Optional(Violation),
 )
 
+Cut = Struct(
+    "Cut",
+    number=U32,
+    at=U32,
+    next=U32,
+)
+
+DriveState = Enum(
+    "DriveState",
+    Silent=None,
+    Off=None,
+    Preparing=None,
+    On=None,
+    Uncalibrated=None,
+    Fault=None,
+)
+
+DriveReading = Struct(
+    "DriveReading",
+    state=DriveState,
+    error=U32,
+    angle=ANGLE,
+    rate=N,
+    torque=N,
+    temperature_c=I32,
+    supply_mv=U32,
+    age=U16,
+    state_age=U16,
+)
+
+DriveSample = Struct(
+    "DriveSample",
+    tick=U32,
+    drives=array(DriveReading, 3),
+)
+
+NotEnabled = Enum(
+    "NotEnabled",
+    Drive={"motor": BYTE, "state": DriveState, "error": U32},
+    Moves={"motor": BYTE, "value": N, "limit": N},
+    NoPose=None,
+    ManyPoses=None,
+    Singular={"what": Bounded, "leg": Optional(BYTE), "value": N, "limit": N},
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -365,12 +448,16 @@ Status = Struct(
     next=U32,
     admitted=U32,
     done=U32,
+    piece=U32,
+    planning=BOOL,
     room=BYTE,
     refused=Optional(Verdict),
     end=Optional(SETPOINT),
     lost=U32,
     longest_tick=U32,
     feed_percent=BYTE,
+    cut=Optional(Cut),
+    not_enabled=Optional(NotEnabled),
 )
 
 Event = Enum(
@@ -412,6 +499,7 @@ Message = Enum(
     Reply={"sequence": U32, "reply": Reply},
     Event=Event,
     Telemetry=Telemetry,
+    Drives=DriveSample,
 )
 
 #: Every kind of machine, by the name of its number type in scenes.

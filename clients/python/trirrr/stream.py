@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -27,6 +28,9 @@ _NOT_YET = {
     "ClearFault": {"Busy"},
     "Recover": {"Busy"},
 }
+
+#: A machine is beside a pose if D is nearer than this, m, and alpha, rad; the way takes so long, s.
+_NEAR_M, _NEAR_RAD, _WAY_S = 5e-4, 5e-3, 0.2
 
 
 def _is_on_the_way(status: Any) -> bool:
@@ -118,9 +122,11 @@ class Stream:
         pause = min(0.1, identity.silence_ticks / identity.tick_rate_hz / 4 or 0.1)
         try:
             if self._base is None:
+                self._raise_off(self.exchange.enable(pause))
                 if self._recover_s is not None:
                     self.recover(self._recover_s, pause)
                 self.home(pause)
+                self.approach(pause)
             self._look()
             self._command(Command.Telemetry(every=self._telemetry))
             while not self._look():
@@ -145,7 +151,9 @@ class Stream:
         if status.fault is not None:
             self._insist(Command.ClearFault(), pause)
             # The tick has to hear of it.
-            status = self._wait_while(lambda status: status.fault is not None, pause)
+            self._wait_while(lambda status: status.fault is not None, pause)
+            status = self.exchange.enable(pause)
+            self._raise_off(status)
         if status.state.name in ("Idle", "Cleared"):
             ticks = max(1, round(seconds * self.exchange.identity.tick_rate_hz))
             self._insist(Command.Recover(Recovery(to=self._moves[0].from_, ticks=ticks)), pause)
@@ -160,6 +168,20 @@ class Stream:
         if status.state.name == "Unhomed":
             self._insist(Command.Home(), pause)
         self._wait_for_idle("homing", pause)
+
+    def approach(self, pause: float) -> None:
+        """Moves a machine that stands beside the start of the job to it: one that was measured stands nowhere exactly.
+        From farther away it is left where it is."""
+        status = self.exchange.ask(Command.Status())
+        identity, start = self.exchange.identity, self._moves[0].from_
+        stands = status.end.pose if status.end is not None else start
+        if stands == start or status.state.name != "Idle" or status.next != status.done:
+            return
+        away = math.hypot(stands.x - start.x, stands.y - start.y) * identity.length_m
+        if away < _NEAR_M and abs(stands.alpha - start.alpha) < _NEAR_RAD:
+            ticks = math.ceil(_WAY_S * identity.tick_rate_hz)
+            self._insist(Command.Recover(Recovery(to=start, ticks=ticks)), pause)
+            self._wait_for_idle("the way to the start", pause)
 
     def _insist(self, command: Value, pause: float) -> None:
         """Asks until it is done."""
@@ -186,6 +208,12 @@ class Stream:
         """``JobFailed`` where a fault is latched."""
         if status.fault is not None:
             raise JobFailed(words.fault(status.fault, self.exchange.identity))
+
+    def _raise_off(self, status: Any) -> None:
+        """``JobFailed`` where the drives did not go on."""
+        if status.state.name == "Disabled":
+            why = status.not_enabled
+            raise JobFailed("not enabled" + (f": {words.not_enabled(why)}" if why else ""))
 
     def _push(self) -> bool:
         """Offers a move or starts; whether there was anything to do."""

@@ -15,6 +15,8 @@ _BOUNDED = {
     "Torque": ("torque", "motor", (2, -2, 1), " N m"),
     "Power": ("power", "motor", (2, -3, 1), " W"),
     "Range": ("range of the number type", "leg", (0, 0, 0), ""),
+    "Jerk": ("jerk", "motor", (0, -3, 0), " rad/s^3"),
+    "AccelerationJump": ("jump of the acceleration", "motor", (0, -2, 0), " rad/s^2"),
 }
 
 _CODES = {
@@ -29,6 +31,15 @@ _CODES = {
     "HomingNotReleased": "homing: the switch of motor {number} is still closed {limit:.4g} rad back from it",
     "HomingClosedAtStart": "homing: the switch of motor {number} was closed at the start, and is still "
     "closed {limit:.4g} rad away",
+    "FollowingError": "joint {number} is {value:.4g} rad from its command, the most allowed is {limit:.4g} rad",
+}
+
+_NOT_ENABLED = {
+    "Drive": "drive {number} is {state}, its code is {error}",
+    "Moves": "joint {number} moved by {value:.4g} rad, the most allowed is {limit:.4g} rad",
+    "NoPose": "the joints stand at no pose of the scene: move the platform by hand, or look at zero_rad of the drives",
+    "ManyPoses": "the joints stand at more than one pose of the scene: move the platform towards its start",
+    "Singular": "too near to a singularity: {value:.4g}, the least allowed is {limit:.4g}",
 }
 
 _DRIVE = {
@@ -37,6 +48,8 @@ _DRIVE = {
     "BusBusy": "the bus did not carry the command to drive {number} in a tick",
     "BusOff": "the bus failed: too many errors on it",
     "Reported": "drive {number} reports its code {value:.4g}",
+    "Silent": "drive {number} was silent for {value:.4g} of its timeout",
+    "NotOn": "drive {number} is not on, though it should be",
 }
 
 
@@ -52,6 +65,15 @@ def fault(found: Any, identity: Any) -> str:
         text = _DRIVE[what.name] if name == "Drive" else _CODES[name]
         text = text.format(number=number, value=found.value, limit=found.limit)
     return f"{text} (tick {found.tick})"
+
+
+def not_enabled(found: Any) -> str:
+    """Why the drives were not switched on."""
+    fields = dict(found.content or {})
+    fields["number"] = fields.pop("motor", -1) + 1
+    if "state" in fields:
+        fields["state"] = fields["state"].name
+    return _NOT_ENABLED[found.name].format(**fields)
 
 
 def violation(found: Any, ticks: int, identity: Any) -> str:

@@ -130,6 +130,24 @@ impl<N: DyadKernel> Rrr<N> {
         }
     }
 
+    /// Jerk of the first link for `j`, the jerk of C relative to A.
+    ///
+    /// The derivative of the acceleration of C leaves for each link (jerk - rate^3) E r - 3 rate acceleration r.
+    pub fn proximal_jerk(
+        &self,
+        at: &DyadPosition<N>,
+        rates: &Rates<N>,
+        accelerations: &Accelerations<N>,
+        j: Vector2<N>,
+    ) -> N {
+        let three = |x: N| x + x + x;
+        let w1 = three(rates.proximal * accelerations.proximal);
+        let w2 = three(rates.distal * accelerations.distal);
+        let r2_dot_b = sum_dot(at.r2, j) + N::sum_ab_plus_cd(w1, at.r1_dot_r2, w2, self.l2_sq);
+        let turning = N::round_scaled(r2_dot_b, at.inverse_cross);
+        turning + rates.proximal * rates.proximal * rates.proximal
+    }
+
     /// The least and the greatest distance of the end joints, abs(l1 - l2) and l1 + l2.
     pub fn reach(&self) -> (N, N) {
         self.triangle.reach()
@@ -203,5 +221,31 @@ mod tests {
             of_link(at.r1, rates.proximal, acc.proximal) + of_link(at.r2, rates.distal, acc.distal);
         assert!((v_again - v).abs().max() < 1e-15, "{v_again:?}");
         assert!((a_again - a).abs().max() < 1e-14, "{a_again:?}");
+    }
+
+    /// Along a path of C the jerk is the rate of change of the acceleration, by central differences at two steps.
+    #[test]
+    fn the_jerk_is_the_derivative_of_the_acceleration() {
+        let dyad = Rrr::<f64>::new(3.0, 4.0, -1.0);
+        let (d, v) = (Vector2::new(5.5, 1.0), Vector2::new(0.7, -0.3));
+        let (a, j) = (Vector2::new(-2.0, 5.0), Vector2::new(11.0, -7.0));
+        let motion = |t: f64| {
+            let at = dyad.position(d + (v + (a / 2.0 + j * (t / 6.0)) * t) * t);
+            let at = at.expect("in reach");
+            let rates = dyad.rates(&at, v + (a + j * (t / 2.0)) * t);
+            let accelerations = dyad.accelerations(&at, &rates, a + j * t);
+            (at, rates, accelerations)
+        };
+        let (at, rates, accelerations) = motion(0.0);
+        let jerk = dyad.proximal_jerk(&at, &rates, &accelerations, j);
+        let slope = |h: f64| {
+            let [before, after] = [-h, h].map(|t| motion(t).2.proximal);
+            (after - before) / (2.0 * h)
+        };
+        let limit = (4.0 * slope(1e-3) - slope(2e-3)) / 3.0;
+        assert!(
+            jerk.abs() > 0.1 && (jerk - limit).abs() < 1e-8,
+            "{jerk} {limit}"
+        );
     }
 }

@@ -106,5 +106,5 @@ mod search;
 pub mod tracking;
 
 pub use modes::{Assemblies, Assembly, AssemblyError, Completeness};
-pub use newton::{Forward, ForwardError, Found};
+pub use newton::{Forward, ForwardError, ForwardLeg, Found};
 pub use tracking::{Track, Tracker, TrackingError};

@@ -14,6 +14,7 @@ use crate::inverse::Rotation;
 use crate::machine::{Geometry, Parameters};
 use crate::number::{Arithmetic, Number, cross, dot};
 use crate::setpoint::Pose;
+use crate::to_source;
 use core::fmt;
 use nalgebra::{Vector2, Vector3};
 
@@ -29,13 +30,32 @@ pub struct Forward<N> {
     pub(super) exact: [ForwardLeg<f64>; 3],
 }
 
+/// One leg of a [`Forward`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ForwardLeg<N> {
-    pub(super) base: Vector2<N>,
-    pub(super) joint: Vector2<N>,
-    pub(super) l1: N,
-    pub(super) l2: N,
+pub struct ForwardLeg<N> {
+    /// Base joint A in the fixed frame,
+    pub base: Vector2<N>,
+    /// platform joint in the platform's frame,
+    pub joint: Vector2<N>,
+    /// length of the proximal link,
+    pub l1: N,
+    /// and of the distal one.
+    pub l2: N,
 }
+
+to_source!([N: Number] Forward [N] in trirrr_core::forward {
+    legs: [ForwardLeg<N>; 3],
+    size: N,
+    greatest_det_a: N,
+    exact: [ForwardLeg<f64>; 3],
+});
+
+to_source!(pub [N: Number] ForwardLeg [N] in trirrr_core::forward {
+    base,
+    joint,
+    l1,
+    l2,
+});
 
 /// A pose that the iteration converged to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,6 +198,35 @@ impl<N: Number> Forward<N> {
             iterations: max_iterations,
             residual: self.linearised(&pose, elbows).length_error,
         })
+    }
+
+    /// Length of the longest leg.
+    pub fn size(&self) -> N {
+        self.size
+    }
+
+    /// Rough upper bound of the way of the platform's joints from one pose to the other, less than half a turn apart.
+    pub fn travel(&self, from: &Pose<N>, to: &Pose<N>) -> N {
+        self.length_of(&from.displacement(to))
+    }
+
+    /// Returns true if det A is positive at `pose`, with the motors at `angles`.
+    pub fn side(&self, angles: &[N::Angle; 3], pose: &Pose<N>) -> bool {
+        self.linearised(pose, &self.elbows(angles)).det() > N::ZERO
+    }
+
+    /// A guess with the platform at `angle`: in the middle of the places to which each leg alone would fold it.
+    pub fn balanced(&self, angles: &[N::Angle; 3], angle: N::Angle) -> Pose<N> {
+        let rotation = Rotation::new(angle);
+        let mut sum = Vector2::new(N::ZERO, N::ZERO);
+        for (leg, elbow) in self.legs.iter().zip(self.elbows(angles)) {
+            sum += elbow - rotation.apply(leg.joint);
+        }
+        let third = N::ratio(1, 3);
+        Pose {
+            position: sum * third,
+            angle,
+        }
     }
 
     /// The equations at `pose`.

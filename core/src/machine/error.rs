@@ -38,6 +38,7 @@ pub enum Quantity {
     PowerLimit,
     SerialDistance,
     ParallelDistance,
+    JerkLimit,
 }
 
 /// Refusal of a machine's description: the quantity, its leg, its value, and the expected value.

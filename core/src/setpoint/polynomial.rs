@@ -9,6 +9,9 @@ use nalgebra::Vector3;
 pub trait Polynomial<N: Number> {
     /// Pose, dq/ds and d^2 q/ds^2 at `s`.
     fn at(&self, s: N) -> (Pose<N>, Vector3<N>, Vector3<N>);
+
+    /// d^3 q/ds^3 at `s`.
+    fn third_at(&self, s: N) -> Vector3<N>;
 }
 
 /// A move along polynomials in time. It is kept from both ends, and evaluated from the nearer one.
@@ -88,6 +91,11 @@ impl<N: Number> Polynomial<N> for Cubic<N> {
             half + half,
         )
     }
+
+    fn third_at(&self, _: N) -> Vector3<N> {
+        let twice = self.c3 + self.c3;
+        twice + twice + twice
+    }
 }
 
 impl<N: Number> Fifth<N> {
@@ -138,6 +146,17 @@ impl<N: Number> Polynomial<N> for Fifth<N> {
             + f * ((N::ONE - a6) + (N::ONE - a6))
             + k * (z2 * (N::ONE - (a5 + a5)));
         (origin.displaced(way), first, second)
+    }
+
+    /// -6 m + 6 z (n - 2 f) + 24 k (5 A - 1).
+    fn third_at(&self, s: N) -> Vector3<N> {
+        let rest = N::ONE - s;
+        let (a, z) = (s * rest, rest - s);
+        let a5 = a + a + a + a + a;
+        let twice_k = self.k + self.k;
+        let third = (self.n - (self.f + self.f)) * z - self.m + (twice_k + twice_k) * (a5 - N::ONE);
+        let twice = third + third;
+        twice + twice + twice
     }
 }
 
@@ -230,6 +249,16 @@ impl<N: Number, P: Polynomial<N>> TwoSided<N, P> {
         self.on(MoveTime::of(s))
     }
 
+    /// Third derivative of the pose at the fraction `s` of the duration.
+    pub fn jerk_at_fraction(&self, s: N) -> Vector3<N> {
+        let (third, per_duration) = match MoveTime::of(s) {
+            MoveTime::Start(s) => (self.forward.third_at(s), self.per_duration),
+            MoveTime::End(s) => (self.backward.third_at(s), -self.per_duration),
+        };
+        let squared = per_duration * per_duration;
+        third.map(|third| third.scaled_twice(squared, per_duration))
+    }
+
     /// Seen from the end, time runs backwards: velocity changes sign, acceleration does not.
     #[inline(always)]
     fn on(&self, time: MoveTime<N>) -> Setpoint<N> {
@@ -295,6 +324,11 @@ mod tests {
         let rest = Vector3::new(0.0, 0.0, 0.0);
         let hermite = Hermite::new(from, rest, to, rest, 100, 0.01);
         let cubic = super::super::RestToRest::new(from, to, 100, 0.01);
+        let jerk = cubic.jerk(0.01);
+        assert!((jerk + (cubic.at(0).acceleration * 2.0)).abs().max() < 1e-14);
+        for s in [0.25, 0.75] {
+            assert!((hermite.jerk_at_fraction(s) - jerk).abs().max() < 1e-14);
+        }
         for tick in 0..=100 {
             let (a, b) = (hermite.at(tick), cubic.at(tick));
             assert!((a.pose.position - b.pose.position).abs().max() < 1e-16);
@@ -350,6 +384,9 @@ mod tests {
             assert!((rate - at.velocity).abs().max() < 1e-6, "{s}");
             let rate = (after.velocity - before.velocity) / time;
             assert!((rate - at.acceleration).abs().max() < 1e-6, "{s}");
+            let rate = (after.acceleration - before.acceleration) / time;
+            let jerk = quintic.jerk_at_fraction(s);
+            assert!((rate - jerk).abs().max() < 1e-6, "{s} {rate} {jerk}");
         }
     }
 

@@ -68,6 +68,13 @@ impl<N: Number> RestToRest<N> {
         }
     }
 
+    /// Third derivative of the pose, in ticks of `period`: -12 h / T^3.
+    pub fn jerk(&self, period: N::Factor) -> Vector3<N> {
+        let per_duration = N::factor_over(N::quotient(1, self.ticks), period);
+        let twice = N::quotient(2, 1) * -per_duration;
+        self.acceleration.map(|a| a.scaled(twice))
+    }
+
     /// The setpoint `part` of a tick, less than 1, after `tick`, or at the whole tick; beyond the end, the end.
     #[inline(always)]
     pub fn between(&self, tick: u32, part: Option<N>) -> Setpoint<N> {

@@ -7,6 +7,9 @@ use nalgebra::Vector3;
 
 /// Kinds of moves that a machine plays: a type, so that a scene without quintics pays nothing for them.
 pub trait CurveKind: Copy + Debug + PartialEq + 'static {
+    /// True if moves may have to keep a limit of jerk.
+    const JERK: bool;
+
     /// Accelerations that a move has at both ends, (ax, ay, alphaddot).
     type Accelerations<N: Number>: Copy + Debug + PartialEq;
 
@@ -40,9 +43,9 @@ pub trait CurveKind: Copy + Debug + PartialEq + 'static {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cubics {}
 
-/// Cubics and quintics.
+/// Cubics and quintics. Without `JERK` no limit of jerk is checked, and no code for it kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quintics {}
+pub enum Quintics<const JERK: bool = true> {}
 
 /// The quintic of a machine that plays none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +61,9 @@ pub trait Curve<N: Number> {
 
     /// The setpoint at the fraction `s` of the duration, 0 to 1; for times between ticks.
     fn at_fraction(&self, s: N) -> Setpoint<N>;
+
+    /// Third derivative of the pose there.
+    fn jerk_at_fraction(&self, s: N) -> Vector3<N>;
 
     /// Length of the move in ticks.
     fn ticks(&self) -> u32;
@@ -90,6 +96,7 @@ pub enum Segment<N: Number, K: CurveKind = Cubics> {
 impl CurveKind for Cubics {
     type Accelerations<N: Number> = ();
     type Quintic<N: Number> = NoQuintic;
+    const JERK: bool = false;
 
     #[inline(always)]
     fn none<N: Number>() {}
@@ -113,9 +120,10 @@ impl CurveKind for Cubics {
     }
 }
 
-impl CurveKind for Quintics {
+impl<const JERK: bool> CurveKind for Quintics<JERK> {
     type Accelerations<N: Number> = Option<[[N; 3]; 2]>;
     type Quintic<N: Number> = Quintic<N>;
+    const JERK: bool = JERK;
 
     fn none<N: Number>() -> Option<[[N; 3]; 2]> {
         None
@@ -170,6 +178,11 @@ impl<N: Number> Curve<N> for NoQuintic {
     }
 
     #[inline(always)]
+    fn jerk_at_fraction(&self, _: N) -> Vector3<N> {
+        match *self {}
+    }
+
+    #[inline(always)]
     fn ticks(&self) -> u32 {
         match *self {}
     }
@@ -188,6 +201,10 @@ impl<N: Number> Curve<N> for Quintic<N> {
 
     fn at_fraction(&self, s: N) -> Setpoint<N> {
         self.at_fraction(s)
+    }
+
+    fn jerk_at_fraction(&self, s: N) -> Vector3<N> {
+        self.jerk_at_fraction(s)
     }
 
     fn ticks(&self) -> u32 {
@@ -256,6 +273,16 @@ impl<N: Number, K: CurveKind> Segment<N, K> {
             Self::RestToRest(segment) => segment.at_fraction(s),
             Self::Hermite(segment) => segment.at_fraction(s),
             Self::Quintic(segment) => segment.at_fraction(s),
+        }
+    }
+
+    /// Third derivative of the pose there, in ticks of `period`. From move to move it may jump.
+    #[inline(never)]
+    pub fn jerk_at_fraction(&self, s: N, period: N::Factor) -> Vector3<N> {
+        match self {
+            Self::RestToRest(segment) => segment.jerk(period),
+            Self::Hermite(segment) => segment.jerk_at_fraction(s),
+            Self::Quintic(segment) => segment.jerk_at_fraction(s),
         }
     }
 

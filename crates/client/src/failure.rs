@@ -1,7 +1,9 @@
 //! Ends of a job before its end.
 
 use crate::describe::{self, Units};
-use trirrr_protocol::message::{Acting, Fault, Refusal, Start, State, Transmit, Violation};
+use trirrr_protocol::message::{
+    Acting, Fault, NotEnabled, Refusal, Start, State, Transmit, Violation,
+};
 
 /// Reason why a job was not played to its end. Moves are counted from 0 here and from 1 in texts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,8 @@ pub enum JobFailure<N: Transmit> {
     },
     /// A fault is latched.
     Fault(Fault<N>),
+    /// The drives were not switched on.
+    NotEnabled(NotEnabled<N>),
     /// The user stopped the job.
     Stopped {
         /// Moves played to their end.
@@ -41,8 +45,8 @@ pub enum JobFailure<N: Transmit> {
 }
 
 impl<N: Transmit> JobFailure<N> {
-    /// Describes the failure in words and SI units. `ticks` is the duration of the move that failed.
-    pub(crate) fn describe(&self, ticks: u32, units: &Units) -> String {
+    /// Describes the failure in words and SI units. `ticks` is the duration of the move that failed, `item` the word for a part of the job.
+    pub(crate) fn describe(&self, item: &str, ticks: u32, units: &Units) -> String {
         match self {
             Self::Occupied(State::Idle) => "the machine has moves of another job".into(),
             Self::Occupied(state) => format!(
@@ -52,19 +56,20 @@ impl<N: Transmit> JobFailure<N> {
             Self::Refused { index, refusal } => {
                 let why = describe::refusal(refusal, ticks, units);
                 match index {
-                    Some(index) => format!("move {} is refused: {why}", index + 1),
+                    Some(index) => format!("{item} {} is refused: {why}", index + 1),
                     None => why,
                 }
             }
             Self::Inadmissible { index, violation } => format!(
-                "move {} is not admitted: {}",
+                "{item} {} is not admitted: {}",
                 index + 1,
                 describe::violation(violation, ticks, units)
             ),
             Self::Fault(fault) => describe::fault(fault, units),
-            Self::Stopped { done } => format!("stopped, {done} moves done"),
+            Self::NotEnabled(why) => format!("not enabled: {}", describe::not_enabled(why)),
+            Self::Stopped { done } => format!("stopped, {done} {item}s done"),
             Self::Dropped { done, acting } => format!(
-                "the machine stopped by itself and dropped the rest of the job, {done} moves done: {}",
+                "the machine stopped by itself and dropped the rest of the job, {done} {item}s done: {}",
                 describe::state(State::Idle, *acting)
             ),
             Self::Restarted(start) => format!(

@@ -7,7 +7,7 @@
 //!            poll(now) ──> Send, Wait, Lost, Finished
 //! port ────> receive(message, now)
 //! ```
-//! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it. [`transport`]
+//! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals. [`transport`]
 //! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records, and
 //! [`describe`] says in words and SI units what a machine reports.
@@ -15,15 +15,19 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+mod approach;
 pub mod describe;
 pub mod exchange;
 mod failure;
+mod goal_client;
 mod job_client;
 pub mod local;
 pub mod records;
 pub mod runner;
 pub mod transport;
 
+pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
-pub use job_client::{Action, JobClient, UserCommand};
+pub use goal_client::{GoalAction, GoalClient, GoalFailure};
+pub use job_client::{Action, JobClient, JobWork, UserCommand};

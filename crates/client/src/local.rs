@@ -2,18 +2,19 @@
 //! run time, the types of the service name the model at compile time.
 
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::Parameters;
+use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
+use trirrr_plan::window::ServicePlanner;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
-    Adjustable, Channels, Homing, HomingCoefficients, Played, Service, ServiceError, ServiceNumber,
-    Settings, WithHoming,
+    Adjustable, Channels, DriveFeedback, FeedbackCoefficients, Homing, HomingCoefficients, Output,
+    Played, Readings, Service, ServiceError, ServiceNumber, Settings, WithFeedback, WithHoming,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -30,6 +31,12 @@ pub trait LocalService<N: ServiceNumber> {
 
     /// Sets the inputs of homing for the next ticks.
     fn inputs(&mut self, closed: [bool; 3]);
+
+    /// Sets what the drives tell in the next ticks. Says nothing to a machine whose drives tell nothing.
+    fn hear(&mut self, readings: Readings<N>);
+
+    /// Returns the output of the last tick.
+    fn output(&self) -> &Output<N>;
 
     /// Returns the commands of the last tick to the motors.
     fn motors(&self) -> &[Motor<N>; 3];
@@ -83,11 +90,11 @@ pub fn with_machine<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(scene, None, play)
+    build(scene, None, None, play)
 }
 
 /// Builds as [`with_machine`], for a machine that was just switched on. Where the scene has homing, the
-/// machine has to be homed.
+/// machine has to be homed. Where its drives tell where they are, they have to be [heard](LocalService::hear) in every tick.
 ///
 /// # Errors
 /// As [`with_machine`].
@@ -95,12 +102,13 @@ pub fn with_machine_switched_on<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(scene, scene.homing.as_ref(), play)
+    build(scene, scene.homing.as_ref(), scene.feedback.as_ref(), play)
 }
 
 fn build<N: ServiceNumber, T>(
     scene: &Scene,
     homing: Option<&trirrr_scene::Homing>,
+    feedback: Option<&trirrr_scene::Feedback>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
     let refused = |reason: String| Unbuildable {
@@ -108,10 +116,23 @@ fn build<N: ServiceNumber, T>(
         reason,
     };
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    let parameters = units.parameters(&scene.parameters);
+    let start = offer::pose(&units.pose(&scene.job.start));
+    let feedback = match feedback {
+        Some(feedback) => {
+            let feedback = feedback.parameters(scene.tick_rate_hz);
+            let geometry =
+                Geometry::build(&parameters).map_err(|error| refused(error.to_string()))?;
+            let built = FeedbackCoefficients::build(&feedback, &parameters, &geometry, start);
+            Some(built.ok_or_else(|| refused("the start is out of reach".into()))?)
+        }
+        None => None,
+    };
     let described = Described {
-        parameters: units.parameters(&scene.parameters),
+        parameters,
         limits: units.limits(&scene.limits),
-        start: offer::pose(&units.pose(&scene.job.start)),
+        start,
+        feedback,
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
@@ -135,6 +156,7 @@ struct Described<N: ServiceNumber> {
     start: Pose<N>,
     settings: Settings<N>,
     homing: Option<HomingCoefficients<N>>,
+    feedback: Option<FeedbackCoefficients<N>>,
 }
 
 struct Play<N: ServiceNumber, F> {
@@ -147,9 +169,18 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
         let Self { described, play } = self;
-        let scene = WithHoming {
-            scene: Adjustable::<M>::new(described.parameters, described.limits),
-            homing: described.homing.as_ref(),
+        let scene =
+            WithHoming {
+                scene: Adjustable::<
+                    M,
+                    Quintics,
+                    ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>,
+                >::new(described.parameters, described.limits),
+                homing: described.homing.as_ref(),
+            };
+        let scene = WithFeedback {
+            scene,
+            feedback: described.feedback.as_ref(),
         };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
@@ -161,7 +192,13 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
 impl<N, S> LocalService<N> for Service<'_, S>
 where
     N: ServiceNumber,
-    S: trirrr_service::Scene<N = N, Replacement = Section, Part = Section, Curves = Quintics>,
+    S: trirrr_service::Scene<
+            N = N,
+            Replacement = Section,
+            Part = Section,
+            Curves = Quintics,
+            Feedback = DriveFeedback<N>,
+        >,
     S::Homing: Homing<N, Inputs = [bool; 3]>,
 {
     fn tick(&mut self) {
@@ -172,8 +209,16 @@ where
         self.set_inputs(closed);
     }
 
+    fn hear(&mut self, readings: Readings<N>) {
+        Service::hear(self, readings);
+    }
+
+    fn output(&self) -> &Output<N> {
+        Service::output(self)
+    }
+
     fn motors(&self) -> &[Motor<N>; 3] {
-        &self.output().motors
+        &Service::output(self).motors
     }
 
     fn motion(&self) -> Option<&Played<N>> {

@@ -107,13 +107,18 @@ impl<'a, N: Transmit> Samples<'a, N> {
 /// Returns true if a sample in `state` belongs to a job: the machine plays it, or stands on its path.
 pub fn is_of_a_job(state: State) -> bool {
     match state {
-        State::Running | State::Slowing | State::Stopping | State::Holding => true,
+        State::Running | State::Slowing | State::Stopping | State::Holding | State::Reacting => {
+            true
+        }
         State::Idle
         | State::Fault
         | State::Cleared
         | State::Recovering
         | State::Unhomed
-        | State::Homing => false,
+        | State::Homing
+        | State::Disabled
+        | State::Enabling
+        | State::Disabling => false,
     }
 }
 

@@ -1,5 +1,6 @@
 //! From numbers to counts of the hardware.
 
+use trirrr_core::number::fixed::Turns;
 use trirrr_core::number::{Coarse, Fixed, Number};
 
 /// Number type whose angles and fractions become counts.
@@ -14,12 +15,21 @@ pub trait Countable: Number {
 
     /// Nearest binary32 number.
     fn to_f32(self) -> f32;
+
+    /// Number nearest to `value`, or the largest of its sign. Not a number gives 0 in fixed point.
+    fn from_f32(value: f32) -> Self;
+
+    /// Angle of `turn`, in 2^-32 of a turn: from half a turn back to half a turn ahead.
+    fn angle_of(turn: u32) -> Self::Angle;
 }
+
+/// A turn in the units of [`Countable::turn`].
+const TURN: f64 = 4_294_967_296.0;
 
 impl Countable for f64 {
     #[inline(always)]
     fn turn(angle: f64) -> u32 {
-        (angle * (4_294_967_296.0 / core::f64::consts::TAU)) as i64 as u32
+        (angle * (TURN / core::f64::consts::TAU)) as i64 as u32
     }
 
     #[inline(always)]
@@ -31,6 +41,16 @@ impl Countable for f64 {
     #[inline(always)]
     fn to_f32(self) -> f32 {
         self as f32
+    }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> f64 {
+        value.into()
+    }
+
+    #[inline(always)]
+    fn angle_of(turn: u32) -> f64 {
+        f64::from(turn as i32) * (core::f64::consts::TAU / TURN)
     }
 }
 
@@ -51,6 +71,16 @@ impl Countable for f32 {
     fn to_f32(self) -> f32 {
         self
     }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn angle_of(turn: u32) -> f32 {
+        turn as i32 as f32 * ((core::f64::consts::TAU / TURN) as f32)
+    }
 }
 
 impl Countable for Coarse {
@@ -67,6 +97,16 @@ impl Countable for Coarse {
     #[inline(always)]
     fn to_f32(self) -> f32 {
         self.0
+    }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        Self(value)
+    }
+
+    #[inline(always)]
+    fn angle_of(turn: u32) -> Self {
+        Self(f32::angle_of(turn))
     }
 }
 
@@ -86,6 +126,19 @@ impl Countable for Fixed {
     #[inline(always)]
     fn to_f32(self) -> f32 {
         self.0 as f32 * Self::UNIT as f32
+    }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        const PER_ONE: f32 = (1.0 / Fixed::UNIT) as f32;
+        let half = if value < 0.0 { -0.5 } else { 0.5 };
+        // The cast cuts, and saturates.
+        Self((value * PER_ONE + half) as i32)
+    }
+
+    #[inline(always)]
+    fn angle_of(turn: u32) -> Self::Angle {
+        Turns((turn as i32).into())
     }
 }
 
@@ -118,6 +171,28 @@ mod tests {
             );
         }
         assert_eq!((f32::turn(f32::NAN), f64::turn(f64::NAN)), (0, 0));
+    }
+
+    #[test]
+    fn an_angle_is_its_turn_again() {
+        fn check<N: Countable>(unit: f64) {
+            for step in -500..=499 {
+                let part = f64::from(step) / 1000.0;
+                let turn = (part * TURN) as i64 as u32;
+                let angle = N::angle_to_f64(N::angle_of(turn));
+                assert!((angle - part * TAU).abs() <= unit, "{step}: {angle}");
+            }
+            for value in [0.0, 0.3, -1.7, 1e-5] {
+                let kept = N::from_f32(value).to_f64();
+                assert!((kept - f64::from(value)).abs() <= unit, "{value}: {kept}");
+            }
+        }
+        // A unit of the turn, and half a unit of the type at half a turn.
+        check::<f64>(2e-9);
+        check::<f32>(4e-7);
+        check::<Coarse>(4e-7);
+        check::<Fixed>(4e-9);
+        assert!(Fixed::from_f32(1e9).to_f64() > 3.9 && Fixed::from_f32(-1e9).to_f64() < -3.9);
     }
 
     #[test]

@@ -30,6 +30,16 @@ impl<N: Number> From<&Motor<N>> for Reference<N> {
 }
 
 impl<N: Number> Reference<N> {
+    /// Reference that stands at `angle`, without torque.
+    pub fn standing(angle: N::Angle) -> Self {
+        Self {
+            angle,
+            rate: N::ZERO,
+            acceleration: N::ZERO,
+            torque: N::ZERO,
+        }
+    }
+
     /// Reference `elapsed` seconds later, at constant acceleration and torque.
     #[inline(always)]
     pub fn after(&self, elapsed: N) -> Self {

@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | `kind = "stepper"` | [`stepper`] | [`stepper::Steppers::apply`] | [`stepper::Slots::slot`], from a timer |
 //! | `kind = "bldc"` | [`bldc`] | [`bldc::Bldcs::apply`] | |
-//! | `kind = "can"` | [`can`] | [`can::CanDrives::apply`] | |
+//! | `kind = "can"` | [`can`] | [`can::CanDrives::measure`], [`can::CanDrives::apply`] | |
 //!
 //! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor panics. A drive that
 //! fails gives a [`Failure`], to be latched by [`Foreground::raise`](trirrr_service::Foreground::raise). While
@@ -39,8 +39,10 @@ pub mod count;
 mod enable;
 mod failure;
 pub mod joint;
+mod obeying;
 pub mod stepper;
 mod winding;
 
 pub use enable::{Active, Enable};
 pub use failure::Failure;
+pub use obeying::ObeyingDrives;

@@ -30,6 +30,30 @@ impl Winding {
         }
     }
 
+    /// At `turns`, as precise as binary32.
+    pub(crate) fn of_turns(turns: f32) -> Self {
+        let half = if turns < 0.0 { -0.5 } else { 0.5 };
+        // The cast cuts, and saturates.
+        let nearest = (turns + half) as i32;
+        // Half a turn of either sign: 2^30 units of 2^-31.
+        let part = ((turns - nearest as f32) * 2_147_483_648.0) as i32;
+        Self {
+            whole: nearest.wrapping_sub(i32::from(part < 0)),
+            part: (part as u32) << 1,
+        }
+    }
+
+    /// Winding `by` 2^-32 of a turn farther.
+    pub(crate) fn turned(self, by: i32) -> Self {
+        let (part, carried) = self.part.overflowing_add(by as u32);
+        // A negative step is a whole turn less than its bits.
+        let whole = i32::from(carried) - i32::from(by < 0);
+        Self {
+            whole: self.whole.wrapping_add(whole),
+            part,
+        }
+    }
+
     /// Winding after a turn to `angle`, the short way round.
     #[inline(always)]
     #[must_use]
@@ -72,6 +96,26 @@ mod tests {
         check::<f64>();
         check::<f32>();
         check::<Fixed>();
+    }
+
+    fn turns_of(winding: Winding) -> f64 {
+        f64::from(winding.whole) + f64::from(winding.part) / 4_294_967_296.0
+    }
+
+    #[test]
+    fn turns_and_steps_add_up() {
+        for turns in [0.0_f32, 0.25, -0.25, 0.5, -0.5, 0.75, -3.999, 17.3, -1e-6] {
+            let winding = Winding::of_turns(turns);
+            assert!(
+                (turns_of(winding) - f64::from(turns)).abs() < 1e-9,
+                "{turns}"
+            );
+            for step in [0, 1, -1, i32::MAX, i32::MIN, 1 << 20] {
+                let there = turns_of(winding.turned(step));
+                let exact = turns_of(winding) + f64::from(step) / 4_294_967_296.0;
+                assert!((there - exact).abs() < 1e-12, "{turns} {step}");
+            }
+        }
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl<'a> Machine<'a> {
         let axes = [axis(["s0", "d0"]), axis(["s1", "d1"]), axis(["s2", "d2"])];
         let enable = Enable::new(scope.pin("enable"), Active::Low).unwrap();
         let per_tick = slots_per_tick(most);
-        let machine = Self {
+        let mut machine = Self {
             service,
             steppers: Steppers::new(
                 [StepsPerTurn::new(MICROSTEPS, GEAR); 3],
@@ -83,7 +83,16 @@ impl<'a> Machine<'a> {
             last: angles.map(f64::from),
         };
         machine.scope.take();
+        machine.ask(Command::Enable);
+        machine.tick();
         machine
+    }
+
+    fn acknowledge(&mut self) {
+        self.ask(Command::ClearFault);
+        self.ticks(2);
+        self.ask(Command::Enable);
+        self.ticks(2);
     }
 
     fn ask(&mut self, command: Command<Scalar>) {
@@ -193,7 +202,7 @@ fn over_holds_faults_and_recoveries_no_step_is_lost() {
     machine.service.raise(code, Some(1), 1.0, 0.0);
     machine.ticks(10);
     assert_eq!(machine.state(), State::Fault);
-    machine.ask(Command::ClearFault);
+    machine.acknowledge();
     machine.ticks(10);
     machine.recover(300);
     // Where it began, to the step, as the angles are.
@@ -224,7 +233,7 @@ fn a_motor_that_is_too_slow_is_where_it_was_when_the_fault_is_cleared() {
     assert!(fault.value > 1.0 && fault.limit == 1.0, "{fault:?}");
     let stands = machine.pulses;
     machine.ticks(5);
-    machine.ask(Command::ClearFault);
+    machine.acknowledge();
     machine.ticks(5);
     // It holds, and does not fail again.
     assert_eq!((machine.state(), machine.pulses), (State::Cleared, stands));

@@ -18,10 +18,9 @@ use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, Massive};
 use trirrr_core::torque::payload::Centred;
 use trirrr_plan::bound::least_time;
-use trirrr_plan::cell::Planner;
+use trirrr_plan::cell::{Measured, Planner};
 use trirrr_plan::passes::{controllable, duration, fastest};
 use trirrr_plan::piece::Piece;
-use trirrr_service::admission::TaylorModel;
 
 type Machine = Dynamic<f64, Centred<f64>, Massive<f64, Horizontal>>;
 
@@ -37,20 +36,22 @@ fn planned(
     count: usize,
 ) -> Result<[f64; 3], Box<dyn Error>> {
     let start = Instant::now();
-    let models = piece.over::<TaylorModel<f64>>();
+    let models = piece.models();
     let mut side = None;
     let mark = |index: usize| index as f64 / count as f64;
-    let cells = (0..count)
+    let measured = (0..count)
         .map(|index| planner.measure(&models, [mark(index), mark(index + 1)], None, &mut side))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|obstacle| format!("{obstacle:?}"))?;
+    let cells: Vec<_> = measured.iter().map(Measured::cell).collect();
     let mut squares = vec![0.0; count + 1];
     controllable(&cells, 0.0, &mut squares);
     fastest(&cells, 0.0, &mut squares);
     let duration_s = duration(&cells, &squares);
     let seconds = start.elapsed().as_secs_f64();
     let (mut times, mut most) = (vec![0.0; count + 1], vec![0.0; count + 1]);
-    let least_s = least_time(&cells, [0.0, 0.0], &mut times, &mut most);
+    let possible: Vec<_> = measured.iter().map(Measured::possible).collect();
+    let least_s = least_time(&cells, &possible, [0.0, 0.0], &mut times, &mut most);
     Ok([seconds, duration_s, least_s])
 }
 

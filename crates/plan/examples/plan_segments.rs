@@ -1,6 +1,7 @@
 //! Plans a drawing of short lines, as a slicer or an engraver writes them: arcs cut into chords of 0.1 to 1 mm, corners
 //! rounded by 10 um, with the dynamics of all seven bodies and limits of rate, acceleration and torque. Prints lines a
-//! second on one core, and how near the plan comes to its bound. The arguments are the number of
+//! second on one core, and how near the plan comes to its bound. Then the same lines go through a window of 256 cells, which makes
+//! the moves, too, and holds 64 pieces at a time. The arguments are the number of
 //! lines, 1000 by default, and the gap between plan and bound, 0.005 by default.
 //!
 //! `cargo run --release -p trirrr-plan --example plan_segments -- 10000`
@@ -18,11 +19,16 @@ use trirrr_plan::cell::Planner;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::{Effort, PathPiece, plan};
 use trirrr_plan::piece::Piece;
+use trirrr_plan::window::{Outlook, Window, WindowPiece, WindowSettings};
+use trirrr_service::Ramp;
+use trirrr_service::admission::Path;
 
 const LINES: usize = 1000;
 const CORNER_M: f64 = 1e-5;
 /// A hold takes a minute: the room for it is small.
 const RAMP: f64 = 1.0 / 60.0;
+
+type Machine = Dynamic<f64, Centred<f64>, Massive<f64, Horizontal>>;
 
 /// The thesis machine with rods of 0.05 kg.
 fn machine() -> Parameters {
@@ -78,7 +84,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         torque_nm: Some([0.3; 3]),
         ..LimitParameters::default()
     };
-    type Machine = Dynamic<f64, Centred<f64>, Massive<f64, Horizontal>>;
     let planner = Planner::<Machine>::build(&machine(), Limits::build(&limits)?, RAMP)?;
     let drawing = drawing(lines);
     let lengths = || drawing.iter().map(|each| each.piece.length_m());
@@ -106,5 +111,66 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan.least_s(),
         lines as f64 / seconds,
     );
+    let path = Path::<Machine>::build(
+        &machine(),
+        Limits::build(&limits)?,
+        Ramp::within(100, None),
+        1e-3,
+    )?;
+    let start = Instant::now();
+    let (moves, motion_s) = through_window(&path, &pieces)?;
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "window: {motion_s:.4} s of motion in {moves} moves; computed in {seconds:.3} s: {:.0} lines a second",
+        lines as f64 / seconds,
+    );
     Ok(())
+}
+
+/// Number of the moves that a window makes of `pieces`, and their duration.
+fn through_window(
+    path: &Path<Machine>,
+    pieces: &[PathPiece],
+) -> Result<(usize, f64), Box<dyn Error>> {
+    let settings = WindowSettings {
+        period_s: 1e-3,
+        ticks: 2,
+        tolerance_m: CORNER_M,
+        tolerance_rad: 1e-4,
+        lever_m: 0.1,
+        hold_rate: 0.0,
+    };
+    let start = pieces[0].piece.at(0.0).pose;
+    let mut window = Box::new(Window::<f64, (), 64, 256>::new(settings.planning()));
+    window.stand(start);
+    let mut waiting = pieces.iter().peekable();
+    let (mut moves, mut ticks) = (0, 0);
+    while !window.is_done() || waiting.peek().is_some() {
+        while window.room() > 0
+            && let Some(each) = waiting.next()
+        {
+            let taken = window.push(WindowPiece {
+                piece: each.piece,
+                feed: each.feed_m_s,
+                tag: (),
+            });
+            if !taken {
+                return Err(format!("{:?}", window.refusal()).into());
+            }
+        }
+        if waiting.peek().is_none() {
+            window.close();
+        }
+        match window.step(path) {
+            Outlook::Working => {}
+            Outlook::Waiting if window.room() > 0 => {}
+            Outlook::Waiting => return Err(format!("stuck {moves}: {:?}", window.refusal()).into()),
+            Outlook::Move(each) => {
+                moves += 1;
+                ticks += each.ticks;
+                window.keep();
+            }
+        }
+    }
+    Ok((moves, f64::from(ticks) * settings.period_s))
 }

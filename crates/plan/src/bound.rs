@@ -6,9 +6,10 @@
 //! differential equations). Two rows with a <= P - Q x and a >= P' - Q' x leave x <= (P - P') / (Q - Q').
 //! Both hold for every motion, not only for those with constant acceleration in a cell.
 
-use crate::cell::{Cell, Row};
+use crate::cell::Cell;
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{next_joint, time_between};
+use crate::rows::ModelRow;
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, ModelLine, TaylorModel};
@@ -23,9 +24,9 @@ struct Side<T> {
     square: T,
 }
 
-/// What a cell leaves possible.
+/// Bounds of any motion through a cell.
 #[derive(Clone, Debug)]
-pub(crate) struct Possible<B> {
+pub struct Possible<B> {
     above: Vec<Side<ModelLine<B>>, ROWS>,
     below: Vec<Side<ModelLine<B>>, ROWS>,
     /// Above every x that some a keeps within the limits.
@@ -63,32 +64,32 @@ impl<B: Arithmetic> Above<B> {
 }
 
 /// Returns a lower bound of the time of any motion through `cells` that begins with x <= `start` and ends with
-/// x <= `end`. `times` and `squares` are room for one value more than there are cells. `squares` is left with an upper
+/// x <= `end`. `times` and `squares` are room for one value more than there are cells; `possible` has one for each. `squares` is left with an upper
 /// bound of x at each place, `times` with a lower bound of the time in the cell that begins there.
-pub fn least_time<N: Enclose>(
-    cells: &[Cell<N>],
-    [start, end]: [N::Bound; 2],
-    times: &mut [N::Bound],
-    squares: &mut [N::Bound],
-) -> N::Bound {
+pub fn least_time<B: Arithmetic>(
+    cells: &[Cell<B>],
+    possible: &[Possible<B>],
+    [start, end]: [B; 2],
+    times: &mut [B],
+    squares: &mut [B],
+) -> B {
     let count = cells.len();
     // Bounds from before, until the cell behind has used them.
     let forward = times;
     forward[0] = start;
-    for (index, cell) in cells.iter().enumerate() {
+    for (index, (cell, possible)) in cells.iter().zip(possible).enumerate() {
         let joint = next_joint(cells, index);
-        let [at_start, at_end] = cell.possible.ends;
+        let [at_start, at_end] = possible.ends;
         let x = lesser(forward[index], at_start);
         forward[index] = x;
-        let reached = cell.possible.from(x, cell.length);
+        let reached = possible.from(x, cell.length);
         let reached = reached.map_or(at_end, |above| above.end);
         forward[index + 1] = lesser(reached, at_end) * joint;
     }
     squares[count] = lesser(forward[count], end);
-    forward[count] = N::Bound::ZERO;
-    let mut total = N::Bound::ZERO;
-    for (index, cell) in cells.iter().enumerate().rev() {
-        let possible = &cell.possible;
+    forward[count] = B::ZERO;
+    let mut total = B::ZERO;
+    for (index, (cell, possible)) in cells.iter().zip(possible).enumerate().rev() {
         let joint = next_joint(cells, index);
         let [at_start, at_end] = possible.ends;
         let after = lesser(squares[index + 1].div(joint), at_end);
@@ -108,12 +109,12 @@ pub fn least_time<N: Enclose>(
         forward[index] = time;
         total += time;
     }
-    total - total * (N::Bound::UNIT_ROUNDOFF * N::Bound::from_f64(8.0 * count as f64))
+    total - total * (B::UNIT_ROUNDOFF * B::from_f64(8.0 * count as f64))
 }
 
 impl<B: Arithmetic> Possible<B> {
     /// What `rows` leave possible in a cell of `length`.
-    pub(crate) fn of<N: Enclose<Bound = B>>(rows: &[Row<N>], length: B) -> Self {
+    pub(crate) fn of<N: Enclose<Bound = B>>(rows: &[ModelRow<N>], length: B) -> Self {
         let mut above: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
         let mut below: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
         let sides = rows.iter().filter_map(sides);
@@ -162,7 +163,7 @@ impl<B: Arithmetic> Possible<B> {
 }
 
 /// The bounds of a from above and from below; none where the coefficient of a may vanish in the cell.
-fn sides<N: Enclose>(row: &Row<N>) -> Option<[Side<TaylorModel<N>>; 2]> {
+fn sides<N: Enclose>(row: &ModelRow<N>) -> Option<[Side<TaylorModel<N>>; 2]> {
     let coefficient = row.acceleration?;
     let limit = TaylorModel::point(row.limit);
     let inverse = TaylorModel::ONE.div(coefficient);
@@ -183,7 +184,7 @@ fn sides<N: Enclose>(row: &Row<N>) -> Option<[Side<TaylorModel<N>>; 2]> {
 
 /// A line above every x that some a keeps within the limits, and the greatest such x at both ends.
 fn cap<N: Enclose>(
-    rows: &[Row<N>],
+    rows: &[ModelRow<N>],
     above: &[Side<TaylorModel<N>>],
     below: &[Side<TaylorModel<N>>],
     length: N::Bound,

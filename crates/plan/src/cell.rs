@@ -15,84 +15,26 @@
 //! the coefficients as Taylor models over its stretch, so they bound the quantity at every point.
 
 use crate::bound::Possible;
-use crate::extreme::{greater, lesser};
 use crate::piece::{PathPoint, Piece};
-use heapless::Vec;
+pub use crate::rows::{Cell, Limited};
+use crate::rows::{ModelRow, PowerLimit, Row, Rows};
+use core::borrow::Borrow;
 use nalgebra::Vector3;
 use trirrr_core::dyad::{Accelerations, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
+#[cfg(feature = "std")]
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
-use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
-use trirrr_core::tick::Tick;
-use trirrr_service::admission::{Enclose, TaylorModel};
-
-/// Most rows of a cell: rate, acceleration and torque of three motors, and the speed of D.
-pub const ROWS: usize = 10;
+#[cfg(feature = "std")]
+use trirrr_service::Ramp;
+use trirrr_service::admission::{Enclose, Path, TaylorModel};
 
 /// Part of a limit that the value at rest may take.
 const STANDING: f64 = 0.999_999;
-
-/// A quantity that a limit bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limited {
-    /// Joint rate of a motor, 0 to 2.
-    Rate(usize),
-    /// Joint acceleration of a motor.
-    Acceleration(usize),
-    /// Torque of a motor.
-    Torque(usize),
-    /// Mechanical power of a motor.
-    Power(usize),
-    /// Speed of the reference point D.
-    Feed,
-}
-
-/// |acceleration a + square x + rest| <= limit over a cell.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Row<N: Enclose> {
-    pub(crate) what: Limited,
-    /// Coefficient of a; none where the quantity depends on x alone and is not negative.
-    pub(crate) acceleration: Option<TaylorModel<N>>,
-    /// Coefficient of x.
-    pub(crate) square: TaylorModel<N>,
-    /// Value at rest.
-    pub(crate) rest: TaylorModel<N>,
-    pub(crate) limit: N::Bound,
-}
-
-/// Limit of the power of one motor: |torque| |theta'| u <= limit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PowerLimit<N: Enclose> {
-    /// Greatest |theta'| of the cell.
-    pub(crate) rate: N::Bound,
-    /// The torque, with an unused limit.
-    pub(crate) torque: Row<N>,
-    pub(crate) limit: N::Bound,
-}
-
-/// Limits over a stretch of a piece.
-#[derive(Clone, Debug)]
-pub struct Cell<N: Enclose> {
-    /// Length of the stretch in p, positive.
-    pub(crate) length: N::Bound,
-    /// x at the start of this cell over x at the end of the cell before: not 1 where pieces join.
-    pub(crate) joint: N::Bound,
-    /// Part that the passes use of what the limits leave for motion, 0 to 1.
-    pub(crate) share: N::Bound,
-    /// What `share` is to be lowered to, as a part of itself.
-    tightened: N::Bound,
-    /// r: rate of change of the pace that a hold may add, in paces per unit of time.
-    pub(crate) ramp: N::Bound,
-    pub(crate) rows: Vec<Row<N>, ROWS>,
-    pub(crate) powers: Vec<PowerLimit<N>, 3>,
-    /// Bounds of any motion through the cell.
-    pub(crate) possible: Possible<N::Bound>,
-}
 
 /// Obstacle to a motion along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,19 +53,29 @@ pub enum Obstacle {
     Refused,
 }
 
-/// The machine with its limits, ready to measure cells.
-#[derive(Clone, Debug)]
-pub struct Planner<M: Model<N: Enclose>> {
-    tick: Tick<M::Over<TaylorModel<M::N>>>,
-    distances: Distances<TaylorModel<M::N>>,
-    limits: Limits<<M::N as Enclose>::Bound>,
-    ramp: <M::N as Enclose>::Bound,
-    loaded: bool,
+/// The machine with its limits, ready to measure cells. `C` holds the coefficients, which are those of the admission.
+#[derive(Clone, Copy, Debug)]
+pub struct Planner<M: Model<N: Enclose>, C = Path<M>> {
+    coefficients: C,
+    ramp: BoundOf<M>,
+    #[cfg(feature = "std")]
     lever_m: f64,
+    /// Most of x |X''| across the path, in the plane and for alpha.
+    bend: Option<[BoundOf<M>; 2]>,
+}
+
+type BoundOf<M> = <<M as Model>::N as Enclose>::Bound;
+
+/// Limits over a stretch of a piece as they are measured: Taylor models.
+#[derive(Clone, Debug)]
+pub struct Measured<N: Enclose> {
+    length: N::Bound,
+    limits: Rows<TaylorModel<N>, N::Bound>,
 }
 
 type Model3<N> = [TaylorModel<N>; 3];
 
+#[cfg(feature = "std")]
 impl<N: Enclose, M: Model<N = N>> Planner<M> {
     /// Builds the coefficients. `ramp`: rate at which a hold may change the pace anywhere on the path, in paces per
     /// unit of time; 0 leaves no room for holds.
@@ -135,29 +87,88 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         limits: Limits<N::Bound>,
         ramp: N::Bound,
     ) -> Result<Self, BuildError> {
+        // Holds and ticks are the admission's own.
+        let coefficients = Path::build(parameters, limits, Ramp::within(1, None), 1.0)?;
+        let radii = parameters.legs.iter().map(|leg| leg.joint_radius_m);
         Ok(Self {
-            tick: Tick::build(parameters)?,
-            distances: Distances::build(parameters),
-            limits,
-            ramp,
-            loaded: parameters.is_loaded_at_rest(),
-            lever_m: parameters
-                .legs
-                .iter()
-                .map(|leg| leg.joint_radius_m)
-                .fold(0.0, f64::max),
+            lever_m: radii.fold(0.0, f64::max),
+            ..Self::over(coefficients, ramp)
         })
+    }
+}
+
+impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
+    /// With the coefficients of an admission. `ramp` as in [`build`](Planner::build).
+    pub fn over(coefficients: C, ramp: N::Bound) -> Self {
+        Self {
+            coefficients,
+            ramp,
+            #[cfg(feature = "std")]
+            lever_m: 0.0,
+            bend: None,
+        }
+    }
+
+    fn path(&self) -> &Path<M> {
+        self.coefficients.borrow()
+    }
+
+    fn limits(&self) -> &Limits<N::Bound> {
+        self.path().limits()
+    }
+
+    /// Limits the acceleration across the path to `most`, of D and of alpha: moves that average over time leave the
+    /// path by as much.
+    pub(crate) fn with_bend(mut self, most: [N::Bound; 2]) -> Self {
+        self.bend = Some(most);
+        self
     }
 
     /// Largest distance of a platform joint from D.
-    pub fn lever_m(&self) -> f64 {
+    #[cfg(feature = "std")]
+    pub(crate) fn lever_m(&self) -> f64 {
         self.lever_m
     }
 
     /// Returns true if the power of the motors is limited.
     #[cfg(feature = "std")]
     pub(crate) fn limits_power(&self) -> bool {
-        self.limits.power.is_some()
+        self.limits().power.is_some()
+    }
+
+    /// Limits of jerk, rad/s^3.
+    #[cfg(feature = "std")]
+    pub(crate) fn jerk(&self) -> Option<[N::Bound; 3]> {
+        self.limits().jerk
+    }
+
+    /// Accelerations of the motors at p of `piece`, as coefficients of a and x; none where a leg does not reach.
+    #[cfg(feature = "std")]
+    pub(crate) fn turning(
+        &self,
+        piece: &Piece<TaylorModel<N>>,
+        p: N::Bound,
+    ) -> Option<[[N::Bound; 2]; 3]> {
+        let PathPoint {
+            pose,
+            first,
+            second,
+        } = piece.at(TaylorModel::point(p));
+        let setpoint = Setpoint {
+            pose,
+            velocity: first,
+            acceleration: second,
+        };
+        let legs = self.solve(&setpoint, &Rotation::new(pose.angle)).ok()?;
+        let middle = |model: TaylorModel<N>| model.line().constant;
+        Some(legs.map(|leg| {
+            let LegMotion {
+                rates,
+                accelerations,
+                ..
+            } = leg;
+            [middle(rates.proximal), middle(accelerations.proximal)]
+        }))
     }
 
     /// Rate at which a hold may change the pace.
@@ -176,9 +187,10 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         [from, to]: [N::Bound; 2],
         feed: Option<N::Bound>,
         side: &mut Option<bool>,
-    ) -> Result<Cell<N>, Obstacle> {
+    ) -> Result<Measured<N>, Obstacle> {
         let half = N::Bound::HALF;
-        let p = TaylorModel::span(half * (from + to), half * (to - from));
+        // Rounding is far below what a cell loses by its length.
+        let p = TaylorModel::span(half * (from + to), half * (to - from)).made_rough();
         let PathPoint {
             pose,
             first,
@@ -193,29 +205,20 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         let mut legs = self.solve(&setpoint, &rotation)?;
         self.keep_distances(&legs, side)?;
 
-        let mut cell = Cell {
-            length: to - from,
-            joint: N::Bound::ONE,
-            share: N::Bound::ONE,
-            tightened: N::Bound::ONE,
-            ramp: N::Bound::ZERO,
-            rows: Vec::new(),
-            powers: Vec::new(),
-            possible: Possible::of::<N>(&[], to - from),
-        };
+        let mut rows = Rows::new();
         let rates = legs.map(|leg| leg.rates.proximal);
-        if let Some(limits) = self.limits.rate {
+        if let Some(limits) = self.limits().rate {
             for (motor, limit) in limits.into_iter().enumerate() {
-                cell.push(Row::of_square(
+                rows.push(ModelRow::of_square(
                     Limited::Rate(motor),
                     rates[motor] * rates[motor],
                     limit,
                 ));
             }
         }
-        if let Some(limits) = self.limits.acceleration {
+        if let Some(limits) = self.limits().acceleration {
             for (motor, limit) in limits.into_iter().enumerate() {
-                cell.push(Row {
+                rows.push(Row {
                     what: Limited::Acceleration(motor),
                     acceleration: Some(rates[motor]),
                     square: legs[motor].accelerations.proximal,
@@ -226,15 +229,19 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         }
         if let Some(feed) = feed {
             let speed_sq = TaylorModel::ab_plus_cd(first.x, first.x, first.y, first.y);
-            cell.push(Row::of_square(Limited::Feed, speed_sq, feed));
+            rows.push(ModelRow::of_square(Limited::Feed, speed_sq, feed));
         }
-        if M::TORQUES && (self.limits.torque.is_some() || self.limits.power.is_some()) {
+        if let Some(most) = self.bend {
+            let most = most.map(|each| TaylorModel::point(N::Bound::ONE.div(each)));
+            rows.push(bend(&first, &second, most).ok_or(Obstacle::Range)?);
+        }
+        if M::TORQUES && (self.limits().torque.is_some() || self.limits().power.is_some()) {
             let torques = self
                 .torques(&mut legs, &mut setpoint, &rotation)
                 .map_err(Obstacle::of)?;
-            self.add_torques(&mut cell, &rates, torques);
+            self.add_torques(&mut rows, &rates, torques);
         }
-        for row in &cell.rows {
+        for row in &rows.rows {
             if !row.is_finite() {
                 return Err(Obstacle::Range);
             }
@@ -243,13 +250,15 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                 return Err(Obstacle::Standing(row.what));
             }
         }
-        cell.possible = Possible::of(&cell.rows, cell.length);
-        Ok(cell)
+        Ok(Measured {
+            length: to - from,
+            limits: rows,
+        })
     }
 
     fn add_torques(
         &self,
-        cell: &mut Cell<N>,
+        rows: &mut Rows<TaylorModel<N>, N::Bound>,
         rates: &Model3<N>,
         [starting, moving, resting]: [Model3<N>; 3],
     ) {
@@ -262,10 +271,10 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                 rest,
                 limit,
             };
-            if let Some(limits) = self.limits.torque {
-                cell.push(torque(limits[motor]));
+            if let Some(limits) = self.limits().torque {
+                rows.push(torque(limits[motor]));
             }
-            if let Some(limits) = self.limits.power {
+            if let Some(limits) = self.limits().power {
                 let power = PowerLimit {
                     rate: rates[motor].magnitude(),
                     torque: Row {
@@ -275,7 +284,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                     limit: limits[motor],
                 };
                 // Room for each motor.
-                let _ = cell.powers.push(power);
+                let _ = rows.powers.push(power);
             }
         }
     }
@@ -285,7 +294,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         setpoint: &Setpoint<TaylorModel<N>>,
         rotation: &Rotation<TaylorModel<N>>,
     ) -> Result<[LegMotion<TaylorModel<N>>; 3], Obstacle> {
-        let legs = self.tick.geometry().legs();
+        let legs = self.path().tick().geometry().legs();
         let solve = |index: usize| {
             let leg = &legs[index];
             let position: LegPosition<_> = leg.position(index, setpoint.pose.position, rotation)?;
@@ -307,16 +316,16 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         side: &mut Option<bool>,
     ) -> Result<(), Obstacle> {
         for (index, leg) in legs.iter().enumerate() {
-            let distance = self.distances.serial_of(index, &leg.position);
-            if !(distance.least_magnitude() >= self.limits.serial_distance) {
+            let distance = self.path().distances().serial_of(index, &leg.position);
+            if !(distance.least_magnitude() >= self.limits().serial_distance) {
                 return Err(Obstacle::SerialDistance(index));
             }
         }
         let positions = legs.each_ref().map(|leg| &leg.position);
-        let distance = self.distances.signed_parallel_of(positions);
+        let distance = self.path().distances().signed_parallel_of(positions);
         let positive = distance > TaylorModel::ZERO;
         let apart = distance.least_magnitude() > N::Bound::ZERO
-            && distance.least_magnitude() >= self.limits.parallel_distance;
+            && distance.least_magnitude() >= self.limits().parallel_distance;
         match apart && *side.get_or_insert(positive) == positive {
             true => Ok(()),
             false => Err(Obstacle::ParallelDistance),
@@ -330,7 +339,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
         setpoint: &mut Setpoint<TaylorModel<N>>,
         rotation: &Rotation<TaylorModel<N>>,
     ) -> Result<[Model3<N>; 3], Status> {
-        let moving = self.tick.torques(legs, setpoint, rotation)?;
+        let moving = self.path().tick().torques(legs, setpoint, rotation)?;
         let zero = TaylorModel::ZERO;
         setpoint.acceleration = setpoint.velocity;
         setpoint.velocity = Vector3::from([zero; 3]);
@@ -344,9 +353,9 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                 distal: zero,
             };
         }
-        let starting = self.tick.torques(legs, setpoint, rotation)?;
+        let starting = self.path().tick().torques(legs, setpoint, rotation)?;
         let mut resting = [zero; 3];
-        if self.loaded {
+        if self.path().is_loaded() {
             setpoint.acceleration = setpoint.velocity;
             for leg in legs.iter_mut() {
                 leg.accelerations = Accelerations {
@@ -354,76 +363,50 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
                     distal: zero,
                 };
             }
-            resting = self.tick.torques(legs, setpoint, rotation)?;
+            resting = self.path().tick().torques(legs, setpoint, rotation)?;
         }
         Ok([starting, moving, resting])
     }
 }
 
-impl<N: Enclose> Row<N> {
-    /// square x <= limit^2.
-    fn of_square(what: Limited, square: TaylorModel<N>, limit: N::Bound) -> Self {
-        Self {
-            what,
-            acceleration: None,
-            square,
-            rest: TaylorModel::ZERO,
-            limit: limit * limit,
-        }
+/// The row |X' x X''| / |X'| x <= 1, with D and alpha in parts of what each may bend; none where X' may vanish.
+fn bend<N: Enclose>(
+    first: &Vector3<TaylorModel<N>>,
+    second: &Vector3<TaylorModel<N>>,
+    [plane, angle]: [TaylorModel<N>; 2],
+) -> Option<ModelRow<N>> {
+    let scaled = |v: &Vector3<TaylorModel<N>>| Vector3::new(v.x * plane, v.y * plane, v.z * angle);
+    let (first, second) = (scaled(first), scaled(second));
+    let across = [
+        TaylorModel::ab_minus_cd(first.y, second.z, first.z, second.y),
+        TaylorModel::ab_minus_cd(first.z, second.x, first.x, second.z),
+        TaylorModel::ab_minus_cd(first.x, second.y, first.y, second.x),
+    ];
+    let mut sum = N::Bound::ZERO;
+    for each in across {
+        let size = each.magnitude();
+        sum += size * size;
     }
-
-    fn is_finite(&self) -> bool {
-        let all = self.acceleration.unwrap_or(TaylorModel::ZERO) + self.square + self.rest;
-        all.is_finite()
-    }
+    let length = TaylorModel::ab_plus_cd(first.x, first.x, first.y, first.y) + first.z * first.z;
+    let least = length.least_magnitude();
+    (least > N::Bound::ZERO).then(|| Row {
+        what: Limited::Tolerance,
+        acceleration: None,
+        square: TaylorModel::point(sum.div(least).sqrt()),
+        rest: TaylorModel::ZERO,
+        limit: N::Bound::ONE,
+    })
 }
 
-impl<N: Enclose> Cell<N> {
-    /// There is room: each kind of row occurs once for each motor.
-    fn push(&mut self, row: Row<N>) {
-        let _ = self.rows.push(row);
+impl<N: Enclose> Measured<N> {
+    /// The limits as the passes take them.
+    pub fn cell(&self) -> Cell<N::Bound> {
+        Cell::new(self.length, self.limits.convert(TaylorModel::line))
     }
 
-    /// Sets the scale of the pace at the start of this cell: x here over x at the end of the cell before.
-    pub fn join(&mut self, joint: N::Bound) {
-        self.joint = joint;
-    }
-
-    /// Takes the coefficients in the middle of the cell for all of it: an estimate, no proof.
-    #[cfg(feature = "std")]
-    pub(crate) fn flatten(&mut self) {
-        let flat = |model: TaylorModel<N>| TaylorModel::point(model.line().constant);
-        for row in self
-            .rows
-            .iter_mut()
-            .chain(self.powers.iter_mut().map(|power| &mut power.torque))
-        {
-            row.acceleration = row.acceleration.map(flat);
-            row.square = flat(row.square);
-            row.rest = flat(row.rest);
-        }
-    }
-
-    /// Leaves room for a hold at the rate `ramp` in the passes from now on; a cell is measured without.
-    pub fn reserve(&mut self, ramp: N::Bound) {
-        self.ramp = ramp;
-    }
-
-    /// Notes that the passes are to use no more than `share` of what they use of the limits now. Of several shares
-    /// the least counts, from the next [`apply_tightening`](Self::apply_tightening) on.
-    pub fn tighten(&mut self, share: N::Bound) {
-        self.tightened = lesser(self.tightened, share);
-    }
-
-    /// Lowers the part of the limits that the passes use, down to 1e-8 at most: the pace goes with its root.
-    pub fn apply_tightening(&mut self) {
-        self.share = greater(self.share * self.tightened, N::Bound::ratio(1, 100_000_000));
-        self.tightened = N::Bound::ONE;
-    }
-
-    /// Length in p.
-    pub fn length(&self) -> N::Bound {
-        self.length
+    /// Bounds of any motion through the stretch.
+    pub fn possible(&self) -> Possible<N::Bound> {
+        Possible::of(&self.limits.rows, self.length)
     }
 }
 

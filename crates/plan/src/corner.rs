@@ -1,8 +1,10 @@
 //! Rounding of corners: a smooth curve takes the place of two pieces' ends.
 
-use crate::course::{PathPiece, joint};
+use crate::course::PathPiece;
+use crate::piece::joint;
 use crate::piece::{Piece, PlaneCurve};
 use nalgebra::Vector3;
+use trirrr_core::setpoint::Pose;
 
 /// Largest part of a piece that is cut off at one end.
 const CUT_MAX: f64 = 0.5;
@@ -12,8 +14,16 @@ const LEFT_MIN: f64 = 1e-6;
 const SHARPEST: f64 = -0.98;
 /// Greatest slight turn, rad.
 const SLIGHT: f64 = 0.45;
-/// Samples that a curve is compared with its corner by.
+/// Shortest length that is cut off, m: less is the rounding of a place at which D stands.
+const CUT_MIN_M: f64 = 1e-9;
+/// Samples of a piece among which the nearest place is looked for.
 const SAMPLES: u32 = 32;
+/// Part of the tolerance that a curve may use where it is looked at.
+const SAMPLED: f64 = 0.99;
+/// Way between two places, in tolerances, that is not looked at.
+const FINEST: f64 = 0.01;
+/// Steps towards the nearest place.
+const STEPS: u32 = 4;
 
 /// Returns `pieces` with each corner rounded that can be: D stays within `tolerance_m` of the path. The new pieces
 /// take the feed and the number of the piece before.
@@ -83,6 +93,9 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
     let mut length = (tolerance_m / deviating)
         .min(CUT_MAX * speed_a)
         .min(CUT_MAX * speed_b);
+    if !(length > CUT_MIN_M) {
+        return None;
+    }
     for _ in 0..32 {
         let cut = [length / speed_a, length / speed_b];
         let (from, to) = (before.at(1.0 - cut[0]), after.at(cut[1]));
@@ -93,7 +106,13 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
             to.pose,
         ]);
         // Between straight pieces the length is exact.
-        if straight || deviation(&piece, before, after, cut) <= tolerance_m {
+        let rounding = Rounding {
+            curve: &piece,
+            before,
+            after,
+            cut,
+        };
+        if straight || rounding.stays(SAMPLED * tolerance_m) {
             return Some(Curve { piece, cut });
         }
         length *= 0.8;
@@ -101,26 +120,66 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
     None
 }
 
-/// Greatest distance of `curve` from the ends that it replaces, by samples.
-fn deviation(curve: &Piece<f64>, before: &Piece<f64>, after: &Piece<f64>, cut: [f64; 2]) -> f64 {
-    let parts = || (0..=SAMPLES).map(|i| f64::from(i) / f64::from(SAMPLES));
-    let replaced: Vec<_> = parts()
-        .map(|part| before.at(1.0 - cut[0] * (1.0 - part)))
-        .chain(parts().map(|part| after.at(cut[1] * part)))
-        .collect();
-    let farthest = parts().map(|part| {
-        let pose = curve.at(part).pose;
-        let distances = replaced.iter().map(|point| {
-            let off = point.pose.displacement(&pose);
-            // Between two samples: the distance from the tangent.
-            let along = point.first.xy() / speed(point.first);
-            let reach = 2.0 * cut[0].max(cut[1]) * speed(point.first) / f64::from(SAMPLES);
-            match off.xy().dot(&along).abs() <= reach {
-                true => off.xy().perp(&along).abs(),
-                false => speed(off),
-            }
-        });
-        distances.fold(f64::INFINITY, f64::min)
-    });
-    farthest.fold(0.0, f64::max)
+/// A curve beside the pieces whose ends it replaces.
+struct Rounding<'a> {
+    curve: &'a Piece<f64>,
+    before: &'a Piece<f64>,
+    after: &'a Piece<f64>,
+    cut: [f64; 2],
+}
+
+impl Rounding<'_> {
+    /// Returns true if D stays within `most_m` of the path everywhere on the curve.
+    fn stays(&self, most_m: f64) -> bool {
+        let [a, b, c, d] = self.curve.controls();
+        let legs = [(a, b), (b, c), (c, d)].map(|(from, to)| speed(from.displacement(&to)));
+        let fastest = 3.0 * legs.into_iter().fold(0.0, f64::max);
+        let [start, end] = [0.0, 1.0].map(|p| [p, self.distance(p)]);
+        self.stays_between([start, end], fastest, most_m)
+    }
+
+    /// The same between two places, each with its distance: on a way of that length it grows by half of the way at most, beyond
+    /// the mean of the two.
+    fn stays_between(&self, [from, to]: [[f64; 2]; 2], fastest: f64, most_m: f64) -> bool {
+        let way = fastest * (to[0] - from[0]);
+        if !(from[1] <= most_m && to[1] <= most_m) {
+            return false;
+        }
+        if from[1] + to[1] + way <= 2.0 * most_m || way <= FINEST * most_m {
+            return true;
+        }
+        let p = 0.5 * (from[0] + to[0]);
+        let middle = [p, self.distance(p)];
+        let between = |ends| self.stays_between(ends, fastest, most_m);
+        between([from, middle]) && between([middle, to])
+    }
+
+    /// Distance of the curve at `p` from the path.
+    fn distance(&self, p: f64) -> f64 {
+        let pose = self.curve.at(p).pose;
+        let parts = || (0..=SAMPLES).map(|i| f64::from(i) / f64::from(SAMPLES));
+        let before = parts().map(|part| 1.0 - self.cut[0] * part);
+        let after = parts().map(|part| self.cut[1] * part);
+        nearest(self.before, before, &pose).min(nearest(self.after, after, &pose))
+    }
+}
+
+/// Distance of D at `pose` from the place `p` of `piece`.
+fn distance(piece: &Piece<f64>, p: f64, pose: &Pose<f64>) -> f64 {
+    speed(piece.at(p).pose.displacement(pose))
+}
+
+/// Distance of D at `pose` from the place of `piece` nearest to it, about the nearest one of `places`.
+fn nearest(piece: &Piece<f64>, places: impl Iterator<Item = f64>, pose: &Pose<f64>) -> f64 {
+    let begun = places.map(|p| (distance(piece, p, pose), p));
+    let nearer = |a: (f64, f64), b: (f64, f64)| if b.0 < a.0 { b } else { a };
+    let (mut least, mut p) = begun.fold((f64::INFINITY, 0.0), nearer);
+    for _ in 0..STEPS {
+        let point = piece.at(p);
+        let off = point.pose.displacement(pose).xy();
+        let along = point.first.xy();
+        p = (p + off.dot(&along) / along.dot(&along)).clamp(0.0, 1.0);
+        least = least.min(distance(piece, p, pose));
+    }
+    least
 }

@@ -1,11 +1,12 @@
 //! Plans of whole paths, with memory from the heap: grids, stops at corners, refinement.
 
+use crate::bound::Possible;
 use crate::cell::{Cell, Limited, Obstacle, Planner};
 use crate::grid::Grid;
+use crate::jerk::{self, JerkLimits};
 use crate::passes::{acting, controllable, duration, ends_of, fastest, time_between};
-use crate::piece::Piece;
+use crate::piece::{Piece, joint};
 use core::ops::Range;
-use nalgebra::Vector3;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::Pose;
 
@@ -78,11 +79,15 @@ pub struct Run {
     pub places: Vec<PathPlace>,
     /// The cells.
     pub cells: Vec<Cell<f64>>,
+    /// Bounds of any motion through each cell.
+    pub(crate) possible: Vec<Possible<f64>>,
     /// Square of the pace dp/dt at each place, by the parameter of the piece that begins or goes on there; the last
     /// one by the piece that ends.
     pub squares: Vec<f64>,
     /// Upper bound of the square of any motion's pace at each place.
     pub squares_max: Vec<f64>,
+    /// Limits of jerk that [`replan`](Self::replan) keeps.
+    pub(crate) jerk: Option<JerkLimits>,
     /// Duration.
     pub duration_s: f64,
     /// Lower bound of the duration of any motion along the run.
@@ -124,30 +129,40 @@ impl Run {
         }
         controllable(&self.cells, 0.0, &mut self.squares);
         fastest(&self.cells, 0.0, &mut self.squares);
+        if let Some(limits) = &self.jerk {
+            jerk::limit(&self.cells, limits, &mut self.squares);
+        }
         self.duration_s = duration(&self.cells, &self.squares);
+    }
+
+    /// Time over which the motion is a mean of a mean of the plan, s.
+    pub(crate) fn mean_s(&self) -> f64 {
+        self.jerk.as_ref().map_or(0.0, |jerk| jerk.cell_s)
+    }
+
+    /// Square of the pace at both ends of cell `index`, by its piece's parameter.
+    pub(crate) fn ends_of(&self, index: usize) -> [f64; 2] {
+        ends_of(&self.cells, &self.squares, index)
     }
 
     /// Duration of cell `index`.
     pub fn cell_duration_s(&self, index: usize) -> f64 {
-        let [start, end] = ends_of(&self.cells, &self.squares, index);
+        let [start, end] = self.ends_of(index);
         time_between(self.cells[index].length, start, end)
     }
 
     /// Rate of change of the pace in cell `index`, by its piece's parameter.
     pub fn acceleration(&self, index: usize) -> f64 {
-        let [start, end] = ends_of(&self.cells, &self.squares, index);
+        let [start, end] = self.ends_of(index);
         (end - start) / (2.0 * self.cells[index].length)
     }
 
     /// The limit that is nearest in cell `index`.
     pub fn acting(&self, index: usize) -> Option<Limited> {
-        acting(&self.cells, &self.squares, index)
+        let jerk = self.jerk.as_ref().and_then(|jerk| jerk.acting(self, index));
+        jerk.or_else(|| acting(&self.cells, &self.squares, index))
     }
 }
-
-/// Sine of the angle between two tangents above which the path has a corner. Rounding of a path's numbers stays
-/// below it.
-const CORNER: f64 = 1e-9;
 
 /// Cells of the first grid of a run, if it has few pieces.
 const CELLS: usize = 16;
@@ -186,7 +201,7 @@ pub(crate) fn estimate<M: Model<N = f64>>(
 ) -> Result<f64, PathRefusal> {
     let mut duration_s = 0.0;
     for range in ranges(pieces) {
-        duration_s += Grid::measure(planner, pieces, range, cells)?.estimate(planner.ramp());
+        duration_s += Grid::measure(planner, pieces, range, cells, false)?.estimate(planner.ramp());
     }
     Ok(duration_s)
 }
@@ -202,19 +217,6 @@ fn ranges(pieces: &[PathPiece]) -> Vec<Range<usize>> {
         }
     }
     ranges
-}
-
-/// Scale of x from the end of `before` to the start of `after`; none at a corner.
-pub(crate) fn joint(before: &Piece<f64>, after: &Piece<f64>) -> Option<f64> {
-    let (a, b) = (before.at(1.0).first, after.at(0.0).first);
-    let (length_a, length_b) = (length(a), length(b));
-    let scale = length_a / length_b;
-    (length(a / length_a - b / length_b) <= CORNER).then_some(scale * scale)
-}
-
-/// Length of a tangent, with a metre counting as much as a radian.
-pub(crate) fn length(v: Vector3<f64>) -> f64 {
-    v.dot(&v).sqrt()
 }
 
 /// Parts into which cells with these `gaps` are divided so that all gaps together become `allowed` with the fewest
@@ -233,7 +235,7 @@ fn plan_run<M: Model<N = f64>>(
     range: Range<usize>,
     effort: Effort,
 ) -> Result<Run, PathRefusal> {
-    let mut grid = Grid::measure(planner, pieces, range.clone(), CELLS)?;
+    let mut grid = Grid::measure(planner, pieces, range.clone(), CELLS, true)?;
     let cells_max = effort.cells_max.max(CELLS_PER_PIECE_MAX * range.len());
     let mut gap_before = f64::INFINITY;
     loop {

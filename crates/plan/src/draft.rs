@@ -1,28 +1,32 @@
 //! Moves of a run: quintics that follow its [`Spline`], as long as they can be.
 
 use crate::course::{PathPiece, Run};
+use crate::deviation::Deviation;
+use crate::fit::{Fit, LONGEST_S, ends, rest, size};
 use crate::moves::{PlannedMove, Sampling};
 use crate::spline::Spline;
 use core::ops::Range;
 use nalgebra::Vector3;
-use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
+use trirrr_core::setpoint::{Segment, Setpoint};
 
-/// Longest move, s.
-const LONGEST_S: f64 = 0.128;
-/// Part of the largest acceleration by which a move may differ from the spline.
-const DIFFERENCE: f64 = 0.005;
 /// Factor from a move that is too long to the next one that is tried.
 const SHORTER: f64 = 0.75;
-/// Instants at which a move is compared.
-const INSTANTS: u32 = 8;
-/// Part of the largest acceleration that the rounding of poses may make.
+/// Instants at which the path is compared.
+const INSTANTS: u32 = 16;
+/// Part of the largest acceleration, and of the feed, that the rounding of poses may make.
 const ROUNDING: f64 = 0.01;
 /// Part of the tolerances that moves may use at the instants that are looked at.
-const PART_OF_TOLERANCE: f64 = 0.97;
+const PART_OF_TOLERANCE: f64 = 0.95;
 /// Part of the feed by which a move may be faster than the spline.
 const FASTER: f64 = 1e-4;
 /// Part of the feed that moves may use at the instants that are looked at.
 const FEED: f64 = 0.9997;
+/// Part of the limits that a plan for moves uses at most; the rest is for what moves differ from it.
+const SHARE: f64 = 0.999;
+/// The same where the feed is hardly more than rounding.
+const SHARE_MIN: f64 = 0.25;
+/// Part of the largest jerk by which a move may differ from the spline.
+const JERK: f64 = 0.03;
 /// Ticks of a step of the spline at least, for moves that are as long.
 const SMOOTHING_TICKS: f64 = 1.0;
 
@@ -43,22 +47,24 @@ pub(crate) struct Draft<'a> {
     knots: Vec<f64>,
     /// Ticks of the shortest move.
     least: f64,
-    accelerations: Accelerations,
+    fit: Fit<f64>,
+    /// Largest jerk of the spline, where it is limited.
+    jerk: Option<f64>,
     sampling: Sampling,
 }
 
 impl<'a> Draft<'a> {
+    /// Moves of `run`, whose largest acceleration has been `full` before its limits were lowered.
     pub(crate) fn new(
         run: &'a Run,
         pieces: &'a [PathPiece],
-        lever_m: f64,
+        [lever_m, full]: [f64; 2],
         sampling: Sampling,
         fine: &[Fine],
     ) -> Self {
-        let accelerations = Accelerations::new(run, pieces, lever_m);
         // The position at an end, which is rounded, changes the acceleration within a quintic by at most 5.8 h / T^2.
-        let least_s = (5.8 * sampling.resolution_m / (ROUNDING * accelerations.largest)).sqrt();
-        let least = (least_s / sampling.period_s)
+        let least_s = (5.8 * sampling.resolution_m / (ROUNDING * full)).sqrt();
+        let least = (least_s.max(least_at_feed_s(run, pieces, &sampling)) / sampling.period_s)
             .ceil()
             .max(f64::from(sampling.ticks_min));
         let step_s = least.max(SMOOTHING_TICKS) * sampling.period_s;
@@ -68,31 +74,35 @@ impl<'a> Draft<'a> {
             moves: Vec::new(),
             knots: vec![0.0],
             least,
-            accelerations,
+            fit: Fit {
+                period: sampling.period_s,
+                tolerances: [sampling.tolerance_m, sampling.tolerance_rad],
+                lever: lever_m,
+                faster: FASTER,
+                noise: 0.0,
+                largest: largest(run, pieces, lever_m),
+            },
+            jerk: None,
             sampling,
         };
+        if run.jerk.is_some() {
+            let jerks = (0..draft.spline.ticks).map(|tick| draft.jerk_at(f64::from(tick) + 0.5));
+            let sizes = jerks.map(|jerk| size(jerk, lever_m));
+            draft.jerk = Some(sizes.fold(0.0, f64::max));
+        }
         let fine: Vec<(f64, f64)> = fine
             .iter()
             .map(|each| (draft.spline.tick_at(each.distance), each.ticks))
             .collect();
         let end = f64::from(draft.spline.ticks);
         let mut at = 0.0;
-        let mut state = draft.rest(draft.spline.at(0.0));
+        let mut state = rest(draft.spline.at(0.0).pose);
         while at < end {
             let (to, state_there) = draft.longest(at, state, end, &fine);
             draft.push([at, to], [state, state_there]);
             (at, state) = (to, state_there);
         }
         draft
-    }
-
-    /// The setpoint without a motion: what is computed at an end of the spline is rounded.
-    fn rest(&self, at: Setpoint<f64>) -> Setpoint<f64> {
-        Setpoint {
-            pose: at.pose,
-            velocity: Vector3::zeros(),
-            acceleration: Vector3::zeros(),
-        }
     }
 
     /// The end of the longest move from `from` that follows the spline.
@@ -115,39 +125,41 @@ impl<'a> Draft<'a> {
             }
             let to = from + ticks;
             let there = match to >= end {
-                true => self.rest(self.spline.at(to)),
+                true => rest(self.spline.at(to).pose),
                 false => self.spline.at(to),
             };
             let shorter = (SHORTER * ticks).floor().max(self.least);
             let is_fine = |&(place, most): &(f64, f64)| ticks <= most || place < from || place > to;
-            let follows =
-                fine.iter().all(is_fine) && self.difference([from, to], [state, there]) <= 1.0;
-            if follows || shorter >= ticks || left <= 2.0 * self.least {
+            let span = [from as u32, to as u32];
+            let follows = fine.iter().all(is_fine)
+                && self.fit.difference(&self.spline, span, &[state, there]) <= 1.0
+                && self.follows_jerk([from, to], &[state, there]);
+            if follows || shorter >= ticks || left < 2.0 * self.least {
                 return (to, there);
             }
             ticks = shorter;
         }
     }
 
-    /// Largest difference of a move from the spline, in parts of what is allowed.
-    fn difference(&self, [from, to]: [f64; 2], states: [Setpoint<f64>; 2]) -> f64 {
-        let segment = Segment::new(&ends(&states), (to - from) as u32, self.sampling.period_s);
-        let differences = (1..INSTANTS).map(|instant| {
+    /// The jerk of the spline over the tick about `tick`.
+    fn jerk_at(&self, tick: f64) -> Vector3<f64> {
+        let [before, after] = [-0.5, 0.5].map(|half| self.spline.at(tick + half).acceleration);
+        (after - before) / self.sampling.period_s
+    }
+
+    /// Returns true if the move between `states` has the jerk of the spline, where that is limited.
+    fn follows_jerk(&self, [from, to]: [f64; 2], states: &[Setpoint<f64>; 2]) -> bool {
+        let Some(largest) = self.jerk else {
+            return true;
+        };
+        let period_s = self.sampling.period_s;
+        let segment = Segment::new(&ends(states), (to - from) as u32, period_s);
+        (0..=INSTANTS).all(|instant| {
             let part = f64::from(instant) / f64::from(INSTANTS);
-            let played = segment.at_fraction(part);
-            let spline = self.spline.at(from + part * (to - from));
-            let off = played.pose.displacement(&spline.pose);
-            let bent = played.acceleration - spline.acceleration;
-            let faster = played.velocity.x.hypot(played.velocity.y)
-                - spline.velocity.x.hypot(spline.velocity.y);
-            let feed = self.spline.feed(from + part * (to - from));
-            // Half of the tolerance is left to the spline itself.
-            (2.0 * off.x.hypot(off.y) / self.sampling.tolerance_m)
-                .max(2.0 * off.z.abs() / self.sampling.tolerance_rad)
-                .max(faster / (FASTER * feed))
-                .max(self.accelerations.size(bent) / (DIFFERENCE * self.accelerations.largest))
-        });
-        differences.fold(0.0, f64::max)
+            let tick = (from + part * (to - from)).clamp(from + 0.5, to - 0.5);
+            let bent = segment.jerk_at_fraction(part, period_s) - self.jerk_at(tick);
+            size(bent, self.fit.lever) <= JERK * largest
+        })
     }
 
     fn push(&mut self, [from, to]: [f64; 2], states: [Setpoint<f64>; 2]) {
@@ -165,34 +177,38 @@ impl<'a> Draft<'a> {
         f64::from(self.moves[index].ticks) >= 2.0 * self.least
     }
 
-    /// Returns the largest deviation of move `index` from the path, in parts of the tolerances, at a few instants; or
-    /// its speed in parts of the feed, if that is more.
+    /// Returns the largest deviation of move `index` from the path, in parts of the tolerances.
     pub(crate) fn deviation(&self, index: usize) -> f64 {
         let sampling = &self.sampling;
-        let metres = PART_OF_TOLERANCE * sampling.tolerance_m;
-        let tolerances = Vector3::new(metres, metres, PART_OF_TOLERANCE * sampling.tolerance_rad);
+        // Both ends of a move are rounded.
+        let allowed = |tolerance: f64, resolution: f64| {
+            (PART_OF_TOLERANCE * tolerance - 2.0 * resolution).max(0.5 * tolerance)
+        };
+        let metres = allowed(sampling.tolerance_m, sampling.resolution_m);
+        let radians = allowed(sampling.tolerance_rad, sampling.resolution_rad);
+        let path = Deviation {
+            spline: &self.spline,
+            tolerances: Vector3::new(metres, metres, radians),
+            period_s: sampling.period_s,
+        };
+        let segment = self.moves[index].segment(sampling.period_s);
+        path.of(&segment, [self.knots[index], self.knots[index + 1]])
+    }
+
+    /// Returns the largest speed of move `index` at a few instants, in parts of the feed.
+    pub(crate) fn speed(&self, index: usize) -> f64 {
+        let sampling = &self.sampling;
         let each = &self.moves[index];
         let segment = each.segment(sampling.period_s);
         let ticks = f64::from(each.ticks);
-        // Speed that the rounding of both ends adds at most.
-        let rounded = 3.0 * sampling.resolution_m / (ticks * sampling.period_s);
-        let instants = 2 * INSTANTS;
-        let deviations = (0..=instants).map(|instant| {
-            let part = f64::from(instant) / f64::from(instants);
-            let tick = self.knots[index] + part * ticks;
-            let place = self.spline.place(tick);
-            let point = self.spline.pieces()[place.piece].piece.at(place.p);
-            let played = segment.at_fraction(part);
-            let off = point.pose.displacement(&played.pose);
-            let off = off.component_div(&tolerances);
-            let along = point.first.component_div(&tolerances);
-            // A difference along the path is one in time.
-            let off = off - along * (off.dot(&along) / along.dot(&along));
-            let speed = played.velocity.x.hypot(played.velocity.y) + rounded;
-            let feed = FEED * self.spline.feed(tick);
-            off.x.hypot(off.y).max(off.z.abs()).max(speed / feed)
+        let rounded = sampling.rounded_speed(ticks * sampling.period_s);
+        let speeds = (0..=INSTANTS).filter_map(|instant| {
+            let part = f64::from(instant) / f64::from(INSTANTS);
+            let feed = self.spline.feed(self.knots[index] + part * ticks)?;
+            let velocity = segment.at_fraction(part).velocity;
+            Some((velocity.x.hypot(velocity.y) + rounded) / (FEED * feed))
         });
-        deviations.fold(0.0, f64::max)
+        speeds.fold(0.0, f64::max)
     }
 
     /// Moves half as long at move `index`.
@@ -214,42 +230,39 @@ impl<'a> Draft<'a> {
     }
 }
 
-fn ends(states: &[Setpoint<f64>; 2]) -> Ends<f64, Quintics> {
-    let [start, end] = states;
-    Ends {
-        from: start.pose,
-        to: end.pose,
-        velocities: [start.velocity, end.velocity],
-        accelerations: Some([start.acceleration.into(), end.acceleration.into()]),
+/// Shortest move, s, for which the rounding of its ends is little beside the feeds of `run`.
+fn least_at_feed_s(run: &Run, pieces: &[PathPiece], sampling: &Sampling) -> f64 {
+    let feeds = pieces[run.pieces.clone()]
+        .iter()
+        .filter_map(|each| each.feed_m_s);
+    let feed = feeds.fold(f64::INFINITY, f64::min);
+    (sampling.rounded_speed(1.0) / (ROUNDING * feed)).min(LONGEST_S)
+}
+
+/// Lowers the limits of `run` to what moves can use of them: a feed, by what rounding adds to the speed of short moves.
+pub(crate) fn leave_room(run: &mut Run, pieces: &[PathPiece], sampling: &Sampling) {
+    let period_s = f64::from(sampling.ticks_min) * sampling.period_s;
+    let least_s = least_at_feed_s(run, pieces, sampling).max(period_s);
+    for index in 0..run.cells.len() {
+        let feed = pieces[run.places[index].piece].feed_m_s;
+        let rounded = feed.map_or(0.0, |feed| sampling.rounded_speed(least_s) / feed);
+        let speed = FEED - FASTER - rounded;
+        run.tighten(
+            index..index + 1,
+            (speed * speed.abs()).clamp(SHARE_MIN, SHARE),
+        );
     }
 }
 
-/// Sizes of accelerations: that of D, m/s^2, and that of a point of the platform about D.
-struct Accelerations {
-    /// From D to the point.
-    lever_m: f64,
-    /// Of the plan.
-    largest: f64,
-}
-
-impl Accelerations {
-    fn new(run: &Run, pieces: &[PathPiece], lever_m: f64) -> Self {
-        let mut accelerations = Self {
+/// Largest acceleration of the plan.
+pub(crate) fn largest(run: &Run, pieces: &[PathPiece], lever_m: f64) -> f64 {
+    let places = run.places.iter().zip(&run.squares).take(run.cells.len());
+    let sizes = places.enumerate().map(|(index, (place, x))| {
+        let point = pieces[place.piece].piece.at(place.p);
+        size(
+            point.first * run.acceleration(index) + point.second * *x,
             lever_m,
-            largest: 0.0,
-        };
-        for (index, (place, x)) in run.places.iter().zip(&run.squares).enumerate() {
-            if index < run.cells.len() {
-                let point = pieces[place.piece].piece.at(place.p);
-                let acceleration = point.first * run.acceleration(index) + point.second * *x;
-                let size = accelerations.size(acceleration);
-                accelerations.largest = accelerations.largest.max(size);
-            }
-        }
-        accelerations
-    }
-
-    fn size(&self, acceleration: Vector3<f64>) -> f64 {
-        acceleration.x.hypot(acceleration.y) + self.lever_m * acceleration.z.abs()
-    }
+        )
+    });
+    sizes.fold(0.0, f64::max)
 }

@@ -1,10 +1,10 @@
 //! Cells of a run: where they begin, and how they are divided.
 
-use crate::bound::least_time;
-use crate::cell::{Cell, Obstacle, Planner};
-use crate::course::{PathPiece, PathPlace, PathRefusal, Run, joint, length};
+use crate::bound::{Possible, least_time};
+use crate::cell::{Cell, Measured, Obstacle, Planner};
+use crate::course::{PathPiece, PathPlace, PathRefusal, Run};
 use crate::passes::{controllable, duration, fastest};
-use crate::piece::Piece;
+use crate::piece::{Piece, joint, length};
 use core::ops::Range;
 use trirrr_core::model::Model;
 use trirrr_service::admission::TaylorModel;
@@ -17,6 +17,7 @@ pub(crate) struct Grid<'a> {
     pieces: &'a [PathPiece],
     places: Vec<PathPlace>,
     cells: Vec<Cell<f64>>,
+    possible: Vec<Possible<f64>>,
 }
 
 /// Measures cells on one piece after the other.
@@ -25,16 +26,18 @@ struct Measuring<'a, M: Model<N = f64>> {
     pieces: &'a [PathPiece],
     /// Sign of det A.
     side: Option<bool>,
+    /// Bounds of any motion are asked for, too.
+    bounded: bool,
     /// The piece that was measured last, in models.
     piece: Option<(usize, Piece<TaylorModel<f64>>)>,
 }
 
 impl<M: Model<N = f64>> Measuring<'_, M> {
     /// Measures the stretch from `ends` of piece `index`.
-    fn cell(&mut self, index: usize, ends: [f64; 2]) -> Result<Cell<f64>, Obstacle> {
+    fn cell(&mut self, index: usize, ends: [f64; 2]) -> Result<Measured<f64>, Obstacle> {
         let piece = match self.piece {
             Some((last, piece)) if last == index => piece,
-            _ => self.pieces[index].piece.over::<TaylorModel<f64>>(),
+            _ => self.pieces[index].piece.models(),
         };
         self.piece = Some((index, piece));
         let feed = self.pieces[index].feed_m_s;
@@ -43,31 +46,45 @@ impl<M: Model<N = f64>> Measuring<'_, M> {
 }
 
 impl<'a> Grid<'a> {
-    /// Measures the first cells of `range`: one for each piece, or about `count` of few pieces.
+    /// Measures the first cells of `range`: one for each piece, or about `count` of few pieces. Only a `bounded` grid can
+    /// be [planned](Self::plan).
     pub(crate) fn measure<M: Model<N = f64>>(
         planner: &Planner<M>,
         pieces: &'a [PathPiece],
         range: Range<usize>,
         count: usize,
+        bounded: bool,
+    ) -> Result<Self, PathRefusal> {
+        Self::between(planner, pieces, marks(pieces, &range, count), bounded)
+    }
+
+    /// Measures the cells between the marks on each piece of a run; `bounded` as in [`measure`](Self::measure).
+    pub(crate) fn between<M: Model<N = f64>>(
+        planner: &Planner<M>,
+        pieces: &'a [PathPiece],
+        marks: Vec<(usize, Vec<f64>)>,
+        bounded: bool,
     ) -> Result<Self, PathRefusal> {
         let mut grid = Self::empty(pieces, 0);
         let mut measuring = Measuring {
             planner,
             pieces,
             side: None,
+            bounded,
             piece: None,
         };
-        for (piece, marks) in marks(pieces, &range, count) {
+        let mut last = None;
+        for (piece, marks) in marks {
             let first = grid.cells.len();
             for ends in marks.windows(2) {
                 grid.divide(&mut measuring, piece, [ends[0], ends[1]], HALVINGS)?;
             }
-            if piece > range.start {
+            if last.replace(piece).is_some() {
                 let scale = joint(&pieces[piece - 1].piece, &pieces[piece].piece);
                 grid.cells[first].join(scale.unwrap_or(1.0));
             }
         }
-        grid.end(range.end - 1);
+        grid.end(last.unwrap_or(0));
         Ok(grid)
     }
 
@@ -76,6 +93,7 @@ impl<'a> Grid<'a> {
             pieces,
             places: Vec::with_capacity(count + 1),
             cells: Vec::with_capacity(count),
+            possible: Vec::with_capacity(count),
         }
     }
 
@@ -95,12 +113,15 @@ impl<'a> Grid<'a> {
             planner,
             pieces,
             side: None,
+            bounded: true,
             piece: None,
         };
-        for ((cell, place), &parts) in run.cells.into_iter().zip(&run.places).zip(parts) {
+        let cells = run.cells.into_iter().zip(run.possible);
+        for (((cell, possible), place), &parts) in cells.zip(&run.places).zip(parts) {
             if parts == 1 {
                 grid.places.push(*place);
                 grid.cells.push(cell);
+                grid.possible.push(possible);
                 continue;
             }
             let first = grid.cells.len();
@@ -125,9 +146,12 @@ impl<'a> Grid<'a> {
     ) -> Result<(), PathRefusal> {
         let place = PathPlace { piece, p: from };
         match measuring.cell(piece, [from, to]) {
-            Ok(cell) => {
+            Ok(measured) => {
                 self.places.push(place);
-                self.cells.push(cell);
+                self.cells.push(measured.cell());
+                if measuring.bounded {
+                    self.possible.push(measured.possible());
+                }
             }
             Err(obstacle) if halvings == 0 => {
                 return Err(PathRefusal::at(place, self.pieces, obstacle));
@@ -155,16 +179,23 @@ impl<'a> Grid<'a> {
 
     /// The plan on this grid, and a lower bound of the time in each cell.
     pub(crate) fn plan(self, pieces: Range<usize>) -> (Run, Vec<f64>) {
-        let Self { places, cells, .. } = self;
+        let Self {
+            places,
+            cells,
+            possible,
+            ..
+        } = self;
         let (mut times, mut squares_max) = (vec![0.0; places.len()], vec![0.0; places.len()]);
-        let least_s = least_time(&cells, [0.0, 0.0], &mut times, &mut squares_max);
+        let least_s = least_time(&cells, &possible, [0.0, 0.0], &mut times, &mut squares_max);
         let mut run = Run {
             pieces,
+            jerk: None,
             duration_s: 0.0,
             least_s,
             squares: vec![0.0; places.len()],
             places,
             cells,
+            possible,
             squares_max,
         };
         run.replan();

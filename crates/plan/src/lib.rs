@@ -21,10 +21,15 @@ pub mod corner;
 #[cfg(feature = "std")]
 pub mod course;
 #[cfg(feature = "std")]
+mod deviation;
+#[cfg(feature = "std")]
 mod draft;
 mod extreme;
+mod fit;
 #[cfg(feature = "std")]
 mod grid;
+#[cfg(feature = "std")]
+mod jerk;
 #[cfg(feature = "std")]
 pub mod moves;
 #[cfg(feature = "std")]
@@ -32,7 +37,9 @@ pub mod natural;
 pub mod passes;
 pub mod piece;
 mod program;
+mod rows;
 #[cfg(feature = "std")]
 mod spline;
 #[cfg(feature = "std")]
 mod timeline;
+pub mod window;

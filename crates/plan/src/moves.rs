@@ -6,7 +6,9 @@
 
 use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, PathPiece, PathPlace, PathRefusal, Plan, Run, plan};
-use crate::draft::{Draft, Fine};
+use crate::draft::{Draft, Fine, largest, leave_room};
+use crate::fit::{EXCESS_OF_FIT, MARGIN};
+use crate::jerk;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
 
@@ -21,8 +23,17 @@ pub struct Sampling {
     pub tolerance_rad: f64,
     /// Distance between neighbouring positions in the number type that the moves are played in, m.
     pub resolution_m: f64,
+    /// The same of alpha, rad.
+    pub resolution_rad: f64,
     /// Ticks that every move takes at least, 1 or more: a queue of so many moves has to last for a hold.
     pub ticks_min: u32,
+}
+
+impl Sampling {
+    /// Speed that the rounding of both ends of a move of `duration_s` adds at most, m/s.
+    pub(crate) fn rounded_speed(&self, duration_s: f64) -> f64 {
+        3.0 * self.resolution_m / duration_s
+    }
 }
 
 /// One move of a plan.
@@ -72,12 +83,6 @@ impl PlannedMoves {
     }
 }
 
-/// Excess of a limit above which moves are cut before the pace is lowered.
-const EXCESS_OF_FIT: f64 = 0.003;
-/// Margin beyond an excess.
-const MARGIN: f64 = 1e-3;
-/// Part of the limits that a plan for moves uses; the rest is for what moves differ from it.
-const SHARE: f64 = 0.999;
 /// Rounds of planning, judging and mending.
 const ROUNDS: u32 = 60;
 
@@ -112,28 +117,38 @@ fn moves_of<M: Model<N = f64>>(
     sampling: Sampling,
     judge: &mut impl FnMut(&[PlannedMove]) -> Vec<Judged>,
 ) -> Result<Vec<PlannedMove>, PathRefusal> {
+    if planner.jerk().is_some() {
+        let step_s = f64::from(sampling.ticks_min) * sampling.period_s;
+        *run = jerk::refined(planner, pieces, run, step_s)?;
+    }
     let mut fine: Vec<Fine> = Vec::new();
     // The excess of the first instant that is not proven may be less than the largest one: what is refused again is
     // lowered by twice as much.
     let mut strikes = vec![MARGIN; run.cells.len()];
     let refusal = |place| PathRefusal::at(place, pieces, Obstacle::Refused);
-    run.tighten(0..run.cells.len(), SHARE);
+    leave_room(run, pieces, &sampling);
     run.replan();
+    let lever_m = planner.lever_m();
+    let full = largest(run, pieces, lever_m);
     for _ in 0..ROUNDS {
-        let draft = Draft::new(run, pieces, planner.lever_m(), sampling, &fine);
+        let draft = Draft::new(run, pieces, [lever_m, full], sampling, &fine);
         let mut mended = false;
         let mut slower = Vec::new();
         for index in 0..draft.moves.len() {
-            let deviation = draft.deviation(index);
-            if !(deviation > 1.0) {
-                continue;
-            }
+            let (deviation, speed) = (draft.deviation(index), draft.speed(index));
             // Where moves cannot be shorter, the smoothing itself leaves the path, by the square of the pace.
-            match draft.splits(index) {
-                true => fine.push(draft.closer(index)),
-                false => slower.push((draft.cells(index), deviation - 1.0)),
+            let excess = match deviation > 1.0 && draft.splits(index) {
+                true => {
+                    fine.push(draft.closer(index));
+                    mended = true;
+                    speed * speed
+                }
+                false => deviation.max(speed * speed),
+            };
+            if excess > 1.0 {
+                slower.push((draft.cells(index), excess - 1.0));
+                mended = true;
             }
-            mended = true;
         }
         let verdicts = match mended {
             true => Vec::new(),

@@ -10,11 +10,10 @@ use crate::cell::{Cell, Limited};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::program::Program;
 use trirrr_core::number::Arithmetic;
-use trirrr_service::admission::Enclose;
 
 /// Backward pass: writes to `squares` the greatest x at each place from which x = `end` can be reached at the
 /// end of the last cell. `squares` has one value more than `cells`; what it holds before is where searches begin.
-pub fn controllable<N: Enclose>(cells: &[Cell<N>], end: N::Bound, squares: &mut [N::Bound]) {
+pub fn controllable<B: Arithmetic>(cells: &[Cell<B>], end: B, squares: &mut [B]) {
     let mut at_end = end;
     squares[cells.len()] = at_end;
     for (index, cell) in cells.iter().enumerate().rev() {
@@ -26,7 +25,7 @@ pub fn controllable<N: Enclose>(cells: &[Cell<N>], end: N::Bound, squares: &mut 
 
 /// Forward pass: lowers `squares`, as [`controllable`] has left them, to the fastest motion that begins with
 /// x = `start`, or as near below it as the limits allow.
-pub fn fastest<N: Enclose>(cells: &[Cell<N>], start: N::Bound, squares: &mut [N::Bound]) {
+pub fn fastest<B: Arithmetic>(cells: &[Cell<B>], start: B, squares: &mut [B]) {
     squares[0] = lesser(squares[0], start);
     for (index, cell) in cells.iter().enumerate() {
         let joint = next_joint(cells, index);
@@ -37,8 +36,8 @@ pub fn fastest<N: Enclose>(cells: &[Cell<N>], start: N::Bound, squares: &mut [N:
 }
 
 /// Time that the motion takes.
-pub fn duration<N: Enclose>(cells: &[Cell<N>], squares: &[N::Bound]) -> N::Bound {
-    let mut total = N::Bound::ZERO;
+pub fn duration<B: Arithmetic>(cells: &[Cell<B>], squares: &[B]) -> B {
+    let mut total = B::ZERO;
     for (index, cell) in cells.iter().enumerate() {
         let [start, end] = ends_of(cells, squares, index);
         total += time_between(cell.length, start, end);
@@ -47,11 +46,7 @@ pub fn duration<N: Enclose>(cells: &[Cell<N>], squares: &[N::Bound]) -> N::Bound
 }
 
 /// The limit that is nearest in cell `index` of a motion.
-pub fn acting<N: Enclose>(
-    cells: &[Cell<N>],
-    squares: &[N::Bound],
-    index: usize,
-) -> Option<Limited> {
+pub fn acting<B: Arithmetic>(cells: &[Cell<B>], squares: &[B], index: usize) -> Option<Limited> {
     let [start, end] = ends_of(cells, squares, index);
     crate::program::acting(&cells[index], start, end)
 }
@@ -62,11 +57,7 @@ pub(crate) fn time_between<B: Arithmetic>(length: B, start: B, end: B) -> B {
 }
 
 /// x at the start and at the end of cell `index` of a motion, by the parameter of its own piece.
-pub(crate) fn ends_of<N: Enclose>(
-    cells: &[Cell<N>],
-    squares: &[N::Bound],
-    index: usize,
-) -> [N::Bound; 2] {
+pub(crate) fn ends_of<B: Arithmetic>(cells: &[Cell<B>], squares: &[B], index: usize) -> [B; 2] {
     [
         squares[index],
         squares[index + 1].div(next_joint(cells, index)),
@@ -74,10 +65,8 @@ pub(crate) fn ends_of<N: Enclose>(
 }
 
 /// Scale of x from the end of cell `index` to the start of the next.
-pub(crate) fn next_joint<N: Enclose>(cells: &[Cell<N>], index: usize) -> N::Bound {
-    cells
-        .get(index + 1)
-        .map_or(N::Bound::ONE, |next| next.joint)
+pub(crate) fn next_joint<B: Arithmetic>(cells: &[Cell<B>], index: usize) -> B {
+    cells.get(index + 1).map_or(B::ONE, |next| next.joint)
 }
 
 /// Steps towards the greatest x that a hold's share and a power limit leave.
@@ -87,14 +76,14 @@ const STEPS: u32 = 32;
 const SETTLED: u32 = 1 << 16;
 
 /// Greatest x at the start of `cell` from which x <= `end` can be reached; `guess` may be near it.
-fn greatest_start<N: Enclose>(cell: &Cell<N>, end: N::Bound, guess: N::Bound) -> N::Bound {
-    best(cell, N::Bound::ZERO, guess, |program, cap, _| {
+pub(crate) fn greatest_start<B: Arithmetic>(cell: &Cell<B>, end: B, guess: B) -> B {
+    best(cell, B::ZERO, guess, |program, cap, _| {
         Some(program.greatest_start(cap, lesser(end, cap)))
     })
 }
 
 /// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
-fn greatest_end<N: Enclose>(cell: &Cell<N>, start: N::Bound, cap: N::Bound) -> N::Bound {
+pub(crate) fn greatest_end<B: Arithmetic>(cell: &Cell<B>, start: B, cap: B) -> B {
     best(cell, start, start, |program, bound, allowed| {
         program.greatest_end(start, lesser(cap, bound), !(allowed > start))
     })
@@ -102,16 +91,16 @@ fn greatest_end<N: Enclose>(cell: &Cell<N>, start: N::Bound, cap: N::Bound) -> N
 
 /// The best that `reach` finds over all x, from `from`, that the cell's program may allow for; `reach` gets the
 /// program, a cap and that x. The search begins at `guess` if that is not 0.
-fn best<N: Enclose>(
-    cell: &Cell<N>,
-    from: N::Bound,
-    guess: N::Bound,
-    reach: impl Fn(&Program<N::Bound>, N::Bound, N::Bound) -> Option<N::Bound>,
-) -> N::Bound {
-    let (zero, half) = (N::Bound::ZERO, N::Bound::HALF);
+fn best<B: Arithmetic>(
+    cell: &Cell<B>,
+    from: B,
+    guess: B,
+    reach: impl Fn(&Program<B>, B, B) -> Option<B>,
+) -> B {
+    let (zero, half) = (B::ZERO, B::HALF);
     let far = || reach(&Program::of(cell, zero), unbounded(), zero).unwrap_or(zero);
     let holds = cell.ramp > zero;
-    if cell.powers.is_empty() && !holds {
+    if cell.limits.powers.is_empty() && !holds {
         return far();
     }
     let allowing = |x, cap| {
@@ -119,7 +108,7 @@ fn best<N: Enclose>(
         program.stands().then(|| reach(&program, cap, x)).flatten()
     };
     let mut best = zero;
-    if cell.powers.is_empty() {
+    if cell.limits.powers.is_empty() {
         // What a hold takes of a limit is bounded by the tangent of a root: allowing for what was reached reaches
         // more, as by Newton's method. The start itself can always be allowed for.
         let mut x = if guess > zero { guess } else { far() };
@@ -129,7 +118,7 @@ fn best<N: Enclose>(
                 continue;
             };
             best = greater(best, reached);
-            if (reached - x).abs() <= x * N::Bound::ratio(1, SETTLED) || !(reached > zero) {
+            if (reached - x).abs() <= x * B::ratio(1, SETTLED) || !(reached > zero) {
                 break;
             }
             x = reached;
@@ -140,7 +129,7 @@ fn best<N: Enclose>(
     let (mut low, mut high) = (from, greater(from, far()));
     best = allowing(from, from).unwrap_or(zero);
     for _ in 0..STEPS {
-        if high - low <= high * N::Bound::ratio(1, SETTLED) {
+        if high - low <= high * B::ratio(1, SETTLED) {
             break;
         }
         let middle = half * (low + high);

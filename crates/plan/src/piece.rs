@@ -4,6 +4,7 @@ use core::ops::{Add, Mul};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::number::{Number, perpendicular};
 use trirrr_core::setpoint::Pose;
+use trirrr_service::admission::{Enclose, TaylorModel};
 
 /// A smooth piece of a path, a function of the parameter p from 0 at its start to 1 at its end: a curve of the
 /// platform's reference point D in the fixed frame, and a cubic of the platform's angle alpha.
@@ -121,10 +122,33 @@ impl<N: Number> Piece<N> {
     }
 }
 
-#[cfg(feature = "std")]
-impl Piece<f64> {
+/// Sine of the angle between two tangents above which the path has a corner, beside some roundings of its numbers.
+const CORNER: f64 = 1e-9;
+
+/// Scale of x = (dp/dt)^2 from the end of `before` to the start of `after`; none at a corner.
+pub(crate) fn joint<N: Number>(before: &Piece<N>, after: &Piece<N>) -> Option<N> {
+    let (a, b) = (before.at(N::ONE).first, after.at(N::ZERO).first);
+    let (length_a, length_b) = (length(a), length(b));
+    let scale = length_a.div(length_b);
+    let turn = a * N::ONE.div(length_a) - b * N::ONE.div(length_b);
+    // Places are rounded by a part of a metre, at most: a short piece turns by as much.
+    let shorter = if length_a < length_b {
+        length_a
+    } else {
+        length_b
+    };
+    let corner = N::from_f64(CORNER) + (N::UNIT_ROUNDOFF * N::from_f64(16.0)).div(shorter);
+    (length(turn) <= corner).then_some(scale * scale)
+}
+
+/// Length of a tangent, with a metre counting as much as a radian.
+pub(crate) fn length<N: Number>(v: Vector3<N>) -> N {
+    (N::ab_plus_cd(v.x, v.x, v.y, v.y) + v.z * v.z).sqrt()
+}
+
+impl<B: Number> Piece<B> {
     /// The straight piece from `from` to `to`.
-    pub fn line(from: Pose<f64>, to: Pose<f64>) -> Self {
+    pub fn line(from: Pose<B>, to: Pose<B>) -> Self {
         let way = from.displacement(&to);
         Self {
             curve: PlaneCurve::Line {
@@ -132,12 +156,12 @@ impl Piece<f64> {
                 displacement: way.xy(),
             },
             angle: from.angle,
-            turning: [way.z, 0.0, 0.0],
+            turning: [way.z, B::ZERO, B::ZERO],
         }
     }
 
     /// The arc from `from` about `centre` by `turn_rad`, with alpha linear in p, at its end `end_angle`.
-    pub fn arc(from: Pose<f64>, centre: Vector2<f64>, turn_rad: f64, end_angle: f64) -> Self {
+    pub fn arc(from: Pose<B>, centre: Vector2<B>, turn_rad: B, end_angle: B::Angle) -> Self {
         Self {
             curve: PlaneCurve::Arc {
                 centre,
@@ -145,12 +169,12 @@ impl Piece<f64> {
                 turn: turn_rad,
             },
             angle: from.angle,
-            turning: [end_angle - from.angle, 0.0, 0.0],
+            turning: [B::radians(end_angle - from.angle), B::ZERO, B::ZERO],
         }
     }
 
     /// The piece start + c1 p + c2 p^2 + c3 p^3 with these `coefficients` of (x, y, alpha).
-    pub fn cubic(start: Pose<f64>, coefficients: [Vector3<f64>; 3]) -> Self {
+    pub fn cubic(start: Pose<B>, coefficients: [Vector3<B>; 3]) -> Self {
         Self {
             curve: PlaneCurve::Cubic {
                 start: start.position,
@@ -162,23 +186,21 @@ impl Piece<f64> {
     }
 
     /// The cubic Bezier piece with the four control poses `poses`.
-    pub fn bezier(poses: [Pose<f64>; 4]) -> Self {
-        let [d1, d2, d3] = [1, 2, 3].map(|i: usize| poses[i - 1].displacement(&poses[i]));
-        Self::cubic(poses[0], [d1 * 3.0, (d2 - d1) * 3.0, (d3 - d2) - (d2 - d1)])
+    pub fn bezier(poses: [Pose<B>; 4]) -> Self {
+        let [start, first, second, end] = poses;
+        let d1 = start.displacement(&first);
+        let d2 = first.displacement(&second);
+        let d3 = second.displacement(&end);
+        let three = B::ONE + B::ONE + B::ONE;
+        Self::cubic(
+            start,
+            [d1 * three, (d2 - d1) * three, (d3 - d2) - (d2 - d1)],
+        )
     }
 
-    /// The same curve of D with another alpha.
-    pub fn with_alpha(self, angle: f64, turning: [f64; 3]) -> Self {
-        Self {
-            angle,
-            turning,
-            ..self
-        }
-    }
-
-    /// The same piece in the number type `N`.
-    pub fn over<N: Number>(&self) -> Piece<N> {
-        let vector = |v: Vector2<f64>| v.map(N::from_f64);
+    /// The same piece in another number type, exactly.
+    pub(crate) fn convert<T: Number>(&self, number: impl Fn(B) -> T + Copy) -> Piece<T> {
+        let vector = |v: Vector2<B>| v.map(number);
         Piece {
             curve: match self.curve {
                 PlaneCurve::Line {
@@ -195,7 +217,7 @@ impl Piece<f64> {
                 } => PlaneCurve::Arc {
                     centre: vector(centre),
                     radius: vector(radius),
-                    turn: N::from_f64(turn),
+                    turn: number(turn),
                 },
                 PlaneCurve::Cubic {
                     start,
@@ -205,9 +227,48 @@ impl Piece<f64> {
                     coefficients: coefficients.map(vector),
                 },
             },
-            angle: N::angle_from_f64(self.angle),
-            turning: self.turning.map(N::from_f64),
+            angle: T::angle(number(B::radians(self.angle))),
+            turning: self.turning.map(number),
         }
+    }
+
+    /// The piece for [`Planner::measure`](crate::cell::Planner::measure).
+    pub fn models<N: Enclose<Bound = B>>(&self) -> Piece<TaylorModel<N>> {
+        self.convert(TaylorModel::point)
+    }
+}
+
+#[cfg(feature = "std")]
+impl Piece<f64> {
+    /// The four control poses of a line or a cubic, as of [`bezier`](Self::bezier); of an arc those of the cubic with the same
+    /// derivatives at its start.
+    pub fn controls(&self) -> [Pose<f64>; 4] {
+        let PathPoint {
+            pose,
+            first,
+            second,
+        } = self.at(0.0);
+        let second_control = first * (2.0 / 3.0) + second / 6.0;
+        [
+            pose,
+            pose.displaced(first / 3.0),
+            pose.displaced(second_control),
+            self.end(),
+        ]
+    }
+
+    /// The same curve of D with another alpha.
+    pub fn with_alpha(self, angle: f64, turning: [f64; 3]) -> Self {
+        Self {
+            angle,
+            turning,
+            ..self
+        }
+    }
+
+    /// The same piece in the number type `N`.
+    pub fn over<N: Number>(&self) -> Piece<N> {
+        self.convert(N::from_f64)
     }
 
     /// The part of the piece from p = `from` to `to`, as a piece of its own.

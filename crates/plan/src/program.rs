@@ -6,21 +6,22 @@
 //! The quantity is largest at an end of the cell, but for the product s t of the coefficient of x with
 //! the change of x, which adds at most |s| |z - y| / 2.
 
-use crate::cell::{Cell, Limited, Row};
+use crate::cell::{Cell, Limited};
 use crate::extreme::{greater, lesser, unbounded};
+use crate::rows::{ROWS, Row};
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
-use trirrr_service::admission::{Enclose, TaylorModel};
+use trirrr_service::admission::ModelLine;
 
 /// Most inequalities: for each row two signs, two ends, two signs of z - y; as many for power.
-const INEQUALITIES: usize = 8 * (crate::cell::ROWS + 3);
+const INEQUALITIES: usize = 8 * (ROWS + 3);
 
 /// start y + end z <= limit.
 #[derive(Clone, Copy, Debug)]
-struct Inequality<B> {
-    start: B,
-    end: B,
-    limit: B,
+pub(crate) struct Inequality<B> {
+    pub(crate) start: B,
+    pub(crate) end: B,
+    pub(crate) limit: B,
 }
 
 /// Inequalities of one cell, solved for z.
@@ -49,7 +50,7 @@ impl<B: Arithmetic> EndBound<B> {
 impl<B: Arithmetic> Program<B> {
     /// The limits of `cell` for x up to `greatest`. The power is bounded by that x; the root in a hold's
     /// share, by its tangent there. With 0, both are left out.
-    pub(crate) fn of<N: Enclose<Bound = B>>(cell: &Cell<N>, greatest: B) -> Self {
+    pub(crate) fn of(cell: &Cell<B>, greatest: B) -> Self {
         let mut program = Self {
             least: Vec::new(),
             greatest: Vec::new(),
@@ -145,8 +146,8 @@ impl<B: Arithmetic> Program<B> {
 }
 
 /// The quantity whose limit is nearest for the motion through `cell` from `y` to `z`.
-pub(crate) fn acting<N: Enclose>(cell: &Cell<N>, y: N::Bound, z: N::Bound) -> Option<Limited> {
-    let mut nearest: Option<(N::Bound, Limited)> = None;
+pub(crate) fn acting<B: Arithmetic>(cell: &Cell<B>, y: B, z: B) -> Option<Limited> {
+    let mut nearest: Option<(B, Limited)> = None;
     inequalities(cell, greater(y, z), |each, what| {
         let slack = (each.limit - (each.start * y + each.end * z)).div(each.limit);
         if nearest.is_none_or(|(least, _)| slack < least) {
@@ -157,26 +158,26 @@ pub(crate) fn acting<N: Enclose>(cell: &Cell<N>, y: N::Bound, z: N::Bound) -> Op
 }
 
 /// Hands each inequality of `cell` to `take`, for x up to `greatest`.
-fn inequalities<N: Enclose>(
-    cell: &Cell<N>,
-    greatest: N::Bound,
-    mut take: impl FnMut(Inequality<N::Bound>, Limited),
+pub(crate) fn inequalities<B: Arithmetic>(
+    cell: &Cell<B>,
+    greatest: B,
+    mut take: impl FnMut(Inequality<B>, Limited),
 ) {
-    for row in &cell.rows {
+    for row in &cell.limits.rows {
         of_row(row, cell, row.limit, greatest, &mut take);
     }
     let root = greatest.sqrt();
-    for power in &cell.powers {
+    for power in &cell.limits.powers {
         let limit = power.limit.div(power.rate * root);
-        if greatest > N::Bound::ZERO && limit.is_finite() {
+        if greatest > B::ZERO && limit.is_finite() {
             of_row(&power.torque, cell, limit, greatest, &mut take);
         }
     }
 }
 
-fn of_row<N: Enclose<Bound = B>, B: Arithmetic>(
-    row: &Row<N>,
-    cell: &Cell<N>,
+fn of_row<B: Arithmetic>(
+    row: &Row<ModelLine<B>, B>,
+    cell: &Cell<B>,
     limit: B,
     greatest_x: B,
     take: &mut impl FnMut(Inequality<B>, Limited),
@@ -192,8 +193,13 @@ fn of_row<N: Enclose<Bound = B>, B: Arithmetic>(
         Some(_) => &[B::ONE, -B::ONE],
         None => &[B::ONE],
     };
-    let acceleration = row.acceleration.unwrap_or(TaylorModel::ZERO).line();
-    let (square, rest) = (row.square.line(), row.rest.line());
+    let none = ModelLine {
+        constant: zero,
+        slope: zero,
+        error: zero,
+    };
+    let acceleration = row.acceleration.unwrap_or(none);
+    let (square, rest) = (row.square, row.rest);
     let per_length = B::HALF.div(cell.length);
     // What |z - y| adds at most: errors, and x at the other end.
     let change = acceleration.error * per_length
@@ -207,11 +213,10 @@ fn of_row<N: Enclose<Bound = B>, B: Arithmetic>(
         true => (zero, limit - limit * (part + part)),
         false => (change, limit),
     };
-    // Of the limit, what holds the pose is not for motion: a part of the rest can be left unused.
-    let unused = (B::ONE - cell.share) * greater(limit - row.rest.magnitude(), zero);
-    let limit = limit - unused;
+    // A part of all motions that the limits allow: what holds the pose counts with the same part, so that rest stays.
+    let limit = limit * cell.share;
     // The inequality itself is computed with a few roundings.
-    let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - rest.error;
+    let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - cell.share * rest.error;
     for &sign in signs {
         for end in [-B::ONE, B::ONE] {
             let slope = sign * acceleration.at(end) * per_length;
@@ -221,7 +226,7 @@ fn of_row<N: Enclose<Bound = B>, B: Arithmetic>(
                 true => (square, zero),
                 false => (zero, square),
             };
-            let limit = limit - sign * rest.at(end) - hold * half_root;
+            let limit = limit - sign * cell.share * rest.at(end) - hold * half_root;
             let mut take = |change: B| {
                 let inequality = Inequality {
                     start: at_start - slope - change,

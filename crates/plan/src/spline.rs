@@ -4,8 +4,8 @@
 //! of the plan's over two steps: continuous where the plan's jumps, and of no value that the plan does not take nearby.
 
 use crate::course::{PathPiece, PathPlace, Run};
+use crate::fit::{Motion, smoothed};
 use crate::timeline::Timeline;
-use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Setpoint};
 
 /// The smoothed run. It begins and ends at rest, one step before and after the plan.
@@ -60,25 +60,8 @@ impl<'a> Spline<'a> {
         let steps = tick * self.period_s / self.step_s;
         let index = (steps.floor() as usize).min(self.poses.len() - 4);
         let w = steps - index as f64;
-        let origin = self.poses[index + 1];
-        let [before, after, last] =
-            [0, 2, 3].map(|other| origin.displacement(&self.poses[index + other]));
-        let sum = |weights: [f64; 3]| -> Vector3<f64> {
-            before * weights[0] + after * weights[1] + last * weights[2]
-        };
-        let v = 1.0 - w;
-        let way = sum([
-            v * v * v / 6.0,
-            (1.0 + 3.0 * w * (1.0 + w - w * w)) / 6.0,
-            w * w * w / 6.0,
-        ]);
-        let first = sum([-0.5 * v * v, 0.5 + w - 1.5 * w * w, 0.5 * w * w]);
-        let second = sum([v, 1.0 - 3.0 * w, w]);
-        Setpoint {
-            pose: origin.displaced(way),
-            velocity: first / self.step_s,
-            acceleration: second / (self.step_s * self.step_s),
-        }
+        let poses = [0, 1, 2, 3].map(|other| &self.poses[index + other]);
+        smoothed(poses, w, self.step_s)
     }
 
     /// Distance of the plan at `tick`.
@@ -98,21 +81,37 @@ impl<'a> Spline<'a> {
         self.timeline.place_at(distance, &self.run.places)
     }
 
-    /// Greatest speed of D at `tick`, m/s; infinite where it is not limited.
-    pub(crate) fn feed(&self, tick: f64) -> f64 {
-        let piece = &self.pieces[self.place(tick).piece];
-        piece.feed_m_s.unwrap_or(f64::INFINITY)
+    /// Greatest speed of D at `tick`, m/s, if it is limited.
+    pub(crate) fn feed(&self, tick: f64) -> Option<f64> {
+        self.pieces[self.place(tick).piece].feed_m_s
     }
 
     /// Cells of the plan that the motion between two ticks is made of.
     pub(crate) fn cells(&self, [from, to]: [f64; 2]) -> core::ops::Range<usize> {
-        let around = 2.0 * self.step_s / self.period_s;
+        let around = (2.0 * self.step_s + 2.0 * self.run.mean_s()) / self.period_s;
         let cell = |tick| self.timeline.cell_at(self.distance(tick));
-        cell(from - around)..cell(to + around) + 1
+        let [first, last] = [cell(from - around), cell(to + around)];
+        // Where a mean of the plan is at rest, the distance is rounded.
+        first.min(last)..first.max(last) + 1
+    }
+
+    /// The run that is smoothed.
+    pub(crate) fn run(&self) -> &'a Run {
+        self.run
     }
 
     /// The pieces of the path.
     pub(crate) fn pieces(&self) -> &'a [PathPiece] {
         self.pieces
+    }
+}
+
+impl Motion<f64> for Spline<'_> {
+    fn at(&self, eighths: u32) -> Setpoint<f64> {
+        self.at(f64::from(eighths) / 8.0)
+    }
+
+    fn feed(&self, eighths: u32) -> Option<f64> {
+        self.feed(f64::from(eighths) / 8.0)
     }
 }

@@ -1,5 +1,6 @@
 //! Drives between the service and the plant: outputs of ticks in, commands of motors out.
 
+use crate::bus_drives;
 use crate::control::{Commands, Measured};
 use crate::joint_control::JointDrives;
 use crate::refusal::Refusal;
@@ -10,7 +11,7 @@ use trirrr_core::units::Units;
 use trirrr_drives::count::Countable;
 use trirrr_drives::joint::Reference;
 use trirrr_drives::stepper::Line;
-use trirrr_scene::{DriveKind, NumberType, Scene, Timing};
+use trirrr_scene::{NumberType, Scene, Timing};
 use trirrr_service::Output;
 
 /// The three drives of a machine whose ticks are in the number type `N`.
@@ -47,7 +48,7 @@ pub(crate) fn samples_per_tick(scene: &Scene) -> Result<u32, Refusal> {
 /// `start`; `line` joins the two halves of stepper drives.
 ///
 /// # Errors
-/// [`Refusal::Scene`]: the plant has no model of these drives.
+/// [`Refusal::Scene`]: the plant has no model of these drives. [`Refusal::Drive`]: a drive on a bus does not go on.
 pub(crate) fn build<'l, N: Countable>(
     scene: &Scene,
     units: Units,
@@ -59,15 +60,8 @@ pub(crate) fn build<'l, N: Countable>(
         let drives = SimulatedSteppers::build(scene, &motors, per_tick, units, start, line)?;
         return Ok(Box::new(drives));
     }
-    if let Some(drives) = &scene.drives
-        && drives
-            .iter()
-            .any(|drive| matches!(drive.kind, DriveKind::Can(_)))
-    {
-        return Err(Refusal::Scene {
-            key: "drive.kind".into(),
-            reason: "a CAN drive has no model of its motor".into(),
-        });
+    if let Some(drives) = bus_drives::build(scene, per_tick, units, start)? {
+        return Ok(drives);
     }
     Ok(match scene.number {
         NumberType::F64 => Box::new(JointDrives::<f64>::build(scene, per_tick, units)?),

@@ -3,7 +3,7 @@
 use crate::refusal::Refusal;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_scene::{Scene, pipeline};
-use trirrr_service::Output;
+use trirrr_service::{Output, Power};
 
 /// Outputs of a service in binary64 that plays the job of `scene` at normal speed: one for each
 /// setpoint, then one of the machine at rest.
@@ -20,7 +20,8 @@ pub fn outputs(scene: &Scene) -> Result<Vec<Output<f64>>, Refusal> {
         Ok(Output {
             motors: motors.map_err(Refusal::Setpoint)?,
             tool: 0.0,
-            enabled: true,
+            power: Power::On,
+            brake_released: true,
         })
     };
     let setpoints = played.player.setpoints();

@@ -14,6 +14,7 @@
 //! | [`watch`], `events` | instants at which the equations change or the run ends |
 //! | [`control`], [`path`] | continuous controller and its setpoints |
 //! | `drives`, `driven`, `joint_control`, `steppers`, `driver` | drives as on a board, between ticks and motors |
+//! | [`bus`], `bus_drives`, `bus_settings` | drives on a bus as state machines, and the wire |
 //! | `sampling` | measurements of the drives, and their commands |
 //! | [`run`], [`job`], [`outcome`], `ledger` | a whole run, and its energies |
 //! | [`statistics`], [`table`] | results gathered over a run |
@@ -21,6 +22,9 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+pub mod bus;
+mod bus_drives;
+mod bus_settings;
 mod clock;
 pub mod control;
 mod driven;

@@ -14,7 +14,7 @@ use trirrr_scene::{Drive, DriveKind};
 /// A motor's model.
 #[derive(Clone, Copy, Debug)]
 pub enum MotorModel {
-    /// Gives the torque it is told, in N m.
+    /// Gives the torque it is told, in N m: without a drive, or inside a drive on the CAN bus.
     Ideal,
     /// Is told a voltage in V.
     Bldc(Winding),
@@ -96,7 +96,8 @@ impl MotorModel {
                     microstep: TAU / (steps * f64::from(stepper.microsteps) * gear),
                 }))
             }
-            DriveKind::Can(_) => Err(refuse("kind", "a CAN drive has no model of its motor")),
+            // It closes a current loop of its own, much faster than the loops around it.
+            DriveKind::Can(_) => Ok(MotorModel::Ideal),
         }
     }
 }

@@ -105,12 +105,7 @@ impl<'l, N: Countable> SimulatedSteppers<'l, N> {
             }),
             drivers,
             units,
-            references: start.map(|angle| Reference {
-                angle,
-                rate: 0.0,
-                acceleration: 0.0,
-                torque: 0.0,
-            }),
+            references: start.map(Reference::standing),
             period_s: scene.period_s() / f64::from(per_tick),
         })
     }

@@ -1,6 +1,13 @@
 //! The drives: what turns a motor's command into torque or motion.
 
+mod can;
+mod mit;
+
+pub use can::{Can, CanProtocol, Knows};
+pub use mit::{Mit, MitAnswer};
+
 use crate::read::{Bound, Section};
+use can::{check_node_ids, difference, read_can};
 
 /// The drive of one motor: a gear with a rotor behind it, and the electronics.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +40,13 @@ pub enum DriveKind {
     Stepper(Stepper),
     /// A drive of its own on the CAN bus, commanded by position, velocity and torque.
     Can(Can),
+}
+
+impl DriveKind {
+    /// Returns true if the drives tell where their motors are.
+    pub fn measures(&self) -> bool {
+        matches!(self, Self::Can(_))
+    }
 }
 
 /// A brushless DC motor as a direct-current equivalent, before the gear.
@@ -83,32 +97,18 @@ pub struct PullOut {
     pub rate_rad_s: f64,
 }
 
-/// A drive on the CAN bus.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Can {
-    /// The frames it speaks.
-    pub protocol: CanProtocol,
-    /// Its address, different for each drive of a machine.
-    pub node_id: u32,
-    /// The joint angle at which the drive's own position is 0, rad.
-    pub zero_rad: f64,
-    /// Bits per second on the bus, the same for all: that of moteus is 1 Mbit/s, outside the data.
-    pub bit_rate_hz: u32,
-}
-
-/// Frame layouts of CAN drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CanProtocol {
-    /// mjbots moteus registers over CAN FD; addresses 1 to 127.
-    Moteus,
-    /// ODrive CANSimple; addresses 0 to 63.
-    Odrive,
-}
-
 impl Drive {
     /// Rotor inertia as the joint sees it, N^2 J_r, kg m^2.
     pub fn inertia_at_joint_kgm2(&self) -> f64 {
         self.gear_ratio * self.gear_ratio * self.rotor_inertia_kgm2
+    }
+
+    /// The drive on the CAN bus, where it is one.
+    pub fn can(&self) -> Option<Can> {
+        match self.kind {
+            DriveKind::Can(can) => Some(can),
+            _ => None,
+        }
     }
 }
 
@@ -123,7 +123,9 @@ enum KindName {
 /// Reads `[[drive]]`: none, one for all three motors, or three.
 pub(crate) fn read_drives(root: &Section) -> Option<Option<[Drive; 3]>> {
     let sections = root.sections("drive")?;
-    let drives: Vec<Option<Drive>> = sections.iter().map(read_drive).collect();
+    let homes = root.has("homing");
+    let read = |section| read_drive(section, homes);
+    let drives: Vec<Option<Drive>> = sections.iter().map(read).collect();
     let drives: Option<Vec<Drive>> = drives.into_iter().collect();
     if !matches!(sections.len(), 0 | 1 | 3) {
         let reason = format!(
@@ -143,7 +145,7 @@ pub(crate) fn read_drives(root: &Section) -> Option<Option<[Drive; 3]>> {
     Some(Some(drives))
 }
 
-fn read_drive(section: &Section) -> Option<Drive> {
+fn read_drive(section: &Section, homes: bool) -> Option<Drive> {
     let gear_ratio = section.number_or("gear_ratio", Bound::Positive, 1.0);
     let rotor = section.number_or("rotor_inertia_kgm2", Bound::NotNegative, 0.0);
     let reversed = match section.has("reversed") {
@@ -158,7 +160,7 @@ fn read_drive(section: &Section) -> Option<Drive> {
     let kind = match section.choice("kind", &kinds) {
         Some(KindName::Bldc) => read_bldc(section).map(DriveKind::Bldc),
         Some(KindName::Stepper) => read_stepper(section).map(DriveKind::Stepper),
-        Some(KindName::Can) => read_can(section).map(DriveKind::Can),
+        Some(KindName::Can) => read_can(section, homes).map(DriveKind::Can),
         None => {
             section.ignore_rest();
             None
@@ -254,53 +256,6 @@ fn read_pull_out(section: &Section, holding_torque_nm: Option<f64>) -> Option<Op
     }))
 }
 
-fn read_can(section: &Section) -> Option<Can> {
-    let protocols = [
-        ("moteus", CanProtocol::Moteus),
-        ("odrive", CanProtocol::Odrive),
-    ];
-    let protocol = section.choice("protocol", &protocols);
-    let (low, high) = match protocol {
-        Some(CanProtocol::Moteus) => (1, 127),
-        Some(CanProtocol::Odrive) => (0, 63),
-        None => (0, 127),
-    };
-    let node_id = section.integer("node_id", low, high);
-    let zero = section.number_or("zero_rad", Bound::Finite, 0.0);
-    let bit_rate = match protocol {
-        Some(CanProtocol::Odrive) => read_bit_rate(section),
-        // Whatever it was going to be.
-        None if section.has("bit_rate_hz") => read_bit_rate(section),
-        Some(CanProtocol::Moteus) | None => Some(MOTEUS_BIT_RATE_HZ),
-    };
-    Some(Can {
-        protocol: protocol?,
-        node_id: node_id?,
-        zero_rad: zero?,
-        bit_rate_hz: bit_rate?,
-    })
-}
-
-/// Outside the data of its CAN FD frames.
-const MOTEUS_BIT_RATE_HZ: u32 = 1_000_000;
-
-/// Those that an ODrive can be set to, the first as it is delivered.
-const ODRIVE_BIT_RATES_HZ: [u32; 4] = [250_000, 125_000, 500_000, 1_000_000];
-
-fn read_bit_rate(section: &Section) -> Option<u32> {
-    let key = "bit_rate_hz";
-    let [delivered, ..] = ODRIVE_BIT_RATES_HZ;
-    if !section.has(key) {
-        return Some(delivered);
-    }
-    let rate = section.integer(key, 1, 1_000_000)?;
-    if !ODRIVE_BIT_RATES_HZ.contains(&rate) {
-        section.refuse(key, "must be 125000, 250000, 500000 or 1000000 (Hz)");
-        return None;
-    }
-    Some(rate)
-}
-
 /// Refuses drives that no board drives together: of two kinds, or that disagree on what they share.
 fn check_alike(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
     let [first, others @ ..] = drives;
@@ -313,42 +268,15 @@ fn check_alike(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
             (DriveKind::Stepper(a), DriveKind::Stepper(b)) if a.enable != b.enable => {
                 Some(("enable", "one line switches all three"))
             }
-            (DriveKind::Can(a), DriveKind::Can(b)) if a.protocol != b.protocol => {
-                Some(("protocol", "all three are on one bus"))
-            }
-            (DriveKind::Can(a), DriveKind::Can(b)) if a.bit_rate_hz != b.bit_rate_hz => {
-                Some(("bit_rate_hz", "all three are on one bus"))
-            }
+            (DriveKind::Can(a), DriveKind::Can(b)) => difference(&a, &b),
             (DriveKind::Bldc(_), DriveKind::Bldc(_))
-            | (DriveKind::Stepper(_), DriveKind::Stepper(_))
-            | (DriveKind::Can(_), DriveKind::Can(_)) => None,
+            | (DriveKind::Stepper(_), DriveKind::Stepper(_)) => None,
             _ => Some(("kind", "a board drives three of one kind")),
         };
         if let Some((key, why)) = differs {
             at.refuse(key, format!("must be that of drive[1]: {why}"));
             return None;
         }
-    }
-    Some(())
-}
-
-/// Refuses two drives at one address, one `[[drive]]` for three addresses included.
-fn check_node_ids(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
-    let ids = drives.map(|drive| match drive.kind {
-        DriveKind::Can(can) => Some(can.node_id),
-        _ => None,
-    });
-    for later in 1..3 {
-        let Some(id) = ids[later] else { continue };
-        let Some(earlier) = ids[..later].iter().position(|other| *other == Some(id)) else {
-            continue;
-        };
-        let reason = match sections {
-            [_] => "every drive needs an address of its own: give three [[drive]]".into(),
-            _ => format!("is already the address of drive[{}]", earlier + 1),
-        };
-        sections[later.min(sections.len() - 1)].refuse("node_id", reason);
-        return None;
     }
     Some(())
 }

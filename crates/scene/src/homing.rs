@@ -263,12 +263,8 @@ fn check(
                 "a [[drive]] of kind \"bldc\" gives torque and follows no angle: it cannot search"
                     .into(),
             ),
-            Some(DriveKind::Can(_)) => refuse(
-                "to",
-                "a [[drive]] of kind \"can\" counts its own angle: it is homed by its own means"
-                    .into(),
-            ),
-            None => {}
+            // It follows an angle; whether it has to search is checked with its own keys.
+            Some(DriveKind::Can(_)) | None => {}
         }
     }
     good.then_some(())

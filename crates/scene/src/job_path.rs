@@ -11,9 +11,9 @@ use trirrr_plan::natural::natural_spline;
 use trirrr_plan::piece::Piece;
 
 /// Default of `tolerance_m`.
-const TOLERANCE_M: f64 = 1e-5;
+pub(crate) const TOLERANCE_M: f64 = 1e-5;
 /// Default of `tolerance_rad`.
-const TOLERANCE_RAD: f64 = 1e-4;
+pub(crate) const TOLERANCE_RAD: f64 = 1e-4;
 /// The same where alpha is free: what is played need not have just the alpha that was chosen.
 const FREE_TOLERANCE_RAD: f64 = 1e-2;
 

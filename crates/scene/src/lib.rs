@@ -15,6 +15,7 @@ pub mod cases;
 mod drive;
 mod duration;
 mod error;
+mod feedback;
 mod homing;
 mod homing_path;
 mod job;
@@ -30,6 +31,7 @@ pub mod pipeline;
 mod planning;
 mod plant;
 mod player;
+mod power;
 mod range;
 pub mod read;
 pub mod record;
@@ -39,8 +41,11 @@ mod settings;
 mod tolerances;
 pub mod words;
 
-pub use drive::{Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, PullOut, Stepper};
+pub use drive::{
+    Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, Knows, Mit, MitAnswer, PullOut, Stepper,
+};
 pub use error::{Problem, SceneError};
+pub use feedback::Feedback;
 pub use homing::Homing;
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{FreeAlpha, JobPath};
@@ -49,6 +54,7 @@ pub use obstacle::limited;
 pub use planning::{PlannedJob, Unplanned, plan_job};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;
+pub use power::Power;
 pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;

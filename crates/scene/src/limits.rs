@@ -15,6 +15,7 @@ pub(crate) fn read_limits(root: &Section) -> Option<Limits> {
     let acceleration_rad_s2 = motors("acceleration_rad_s2");
     let torque_nm = motors("torque_nm");
     let power_w = motors("power_w");
+    let jerk_rad_s3 = motors("jerk_rad_s3");
     let serial = section.number_or("serial_distance_min", Bound::Fraction, serial);
     let parallel = section.number_or("parallel_distance_min", Bound::Fraction, parallel);
     Some(Limits {
@@ -22,6 +23,7 @@ pub(crate) fn read_limits(root: &Section) -> Option<Limits> {
         acceleration_rad_s2,
         torque_nm,
         power_w,
+        jerk_rad_s3,
         serial_distance_min: serial?,
         parallel_distance_min: parallel?,
     })

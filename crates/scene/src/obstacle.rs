@@ -50,6 +50,8 @@ pub fn limited(what: Limited) -> String {
         Limited::Acceleration(motor) => of_motor("acceleration", motor),
         Limited::Torque(motor) => of_motor("torque", motor),
         Limited::Power(motor) => of_motor("power", motor),
+        Limited::Jerk(motor) => of_motor("jerk", motor),
         Limited::Feed => "the feed".into(),
+        Limited::Tolerance => "the tolerance".into(),
     }
 }

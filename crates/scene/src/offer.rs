@@ -4,10 +4,68 @@ use crate::Scene;
 use crate::job::JobMove;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::{AnyMove, Move, Transmit};
+use trirrr_plan::course;
+use trirrr_plan::piece::PlaneCurve;
+use trirrr_protocol::message::{AnyMove, Move, PathCurve, PathPiece, Transmit};
 
 /// Moves for which the service of a host has room; that of a board has no more. The longest move follows from it.
 pub const CAPACITY: usize = 128;
+
+/// Pieces of a path, and cells of their plan, that a service which plans paths holds, on a board as on a host: some 40 KB there.
+pub const PIECES: usize = 32;
+/// See [`PIECES`].
+pub const CELLS: usize = 48;
+
+/// Returns the pieces of a scene's path for a machine that plans it, in the number type `N` and in `units`, numbered from 0.
+///
+/// # Errors
+/// A job without a path; a piece that a machine does not plan.
+pub fn pieces<N: Transmit>(scene: &Scene, units: &Units) -> Result<Vec<PathPiece<N>>, String> {
+    let path = scene.job.path.as_ref();
+    let path = path.ok_or("its job has no path: give it as [[job.path]]")?;
+    let metres = units.length_m();
+    let speed = |speed: f64| N::from_f64(speed * units.time_s() / metres);
+    let pose = |at: Pose<f64>| {
+        Pose::<N>::from_f64(at.position.x / metres, at.position.y / metres, at.angle)
+    };
+    let piece = |(number, each): (usize, &course::PathPiece)| {
+        let [c1, c2, c3] = each.piece.turning;
+        let is_linear = c2 == 0.0 && c3 == 0.0;
+        let curve = match each.piece.curve {
+            PlaneCurve::Line { .. } if is_linear => PathCurve::Line {
+                to: pose(each.piece.end()),
+            },
+            PlaneCurve::Arc { centre, turn, .. } if is_linear => PathCurve::Arc {
+                centre: [centre.x, centre.y].map(|each| N::from_f64(each / metres)),
+                turn: N::from_f64(turn),
+                to_angle: N::angle_from_f64(each.piece.angle + c1),
+            },
+            PlaneCurve::Arc { .. } => {
+                return Err(format!(
+                    "job.path[{}]: a machine plans no arc on which alpha bends; send moves",
+                    each.source
+                ));
+            }
+            PlaneCurve::Line { .. } | PlaneCurve::Cubic { .. } => {
+                let [_, first, second, to] = each.piece.controls().map(pose);
+                PathCurve::Bezier {
+                    controls: [first, second],
+                    to,
+                }
+            }
+        };
+        let tool = path.tools[each.source];
+        Ok(PathPiece {
+            number: number as u32,
+            curve,
+            feed: speed(each.feed_m_s.unwrap_or(0.0)),
+            tool_power: N::from_f64(tool.map_or(0.0, |tool| tool.power)),
+            tool_speed: speed(tool.map_or(0.0, |tool| tool.speed_m_s)),
+            last: number + 1 == path.pieces.len(),
+        })
+    };
+    path.pieces.iter().enumerate().map(piece).collect()
+}
 
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<AnyMove<N>> {

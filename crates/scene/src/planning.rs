@@ -16,6 +16,7 @@ use trirrr_plan::alpha::{Sampler, choose_alpha};
 use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
+use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::Bounded;
 
 /// Reason why a path has no plan.
@@ -152,7 +153,8 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             period_s: scene.period_s(),
             tolerance_m: path.tolerance_m,
             tolerance_rad: path.tolerance_rad,
-            resolution_m: resolution_m(scene),
+            resolution_m: resolution(scene, size_m(scene)),
+            resolution_rad: resolution(scene, angle_rad(path)),
             ticks_min: ticks_min(scene),
         };
         let mut path = path.clone();
@@ -189,15 +191,33 @@ fn ticks_min(scene: &Scene) -> u32 {
     (MOVE_MIN_S * scene.tick_rate_hz).round().max(1.0) as u32
 }
 
-/// Distance between neighbouring positions in the number type of `scene`, at the size of the machine.
-fn resolution_m(scene: &Scene) -> f64 {
-    let reach = |leg: &LegParameters| leg.base_m.amax() + leg.proximal_m + leg.distal_m;
-    let size = scene.parameters.legs.iter().map(reach).fold(0.0, f64::max);
+/// Distance between neighbouring numbers of about `size` in the number type of `scene`.
+fn resolution(scene: &Scene, size: f64) -> f64 {
     size * match scene.number {
         NumberType::F64 => f64::UNIT_ROUNDOFF,
         NumberType::F32 | NumberType::Micromath => f32::UNIT_ROUNDOFF.to_f64(),
         NumberType::Fixed => Fixed::UNIT_ROUNDOFF.to_f64(),
     }
+}
+
+/// Size of the machine.
+fn size_m(scene: &Scene) -> f64 {
+    let reach = |leg: &LegParameters| leg.base_m.amax() + leg.proximal_m + leg.distal_m;
+    scene.parameters.legs.iter().map(reach).fold(0.0, f64::max)
+}
+
+/// Largest alpha along `path`, or a little more.
+fn angle_rad(path: &JobPath) -> f64 {
+    let largest = |piece: &Piece<f64>| {
+        piece
+            .turning
+            .iter()
+            .fold(piece.angle.abs(), |sum, turned| sum + turned.abs())
+    };
+    path.pieces
+        .iter()
+        .map(|each| largest(&each.piece))
+        .fold(0.0, f64::max)
 }
 
 /// Judges `moves` of `scene`, which do not stand in its job yet, in units that have room for `others`, too.
@@ -216,7 +236,12 @@ fn judged(scene: &Scene, moves: &[JobMove], others: &[JobMove]) -> Vec<Judged> {
     let judged = |judgement: Judgement| match judgement {
         Ok(_) => Judged::Kept,
         Err(Objection::Limit(violation)) => match violation.what {
-            Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power => {
+            Bounded::Rate
+            | Bounded::Acceleration
+            | Bounded::Torque
+            | Bounded::Power
+            | Bounded::Jerk
+            | Bounded::AccelerationJump => {
                 Judged::Exceeded(violation.value / violation.limit - 1.0)
             }
             _ => Judged::Refused,

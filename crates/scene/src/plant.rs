@@ -362,12 +362,12 @@ fn check_drives(
 ) -> Option<()> {
     let kinds = drives.map(|drives| drives.map(|drive| drive.kind));
     let mut by_torque = kinds.is_none();
-    let mut steppers = false;
+    let mut sampled = None;
     for kind in kinds.iter().flatten() {
         match kind {
             DriveKind::Bldc(_) => by_torque = true,
             DriveKind::Stepper(stepper) => {
-                steppers = true;
+                sampled = Some("steppers are commanded step by step");
                 if stepper.holding_torque_nm.is_none() {
                     let reason = "a [plant] needs the holding_torque_nm of its steppers";
                     root.refuse_list("drive", reason);
@@ -375,10 +375,8 @@ fn check_drives(
                 }
             }
             DriveKind::Can(_) => {
-                let reason = "a [plant] has no model of a drive on the CAN bus: describe its \
-                              motor as kind = \"bldc\"";
-                root.refuse_list("drive", reason);
-                return None;
+                by_torque = true;
+                sampled = Some("a drive on the CAN bus computes in samples");
             }
         }
     }
@@ -388,13 +386,16 @@ fn check_drives(
             section.refuse("controller", reason);
             None
         }
-        Some(controller) if steppers && controller.timing == Timing::Continuous => {
+        Some(controller) if controller.timing == Timing::Continuous => {
+            let Some(why) = sampled else {
+                return Some(());
+            };
             let place = Place {
                 value: None,
                 ..section.place_of("controller")
             };
-            let reason = "timing = \"continuous\": steppers are commanded step by step, so that \
-                          the controller has to be sampled";
+            let reason =
+                format!("timing = \"continuous\": {why}, so that the controller has to be sampled");
             section.refuse_at(&place, reason);
             None
         }

@@ -84,6 +84,7 @@ quantities! {
     FORCE_OVER_LINK, "a force over the length of a distal link", "N/m", [0, -2, 1], RANGE;
     MOMENT_ACROSS, "a force times a distal link", "N m", [2, -2, 1], RANGE;
     POWER, "a power", "W", [2, -3, 1], WIDE;
+    JERK, "an angular jerk", "rad/s^3", [0, -3, 0], WIDE;
 }
 
 /// A quantity that fits no units, or not those that the others ask for.
@@ -195,6 +196,9 @@ impl<'p> GreatestSizes<'p> {
         }
         for power in all(limits.power_w) {
             self.note(Of::POWER, power);
+        }
+        for jerk in all(limits.jerk_rad_s3) {
+            self.note(Of::JERK, jerk);
         }
         self.serial = self.serial.min(limits.serial_distance_min);
         self.parallel = self.parallel.min(limits.parallel_distance_min);

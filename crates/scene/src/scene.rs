@@ -2,6 +2,7 @@
 
 use crate::drive::{Drive, DriveKind, read_drives};
 use crate::error::SceneError;
+use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
 use crate::job::{Job, PlacedJob, read_job};
@@ -10,6 +11,7 @@ use crate::machine::read_parameters;
 use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::{PlacedPlant, Plant, read_plant};
+use crate::power::{Power, read_power, read_reactions};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
@@ -19,7 +21,7 @@ use std::str::FromStr;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::ModelKind;
-use trirrr_service::{Ramp, key};
+use trirrr_service::{Ramp, Reactions, key};
 
 /// Slowest and fastest tick rate, Hz.
 const TICK_RATE_HZ: (f64, f64) = (1.0, 100_000.0);
@@ -58,6 +60,12 @@ pub struct Scene {
     pub limits: Limits,
     /// Settings with which the service runs the job.
     pub service: Service,
+    /// Times that drives and brake take to go on and off.
+    pub power: Power,
+    /// Stops at faults.
+    pub reactions: Reactions,
+    /// Watch over the drives, if they tell where they are.
+    pub feedback: Option<Feedback>,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -223,7 +231,13 @@ fn read_scene(
     let parameters = read_parameters(root, drives.flatten());
     let tolerances = read_tolerances(root, parameters.as_ref());
     let limits = read_limits(root);
-    let service = read_service(root, rate);
+    let power = read_power(root, rate);
+    let reactions = read_reactions(root);
+    let measures = drives
+        .flatten()
+        .is_some_and(|[drive, ..]| drive.kind.measures());
+    let feedback = read_feedback(root, rate, measures);
+    let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
     let plant = read_plant(root, drives, rate);
     if torque == Some(false) {
         refuse_torques(
@@ -248,6 +262,9 @@ fn read_scene(
         drives: drives?,
         limits: limits?,
         service: service?,
+        power: power?,
+        reactions: reactions?,
+        feedback: feedback?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         plant: None,
@@ -277,6 +294,18 @@ fn read_scene(
 struct Places {
     legs: Place,
     number: Place,
+}
+
+/// Reason why the machine plans no paths, if there is one.
+fn obstacle_to_planner(
+    number: Option<NumberType>,
+    limits: Option<&Limits>,
+) -> Option<&'static str> {
+    if number == Some(NumberType::Fixed) {
+        return Some("needs a number type with a floating point: f32, micromath or f64");
+    }
+    let jerk = limits.is_some_and(|limits| limits.jerk_rad_s3.is_some());
+    jerk.then_some("knows no limit of jerk: leave [limits] jerk_rad_s3 out, or plan on the host")
 }
 
 /// Refuses what asks for torques in a scene that computes none.

@@ -15,6 +15,8 @@ pub struct Service {
     /// A hold takes no longer than this from normal speed to rest, wherever it comes, s; as long as the path makes it if there
     /// is none. At least `hold_ramp_s`.
     pub stop_time_max_s: Option<f64>,
+    /// The machine plans paths itself, of which a host gives the pieces.
+    pub plans_paths: bool,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -25,14 +27,19 @@ impl Default for Service {
             silence_timeout_s: 1.0,
             hold_ramp_s: 0.1,
             stop_time_max_s: None,
+            plans_paths: false,
             telemetry_ticks: 1,
         }
     }
 }
 
 /// Reads `[service]`; what is left out is as in [`Service::default`].
-/// Without a tick rate, the ramp's length in ticks is not checked.
-pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service> {
+/// Without a tick rate, the ramp's length in ticks is not checked. Where there is an obstacle to a planner of paths, it is refused.
+pub(crate) fn read_service(
+    root: &Section,
+    rate: Option<f64>,
+    obstacle_to_planner: Option<&str>,
+) -> Option<Service> {
     let default = Service::default();
     if !root.has("service") {
         return Some(default);
@@ -71,10 +78,22 @@ pub(crate) fn read_service(root: &Section, rate: Option<f64>) -> Option<Service>
         true => section.integer("telemetry_ticks", 1, 65_535),
         false => Some(default.telemetry_ticks),
     };
+    let plans_paths = match section.has("plans_paths") {
+        true => section.boolean("plans_paths"),
+        false => Some(default.plans_paths),
+    };
+    let plans_paths = plans_paths.filter(|&plans| match obstacle_to_planner {
+        Some(obstacle) if plans => {
+            section.refuse("plans_paths", obstacle.to_owned());
+            false
+        }
+        _ => true,
+    });
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
         stop_time_max_s: stop_time_max_s?,
+        plans_paths: plans_paths?,
         telemetry_ticks: telemetry_ticks?,
     })
 }

@@ -1,10 +1,39 @@
 //! Settings that a scene gives to the core's service.
 
+use crate::job_path::{TOLERANCE_M, TOLERANCE_RAD};
 use crate::scene::Scene;
+use trirrr_core::number::Number;
 use trirrr_core::units::Units;
+use trirrr_plan::window::WindowSettings;
 use trirrr_protocol::message::{Board, Message, Request, Transmit};
 use trirrr_protocol::wire::schema;
-use trirrr_service::{SceneIdentity, Settings, name};
+use trirrr_service::{Planning, SceneIdentity, Settings, name};
+
+/// Shortest time of a move that a machine plans itself, s. The motion is smoothed over twice as much: a shorter one leaves
+/// curves less, a longer one has less noise of rounding.
+const STEP_S: f64 = 0.003;
+
+/// Settings of a planner of paths: the tolerances are those of the scene's own path, or what they would be by default.
+fn planning<N: Number>(scene: &Scene, units: &Units) -> Planning<N> {
+    let tolerances = scene
+        .job
+        .path
+        .as_ref()
+        .map_or([TOLERANCE_M, TOLERANCE_RAD], |path| {
+            [path.tolerance_m, path.tolerance_rad]
+        });
+    let radii = scene.parameters.legs.iter().map(|leg| leg.joint_radius_m);
+    let stop_s = scene.service.stop_time_max_s;
+    let settings = WindowSettings {
+        period_s: units.time(scene.period_s()),
+        ticks: (STEP_S * scene.tick_rate_hz).round().max(1.0) as u32,
+        tolerance_m: tolerances[0] / units.length_m(),
+        tolerance_rad: tolerances[1],
+        lever_m: radii.fold(0.0, f64::max) / units.length_m(),
+        hold_rate: stop_s.map_or(0.0, |most| 1.0 / units.time(most)),
+    };
+    settings.planning()
+}
 
 /// The settings of the scene's service in the number type `N`, in `units`: those of an image and those of
 /// a simulator, so that both say the same of themselves. A board puts its own in the place of
@@ -17,6 +46,9 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
         ramp: scene.ramp(),
         host_timeout_ticks: silence.round().max(1.0) as u32,
         telemetry_every: scene.service.telemetry_ticks as u16,
+        power: scene.power.times(scene.tick_rate_hz),
+        reactions: scene.reactions,
+        planning: scene.service.plans_paths.then(|| planning(scene, units)),
         scene: SceneIdentity {
             schema: schema::key::<Request<N>, Message<N>>(),
             key: scene.key,

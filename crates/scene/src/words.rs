@@ -13,6 +13,8 @@ pub fn subject(what: Bounded, index: Option<u8>) -> String {
         Bounded::Torque => ("torque", "motor"),
         Bounded::Power => ("power", "motor"),
         Bounded::Range => ("range of the number type", "leg"),
+        Bounded::Jerk => ("jerk", "motor"),
+        Bounded::AccelerationJump => ("jump of the acceleration", "motor"),
     };
     match index {
         Some(index) => format!("{name} of {part} {}", index + 1),
@@ -26,7 +28,8 @@ fn unit(what: Bounded) -> &'static str {
         Bounded::Reach => " m",
         Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => "",
         Bounded::Rate => " rad/s",
-        Bounded::Acceleration => " rad/s^2",
+        Bounded::Acceleration | Bounded::AccelerationJump => " rad/s^2",
+        Bounded::Jerk => " rad/s^3",
         Bounded::Torque => " N m",
         Bounded::Power => " W",
     }

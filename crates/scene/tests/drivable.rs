@@ -85,7 +85,7 @@ proptest! {
     }
 }
 
-/// Where limits are far, a stop takes its ramp, and the way that a constant change of the pace gives. Where they are near, it
+/// A stop takes its ramp where limits are far, and the way that a constant change of the pace gives. Where they are near, it
 /// takes longer, and no longer than the scene allows.
 #[test]
 fn the_longest_stop_is_known() {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{edit, problems};
 use trirrr_core::units::Units;
-use trirrr_scene::Scene;
+use trirrr_scene::{Knows, Scene};
 use trirrr_service::Contact;
 
 const STEPPER: &str = include_str!("../../../scenes/pick-stepper.toml");
@@ -43,6 +43,36 @@ fn homing_is_read() {
     let other = homing.parameters(&scene, &units).expect("it stands");
     assert_eq!(other.times, times);
     assert_eq!(other.motors[0].search_rate_rad_s, 0.05);
+}
+
+/// A drive on the bus that does not know its joint is homed like a stepper; one that knows it is not.
+#[test]
+fn drives_on_the_bus_are_homed_where_they_do_not_know_their_joints() {
+    let (start, end) = (HOMED.find("[[drive]]"), HOMED.find("[limits]"));
+    let (start, end) = (start.expect("steppers"), end.expect("limits"));
+    let with = |more: &str| {
+        let drives: String = (1..=3)
+            .map(|id| {
+                format!("[[drive]]\nkind = \"can\"\nprotocol = \"odrive\"\nnode_id = {id}\n{more}")
+            })
+            .collect();
+        format!("{}{drives}{}", &HOMED[..start], &HOMED[end..])
+    };
+    for (more, knows) in [
+        ("", Knows::Nothing),
+        ("absolute = \"rotor\"\n", Knows::Rotor),
+    ] {
+        let scene = Scene::parse(&with(more), "bus.toml").expect("it can be homed");
+        let [drive, ..] = scene.drives.expect("on the bus");
+        assert_eq!(drive.can().map(|can| can.knows), Some(knows));
+        assert!(scene.homing.is_some() && scene.feedback.is_some());
+    }
+    let found = problems(&with("absolute = \"joint\"\n"));
+    assert_eq!(found[0].key, "drive[1].absolute", "{found:#?}");
+    assert!(
+        found[0].reason.contains("for which [homing] searches"),
+        "{found:#?}"
+    );
 }
 
 #[test]

@@ -142,6 +142,10 @@ fn the_service_and_the_tool() {
             "service.stop_time_max_s", Some("0.05"), "must be at least hold_ramp_s, 0.1 (s)"),
         case(("[platform]", 1, "[service]\nhold_ramp_ms = 100\n[platform]"),
             "service.hold_ramp_ms", Some("100"), "did you mean `hold_ramp_s`?"),
+        case(("[platform]", 1, "[service]\nplans_paths = 1\n[platform]"),
+            "service.plans_paths", Some("1"), "expected true or false, found a number"),
+        case(("[platform]", 1, "[service]\nplans_paths = true\n[limits]\njerk_rad_s3 = 1e5\n[platform]"),
+            "service.plans_paths", Some("true"), "knows no limit of jerk: leave [limits] jerk_rad_s3 out, or plan on the host"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 0\n[platform]"),
             "service.telemetry_ticks", Some("0"), "must be from 1 to 65535"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 2.5\n[platform]"),
@@ -184,6 +188,8 @@ fn drives_and_limits() {
             "limits.power_w", Some("[15.0, 15.0]"), "a number in W, or three of them, found 2 values"),
         case(("[15.0, 15.0, 10.0]", 1, "[15.0, -1, 10.0]"),
             "limits.power_w[2]", Some("-1"), "must be greater than 0 (W)"),
+        case(("rate_rad_s = 5.0", 1, "jerk_rad_s3 = [1, 0, 1]"),
+            "limits.jerk_rad_s3[2]", Some("0"), "must be greater than 0 (rad/s^3)"),
         case(("serial_distance_min = 0.1", 1, "serial_distance_min = 1"),
             "limits.serial_distance_min", Some("1"), "at least 0 and less than 1"),
         case(("gravity_m_s2 = [0.0, -9.81]", 1, "gravity_m_s2 = -9.81"),
@@ -197,6 +203,12 @@ fn drives_and_limits() {
         ("kind = \"can\"\nprotocol = \"moteus\"\nnode_id = 1", "drive[1].node_id", "give three [[drive]]"),
         ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = 1\nbit_rate_hz = 300000", "drive[1].bit_rate_hz", "must be 125000, 250000,"),
         ("kind = \"can\"\nprotocol = \"moteus\"\nnode_id = 1\nbit_rate_hz = 500000", "drive[1].bit_rate_hz", "unknown key"),
+        ("kind = \"can\"\nprotocol = \"moteus\"\nnode_id = 1\nmessages_hz = 100", "drive[1].messages_hz", "unknown key"),
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = 1\nabsolute = \"nothing\"", "drive[1].absolute", "needs [homing]"),
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = 1\nabsolute = \"link\"", "drive[1].absolute", "must be one of"),
+        ("kind = \"can\"\nprotocol = \"mit\"\nnode_id = 1\nmodel = \"dm9\"", "drive[1].model", "must be one of \"ak10-9\""),
+        ("kind = \"can\"\nprotocol = \"mit\"\nnode_id = 1\nmodel = \"rs00\"\nkp_nm_rad = 501\nkd_nm_s_rad = 1", "drive[1].kp_nm_rad", "must be from 0 to 500"),
+        ("kind = \"can\"\nprotocol = \"mit\"\nnode_id = 16\nmodel = \"dm4310\"\nkp_nm_rad = 1\nkd_nm_s_rad = 1", "drive[1].node_id", "from 1 to 15"),
         ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\nenable = \"on\"", "drive[1].enable", "must be one of \"low\", \"high\""),
         ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\nreversed = 1", "drive[1].reversed", "expected true or false"),
     ] {
@@ -210,12 +222,18 @@ fn drives_and_limits() {
     let found = problems(&edit(THESIS, "[platform]", 1, &three));
     assert_eq!((found[0].key.as_str(), found.len()), ("drive[3].node_id", 1), "{found:#?}");
     assert_eq!(found[0].reason, "is already the address of drive[1]");
+    let mit = |id: u8, kp: f64| {
+        format!(
+            "[[drive]]\nkind = \"can\"\nprotocol = \"mit\"\nnode_id = {id}\nmodel = \"dm4310\"\nkp_nm_rad = {kp}\nkd_nm_s_rad = 1\n"
+        )
+    };
     let odrive = |id| format!("[[drive]]\nkind = \"can\"\nprotocol = \"odrive\"\nnode_id = {id}\n");
     let stepper = |more| format!("[[drive]]\nkind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\n{more}\n");
     for (three, key, reason) in [
         ([can(1), can(2), odrive(3)], "drive[3].protocol", "all three are on one bus"),
         ([odrive(1), stepper(""), odrive(3)], "drive[2].kind", "a board drives three of one kind"),
         ([odrive(1), odrive(2) + "bit_rate_hz = 500000\n", odrive(3)], "drive[2].bit_rate_hz", "one bus"),
+        ([mit(1, 9.0), mit(2, 9.0), mit(3, 8.0)], "drive[3].kp_nm_rad", "one for all three"),
         ([stepper(""), stepper(""), stepper("enable = \"high\"")], "drive[3].enable", "one line switches"),
     ] {
         let text = three.concat() + "[platform]";
@@ -285,7 +303,7 @@ fn plants() {
     let start = PLANT.find("[[drive]]").unwrap();
     let end = PLANT.find("[plant]").unwrap();
     for (drive, key, reason) in [
-        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = ", "drive", "no model of a drive on the CAN bus"),
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = ", "plant.controller", "computes in samples"),
         ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = ", "drive", "needs the holding_torque_nm"),
         ("kind = \"stepper\"\nholding_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ", "plant.controller", "has to be sampled"),
         ("kind = \"stepper\"\nholding_torque_nm = 1\npull_out_rate_rad_s = 9\npull_out_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ",

@@ -18,6 +18,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Pose::from_f64(0.21, 0.22, 0.157);
     let mut service = channels.service(scene, start, Settings::at(100.0))?;
 
+    // The drives go on here, and hold the machine where it is.
+    assert_eq!(service.submit(&Command::Enable), Reply::Done);
+    service.tick();
+
     let there = Pose::from_f64(0.28, 0.28, 0.209);
     for command in [
         Command::Telemetry { every: 25 },
@@ -33,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for tick in 0..400 {
         // Hand the output to the drives here.
         let output = service.tick();
-        assert!(output.enabled);
+        assert!(output.is_on());
         match tick {
             // A hold comes to rest on the path, a resume goes on from there.
             30 => drop(service.submit(&Command::Hold)),
@@ -48,7 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     println!("tick {:3}: x {:.4} m, y {:.4} m", sample.tick, at.x, at.y);
                 }
                 Message::Event(event) => println!("tick {tick:3}: {event:?}"),
-                Message::Reply { .. } => unreachable!("submit returns its reply"),
+                Message::Drives(_) | Message::Reply { .. } => {
+                    unreachable!("submit returns its reply, and the scene has no feedback")
+                }
             }
         }
         if tick > 0 && service.state() == State::Idle {

@@ -39,6 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         });
 
         // On a board: the idle loop, which also moves the bytes of the line.
+        assert_eq!(background.submit(&Command::Enable), Reply::Done);
+        while background.status().state != State::Idle {
+            thread::sleep(Duration::from_millis(1));
+        }
         let there = Pose::from_f64(0.28, 0.28, 0.209);
         let offered = Move::rest_to_rest(0, start, there, 250);
         let reply = background.submit(&Command::Move(offered));

@@ -1,17 +1,21 @@
 //! The memory of a service, and how it comes apart into its two halves.
 
-use super::background::{self, Background, Stand};
+use super::background::{self, Background, OfferedMoves, Stand};
 use super::coefficients::Coefficients;
 use super::foreground::{self, Foreground};
-use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
+use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::offered::Offered;
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::service::Service;
 use super::settings::Settings;
+use super::splice::{SpliceChannels, SplicesOf};
+use crate::feedback::Feedback;
 use crate::number::ServiceNumber;
+use crate::planner::PathPlanner;
 use core::borrow::Borrow;
 use core::fmt;
+use heapless::Deque;
 use heapless::spsc::Queue;
 use trirrr_core::machine::BuildError;
 use trirrr_core::setpoint::Pose;
@@ -34,14 +38,17 @@ const EVENTS: usize = 12;
 /// `S` is the [kind of scene](Scene).
 pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     moves: Queue<QueuedMove<S::N, S::Curves>, MOVES>,
-    offered: Queue<Offered<S::N, S::Curves>, MOVES>,
+    offered: Deque<Offered<S::N, S::Curves>, MOVES>,
     recoveries: Queue<Recover<S::N>, 2>,
     orders: Queue<Order, ORDERS>,
-    reports: Queue<TickReport<S::N>, REPORTS>,
+    splices: SplicesOf<S>,
+    reports: Queue<ReportOf<S>, REPORTS>,
     faults: Queue<Fault<S::N>, 2>,
     samples: Queue<Telemetry<S::N>, SAMPLES>,
     events: Queue<Event<S::N>, EVENTS>,
     setups: S::Slot,
+    feedback: S::Feedback,
+    planner: S::Planner,
     shared: SharedCounters,
 }
 
@@ -78,14 +85,17 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
     pub const fn new() -> Self {
         Self {
             moves: Queue::new(),
-            offered: Queue::new(),
+            offered: Deque::new(),
             recoveries: Queue::new(),
             orders: Queue::new(),
             reports: Queue::new(),
             faults: Queue::new(),
             samples: Queue::new(),
             events: Queue::new(),
+            splices: <SplicesOf<S>>::EMPTY,
             setups: S::Slot::EMPTY,
+            feedback: S::Feedback::EMPTY,
+            planner: S::Planner::EMPTY,
             shared: SharedCounters::new(),
         }
     }
@@ -132,7 +142,6 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         };
 
         let (moves_in, moves_out) = self.moves.split();
-        let (offered_in, offered_out) = self.offered.split();
         let (recoveries_in, recoveries_out) = self.recoveries.split();
         let (faults_in, faults_out) = self.faults.split();
         let (orders_in, orders_out) = self.orders.split();
@@ -140,7 +149,10 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         let (samples_in, samples_out) = self.samples.split();
         let (events_in, events_out) = self.events.split();
         let (setups_in, setups_out) = self.setups.split();
+        let (splices_in, splices_out) = self.splices.split();
+        let (feedback_in, feedback_out) = self.feedback.split(scene.feedback());
         let shared = &self.shared;
+        self.planner.set_up(settings.planning);
         let foreground = Foreground::new(
             setup,
             stand.angles,
@@ -151,6 +163,8 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 recoveries: Receiver::new(recoveries_out),
                 orders: Receiver::new(orders_out),
                 setups: setups_out,
+                splices: splices_out,
+                feedback: feedback_out,
                 reports: Sender::new(reports_in),
                 faults: Sender::new(faults_in),
                 samples: Sender::new(samples_in),
@@ -167,11 +181,14 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 recoveries: Sender::new(recoveries_in),
                 orders: Sender::new(orders_in),
                 setups: setups_in,
+                splices: splices_in,
+                feedback: feedback_in,
                 reports: Receiver::new(reports_out),
                 faults: Receiver::new(faults_out),
                 samples: Receiver::new(samples_out),
                 shared,
-                offered: (Sender::new(offered_in), Receiver::new(offered_out)),
+                planner: &mut self.planner,
+                offered: OfferedMoves::new(self.offered.as_mut_view()),
                 events: (Sender::new(events_in), Receiver::new(events_out)),
             },
         );

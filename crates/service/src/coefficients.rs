@@ -6,6 +6,7 @@ use crate::pace::Ramp;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters, Quantity};
 use trirrr_core::model::Model;
+use trirrr_core::setpoint::CurveKind;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_core::to_source;
@@ -45,8 +46,8 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
         period: f64,
     ) -> Result<Self, BuildError> {
         if !M::TORQUES {
-            no_limit(Quantity::TorqueLimit, limits.torque_nm)?;
-            no_limit(Quantity::PowerLimit, limits.power_w)?;
+            no_limit(Quantity::TorqueLimit, limits.torque_nm, NO_TORQUES)?;
+            no_limit(Quantity::PowerLimit, limits.power_w, NO_TORQUES)?;
         }
         let tick = Tick::build(parameters)?;
         let limits = Limits::build(limits)?;
@@ -59,14 +60,29 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
     }
 }
 
-fn no_limit(quantity: Quantity, limit: Option<[f64; 3]>) -> Result<(), BuildError> {
+const NO_TORQUES: &str = "no limit, for no torque is computed";
+
+/// Refuses a limit of jerk of a machine whose kinds of moves know none.
+pub(crate) fn allow_jerk<K: CurveKind>(limit: Option<[f64; 3]>) -> Result<(), BuildError> {
+    let expected = "no limit, for the moves are built without one";
+    match K::JERK {
+        true => Ok(()),
+        false => no_limit(Quantity::JerkLimit, limit, expected),
+    }
+}
+
+fn no_limit(
+    quantity: Quantity,
+    limit: Option<[f64; 3]>,
+    expected: &'static str,
+) -> Result<(), BuildError> {
     match limit {
         None => Ok(()),
         Some([value, ..]) => Err(BuildError {
             quantity,
             leg: Some(0),
             value,
-            expected: "no limit, for no torque is computed",
+            expected,
         }),
     }
 }

@@ -232,10 +232,11 @@ impl FeedScale {
         left >= level * level + LAST
     }
 
-    /// Returns true if `room` is enough to come to rest from the pace that the host asks for.
+    /// Returns true if `room` is enough to come to rest from the pace that the host asks for, and from the present one.
     pub(super) fn is_enough(&self, part: u32, room: impl Fn(usize) -> i32) -> bool {
         let at_goal = Step {
-            level: self.goal,
+            // A lower one may have been asked for a moment ago.
+            level: self.goal.max(self.level),
             slope: 0,
             parts: 0,
         };

@@ -31,9 +31,18 @@ impl<N: Number> LimitBreach<N> {
     }
 }
 
+/// Limits of what a tick computes: the others are left to the admission, and take no room here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ResultLimits<N> {
+    pub(super) rate: Option<[N; 3]>,
+    acceleration: Option<[N; 3]>,
+    torque: Option<[N; 3]>,
+    power: Option<[N; 3]>,
+}
+
 /// The limits that a tick's results have to keep.
 pub(super) struct Guard<N> {
-    limits: Limits<N>,
+    limits: ResultLimits<N>,
     /// False if there is nothing to check: one look instead of one for each limit.
     has_limits: bool,
 }
@@ -51,6 +60,12 @@ impl<N: Number> Guard<N> {
         let has_limits = [rate, acceleration, torque, power]
             .iter()
             .any(Option::is_some);
+        let limits = ResultLimits {
+            rate,
+            acceleration,
+            torque,
+            power,
+        };
         Self { limits, has_limits }
     }
 
@@ -85,13 +100,16 @@ impl<N: Number> Guard<N> {
     }
 
     #[cfg(test)]
-    pub(super) fn limits(&self) -> &Limits<N> {
+    pub(super) fn limits(&self) -> &ResultLimits<N> {
         &self.limits
     }
 }
 
 #[inline]
-fn check<M: Model>(limits: &Limits<M::N>, motion: &Motion<M::N>) -> Result<(), LimitBreach<M::N>> {
+fn check<M: Model>(
+    limits: &ResultLimits<M::N>,
+    motion: &Motion<M::N>,
+) -> Result<(), LimitBreach<M::N>> {
     let [a, b, c] = &motion.motors;
     within(Bounded::Rate, &limits.rate, [a.rate, b.rate, c.rate])?;
     let accelerations = [a.acceleration, b.acceleration, c.acceleration];
@@ -144,10 +162,14 @@ mod tests {
             acceleration: None,
             torque: None,
             power: None,
+            jerk: None,
             serial_distance: 0.0,
             parallel_distance: 0.0,
         };
-        assert_eq!(Guard::<f64>::of_results(&limits).limits, limits);
+        assert_eq!(
+            Guard::<f64>::of_results(&limits).limits,
+            Guard::holding(limits).limits
+        );
         let limits = Guard::of_results(&limits.map(|limit| limit as f32)).limits;
         let check = |rate: f32| within(Bounded::Rate, &limits.rate, [0.0, -rate, 0.0]);
         assert_eq!(check(2.001), Ok(()));

@@ -5,12 +5,16 @@
 //! | background | tick | queue | admitted moves ([`QueuedMove`]); the first is under way |
 //! | background | tick | queue | a recovery ([`Recover`]) |
 //! | background | tick | queue | orders ([`Order`]) |
+//! | background | tick | queues | chains of moves, and where they begin ([`splice`](super::splice)) |
 //! | tick | background | queue | where it stands, after each change ([`TickReport`]) |
 //! | tick | background | queue | a fault |
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
+use super::feedback::FeedbackReportOf;
 use super::pace::{MovePaces, Room};
+use super::scene::Scene;
+use super::splice::{SpliceChannels, SplicesOf};
 use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
 use trirrr_core::number::Number;
@@ -19,7 +23,7 @@ use trirrr_protocol::message::{Acting, State};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct QueuedMove<N: Number, K: CurveKind> {
+pub struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) segment: Segment<N, K>,
     pub(super) ticks: u32,
     pub(super) number: u32,
@@ -38,6 +42,14 @@ pub(super) enum Order {
     Resume,
     Stop,
     ClearFault,
+    Enable,
+    Disable,
+    /// The machine stands at the pose of the recovery at the head of its queue.
+    Place,
+    /// Samples of the drives.
+    Drives {
+        every: u16,
+    },
     /// The recovery at the head of its queue.
     Recover,
     Telemetry {
@@ -63,7 +75,7 @@ pub(super) struct Recover<N: Number> {
 
 /// State of the tick, after something changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TickReport<N: Number> {
+pub(super) struct TickReport<N: Number, R, F> {
     /// Orders taken so far, modulo 256.
     pub(super) orders: u8,
     pub(super) generation: u8,
@@ -79,7 +91,18 @@ pub(super) struct TickReport<N: Number> {
     pub(super) pose: Pose<N>,
     /// Angles of the motors; meant in idle, fault and cleared only.
     pub(super) angles: [N::Angle; 3],
+    /// Splices.
+    pub(super) splice: R,
+    /// Feedback.
+    pub(super) feedback: F,
 }
+
+/// Report of a service of the scene `S`.
+pub(super) type ReportOf<S> = TickReport<
+    <S as Scene>::N,
+    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Report,
+    FeedbackReportOf<S>,
+>;
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.
 #[derive(Debug, Default)]

@@ -37,6 +37,7 @@ mod background;
 mod channels;
 mod coefficients;
 mod feed;
+mod feedback;
 mod foreground;
 mod guard;
 mod handoff;
@@ -44,10 +45,12 @@ mod homing;
 mod number;
 mod offered;
 mod pace;
+mod planner;
 mod queue;
 mod scene;
 mod service;
 mod settings;
+mod splice;
 mod stop;
 #[cfg(test)]
 mod tests;
@@ -56,7 +59,11 @@ mod tool;
 pub use background::{Background, check_offer, longest_move};
 pub use channels::{Channels, ServiceError};
 pub use coefficients::Coefficients;
-pub use foreground::{Foreground, Output};
+pub use feedback::{
+    DriveFeedback, DriveWatch, Feedback, FeedbackCoefficients, FeedbackParameters,
+    FeedbackReceiver, FeedbackReport, Readings, ReadingsOf, WatchLimits,
+};
+pub use foreground::{Foreground, Output, Power};
 pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
     HomingTimes, NoHoming, Plan, Progress,
@@ -64,7 +71,10 @@ pub use homing::{
 pub use number::ServiceNumber;
 pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
 pub use pace::{MovePaces, Pace, Ramp};
-pub use scene::{Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithHoming};
+pub use planner::{PathPlanner, PathStep, Planning};
+pub use scene::{
+    Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithFeedback, WithHoming,
+};
 pub use service::{Played, Service};
-pub use settings::{SceneIdentity, Settings, key, name};
+pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};
 pub use stop::{Stop, each_stop};

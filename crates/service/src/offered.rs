@@ -1,21 +1,36 @@
 //! Moves as the background keeps them until they are judged, of the kinds that the scene plays.
 
 use crate::admission::{Aim, Aiming};
+use crate::background::Retargeting;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
+use crate::splice::{Optional, Present, SpliceChannels, SpliceQueues};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Quintics};
+use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Pose, Quintics};
 use trirrr_protocol::message::{
-    AnyMove, Command, Content, Goal, Move, QuinticContent, QuinticMove, Request, Unread,
+    AnyMove, Command, Content, Goal, Move, PathPiece, QuinticContent, QuinticMove, Request, Unread,
 };
 
 /// Kinds of moves that a service plays.
 pub trait PlayedCurves: CurveKind {
     /// Type as which a quintic move in a request is read.
-    type Request<N: ServiceNumber>: Content<QuinticMove<N>> + QuinticContent<Goal: Content<Goal<N>>>;
+    type Request<N: ServiceNumber>: Content<QuinticMove<N>>
+        + QuinticContent<Goal: Content<Goal<N>>, Piece: Content<PathPiece<N>>>;
 
     /// Work on a retarget.
     type Aim<N: ServiceNumber>: Aiming<N>;
+
+    /// Memory of splices.
+    type Splices<N: ServiceNumber>: SpliceChannels<N, Self>;
+
+    /// Retarget by command, and moves of it that are ordered.
+    type Retargeting<N: ServiceNumber>: Optional<Retargeting<N>>;
+
+    /// True if a retarget may cut moves.
+    const CUTS: bool;
+
+    /// No retarget by command.
+    fn retargeting<N: ServiceNumber>(stands: Pose<N>) -> Self::Retargeting<N>;
 
     /// A quintic move as a service reads it.
     fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> Self::Request<N>;
@@ -24,6 +39,12 @@ pub trait PlayedCurves: CurveKind {
 impl PlayedCurves for Cubics {
     type Request<N: ServiceNumber> = Unread<QuinticMove<N>>;
     type Aim<N: ServiceNumber> = ();
+    type Splices<N: ServiceNumber> = ();
+    type Retargeting<N: ServiceNumber> = ();
+    const CUTS: bool = false;
+
+    #[inline(always)]
+    fn retargeting<N: ServiceNumber>(_: Pose<N>) {}
 
     #[inline(always)]
     fn request<N: ServiceNumber>(_: &QuinticMove<N>) -> Unread<QuinticMove<N>> {
@@ -31,9 +52,16 @@ impl PlayedCurves for Cubics {
     }
 }
 
-impl PlayedCurves for Quintics {
+impl<const JERK: bool> PlayedCurves for Quintics<JERK> {
     type Request<N: ServiceNumber> = QuinticMove<N>;
-    type Aim<N: ServiceNumber> = Option<Aim<N>>;
+    type Aim<N: ServiceNumber> = Option<Aim<N, JERK>>;
+    type Splices<N: ServiceNumber> = SpliceQueues<N, Self>;
+    type Retargeting<N: ServiceNumber> = Present<Retargeting<N>>;
+    const CUTS: bool = true;
+
+    fn retargeting<N: ServiceNumber>(stands: Pose<N>) -> Present<Retargeting<N>> {
+        Present(Retargeting::new(stands))
+    }
 
     fn request<N: ServiceNumber>(quintic: &QuinticMove<N>) -> QuinticMove<N> {
         *quintic

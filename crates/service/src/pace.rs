@@ -44,7 +44,7 @@ impl Pace {
         faster: [FULL; 2],
     };
 
-    /// What is asked of every move: to speed up from rest, however slowly, and to slow down at `slower` levels a tick.
+    /// Rates asked of every move: to speed up from rest, however slowly, and to slow down at `slower` levels a tick.
     const fn least(slower: u8) -> Self {
         Self {
             slower: [slower; 2],
@@ -241,6 +241,15 @@ impl RoomCount {
         room: Room::NONE,
         last: [FULL as u32; 2],
     };
+
+    /// Behind a part of any rates: going over from it may lose a tick of the ramp's own.
+    pub(crate) fn behind_any(measure: &RoomMeasure) -> Self {
+        let lost = (u32::from(FULL) >> measure.log2) + 1;
+        Self {
+            room: Room([MODULUS - lost; 2]),
+            ..Self::NOTHING
+        }
+    }
 
     /// Counts a part of `ticks` with the paces `pace`. A tick that goes over from one part into the next changes the pace by
     /// the lesser of both rates: it may lose a tick of the difference.

@@ -1,6 +1,7 @@
 //! The front door: a whole service in one thread.
 
 use crate::background::Background;
+use crate::feedback::ReadingsOf;
 use crate::foreground::{Foreground, Output};
 use crate::homing::Homing;
 use crate::number::ServiceNumber;
@@ -50,6 +51,9 @@ pub type Played<N> = (Setpoint<N>, Motion<N>);
 /// let start = Pose::from_f64(0.21, 0.22, 0.157);
 /// let mut service = channels.service(scene, start, Settings::at(100.0))?;
 ///
+/// assert_eq!(service.submit(&Command::Enable), Reply::Done);
+/// service.tick(); // The drives go on.
+///
 /// let there = Pose::from_f64(0.28, 0.28, 0.209);
 /// let reply = service.submit(&Command::Move(Move::rest_to_rest(0, start, there, 100)));
 /// assert_eq!(reply, Reply::Done);
@@ -59,7 +63,7 @@ pub type Played<N> = (Setpoint<N>, Motion<N>);
 /// // The first tick of a path stands at its start.
 /// for _ in 0..=100 {
 ///     let output = service.tick();
-///     assert!(output.enabled && output.motors[0].torque.abs() < 0.1);
+///     assert!(output.is_on() && output.motors[0].torque.abs() < 0.1);
 /// }
 /// service.tick();
 /// assert_eq!(service.state(), State::Idle);
@@ -114,6 +118,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     /// reports a stall. A machine without homing has no inputs.
     pub fn set_inputs(&mut self, inputs: <S::Homing as Homing<N>>::Inputs) {
         self.inputs = inputs;
+    }
+
+    /// Takes what the drives tell, before the tick, see [`Foreground::hear`].
+    pub fn hear(&mut self, readings: ReadingsOf<S>) {
+        self.foreground.hear(readings);
     }
 
     /// Returns the output of the last tick.

@@ -1,11 +1,12 @@
 //! Settings that a service takes when it is built.
 
 use crate::pace::Ramp;
+use crate::planner::Planning;
 use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit,
+    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit,
 };
 use trirrr_protocol::wire::schema;
 
@@ -20,11 +21,107 @@ pub struct Settings<N: Number> {
     pub host_timeout_ticks: u32,
     /// One telemetry sample every so many ticks, until the host asks otherwise; 0 for none.
     pub telemetry_every: u16,
+    /// Times that the drives and the brake take.
+    pub power: PowerTimes,
+    /// Stops at faults.
+    pub reactions: Reactions,
+    /// Tolerances and steps of the planner of paths, if the scene has one.
+    pub planning: Option<Planning<N>>,
     /// Identity of the scene that the service sends in answer to a hello.
     pub scene: SceneIdentity,
     /// Description of the board that carries the service.
     pub board: Board,
 }
+
+/// Times of switching drives on and off, in ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PowerTimes {
+    /// From drives on until they hold the motors.
+    pub drives_ticks: u16,
+    /// From the brake released until it lets go.
+    pub brake_release_ticks: u16,
+    /// From the brake engaged until it holds.
+    pub brake_engage_ticks: u16,
+}
+
+impl PowerTimes {
+    /// Ticks from drives on until the machine is ready.
+    pub(super) fn enable_ticks(&self) -> u16 {
+        self.drives_ticks.saturating_add(self.brake_release_ticks)
+    }
+}
+
+/// Stop of a machine at a fault: the categories of IEC 60204-1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopCategory {
+    /// Category 0: the drives go off at once, and the brake engages.
+    Off,
+    /// Category 1: the machine comes to rest on its path, the brake engages, then the drives go off.
+    StopThenOff,
+    /// Category 2: the machine comes to rest on its path, and the drives hold it.
+    StopAndHold,
+}
+
+to_source!(pub StopCategory in trirrr_service: Off, StopThenOff, StopAndHold);
+
+/// Stops at the faults that leave a machine controllable. At any other the drives go off at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reactions {
+    /// At a [limit](FaultCode::Limit) of the results of a tick.
+    pub limit: StopCategory,
+    /// At a tick that came [too late](FaultCode::Overrun).
+    pub overrun: StopCategory,
+    /// At a [following error](FaultCode::FollowingError).
+    pub following: StopCategory,
+    /// At any other fault of a [drive](FaultCode::Drive).
+    pub drive: StopCategory,
+}
+
+to_source!(pub [] Reactions [] in trirrr_service {
+    limit,
+    overrun,
+    following,
+    drive,
+});
+
+impl Default for Reactions {
+    /// A machine that is controllable stops on its path. One with a drive that fails is not.
+    fn default() -> Self {
+        Self {
+            limit: StopCategory::StopThenOff,
+            overrun: StopCategory::StopThenOff,
+            following: StopCategory::StopThenOff,
+            drive: StopCategory::Off,
+        }
+    }
+}
+
+impl Reactions {
+    /// The drives go off at once at every fault.
+    pub const OFF: Self = Self {
+        limit: StopCategory::Off,
+        overrun: StopCategory::Off,
+        following: StopCategory::Off,
+        drive: StopCategory::Off,
+    };
+
+    /// Stop at this fault.
+    pub(super) fn to(&self, code: FaultCode) -> StopCategory {
+        match code {
+            FaultCode::Limit(_) => self.limit,
+            FaultCode::Overrun => self.overrun,
+            FaultCode::FollowingError => self.following,
+            FaultCode::Drive(_) => self.drive,
+            _ => StopCategory::Off,
+        }
+    }
+}
+
+to_source!(pub [] PowerTimes [] in trirrr_service {
+    drives_ticks,
+    brake_release_ticks,
+    brake_engage_ticks,
+});
 
 /// Identity of the scene that a machine reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +198,9 @@ impl<N: Transmit> Settings<N> {
             ramp: Ramp::within(((0.1 * tick_rate_hz) as u16).max(1), None),
             host_timeout_ticks: 0,
             telemetry_every: 0,
+            power: PowerTimes::default(),
+            reactions: Reactions::default(),
+            planning: None,
             scene: SceneIdentity {
                 schema: schema::key::<Request<N>, Message<N>>(),
                 key: key(b"scene"),

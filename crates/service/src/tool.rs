@@ -14,9 +14,8 @@ pub(super) struct Tool<N: Number> {
 }
 
 impl<N: Number> Tool<N> {
-    /// Returns true if a move's power and speed make sense: a power from 0 to 1, a speed for it.
-    pub(super) fn is_one(offered: &Move<N>) -> bool {
-        let (power, speed) = (offered.tool_power, offered.tool_speed);
+    /// Returns true if the power and the speed of a move make sense: a power from 0 to 1, a speed for it.
+    pub(super) fn is_one(power: N, speed: N) -> bool {
         power == N::ZERO || (power > N::ZERO && power <= N::ONE && speed > N::ZERO)
     }
 

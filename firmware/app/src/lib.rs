@@ -56,7 +56,7 @@ pub use heartbeat::WATCHDOG_MS;
 #[cfg(target_os = "none")]
 pub use line::{BAUD, LOG_BAUD, RECEIVED};
 #[cfg(target_os = "none")]
-pub use service::{Channels, Output, build};
+pub use service::{Channels, Output, Readings, build};
 #[cfg(target_os = "none")]
 pub use tick::Tick;
 #[cfg(target_os = "none")]

@@ -2,17 +2,29 @@
 
 use crate::inputs::Angle;
 use crate::scene::Scalar;
-use crate::service::Output;
+use crate::service::{Output, Readings};
+#[cfg(any(brake, not(feedback)))]
 use embedded_hal::digital::OutputPin;
-use embedded_hal::pwm::SetDutyCycle;
 use trirrr_drives::Failure;
-use trirrr_drives::bldc::{BldcMotor, Bldcs};
-use trirrr_drives::can::{Bus, CanDrives, Protocol};
-use trirrr_drives::stepper::Steppers;
+#[cfg(not(feedback))]
+use {
+    embedded_hal::pwm::SetDutyCycle,
+    trirrr_drives::bldc::{BldcMotor, Bldcs},
+    trirrr_drives::stepper::Steppers,
+};
 
 /// Sink of a tick's output: the drives of a board.
 pub trait Outputs {
-    /// Carries out the output of a tick, once per tick. Drives and tool are off unless `output.enabled`.
+    /// Returns what the drives tell, before a tick. Without `[feedback]` in the scene they tell nothing.
+    #[cfg(not(feedback))]
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {}
+
+    /// Returns what the drives tell, before a tick.
+    #[cfg(feedback)]
+    fn measure(&mut self) -> Readings;
+
+    /// Carries out the output of a tick, once per tick. Drives are off unless [`is_on`](trirrr_service::Output::is_on).
     ///
     /// # Errors
     /// A failure of one drive, to be latched as a fault.
@@ -33,6 +45,7 @@ pub trait Outputs {
 /// Outputs of a scene without drives: nothing but telemetry leaves the board.
 pub struct NoOutputs;
 
+#[cfg(not(feedback))]
 impl Outputs for NoOutputs {
     fn apply(&mut self, _: &Output) -> Result<(), Failure<Scalar>> {
         Ok(())
@@ -44,6 +57,7 @@ pub type NoStepTimer = ();
 
 // `inline`: compiled for speed in the board's crate.
 
+#[cfg(not(feedback))]
 impl Outputs for Steppers<'_, Scalar> {
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
@@ -61,6 +75,7 @@ impl Outputs for Steppers<'_, Scalar> {
     }
 }
 
+#[cfg(not(feedback))]
 impl<W: SetDutyCycle, D: OutputPin, E: OutputPin> Outputs for Bldcs<BldcMotor<Scalar, W, D>, E> {
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
@@ -68,9 +83,46 @@ impl<W: SetDutyCycle, D: OutputPin, E: OutputPin> Outputs for Bldcs<BldcMotor<Sc
     }
 }
 
-impl<P: Protocol, B: Bus> Outputs for CanDrives<Scalar, P, B> {
+/// Outputs beside the pin of a brake, which is high while the brake is released.
+#[cfg(brake)]
+pub struct Braked<O, P> {
+    outputs: O,
+    pin: P,
+}
+
+#[cfg(brake)]
+impl<O: Outputs, P: OutputPin> Braked<O, P> {
+    /// Puts the brake on.
+    pub fn new(outputs: O, mut pin: P) -> Self {
+        // A pin of the chip itself does not fail.
+        let _ = pin.set_low();
+        Self { outputs, pin }
+    }
+}
+
+#[cfg(brake)]
+impl<O: Outputs, P: OutputPin> Outputs for Braked<O, P> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        self.outputs.measure()
+    }
+
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        CanDrives::apply(self, output)
+        let _ = match output.brake_released {
+            true => self.pin.set_high(),
+            false => self.pin.set_low(),
+        };
+        self.outputs.apply(output)
+    }
+
+    #[inline(always)]
+    fn angles(&self) -> Option<[Angle; 3]> {
+        self.outputs.angles()
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.outputs.shift(by);
     }
 }

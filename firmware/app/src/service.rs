@@ -1,11 +1,15 @@
 //! Service of the scene: its types, its memory, its construction.
 
+#[cfg(feedback)]
+use crate::scene::FEEDBACK;
 #[cfg(homing)]
 use crate::scene::HOMING;
 use crate::scene::{
-    COEFFICIENTS, Curves, Model, NAME, PARTS, SETTINGS, START, Scalar, TICK_RATE_HZ,
+    COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ,
 };
 use trirrr_protocol::message::{self, Board, Clock, Start};
+#[cfg(feedback)]
+use trirrr_service::WithFeedback;
 #[cfg(homing)]
 use trirrr_service::WithHoming;
 use trirrr_service::{Compiled, Scene, Settings};
@@ -16,15 +20,22 @@ const MOVES: usize = 128;
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type CompiledScene = Compiled<'static, Model, Curves>;
+type CompiledScene = Compiled<'static, Model, Curves, Planner>;
 
-/// Scene of this image, which no host can change.
+/// Scene with its homing, if it has any.
 #[cfg(not(homing))]
-pub(crate) type ImageScene = CompiledScene;
-
-/// Scene of this image, which no host can change, with its homing.
+type HomedScene = CompiledScene;
 #[cfg(homing)]
-pub(crate) type ImageScene = WithHoming<'static, CompiledScene>;
+type HomedScene = WithHoming<'static, CompiledScene>;
+
+/// Scene of this image, which no host can change. Its drives may tell where they are.
+#[cfg(not(feedback))]
+pub(crate) type ImageScene = HomedScene;
+#[cfg(feedback)]
+pub(crate) type ImageScene = WithFeedback<'static, HomedScene>;
+
+/// Content of what the drives tell in a tick.
+pub type Readings = trirrr_service::ReadingsOf<ImageScene>;
 
 /// A part of the scene in a reply.
 type ScenePart = <ImageScene as Scene>::Part;
@@ -58,7 +69,7 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
-        curves: core::marker::PhantomData,
+        types: core::marker::PhantomData,
     };
     #[cfg(homing)]
     let scene = WithHoming {
@@ -66,6 +77,11 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
         homing: Some(&HOMING),
     };
     log_start(&board);
+    #[cfg(feedback)]
+    let scene = WithFeedback {
+        scene,
+        feedback: Some(&FEEDBACK),
+    };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.
     let Ok(halves) = channels.split(scene, START, Settings { board, ..SETTINGS }) else {

@@ -51,6 +51,11 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         // A unit without homing.
         #[allow(clippy::let_unit_value)]
         let closed = self.inputs.read(&self.foreground.output().motors);
+        // A unit without feedback, too.
+        #[allow(clippy::let_unit_value)]
+        let readings = self.outputs.measure();
+        #[allow(clippy::unit_arg)]
+        self.foreground.hear(readings);
         self.foreground.tick_with(closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
@@ -77,10 +82,12 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         self.switch_off();
     }
 
-    /// Carries out the output after a fault, which has the drives off.
+    /// Carries out the output after a fault, if it has the drives off.
     fn switch_off(&mut self) {
-        // Off does not fail: every tick from now on repeats it.
-        let _ = self.outputs.apply(self.foreground.output());
+        if !self.foreground.output().is_on() {
+            // Off does not fail: every tick from now on repeats it.
+            let _ = self.outputs.apply(self.foreground.output());
+        }
     }
 
     /// Reports the time since the tick was due. A tick in time is a heartbeat, any other a fault.

@@ -84,7 +84,7 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
 }
 
 /// Sets the kinds of the scene as `cfg`s, and tells them to the build scripts of dependent packages
-/// (`DEP_..._DRIVES`, `DRIVE` and `HOMING`).
+/// (`DEP_..._DRIVES`, `DRIVE`, `HOMING`, `BRAKE` and `FEEDBACK`).
 fn print_kinds(scene: &Scene) {
     let drives: Vec<String> = drive::KINDS
         .iter()
@@ -99,5 +99,15 @@ fn print_kinds(scene: &Scene) {
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
         println!("cargo:homing=yes");
+    }
+    println!("cargo:rustc-check-cfg=cfg(brake)");
+    if scene.power.has_brake {
+        println!("cargo:rustc-cfg=brake");
+        println!("cargo:brake=yes");
+    }
+    println!("cargo:rustc-check-cfg=cfg(feedback)");
+    if scene.feedback.is_some() {
+        println!("cargo:rustc-cfg=feedback");
+        println!("cargo:feedback=yes");
     }
 }

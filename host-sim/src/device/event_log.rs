@@ -152,5 +152,9 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Home => "home",
         Command::FeedOverride { .. } => "feed override",
         Command::Retarget(_) => "retarget",
+        Command::Path(_) => "path",
+        Command::Enable => "enable",
+        Command::Disable => "disable",
+        Command::Drives { .. } => "drives",
     }
 }

@@ -20,6 +20,7 @@ use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::transport::Listener;
+use trirrr_drives::ObeyingDrives;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
 use trirrr_service::ServiceNumber;
@@ -84,11 +85,18 @@ impl Device<'_> {
                     offset.unwrap_or_else(|| Motors::some_offset(&homing, scene.key, commanded));
                 Motors::new(scene, homing, commanded, offset)
             });
+            // Drives stand anywhere: at the start of the job, unless they are told otherwise.
+            let drives = scene.feedback.map(|_| {
+                let off = offset.unwrap_or_default();
+                let stand = motors::angles(machine.motors());
+                let angle = |i: usize| N::angle_from_f64(motors::wrapped(stand[i] + off[i]));
+                ObeyingDrives::new([angle(0), angle(1), angle(2)])
+            });
             let log = EventLog::new(Units::of_scene(scene, &units));
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
-            let server = Server::new(machine, motors, listener, silence, log);
+            let server = Server::new(machine, motors, drives, listener, silence, log);
             run(server, rate_hz, stop)
         })?;
         let (log, deadlines) =

@@ -118,7 +118,7 @@ impl Motors {
 }
 
 /// `angle` in [-pi, pi).
-fn wrapped(angle: f64) -> f64 {
+pub(super) fn wrapped(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
 

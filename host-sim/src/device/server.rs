@@ -7,6 +7,7 @@ use std::io;
 use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
 use trirrr_client::transport::Listener;
+use trirrr_drives::ObeyingDrives;
 use trirrr_protocol::message::Message;
 use trirrr_service::ServiceNumber;
 
@@ -18,6 +19,8 @@ pub(super) struct Server<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     /// Simulated motors, if the machine has to be homed.
     motors: Option<Motors>,
+    /// Simulated drives, if they tell where they are.
+    drives: Option<ObeyingDrives<N>>,
     listener: Listener,
     /// Silence after which a client gives way to another.
     silence: Duration,
@@ -29,6 +32,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
     pub(super) fn new(
         machine: &'a mut dyn LocalService<N>,
         motors: Option<Motors>,
+        drives: Option<ObeyingDrives<N>>,
         listener: Listener,
         silence: Duration,
         log: EventLog,
@@ -36,6 +40,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         Self {
             machine,
             motors,
+            drives,
             listener,
             silence,
             client: None,
@@ -52,9 +57,18 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         if let Some(motors) = &self.motors {
             self.machine.inputs(motors.inputs());
         }
+        if let Some(drives) = &self.drives {
+            self.machine.hear(drives.measure());
+        }
         self.machine.tick();
+        let shift = self.machine.shift();
+        if let Some(drives) = &mut self.drives {
+            if let Some(by) = shift {
+                drives.shift(by);
+            }
+            drives.apply(self.machine.output());
+        }
         if let Some(motors) = &mut self.motors {
-            let shift = self.machine.shift();
             let shift = shift.map(|by| by.map(N::angle_to_f64));
             motors.follow(motors::angles(self.machine.motors()), shift);
             if shift.is_some() {

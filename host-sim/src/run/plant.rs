@@ -18,7 +18,7 @@ use trirrr_plant::table::{COLUMNS, Row};
 use trirrr_plant::{Outcome, PlantEnd, PlantRun};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
-use trirrr_service::Output;
+use trirrr_service::{Output, Power};
 
 /// Outcome of a plant, and the files written.
 #[derive(Clone, Debug)]
@@ -85,7 +85,8 @@ impl<N: Transmit> PlantRecorder<'_, N> {
         let output = Output {
             motors: [motor(0), motor(1), motor(2)],
             tool: sample.tool,
-            enabled: true,
+            power: Power::On,
+            brake_released: true,
         };
         let (rows, table) = (&mut self.rows, &mut self.table);
         self.run.tick(&output, &mut |row| keep(row, rows, table));

@@ -52,6 +52,9 @@ pub struct StreamArgs {
     /// Play at so many percent of normal speed, 1 to 100
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub feed: Option<u8>,
+    /// Send the pieces of the job's path in place of moves: the board plans them, if its scene has `plans_paths`
+    #[arg(long)]
+    pub path: bool,
     /// Take `hold`, `resume`, `stop` and `feed PERCENT` from standard input, a line each
     #[arg(long)]
     pub keys: bool,

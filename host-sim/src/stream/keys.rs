@@ -11,12 +11,12 @@ pub(super) fn listen() -> Receiver<UserCommand> {
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
             let Ok(line) = line else { return };
-            match read(&line) {
+            match user_command(&line) {
                 Some(ask) if sender.send(ask).is_err() => return,
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
                 None => {
-                    let text = "trirrr: keys are hold, resume, stop and feed PERCENT (h, r, s, f)";
+                    let text = "trirrr: keys are hold, resume, stop, disable and feed PERCENT (h, r, s, d, f)";
                     let _ = writeln!(io::stderr(), "{text}");
                 }
             }
@@ -25,11 +25,13 @@ pub(super) fn listen() -> Receiver<UserCommand> {
     receiver
 }
 
-fn read(line: &str) -> Option<UserCommand> {
+/// The command of a line, if it is one.
+pub(crate) fn user_command(line: &str) -> Option<UserCommand> {
     match line.trim() {
         "hold" | "h" => Some(UserCommand::Hold),
         "resume" | "r" => Some(UserCommand::Resume),
         "stop" | "s" => Some(UserCommand::Stop),
+        "disable" | "d" => Some(UserCommand::Disable),
         line => {
             let (word, percent) = line.split_once(char::is_whitespace)?;
             let percent = percent.trim().parse().ok()?;
@@ -50,6 +52,7 @@ mod tests {
             (" h ", Some(UserCommand::Hold)),
             ("resume\r", Some(UserCommand::Resume)),
             ("r", Some(UserCommand::Resume)),
+            ("d", Some(UserCommand::Disable)),
             ("stop", Some(UserCommand::Stop)),
             ("s", Some(UserCommand::Stop)),
             ("feed 50", Some(UserCommand::FeedOverride(50))),
@@ -60,7 +63,7 @@ mod tests {
             ("halt", None),
             ("", None),
         ] {
-            assert_eq!(read(line), ask, "{line:?}");
+            assert_eq!(user_command(line), ask, "{line:?}");
         }
     }
 }

@@ -8,13 +8,14 @@ mod session;
 mod summary;
 
 pub use args::StreamArgs;
+pub(crate) use keys::user_command;
+pub(crate) use port::Port;
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
 use crate::recording::Recorder;
 use crate::results::ResultFolder;
 use display::Display;
-use port::Port;
 use session::Session;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -23,7 +24,7 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{JobClient, Patience, UserCommand};
+use trirrr_client::{JobClient, JobWork, Patience, UserCommand};
 use trirrr_protocol::message::Telemetry;
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
@@ -61,7 +62,13 @@ fn stream<N: ServiceNumber>(
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let moves = offer::moves::<N>(scene, &units);
+    let work = match args.path {
+        false => JobWork::from(offer::moves::<N>(scene, &units)),
+        true => JobWork::Path {
+            start: offer::pose(&units.pose(&scene.job.start)),
+            pieces: offer::pieces(scene, &units).map_err(&refused)?,
+        },
+    };
     let units = Units::of_scene(scene, &units);
     let before = scene.job.moves.iter().scan(0, |sum, each| {
         let before = *sum;
@@ -88,7 +95,7 @@ fn stream<N: ServiceNumber>(
         client: to_start(
             args,
             JobClient::new(
-                moves,
+                work,
                 local::hello::<N>(scene),
                 every,
                 patience(Duration::from_secs_f64(args.patience)),
@@ -138,6 +145,7 @@ fn stream<N: ServiceNumber>(
         longest: client.status().map(|status| status.longest_tick),
         done: client.done(),
         moves: client.moves(),
+        item: client.item(),
         every,
         recorded: &recorded,
         missing: samples.missing(),
@@ -186,7 +194,7 @@ fn least_every(frame_bytes: usize, tick_rate_hz: f64, baud: u32) -> u16 {
 }
 
 /// Returns the patience with one port, for a user who waits as long as `total`.
-fn patience(total: Duration) -> Patience {
+pub(crate) fn patience(total: Duration) -> Patience {
     let Patience { answer, attempts } = Patience::default();
     let (mut waited, mut asked) = (answer, 1);
     while asked < attempts && waited < total {
@@ -212,7 +220,7 @@ fn to_start<N: ServiceNumber>(args: &StreamArgs, client: JobClient<N>) -> JobCli
 }
 
 /// Returns a number that another conversation is not likely to have.
-fn conversation() -> u32 {
+pub(crate) fn conversation() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let nanoseconds = now.map_or(0, |now| now.as_nanos() as u32);
     nanoseconds ^ std::process::id().rotate_left(16)

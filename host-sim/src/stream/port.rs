@@ -13,7 +13,7 @@ const ATTEMPTS_EVERY: Duration = Duration::from_millis(100);
 const CHUNK: usize = 4096;
 
 /// A port that is put up with for a while.
-pub(super) struct Port {
+pub(crate) struct Port {
     address: Address,
     baud: u32,
     patience: Duration,
@@ -33,7 +33,7 @@ impl Port {
     ///
     /// # Errors
     /// Why it cannot be opened.
-    pub(super) fn open(
+    pub(crate) fn open(
         address: &Address,
         baud: u32,
         patience: Duration,
@@ -53,12 +53,12 @@ impl Port {
     }
 
     /// Number of times that the port was opened again.
-    pub(super) fn opened_anew(&self) -> u64 {
+    pub(crate) fn opened_anew(&self) -> u64 {
         self.opened_anew
     }
 
     /// Frames that were damaged or cut off.
-    pub(super) fn damaged(&self) -> u64 {
+    pub(crate) fn damaged(&self) -> u64 {
         self.damaged + u64::from(self.frames.counters().errors())
     }
 
@@ -66,33 +66,32 @@ impl Port {
     ///
     /// # Errors
     /// The link is gone.
-    pub(super) fn send<N: Transmit>(&mut self, request: &Request<N>) -> io::Result<()> {
+    pub(crate) fn send<N: Transmit>(&mut self, request: &Request<N>) -> io::Result<()> {
         self.bytes.clear();
         Frames::append(request, &mut self.bytes);
         self.link.send(&self.bytes)
     }
 
-    /// Waits up to `timeout` for something to come, and hands it to `take`.
+    /// Waits up to `timeout`, and a millisecond at least, for something to come. Returns it.
     ///
     /// # Errors
     /// The link is gone.
-    pub(super) fn receive<N: Transmit>(
+    pub(crate) fn receive<N: Transmit>(
         &mut self,
         timeout: Duration,
-        mut take: impl FnMut(Message<N>),
-    ) -> io::Result<()> {
+    ) -> io::Result<Vec<Message<N>>> {
+        // A wait of nothing would make a caller's loop spin; what comes ends any wait.
+        let timeout = timeout.max(Duration::from_millis(1));
         let mut bytes = [0; CHUNK];
         let length = self.link.receive(&mut bytes, timeout)?;
-        let mut heard = false;
-        self.frames.receive(&bytes[..length], |message| {
-            heard = true;
-            take(message);
-        });
-        if heard {
+        let mut messages = Vec::new();
+        self.frames
+            .receive(&bytes[..length], |message| messages.push(message));
+        if !messages.is_empty() {
             self.heard = Instant::now();
             self.answered = true;
         }
-        Ok(())
+        Ok(messages)
     }
 
     /// Opens the port anew, trying until the board was not heard for as long as the patience
@@ -100,7 +99,7 @@ impl Port {
     ///
     /// # Errors
     /// What is wrong with it, in words.
-    pub(super) fn reopen(&mut self, why: &str, stop: &AtomicBool) -> Result<(), String> {
+    pub(crate) fn reopen(&mut self, why: &str, stop: &AtomicBool) -> Result<(), String> {
         self.damaged += u64::from(self.frames.counters().errors());
         self.frames = Frames::default();
         let mut why = match self.answered {

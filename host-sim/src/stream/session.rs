@@ -5,7 +5,6 @@ use super::display::Display;
 use super::port::Port;
 use crate::failure::CliError;
 use crate::recording::Recorder;
-use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
@@ -95,22 +94,17 @@ impl<N: Transmit> Session<'_, N> {
 
     /// Listens for up to `wait` and takes what comes.
     fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), CliError> {
-        let mut messages = VecDeque::new();
-        // A wait of nothing would make the loop spin; what comes ends any wait.
-        let wait = wait.max(Duration::from_millis(1));
-        if let Err(error) = self
-            .port
-            .receive(wait, |message| messages.push_back(message))
-        {
-            self.reopen(&error.to_string())?;
-        }
+        let messages = match self.port.receive(wait) {
+            Ok(messages) => messages,
+            Err(error) => return self.reopen(&error.to_string()),
+        };
         for message in &messages {
             match message {
                 Message::Telemetry(sample) => self.sample(sample)?,
                 Message::Event(Event::State { state, acting, .. }) => {
                     self.display.state(*state, *acting);
                 }
-                Message::Event(_) | Message::Reply { .. } => {}
+                Message::Event(_) | Message::Drives(_) | Message::Reply { .. } => {}
             }
             self.client.receive(message, start.elapsed());
         }

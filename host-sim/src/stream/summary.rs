@@ -23,6 +23,8 @@ pub(super) struct Summary<'a> {
     pub(super) longest: Option<u32>,
     pub(super) done: u32,
     pub(super) moves: u32,
+    /// Word for one of them.
+    pub(super) item: &'a str,
     pub(super) every: u16,
     pub(super) recorded: &'a Recorded,
     pub(super) missing: u64,
@@ -78,13 +80,13 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
             )?;
         }
     }
-    let (done, moves) = (summary.done, summary.moves);
+    let (done, moves, item) = (summary.done, summary.moves, summary.item);
     let job = match summary.end {
-        Some(StreamEnd::Complete) => format!("{done} of {moves} moves done"),
+        Some(StreamEnd::Complete) => format!("{done} of {moves} {item}s done"),
         // The machine counts the move that it left as over.
-        Some(StreamEnd::Stopped) if done > 0 => format!("stopped in move {done} of {moves}"),
-        Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} moves"),
-        None => format!("{done} of {moves} moves done, not complete"),
+        Some(StreamEnd::Stopped) if done > 0 => format!("stopped in {item} {done} of {moves}"),
+        Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} {item}s"),
+        None => format!("{done} of {moves} {item}s done, not complete"),
     };
     line("job", &job)?;
     let (rows, missing) = (summary.recorded.rows, summary.missing);

@@ -3,8 +3,11 @@
 
 mod commands;
 mod common;
+mod drives;
 mod faults;
+mod goals;
 mod homing;
 mod links;
+mod paths;
 mod proxy;
 mod values;

@@ -5,10 +5,15 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{Board, Hello, Message, PROTOCOL, Reply, Request, Telemetry};
+use trirrr_protocol::message::{
+    Board, Command, Hello, Message, PROTOCOL, Reply, Request, Telemetry,
+};
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
-use trirrr_service::{Adjustable, Channels, Output, Ramp, SceneIdentity, Service, Settings, name};
+use trirrr_service::{
+    Adjustable, Channels, Output, PowerTimes, Ramp, Reactions, SceneIdentity, Service, Settings,
+    name,
+};
 
 /// Ticks per second.
 pub const TICK_RATE_HZ: f64 = 1000.0;
@@ -59,10 +64,10 @@ pub fn hello() -> Hello {
 }
 
 impl<'q> Device<'q> {
-    /// Switches the machine on, at [`home`]. `silence_ticks`: silence after which it stops, 0 for
+    /// Switches the machine on, at [`home`], with its drives off. `silence_ticks`: silence after which it stops, 0 for
     /// never.
-    pub fn new(
-        channels: &'q mut DeviceChannels,
+    pub fn new<const MOVES: usize>(
+        channels: &'q mut Channels<DeviceScene, MOVES, 64>,
         limits: LimitParameters,
         silence_ticks: u32,
     ) -> Self {
@@ -71,6 +76,9 @@ impl<'q> Device<'q> {
             ramp: Ramp::within(RAMP_TICKS, None),
             host_timeout_ticks: silence_ticks,
             telemetry_every: 0,
+            power: PowerTimes::default(),
+            reactions: Reactions::OFF,
+            planning: None,
             scene: SceneIdentity {
                 schema: hello().schema,
                 key: SCENE,
@@ -89,6 +97,20 @@ impl<'q> Device<'q> {
             service,
             decoder: Decoder::new(),
         }
+    }
+
+    /// Switches the machine on, and its drives.
+    pub fn enabled<const MOVES: usize>(
+        channels: &'q mut Channels<DeviceScene, MOVES, 64>,
+        limits: LimitParameters,
+        silence_ticks: u32,
+    ) -> Self {
+        let mut device = Self::new(channels, limits, silence_ticks);
+        let reply = device.service.submit(&Command::Enable);
+        assert_eq!(reply, Reply::Done);
+        device.tick();
+        while device.service.poll().is_some() {}
+        device
     }
 
     /// One tick, and what came of it: the sample is there whenever one was asked for.

@@ -51,7 +51,8 @@ pub fn random_job(random: &mut Random, home: Pose<f64>, quintics: bool) -> Vec<A
     moves
 }
 
-fn near(random: &mut Random, home: Pose<f64>) -> Pose<f64> {
+/// A pose a few millimetres and hundredths of a radian from `home`.
+pub fn near(random: &mut Random, home: Pose<f64>) -> Pose<f64> {
     let mut about = |middle: f64, width: f64| middle + (random.fraction() - 0.5) * width;
     Pose::from_f64(
         about(home.position.x, 0.01),

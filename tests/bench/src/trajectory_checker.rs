@@ -8,18 +8,16 @@ use postcard::to_slice;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
 use trirrr_core::tick::Motor;
-use trirrr_protocol::message::{AnyMove, State, Telemetry, Transmit};
+use trirrr_protocol::message::{AnyMove, Cut, Move, State, Telemetry, Transmit};
 
 /// Levels by which the pace changes at most in a tick: a machine's ramp has so many for each of its ticks.
 const FULL: u32 = 128;
 
 /// Watches one job.
 pub struct TrajectoryChecker<N: Transmit> {
-    segments: Vec<Segment<N, Quintics>>,
-    /// Ticks of the job before each move, and of the whole job.
-    starts: Vec<u64>,
-    /// The machine's number of the first move.
-    base: u32,
+    /// Moves in the order in which they are played.
+    moves: Vec<Checked<N>>,
+    period: N::Factor,
     /// The level of the pace at normal speed.
     top: u32,
     /// To take fractions of: the level, the part of a tick, the change of the level in a tick.
@@ -33,6 +31,15 @@ pub struct TrajectoryChecker<N: Transmit> {
     is_blind: bool,
 }
 
+/// One move of the job.
+struct Checked<N: Transmit> {
+    /// The machine's number of it.
+    number: u32,
+    segment: Segment<N, Quintics>,
+    /// Ticks that are played: all, unless it is cut.
+    ticks: u32,
+}
+
 /// The sample before.
 struct Before {
     tick: u32,
@@ -40,7 +47,7 @@ struct Before {
     at: u32,
     part: u32,
     state: State,
-    /// What the level of the pace can be. More than one only where the path ended within a tick.
+    /// Levels that the pace can have. More than one only where the path ended within a tick.
     levels: Vec<u32>,
 }
 
@@ -49,14 +56,9 @@ impl<N: Transmit> TrajectoryChecker<N> {
     /// `ramp` ticks from normal speed to rest and ticks every `period`.
     pub fn new(moves: &[AnyMove<N>], base: u32, ramp: u16, period: N::Factor) -> Self {
         let top = FULL * u32::from(ramp);
-        let mut starts = vec![0];
-        for each in moves {
-            starts.push(starts[starts.len() - 1] + u64::from(each.common().ticks));
-        }
-        Self {
-            segments: moves.iter().map(|each| segment(each, period)).collect(),
-            starts,
-            base,
+        let mut checker = Self {
+            moves: Vec::new(),
+            period,
             top,
             counts: [top, 2 * top, FULL].map(N::count),
             slope: N::factor_over(N::quotient(1, u32::from(ramp)), period),
@@ -64,7 +66,77 @@ impl<N: Transmit> TrajectoryChecker<N> {
             samples: 0,
             is_over: false,
             is_blind: false,
+        };
+        for (index, each) in (0..).zip(moves) {
+            checker.add(&each.numbered(base.wrapping_add(index)));
         }
+        checker
+    }
+
+    /// Adds a move behind the others. It takes the place of one with its number, and of those behind it.
+    pub fn add(&mut self, each: &AnyMove<N>) {
+        let Move { number, ticks, .. } = *each.common();
+        if let Some(index) = self.index(number) {
+            self.moves.truncate(index as usize);
+        }
+        let segment = segment(each, self.period);
+        self.moves.push(Checked {
+            number,
+            segment,
+            ticks,
+        });
+        self.is_over = false;
+    }
+
+    /// Cuts a move, and drops those behind it. Returns the setpoint there.
+    ///
+    /// # Errors
+    /// There is no such place ahead.
+    pub fn cut(&mut self, cut: &Cut) -> Result<Setpoint<N>, String> {
+        let index = self.index(cut.number).ok_or("the cut is in no move")?;
+        let place = |before: &Before| (before.index, before.at);
+        if self.before.as_ref().map(place) >= Some((index, cut.at)) {
+            return Err(format!(
+                "the path was at {:?} before {cut:?}",
+                self.before.as_ref().map(place)
+            ));
+        }
+        self.moves.truncate(index as usize + 1);
+        let last = &mut self.moves[index as usize];
+        if cut.at == 0 || cut.at > last.ticks {
+            return Err(format!("{cut:?} of {} ticks", last.ticks));
+        }
+        last.ticks = cut.at;
+        Ok(last.segment.at(cut.at))
+    }
+
+    /// Drops the moves from a number on that are not begun: the machine has dropped them.
+    pub fn drop_from(&mut self, number: u32) {
+        let begun = self
+            .before
+            .as_ref()
+            .map_or(0, |before| before.index as usize + 1);
+        let is_dropped = |each: &Checked<N>| number.wrapping_sub(each.number) as i32 <= 0;
+        let place = self.moves.iter().skip(begun).position(is_dropped);
+        if let Some(place) = place {
+            self.moves.truncate(begun + place);
+        }
+    }
+
+    /// Returns true if the pace is not that of normal speed.
+    pub fn is_slow(&self) -> bool {
+        let levels = self.before.as_ref().map(|before| &before.levels);
+        levels.is_some_and(|levels| !levels.contains(&self.top))
+    }
+
+    /// Returns true if a move has this number.
+    pub fn has(&self, number: u32) -> bool {
+        self.index(number).is_some()
+    }
+
+    fn index(&self, number: u32) -> Option<u32> {
+        let index = self.moves.iter().rposition(|each| each.number == number)?;
+        Some(index as u32)
     }
 
     /// Ticks go by unseen until the next sample; the machine is at normal speed then.
@@ -99,6 +171,13 @@ impl<N: Transmit> TrajectoryChecker<N> {
         if sample.lost != 0 {
             return Err(format!("{} samples were lost", sample.lost));
         }
+        if let State::Disabled | State::Enabling | State::Disabling = sample.state {
+            let on_path = self.before.as_ref();
+            return match on_path.is_some_and(|before| before.state != State::Idle) {
+                true => Err("the drives go off on the path".into()),
+                false => Ok(()),
+            };
+        }
         let computed = motors(&sample.setpoint).ok_or("the setpoint has no motion")?;
         if !same(&told(sample), &parts(&computed)) {
             return Err(format!("the scene's motors would be {computed:?}"));
@@ -111,13 +190,10 @@ impl<N: Transmit> TrajectoryChecker<N> {
         if self.is_over {
             return Err("a job that was over goes on".into());
         }
-        let index = sample.number.wrapping_sub(self.base);
-        let segment = self
-            .segments
-            .get(index as usize)
-            .ok_or("no move of the job")?;
-        if sample.at > segment.ticks() {
-            return Err(format!("beyond the move's {} ticks", segment.ticks()));
+        let index = self.index(sample.number).ok_or("no move of the job")?;
+        let Checked { segment, ticks, .. } = &self.moves[index as usize];
+        if sample.at > *ticks {
+            return Err(format!("beyond the move's {ticks} ticks"));
         }
         let levels = match &self.before {
             None if (index, sample.at, sample.part) == (0, 0, 0) => self.begins(segment, sample)?,
@@ -130,14 +206,27 @@ impl<N: Transmit> TrajectoryChecker<N> {
                 self.begins(segment, sample)?
             }
             Some(_) if self.is_blind => vec![self.top],
-            Some(before) => self.go_on(before, index, sample)?,
+            // Behind a rest with too little to stop in the path begins at rest.
+            Some(before) => self.go_on(before, index, sample).or_else(|why| {
+                let rest = Before {
+                    index: before.index + 1,
+                    at: 0,
+                    part: 0,
+                    levels: vec![0],
+                    ..*before
+                };
+                match self.rested(before) && index == rest.index {
+                    true => self.go_on(&rest, index, sample),
+                    false => Err(why),
+                }
+            })?,
         };
         if self.is_blind && !same(&sample.setpoint, &segment.at(sample.at)) {
             return Err("not at normal speed after what was not seen".into());
         }
         self.is_blind = false;
-        let last = index as usize + 1 == self.segments.len();
-        self.is_over = last && sample.at == segment.ticks();
+        let last = index as usize + 1 == self.moves.len();
+        self.is_over = last && sample.at == *ticks;
         self.samples += 1;
         self.before = Some(Before {
             tick: sample.tick,
@@ -161,11 +250,20 @@ impl<N: Transmit> TrajectoryChecker<N> {
             return Ok(());
         };
         // A stop drops the job and with it the place on it: it is where the last tick led.
-        let segment = &self.segments[before.index as usize];
+        let Checked { segment, ticks, .. } = &self.moves[before.index as usize];
+        let ticks = *ticks;
         let stops = |&level: &u32| {
             let passed = before.part + level;
             let (at, part) = (passed / (2 * self.top), passed % (2 * self.top));
             let at = before.at + at;
+            // It may lead into the next move.
+            let (segment, at) = match (
+                at.checked_sub(ticks),
+                self.moves.get(before.index as usize + 1),
+            ) {
+                (Some(at), Some(next)) => (&next.segment, at),
+                _ => (segment, at),
+            };
             let sample = &Telemetry {
                 at,
                 part,
@@ -174,13 +272,31 @@ impl<N: Transmit> TrajectoryChecker<N> {
             let expected = self.setpoint(segment, sample, 0, -i64::from(level));
             level <= FULL && same(&expected, &sample.setpoint)
         };
-        match before.levels.iter().any(stops) {
-            true => Ok(()),
+        // Or the path has ended there.
+        let Setpoint { pose, velocity, .. } = &sample.setpoint;
+        let stands = self.rested(before)
+            && same(&segment.at(before.at).pose, pose)
+            && <[N; 3]>::from(*velocity) == [N::ZERO; 3];
+        match stands || before.levels.iter().any(stops) {
+            true => {
+                let led = self.index(sample.number);
+                if let (Some(before), Some(index)) = (&mut self.before, led) {
+                    before.index = index;
+                }
+                Ok(())
+            }
             false => Err(format!(
                 "the stop does not end where move {}, tick {} and {} parts at {:?} lead",
                 before.index, before.at, before.part, before.levels
             )),
         }
+    }
+
+    /// Returns true if the path was at rest at the end of its move.
+    fn rested(&self, before: &Before) -> bool {
+        let Checked { segment, ticks, .. } = &self.moves[before.index as usize];
+        let end = segment.at(*ticks);
+        before.at == *ticks && <[N; 3]>::from(end.velocity) == [N::ZERO; 3]
     }
 
     /// Levels at which a path may begin: normal speed, a part of it that the host asked for, or, where the queue leaves no room to
@@ -216,9 +332,9 @@ impl<N: Transmit> TrajectoryChecker<N> {
             self.place(before.index, before.at, before.part),
             self.place(index, sample.at, sample.part),
         ];
-        let segment = &self.segments[index as usize];
+        let Checked { segment, ticks, .. } = &self.moves[index as usize];
         // A path that ends at rest ends there, even if the tick would have gone further.
-        let at_end = sample.at == segment.ticks() && sample.part == 0;
+        let at_end = sample.at == *ticks && sample.part == 0;
         let mut levels = Vec::new();
         for &level in &before.levels {
             for next in level.saturating_sub(FULL)..=(level + FULL).min(self.top) {
@@ -246,7 +362,9 @@ impl<N: Transmit> TrajectoryChecker<N> {
 
     /// Place on the whole job in parts of a tick.
     fn place(&self, index: u32, at: u32, part: u32) -> u64 {
-        (self.starts[index as usize] + u64::from(at)) * u64::from(2 * self.top) + u64::from(part)
+        let before = &self.moves[..index as usize];
+        let start: u64 = before.iter().map(|each| u64::from(each.ticks)).sum();
+        (start + u64::from(at)) * u64::from(2 * self.top) + u64::from(part)
     }
 
     /// The setpoint of `segment` where the sample is, passed at `level`, to which `slope` led.
@@ -292,7 +410,7 @@ impl<N: Transmit> TrajectoryChecker<N> {
             (_, true) => Ok(()),
             (Some(before), false) => Err(format!(
                 "the job of {} moves ended in move {}, tick {}",
-                self.segments.len(),
+                self.moves.len(),
                 before.index,
                 before.at
             )),
@@ -372,7 +490,7 @@ mod tests {
             job = random_job(&mut random, home(), true);
         }
         let mut channels = DeviceChannels::new();
-        let mut device = Device::new(&mut channels, LimitParameters::default(), 0);
+        let mut device = Device::enabled(&mut channels, LimitParameters::default(), 0);
         let mut sequence = 0;
         let mut ask = |device: &mut Device, command| {
             let request = Request { sequence, command };

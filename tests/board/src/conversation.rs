@@ -209,7 +209,7 @@ impl Conversation {
                         };
                         continue;
                     }
-                    Message::Event(_) => continue,
+                    Message::Event(_) | Message::Drives(_) => continue,
                 };
                 ticks += 1;
                 let moment = Moment {

@@ -2,9 +2,11 @@
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use trirrr_client::local::{self, LocalService};
+use trirrr_client::{describe, short_way};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
+use trirrr_drives::ObeyingDrives;
 use trirrr_image::RuledSwitches;
 use trirrr_protocol::message::{
     AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry,
@@ -71,11 +73,16 @@ impl<N: ServiceNumber> Expected<N> {
         };
         local::with_machine_switched_on::<N, _>(&self.scene, |machine| {
             Host {
-                machine,
                 switches: match inputs {
                     HomingInputs::Switches => homing.as_ref().map(RuledSwitches::new),
                     HomingInputs::Open => None,
                 },
+                drives: self
+                    .scene
+                    .feedback
+                    .map(|_| ObeyingDrives::new(machine.motors().map(|motor| motor.angle))),
+                units: describe::Units::of_scene(&self.scene, &self.units),
+                machine,
                 sequence: 0,
                 moves: self.moves(),
                 offered: 0,
@@ -106,6 +113,8 @@ pub(crate) struct Stretch<N: ServiceNumber> {
 struct Host<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     switches: Option<RuledSwitches<'a, N>>,
+    drives: Option<ObeyingDrives<N>>,
+    units: describe::Units,
     sequence: u32,
     moves: Vec<AnyMove<N>>,
     offered: usize,
@@ -119,12 +128,23 @@ impl<N: ServiceNumber> Host<'_, N> {
             self.ask(Command::Telemetry { every: 1 }) == Reply::Done,
             "the host's own machine refuses telemetry"
         );
-        let mut standing = self.tick()?;
-        let mut stretches = Vec::new();
+        let off = self.tick()?;
+        let enabling = self.stretch(off, Command::Enable)?;
+        let mut standing = *enabling.samples.last().context("a stretch has an end")?;
+        let mut stretches = vec![enabling];
         if standing.state == State::Unhomed {
             let homing = self.stretch(standing, Command::Home)?;
             standing = *homing.samples.last().context("a stretch has an end")?;
             stretches.push(homing);
+        }
+        // A machine that was measured stands beside its start.
+        if standing.state == State::Idle
+            && let Some(first) = self.moves.first()
+            && let Some(way) = short_way(&standing.setpoint.pose, &first.common().from, &self.units)
+        {
+            let approach = self.stretch(standing, Command::Recover(way))?;
+            standing = *approach.samples.last().context("a stretch has an end")?;
+            stretches.push(approach);
         }
         if standing.state == State::Idle {
             self.feed();
@@ -143,6 +163,10 @@ impl<N: ServiceNumber> Host<'_, N> {
         let mut samples = Vec::new();
         while samples.len() < LONGEST {
             let sample = self.tick()?;
+            // How long that takes is a matter of the board.
+            if sample.state == State::Enabling {
+                continue;
+            }
             samples.push(sample);
             if sample.state.is_at_rest() {
                 return Ok(Stretch { standing, samples });
@@ -158,7 +182,14 @@ impl<N: ServiceNumber> Host<'_, N> {
             let closed = switches.closed(self.machine.motors());
             self.machine.inputs(closed);
         }
+        if let Some(drives) = &self.drives {
+            self.machine.hear(drives.measure());
+        }
         self.machine.tick();
+        if let Some(drives) = &mut self.drives {
+            drives.apply(self.machine.output());
+        }
+        while self.machine.work() {}
         if let (Some(switches), Some(by)) = (&mut self.switches, self.machine.shift()) {
             switches.shift(by);
         }

@@ -96,6 +96,9 @@ impl<N: ServiceNumber> Player<'_, N> {
             self.timed += 1;
             self.longest = self.longest.max(sample.duration);
         }
+        if sample.state == State::Enabling {
+            return Ok(ControlFlow::Continue(()));
+        }
         let Some(stretch) = self.stretches.get(self.stretch) else {
             // At rest, until the client has heard that the job is over, too.
             let last = self.stretches.last().and_then(|last| last.samples.last());

@@ -19,6 +19,7 @@ const NONE: LimitParameters = LimitParameters {
     acceleration_rad_s2: None,
     torque_nm: None,
     power_w: None,
+    jerk_rad_s3: None,
     serial_distance_min: 0.0,
     parallel_distance_min: 0.0,
 };

@@ -17,10 +17,11 @@ pub(crate) struct Setting {
     pub(crate) period_s: f64,
 }
 
-/// The verdict, and the steps that it took.
+/// The verdict, the steps that it took, and the rates of a move that is admitted.
 pub(crate) struct Judged<N: Enclose> {
     pub(crate) verdict: Result<(), Violation<N>>,
     pub(crate) steps: u32,
+    pub(crate) paces: MovePaces,
 }
 
 pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: impl Into<AnyMove<N>>) -> Judged<N> {
@@ -45,46 +46,19 @@ fn with<N: Enclose, M: Model<N = N>>(setting: &Setting, offered: &AnyMove<N>) ->
     let mut admission = admission::<N, M>(setting);
     assert!(admission.offer_any(offered));
     let mut steps = 0;
-    loop {
+    let verdict = loop {
         steps += 1;
         match admission.step() {
             Verdict::Undecided => {}
-            Verdict::Admitted => {
-                let verdict = Ok(());
-                return Judged { verdict, steps };
-            }
-            Verdict::Refused(violation) => {
-                let verdict = Err(violation);
-                return Judged { verdict, steps };
-            }
+            Verdict::Admitted => break Ok(()),
+            Verdict::Refused(violation) => break Err(violation),
             Verdict::Nothing => panic!("a move was offered"),
         }
-    }
-}
-
-/// The rates of a move that is admitted.
-pub(crate) fn paces(setting: &Setting, offered: &AnyMove<f64>) -> Option<MovePaces> {
-    ModelKind::of(&setting.parameters, true).visit(Paces { setting, offered })
-}
-
-struct Paces<'a> {
-    setting: &'a Setting,
-    offered: &'a AnyMove<f64>,
-}
-
-impl ModelVisitor<f64> for Paces<'_> {
-    type Output = Option<MovePaces>;
-
-    fn visit<M: Model<N = f64>>(self) -> Option<MovePaces> {
-        let mut admission = admission::<f64, M>(self.setting);
-        assert!(admission.offer_any(self.offered));
-        loop {
-            match admission.step() {
-                Verdict::Undecided => {}
-                Verdict::Admitted => return Some(admission.paces()),
-                _ => return None,
-            }
-        }
+    };
+    Judged {
+        verdict,
+        steps,
+        paces: admission.paces(),
     }
 }
 

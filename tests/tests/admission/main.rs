@@ -5,6 +5,7 @@ mod certain;
 mod dense;
 mod first;
 mod input;
+mod jerk;
 mod judge;
 mod moves;
 mod paces;

@@ -148,6 +148,7 @@ impl Offer {
             &mut limits.acceleration_rad_s2,
             &mut limits.torque_nm,
             &mut limits.power_w,
+            &mut limits.jerk_rad_s3,
         ] {
             values.iter_mut().flatten().for_each(number);
         }

@@ -1,7 +1,7 @@
 //! Rates of a hold: those that the admission finds keep the limits, and hardly more would.
 
 use crate::dense::{Density, extremes, visit_paced};
-use crate::judge::{Setting, paces};
+use crate::judge::{Judged, Setting, judge};
 use crate::moves::{bent, random_move};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::AnyMove;
@@ -33,6 +33,7 @@ fn limited(setting: &mut Setting, offered: &AnyMove<f64>, draw: &mut Draw) -> bo
         acceleration_rad_s2: motors(found.acceleration),
         torque_nm: motors(found.torque),
         power_w: motors(found.power),
+        jerk_rad_s3: None,
     };
     true
 }
@@ -58,9 +59,10 @@ fn proven_rates_keep_the_limits() {
         if !limited(&mut setting, &offered, &mut draw) {
             continue;
         }
-        let Some(paces) = paces(&setting, &offered) else {
+        let Judged { verdict, paces, .. } = judge(&setting, offered);
+        if verdict.is_err() {
             continue;
-        };
+        }
         admitted += 1;
         let ticks = offered.common().ticks;
         let found = visit_paced(&setting, &offered, &paces, 400);

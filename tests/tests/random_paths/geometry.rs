@@ -110,6 +110,19 @@ impl Drawn {
     }
 }
 
+/// The place from 0 to 1 at which a convex function is least.
+fn least_of_convex(of: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let third = (high - low) / 3.0;
+        match of(low + third) < of(high - third) {
+            true => high -= third,
+            false => low += third,
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// The natural cubic spline over its chords, by the dense equations of its second derivatives.
 fn spline_at(from: Coordinates, through: &[Coordinates], part: f64) -> Coordinates {
     let knots: Vec<_> = core::iter::once(from)
@@ -222,7 +235,15 @@ impl Polyline {
         } else {
             0.0
         };
-        let rest: Coordinates = core::array::from_fn(|i| off[i] - along[i] * part);
-        rest[0].hypot(rest[1]).max(rest[2].abs())
+        let beside = |part: f64| {
+            let rest: Coordinates = core::array::from_fn(|i| off[i] - along[i] * part);
+            rest[0].hypot(rest[1]).max(rest[2].abs())
+        };
+        let near = beside(part);
+        // The larger of the two is least elsewhere, nearer by the length of the chord at most; it is convex along it.
+        match near > 0.9 && near - size.sqrt() <= 1.0 && size > 0.0 {
+            true => near.min(beside(least_of_convex(beside))),
+            false => near,
+        }
     }
 }

@@ -12,7 +12,7 @@ use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{NumberType, Scene, offer};
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::{ServiceNumber, check_offer, longest_move};
-use trirrr_tests::instant::{Instant, QuinticEnds, State};
+use trirrr_tests::instant::{Instant, QuinticEnds, State, jerks};
 
 /// Chords of each piece that a motion is compared with.
 const CHORDS: u32 = 2048;
@@ -21,6 +21,7 @@ const CHORDS: u32 = 2048;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Findings {
     pub(crate) limit: f64,
+    pub(crate) jerk: f64,
     pub(crate) feed: f64,
     pub(crate) deviation: f64,
     pub(crate) played_over_bound: f64,
@@ -44,6 +45,7 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
     let ticks: u32 = moves.iter().map(|each| each.common().ticks).sum();
     let mut findings = Findings {
         limit: 0.0,
+        jerk: 0.0,
         feed: 0.0,
         deviation: 0.0,
         played_over_bound: f64::from(ticks) * period_s / least_s,
@@ -72,6 +74,12 @@ pub(crate) fn judge(job: &DrawnJob, scene: &Scene, samples: u32) -> Findings {
             let state = ends.at(sample as f64 / own as f64);
             let instant = Instant::of(&job.parameters, &state);
             findings.limit = findings.limit.max(instant.part_of(&scene.limits, side));
+            if let Some(limits) = scene.limits.jerk_rad_s3 {
+                let jerk = ends.jerk_at(sample as f64 / own as f64);
+                for (jerk, limit) in jerks(&job.parameters, &state, jerk).iter().zip(limits) {
+                    findings.jerk = findings.jerk.max(jerk.abs() / limit);
+                }
+            }
             if let Some(fastest) = fastest {
                 let speed = state.velocity[0].hypot(state.velocity[1]);
                 findings.feed = findings.feed.max(speed / fastest);
@@ -178,9 +186,7 @@ impl ModelVisitor<f64> for Bound<'_> {
 
 fn check_chain(job: &DrawnJob, moves: &[AnyMove<f64>]) {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs() + 1e-3);
-    let [first, .., last] = moves else {
-        panic!("a move from rest to rest is no plan")
-    };
+    let (first, last) = (moves.first().expect("a move"), &moves[moves.len() - 1]);
     let mut from = job.start;
     for piece in &job.pieces {
         from = piece.end(from);

@@ -6,12 +6,13 @@ mod drawn;
 mod geometry;
 mod judge;
 mod scene_text;
+mod windowed;
 
 use drawn::{DrawnJob, draw};
 use judge::{Findings, judge};
 use std::thread;
 use std::time::Instant as Clock;
-use trirrr_scene::Scene;
+use trirrr_scene::{NumberType, Scene};
 use trirrr_tests::draw::{Draw, machines};
 
 fn jobs(seed: u64) -> impl Iterator<Item = DrawnJob> {
@@ -27,16 +28,20 @@ struct Tally {
     longest_s: f64,
 }
 
-fn tally(seed: u64, paths: usize, samples: u32) -> Tally {
+fn tally(seed: u64, numbers: impl Fn(usize) -> bool, most: usize, samples: u32) -> Tally {
     let mut tally = Tally::default();
-    for (index, job) in jobs(seed).take(paths).enumerate() {
+    let drawn = jobs(seed).take(most).enumerate();
+    for (index, job) in drawn.filter(|(index, _)| numbers(*index)) {
         let begin = Clock::now();
         match Scene::parse(&job.text, "random.toml") {
             Ok(scene) => {
                 let seconds = begin.elapsed().as_secs_f64();
                 let findings = judge(&job, &scene, samples);
                 tally.longest_s = tally.longest_s.max(seconds);
-                if findings.limit > 1.0 || findings.feed > 1.0 || findings.deviation > 1.0 {
+                if findings.limit.max(findings.jerk) > 1.0
+                    || findings.feed > 1.0
+                    || findings.deviation > 1.0
+                {
                     println!("{seed}/{index}: {findings:?}\n{}", job.text);
                 }
                 tally.findings.push(findings);
@@ -53,7 +58,9 @@ fn tally(seed: u64, paths: usize, samples: u32) -> Tally {
 
 fn study(paths: usize, samples: u32) {
     let halves = thread::scope(|scope| {
-        let halves = [1, 2].map(|seed| scope.spawn(move || tally(seed, paths / 2, samples)));
+        let halves = [1, 2];
+        let halves =
+            halves.map(|seed| scope.spawn(move || tally(seed, |_| true, paths / 2, samples)));
         halves.map(|half| half.join().expect("no panic"))
     });
     let [mut all, other] = halves;
@@ -61,15 +68,14 @@ fn study(paths: usize, samples: u32) {
     all.refused.extend(other.refused);
     all.longest_s = all.longest_s.max(other.longest_s);
     let most = |of: fn(&Findings) -> f64| all.findings.iter().map(of).fold(0.0, f64::max);
-    let mut ratios: Vec<f64> = all
-        .findings
-        .iter()
-        .map(|each| each.played_over_bound)
-        .collect();
+    // The bound knows nothing of jerk.
+    let unbounded = |each: &&Findings| each.jerk == 0.0;
+    let ratios = all.findings.iter().filter(unbounded);
+    let mut ratios: Vec<f64> = ratios.map(|each| each.played_over_bound).collect();
     ratios.sort_by(f64::total_cmp);
     // Where a tick more or less is little, and room for holds too.
     let long = |each: &&Findings| f64::from(each.ticks) > 200.0 * each.played_over_bound;
-    let long = all.findings.iter().filter(long);
+    let long = all.findings.iter().filter(unbounded).filter(long);
     let mut long_ratios: Vec<f64> = long.map(|each| each.played_over_bound).collect();
     long_ratios.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = all
@@ -82,9 +88,10 @@ fn study(paths: usize, samples: u32) {
         values[((part * values.len() as f64) as usize).min(values.len() - 1)]
     };
     println!(
-        "{paths} paths, {} refused; largest part of a limit {:.9}, of a feed {:.9}, of a tolerance {:.6}; slowest plan {:.2} s",
+        "{paths} paths, {} refused; largest part of a limit {:.9}, of one of jerk {:.9}, of a feed {:.9}, of a tolerance {:.6}; slowest plan {:.2} s",
         all.refused.len(),
         most(|each| each.limit),
+        most(|each| each.jerk),
         most(|each| each.feed),
         most(|each| each.deviation),
         all.longest_s,
@@ -109,6 +116,7 @@ fn study(paths: usize, samples: u32) {
         all.refused.len()
     );
     assert!(most(|each| each.limit) <= 1.0);
+    assert!(most(|each| each.jerk) <= 1.0);
     assert!(most(|each| each.feed) <= 1.0);
     assert!(most(|each| each.deviation) <= 1.0);
     assert!(ratios[0] >= 1.0 && gaps[0] >= 1.0);
@@ -116,7 +124,76 @@ fn study(paths: usize, samples: u32) {
 
 #[test]
 fn random_paths_keep_limits_and_path() {
-    study(20, 2_000);
+    study(40, 2_000);
+}
+
+/// Numbers of paths that were once refused, or left by the moves, of two seeds: where alpha turns back within a
+/// tolerance, under a load, at the end of a path, of very short moves, beside a turn in place, at a slow feed.
+const ONCE_MISSED: [(u64, &[usize]); 2] = [
+    (1, &[47, 98, 344, 460, 516, 586, 922, 1422]),
+    (2, &[39, 166, 401, 594]),
+];
+
+#[test]
+fn paths_that_were_missed_are_planned() {
+    for (seed, numbers) in ONCE_MISSED {
+        let most = numbers.iter().max().expect("a number") + 1;
+        let tally = tally(seed, |index| numbers.contains(&index), most, 2_000);
+        assert_eq!(tally.refused, [""; 0]);
+        for findings in &tally.findings {
+            let parts = [
+                findings.limit,
+                findings.jerk,
+                findings.feed,
+                findings.deviation,
+            ];
+            assert!(parts.into_iter().all(|part| part <= 1.0), "{findings:?}");
+        }
+    }
+}
+
+/// Plans those of so many paths that have no limit of jerk through windows; the numbers of those that were given up.
+fn given_up(seed: u64, paths: usize, of: impl Fn(&Scene) -> bool) -> Vec<usize> {
+    let mut given_up = Vec::new();
+    let mut planned = 0;
+    for (index, job) in jobs(seed).take(paths).enumerate() {
+        let scene = Scene::parse(&job.text, "random.toml");
+        let Some(scene) = scene
+            .ok()
+            .filter(|scene| scene.limits.jerk_rad_s3.is_none() && of(scene))
+        else {
+            continue;
+        };
+        match windowed::through_window(&scene) {
+            Ok(windowed) => {
+                planned += 1;
+                assert!(windowed.deviation <= 1.0, "{seed}/{index}: {windowed:?}");
+            }
+            Err(reason) => {
+                println!("{seed}/{index}: {reason}");
+                given_up.push(index);
+            }
+        }
+    }
+    println!(
+        "{planned} paths through windows, {} given up",
+        given_up.len()
+    );
+    given_up
+}
+
+#[test]
+fn paths_go_through_windows() {
+    let is_double = |scene: &Scene| scene.number == NumberType::F64;
+    assert_eq!(given_up(1, 20, is_double), [0; 0]);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn paths_that_windows_give_up_are_few() {
+    let paths = 200;
+    let count = given_up(1, paths, |_| true).len();
+    assert!(10 * count < paths, "{count} of {paths}");
 }
 
 #[test]

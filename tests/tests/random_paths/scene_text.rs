@@ -130,6 +130,12 @@ pub(crate) fn limits_text(
             let _ = writeln!(text, "{name} = {values:?}");
         }
     }
+    // From numbers of its own: the rest of a job is the same with and without.
+    let mut own = Draw::new(rate.to_bits());
+    if own.chance(0.4) {
+        let jerk = own.log_within(5.0, 500.0) * own.log_within(5.0, 300.0);
+        let _ = writeln!(text, "jerk_rad_s3 = {jerk:?}");
+    }
     let _ = write!(
         text,
         "[service]\nhold_ramp_s = {:?}\n",

@@ -11,6 +11,7 @@ use trirrr_tests::random::Case;
 use trirrr_tests::workspace::{Workspace, machine};
 
 /// A machine with limits, and a pose to start from.
+#[derive(Clone)]
 pub(crate) struct Setting {
     pub(crate) parameters: Parameters,
     pub(crate) limits: LimitParameters,

@@ -2,6 +2,7 @@
 
 mod drawn;
 mod ends;
+mod jerk;
 mod judge;
 mod published;
 mod session;

@@ -17,7 +17,7 @@ pub(crate) const RAMP_TICKS: u16 = 100;
 /// More than any retarget takes.
 pub(crate) const STEPS: u32 = 200_000;
 
-/// What came of so many retargets.
+/// Outcome of so many retargets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) planned: u32,

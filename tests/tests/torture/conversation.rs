@@ -29,7 +29,7 @@ const LONGEST_TICKS: u64 = 2_000_000;
 /// Slices of background work between two ticks.
 const STEPS_PER_TICK: usize = 200;
 
-/// What happened.
+/// Counts of a session.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) jobs: u64,

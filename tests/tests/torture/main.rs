@@ -3,11 +3,14 @@
 //!
 //! What has to hold however the line behaves: every job ends complete; each of its moves is executed
 //! once, in order, tick by tick with the setpoints it was offered with; whatever either end takes
-//! for a message was sent as that message.
+//! for a message was sent as that message. Goals may cut the motion at any time: what is played is the old motion up to
+//! the cut and the new one from there, in the bits, at any pace, within the limits.
 
 mod conversation;
+mod errands;
 
 use conversation::{Conversation, Tally};
+use errands::{ErrandSession, Errands};
 
 /// Jobs until `frames` frames have been on the line.
 fn torture(frames: u64, first_seed: u64) -> Tally {
@@ -38,4 +41,30 @@ fn jobs_survive_a_bad_line() {
     assert!(total.reconnects > 0, "no line was ever given up");
     assert!(total.holds > 0, "no job was ever held");
     assert!(total.overrides > 0, "no pace was ever changed");
+}
+
+/// So many sessions of moves, goals and orders at random.
+fn run_errands(sessions: u64) {
+    let mut total = Errands::default();
+    for seed in 1..=sessions {
+        total.add(&ErrandSession::run(seed));
+    }
+    println!("{total:?}");
+    // Everything that is there to be tested did happen.
+    assert!(total.cuts > 5 * sessions, "few cuts");
+    assert!(total.slow_cuts > sessions / 4, "few cuts at other paces");
+    assert!(total.chains_cut > sessions, "few retargets cut another");
+    assert!(total.behind > 0 && total.holds > 0 && total.stops > 0);
+    assert!(total.damaged > 0);
+}
+
+#[test]
+fn goals_cut_the_motion_at_any_time() {
+    run_errands(12);
+}
+
+#[test]
+#[ignore = "takes minutes; cargo xtask nightly"]
+fn goals_cut_the_motion_ten_thousand_times() {
+    run_errands(2000);
 }

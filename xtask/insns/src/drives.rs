@@ -134,16 +134,22 @@ mod bldc {
     }
 }
 
-#[cfg(drive = "odrive")]
-mod odrive {
+#[cfg(any(drive = "odrive", drive = "mit"))]
+mod can {
     use super::{Angle, Infallible, Ordering, REGISTER, Scalar};
-    use crate::scene::drive::{NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
+    use crate::scene::drive::{HEARD, NODES, PROTOCOL, Protocol, ROTORS};
     use embedded_can::nb::Can;
-    use embedded_can::{Frame, Id};
-    use trirrr_drives::can::{Bus, CanDrives, ClassicFrame, Odrive, RotorScale};
+    use embedded_can::{Frame, Id, StandardId};
+    use trirrr_drives::Failure;
+    use trirrr_drives::can::{Absolute, Bus, CanDrives, ClassicFrame};
+    use trirrr_service::Output;
 
-    /// A controller whose mailboxes are always empty, with nothing received.
-    pub struct Mailboxes;
+    /// A controller whose mailboxes are always empty. In each tick it has received a heartbeat and an estimate of each
+    /// drive: on, without an error, at rest.
+    pub struct Mailboxes {
+        /// Frames received in this tick.
+        received: usize,
+    }
 
     impl Can for Mailboxes {
         type Frame = ClassicFrame;
@@ -167,7 +173,17 @@ mod odrive {
 
         #[inline(always)]
         fn receive(&mut self) -> nb::Result<ClassicFrame, Infallible> {
-            Err(nb::Error::WouldBlock)
+            let Some(node) = NODES.get(self.received / 2) else {
+                self.received = 0;
+                return Err(nb::Error::WouldBlock);
+            };
+            let (command, data) = match self.received % 2 {
+                0 => (1, [0, 0, 0, 0, 8, 0, 0, 0]),
+                _ => (9, [0; 8]),
+            };
+            self.received += 1;
+            let id = StandardId::new(u16::from(*node) << 5 | command).unwrap_or(StandardId::ZERO);
+            Ok(ClassicFrame::of(id.into(), 8, data))
         }
     }
 
@@ -176,22 +192,39 @@ mod odrive {
     }
 
     /// Drives on the bus.
-    pub type OdriveDrives = CanDrives<Scalar, Odrive, Mailboxes>;
+    pub struct HeardDrives(CanDrives<Scalar, Protocol, Mailboxes>);
 
-    /// Drives whose joints stand at `angles`.
-    pub fn build(angles: [Angle; 3]) -> OdriveDrives {
-        let scales = ROTORS.map(|(gear, reversed, zero)| {
-            RotorScale::new(gear, reversed, zero, RATE_RAD_S, TORQUE_NM)
-        });
-        CanDrives::new(Odrive, Mailboxes, NODES, scales, angles)
+    /// Drives whose joints stand at `angles`, wherever their encoders began.
+    pub fn build(angles: [Angle; 3]) -> HeardDrives {
+        let scales = ROTORS.map(|scale| scale.knows(Absolute::Nothing));
+        let bus = Mailboxes { received: 0 };
+        HeardDrives(CanDrives::new(PROTOCOL, bus, NODES, scales, angles, HEARD))
+    }
+
+    impl HeardDrives {
+        /// Work of a tick for the drives: hears them, and commands them.
+        #[inline(always)]
+        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            for reading in self.0.measure() {
+                REGISTER.store(reading.error, Ordering::Relaxed);
+            }
+            self.0.apply(output)
+        }
+
+        /// Follows a new zero of the joint angles.
+        #[cfg(homing)]
+        #[inline(always)]
+        pub fn shift(&mut self, by: [Angle; 3]) {
+            self.0.shift(by);
+        }
     }
 }
 
 #[cfg(drive = "bldc")]
 pub use bldc::{BldcDrives as Drives, build};
+#[cfg(any(drive = "odrive", drive = "mit"))]
+pub use can::{HeardDrives as Drives, build};
 #[cfg(any(drive = "none", drive = "moteus"))]
 pub use none::{NoDrives as Drives, build};
-#[cfg(drive = "odrive")]
-pub use odrive::{OdriveDrives as Drives, build};
 #[cfg(drive = "stepper")]
 pub use stepper::{SceneSlots, StepperDrives as Drives, build, slot};

@@ -1,13 +1,13 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
 use crate::drives::{self, Drives};
-use crate::scene::{COEFFICIENTS, Curves, MOVES, Model, PARTS, SETTINGS, START, Scalar};
+use crate::scene::{COEFFICIENTS, Curves, MOVES, Model, PARTS, Planner, SETTINGS, START, Scalar};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_protocol::message::{AnyMove, Move, Reply};
 use trirrr_service::{Background, Channels, CommandOf, Compiled, Foreground, Settings};
 
-type CompiledScene = Compiled<'static, Model, Curves>;
+type CompiledScene = Compiled<'static, Model, Curves, Planner>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
@@ -37,7 +37,7 @@ pub fn scene() -> CountedScene {
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
-        curves: core::marker::PhantomData,
+        types: core::marker::PhantomData,
     };
     #[cfg(homing)]
     let scene = trirrr_service::WithHoming {

@@ -136,6 +136,10 @@ impl Facts {
             Value::Element(base, index, bytes) => match (self.get(base), self.get(index)) {
                 (Known::Constant(table), Known::Nothing)
                 | (Known::Nothing, Known::Constant(table)) => Known::Entry(table, bytes),
+                // On some way the index is known, too. The table is the address; all of its entries are more than that way takes.
+                (Known::Constant(one), Known::Constant(other)) => {
+                    Known::Entry(one.max(other), bytes)
+                }
                 _ => Known::Nothing,
             },
         }

@@ -18,6 +18,8 @@ fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
         DriveFault::BusBusy => format!("the bus did not carry the command to {drive} in a tick"),
         DriveFault::BusOff => "the bus failed: too many errors on it".into(),
         DriveFault::Reported => format!("{drive} reports its code {value}"),
+        DriveFault::Silent => format!("{drive} was silent for {value} of its timeout"),
+        DriveFault::NotOn => format!("{drive} is not on, though it should be"),
     }
 }
 
@@ -49,6 +51,13 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
             "the board has started anew because it had failed".into()
         }
         FaultCode::Board => format!("the board reports its code {}", value()),
+        FaultCode::FollowingError => {
+            let (motor, limit) = searched();
+            let value = value();
+            format!(
+                "joint {motor} is {value} rad from its command, the most allowed is {limit} rad"
+            )
+        }
         FaultCode::HomingNotFound => {
             let (motor, limit) = searched();
             format!("homing: motor {motor} has not found its switch or stop within {limit} rad")

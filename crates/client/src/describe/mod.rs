@@ -1,9 +1,11 @@
 //! Words and SI units for what a machine reports.
 
 pub mod board;
+mod drive;
 mod fault;
 mod refusal;
 
+pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
 pub use refusal::refusal;
 
@@ -87,10 +89,14 @@ pub fn state(state: State, acting: Acting) -> String {
         State::Stopping => "stopping",
         State::Holding => "holding",
         State::Fault => "fault",
-        State::Cleared => "fault acknowledged",
+        State::Cleared => "on, pose unknown",
         State::Recovering => "recovering",
         State::Unhomed => "not homed",
         State::Homing => "homing",
+        State::Disabled => "disabled",
+        State::Enabling => "enabling",
+        State::Disabling => "disabling",
+        State::Reacting => "stopping after a fault",
     };
     let acting = match acting {
         Acting::Nothing => return state.into(),
@@ -152,6 +158,14 @@ mod tests {
             (
                 Bounded::Power,
                 "power of motor 2 would be 1000 W, the most allowed is 500 W",
+            ),
+            (
+                Bounded::Jerk,
+                "jerk of motor 2 would be 2000 rad/s^3, the most allowed is 1000 rad/s^3",
+            ),
+            (
+                Bounded::AccelerationJump,
+                "jump of the acceleration of motor 2 would be 200 rad/s^2, the most allowed is 100 rad/s^2",
             ),
         ] {
             let after =

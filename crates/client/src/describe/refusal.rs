@@ -52,6 +52,14 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::Retargeting => "the board is still planning the last retarget".into(),
         Refusal::FeedOverride => "a feed override is 1 to 100 percent".into(),
         Refusal::NoQuintics => "the board's image holds no code for quintic moves".into(),
+        Refusal::NoPaths => {
+            "the board's image plans no paths: set plans_paths in [service] of its scene, or send moves".into()
+        }
+        Refusal::PathUnderWay => {
+            "the board plans a path: wait for its end, or stop, before other moves".into()
+        }
+        Refusal::Feed => "the feed of a piece is negative".into(),
+        Refusal::NoFeedback => "the drives of the board's scene tell nothing".into(),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed not positive".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

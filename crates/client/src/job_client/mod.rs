@@ -12,11 +12,12 @@ use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
 use phase::{Next, Phase};
 use progress::JobProgress;
+pub use progress::JobWork;
 use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{
-    AnyMove, Command, Event, Hello, Identity, Message, Reply, Request, Status, Telemetry, Transmit,
+    Command, Event, Hello, Identity, Message, Reply, Request, Status, Telemetry, Transmit,
 };
 
 /// Next act of the owner of the port.
@@ -42,8 +43,22 @@ pub enum UserCommand {
     Resume,
     /// Come to rest on the path and drop the rest.
     Stop,
+    /// Come to rest as by a stop, then switch the drives off.
+    Disable,
     /// Play at so many percent of normal speed, 1 to 100, from now on.
     FeedOverride(u8),
+}
+
+impl<N: Transmit> From<UserCommand> for Command<N> {
+    fn from(command: UserCommand) -> Self {
+        match command {
+            UserCommand::Hold => Self::Hold,
+            UserCommand::Resume => Self::Resume,
+            UserCommand::Stop => Self::Stop,
+            UserCommand::Disable => Self::Disable,
+            UserCommand::FeedOverride(percent) => Self::FeedOverride { percent },
+        }
+    }
 }
 
 /// Client that plays one job on a machine, without a port and a clock of its own.
@@ -72,6 +87,12 @@ struct Approach {
     recovery_s: Option<f64>,
     /// The client has acknowledged a fault.
     acknowledged: bool,
+    /// The client has enabled the machine,
+    enabled: bool,
+    /// and waits until it is on.
+    is_enabling: bool,
+    /// The client has seen where the machine stands.
+    is_near: bool,
 }
 
 /// Commands of the user.
@@ -83,13 +104,13 @@ struct User {
 }
 
 impl<N: Transmit> JobClient<N> {
-    /// Creates the client of a job of `moves`, for a machine that is what `hello` says, with a telemetry
+    /// Creates the client of a job of `work`, moves or a path, for a machine that is what `hello` says, with a telemetry
     /// sample every `telemetry` ticks.
     ///
     /// The client replaces the numbers of the moves by those that the machine expects. Another
     /// conversation with the machine should have another number `conversation`.
     pub fn new(
-        moves: Vec<AnyMove<N>>,
+        work: impl Into<JobWork<N>>,
         hello: Hello,
         telemetry: u16,
         patience: Patience,
@@ -99,13 +120,16 @@ impl<N: Transmit> JobClient<N> {
             exchange: Exchange::new(patience, conversation),
             hello,
             telemetry,
-            progress: JobProgress::new(moves),
+            progress: JobProgress::new(work.into()),
             identity: None,
             status: None,
             approach: Approach {
                 homing: true,
                 recovery_s: None,
                 acknowledged: false,
+                enabled: false,
+                is_enabling: false,
+                is_near: false,
             },
             user: User::default(),
             schedule: Schedule::new(),
@@ -145,17 +169,25 @@ impl<N: Transmit> JobClient<N> {
         self.status.as_ref()
     }
 
-    /// Returns the number of moves of the job.
+    /// Returns the number of moves of the job, or of pieces.
     pub fn moves(&self) -> u32 {
-        self.progress.moves()
+        self.progress.items()
     }
 
-    /// Returns the number of moves that the machine has taken.
+    /// Returns the word for what the job is made of: a move, or a piece.
+    pub fn item(&self) -> &'static str {
+        match self.progress.is_path() {
+            true => "piece",
+            false => "move",
+        }
+    }
+
+    /// Returns the number of moves, or of pieces, that the machine has taken.
     pub fn offered(&self) -> u32 {
         self.progress.offered()
     }
 
-    /// Returns the number of moves played to their end, as of the last status.
+    /// Returns the number of moves played to their end, as of the last status; that of pieces where all are.
     pub fn done(&self) -> u32 {
         let status = self.status.as_ref();
         status.map_or(0, |status| self.progress.done(status))
@@ -185,7 +217,7 @@ impl<N: Transmit> JobClient<N> {
         // Before a hello nothing with a unit is reported.
         let units = self.identity.as_ref().map_or(Units::si(1.0), Units::of);
         let about = failure.index().and_then(|index| self.progress.get(index));
-        failure.describe(about.map_or(0, |each| each.ticks), &units)
+        failure.describe(self.item(), about.map_or(0, |each| each.ticks), &units)
     }
 
     /// Takes a command of the user. The command goes before everything but the open request.

@@ -1,6 +1,6 @@
 //! Phases of a conversation, and the request that each sends next.
 
-use super::{JobClient, UserCommand};
+use super::JobClient;
 use crate::JobFailure;
 use std::time::Duration;
 use trirrr_protocol::message::{Command, Recovery, State, Transmit};
@@ -9,7 +9,8 @@ use trirrr_protocol::message::{Command, Recovery, State, Transmit};
 ///
 /// ```text
 /// Greeting ─> Meeting ──> Acknowledging ─> Surveying
-///    │           ├──────> Homing ─────┬──> Awaiting ──┐
+///    │           ├──────> Enabling ───┬──> Awaiting ──┐
+///    │           ├──────> Homing ─────┤               │
 ///    │           ├──────> Recovering ─┘               │
 ///    │           └──────> Preparing ─> Streaming <────┘ by Preparing
 ///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
@@ -26,6 +27,8 @@ pub(super) enum Phase<N: Transmit> {
     Surveying,
     /// The client acknowledges a fault that was latched before the job.
     Acknowledging,
+    /// The client switches the drives on.
+    Enabling,
     /// The client homes the machine, which does not know where its motors are.
     Homing,
     /// The client moves the machine to the start of the job.
@@ -60,6 +63,7 @@ impl<N: Transmit> JobClient<N> {
             Phase::Streaming => return self.feed(now),
             Phase::Finished(_) => return Next::Listen(self.schedule.look()),
             Phase::Acknowledging => Command::ClearFault,
+            Phase::Enabling => Command::Enable,
             Phase::Homing => Command::Home,
             Phase::Recovering(recovery) => Command::Recover(*recovery),
             Phase::Preparing => Command::Telemetry {
@@ -77,12 +81,7 @@ impl<N: Transmit> JobClient<N> {
     /// Passes on what the user commands, and asks for the status in time.
     fn watch(&mut self, now: Duration) -> Next<N> {
         if let Some(command) = self.user.waiting.pop_front() {
-            return Next::Ask(match command {
-                UserCommand::Hold => Command::Hold,
-                UserCommand::Resume => Command::Resume,
-                UserCommand::Stop => Command::Stop,
-                UserCommand::FeedOverride(percent) => Command::FeedOverride { percent },
-            });
+            return Next::Ask(command.into());
         }
         match self.schedule.look() {
             look if look <= now => Next::Ask(Command::Status),
@@ -96,8 +95,8 @@ impl<N: Transmit> JobClient<N> {
             Next::Listen(look) if !self.user.has_stopped && now >= self.schedule.pause() => look,
             next => return next,
         };
-        match self.progress.next_move() {
-            Some(each) => Next::Ask(each.command()),
+        match self.progress.next_offer() {
+            Some(offer) => Next::Ask(offer),
             None if self.is_ready() => Next::Ask(Command::Start),
             None => Next::Listen(look),
         }
@@ -109,7 +108,7 @@ impl<N: Transmit> JobClient<N> {
     fn is_ready(&self) -> bool {
         self.status.as_ref().is_some_and(|status| {
             status.state == State::Idle
-                && status.admitted == status.next
+                && (status.admitted == status.next || status.planning)
                 && status.admitted != status.done
         })
     }

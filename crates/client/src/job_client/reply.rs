@@ -19,7 +19,14 @@ impl<N: Transmit> JobClient<N> {
     /// The machine has executed `command`.
     pub(super) fn on_done(&mut self, command: &Command<N>, now: Duration) {
         match command {
-            Command::Telemetry { .. } => self.phase = Phase::Streaming,
+            Command::Telemetry { .. } => {
+                self.phase = self.beside().map_or(Phase::Streaming, Phase::Recovering);
+            }
+            Command::Enable => {
+                (self.approach.enabled, self.approach.is_enabling) = (true, true);
+                self.phase = Phase::Awaiting;
+                self.schedule.look_at(now);
+            }
             Command::Home | Command::Recover(_) => {
                 self.approach.recovery_s = None;
                 self.phase = Phase::Awaiting;
@@ -29,9 +36,12 @@ impl<N: Transmit> JobClient<N> {
                 self.approach.acknowledged = true;
                 self.phase = Phase::Surveying;
             }
-            Command::Move(_) | Command::Quintic(_) => {
+            Command::Move(_) | Command::Quintic(_) | Command::Path(_) => {
                 if let Some(status) = &mut self.status {
-                    status.next = status.next.wrapping_add(1);
+                    match command {
+                        Command::Path(_) => status.piece = status.piece.wrapping_add(1),
+                        _ => status.next = status.next.wrapping_add(1),
+                    }
                 }
                 // The verdict on the last move takes a moment.
                 if self.progress.count_offered() {
@@ -43,7 +53,7 @@ impl<N: Transmit> JobClient<N> {
                     status.state = State::Running;
                 }
             }
-            Command::Stop => match &self.phase {
+            Command::Stop | Command::Disable => match &self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(*failure)),
                 _ => {
                     self.user.has_stopped = true;
@@ -70,6 +80,10 @@ impl<N: Transmit> JobClient<N> {
                     _ => Phase::Greeting,
                 };
             }
+            (Command::Path(_), Refusal::QueueFull) => {
+                self.progress.is_full();
+                self.schedule.wait(now);
+            }
             // Not now: the status will say when.
             (_, Refusal::Busy)
             | (Command::Move(_) | Command::Quintic(_), Refusal::QueueFull)
@@ -77,16 +91,21 @@ impl<N: Transmit> JobClient<N> {
                 self.schedule.wait(now)
             }
             // The machine counts its moves in another way: the status says how.
-            (Command::Move(_) | Command::Quintic(_), Refusal::MoveNumber { .. }) => {
-                self.phase = Phase::Surveying
-            }
+            (
+                Command::Move(_) | Command::Quintic(_) | Command::Path(_),
+                Refusal::MoveNumber { .. },
+            ) => self.phase = Phase::Surveying,
+            // Another client has enabled the machine.
+            (Command::Enable, Refusal::State(_)) => self.phase = Phase::Surveying,
             // The user's command came too late or too early, which does no harm.
             (Command::Hold | Command::Resume, _) => {}
             (_, refusal) => match self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
                 _ => {
                     let offered = self.progress.offered();
-                    let index = command.offered().is_some().then_some(offered);
+                    let is_offer =
+                        command.offered().is_some() || matches!(command, Command::Path(_));
+                    let index = is_offer.then_some(offered);
                     self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
                 }
             },

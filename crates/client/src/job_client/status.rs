@@ -3,6 +3,8 @@
 use super::JobClient;
 use super::phase::Phase;
 use crate::JobFailure;
+use crate::approach::short_way;
+use crate::describe::Units;
 use std::time::Duration;
 use trirrr_protocol::message::{Acting, Recovery, State, Status, Transmit};
 
@@ -39,9 +41,10 @@ impl<N: Transmit> JobClient<N> {
             return recovering;
         }
         match status.state {
+            State::Disabled => Phase::Enabling,
             State::Unhomed if self.approach.homing => Phase::Homing,
             // Another client has begun this; with a recovery the user takes over.
-            State::Homing | State::Recovering | State::Stopping
+            State::Homing | State::Recovering | State::Stopping | State::Disabling
                 if self.approach.recovery_s.is_some() =>
             {
                 Phase::Awaiting
@@ -61,8 +64,13 @@ impl<N: Transmit> JobClient<N> {
                 return recovering;
             }
             match status.state {
+                State::Disabled if !self.approach.enabled => return Phase::Enabling,
                 State::Unhomed if self.approach.homing => return Phase::Homing,
-                State::Homing | State::Recovering | State::Stopping => return Phase::Awaiting,
+                state if passes(state) => return Phase::Awaiting,
+                State::Disabled | State::Unhomed | State::Cleared => {
+                    let occupied = JobFailure::Occupied(status.state);
+                    return failed(status.not_enabled.map_or(occupied, JobFailure::NotEnabled));
+                }
                 _ => {}
             }
         }
@@ -76,13 +84,20 @@ impl<N: Transmit> JobClient<N> {
         if let Some(next) = complaint.or_else(|| self.recovering(status)) {
             return Some(next);
         }
+        if passes(status.state) {
+            return None;
+        }
+        // Switched on, it has begun no way yet.
+        if std::mem::take(&mut self.approach.is_enabling) {
+            return Some(self.on_survey(before, status));
+        }
         match status.state {
-            State::Homing | State::Recovering | State::Stopping => return None,
+            State::Disabled if !self.approach.enabled => return Some(Phase::Enabling),
             State::Unhomed if self.approach.homing && self.approach.recovery_s.is_some() => {
                 return Some(Phase::Homing);
             }
             // The machine came to rest before it arrived.
-            State::Unhomed | State::Cleared => {
+            State::Disabled | State::Unhomed | State::Cleared => {
                 return Some(failed(self.stopped(0, status.acting)));
             }
             _ => {}
@@ -113,8 +128,22 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
+    /// Way to the start of the job for a machine that stands beside it, and was not on this way yet.
+    pub(super) fn beside(&mut self) -> Option<Recovery<N>> {
+        let status = self.status.as_ref()?;
+        let is_free = status.state == State::Idle && status.next == status.done;
+        if !is_free
+            || self.progress.offered() != 0
+            || std::mem::replace(&mut self.approach.is_near, true)
+        {
+            return None;
+        }
+        let units = Units::of(self.identity.as_ref()?);
+        short_way(&status.end?.pose, &self.progress.start()?, &units)
+    }
+
     fn is_played(&self, status: &Status<N>) -> bool {
-        status.state == State::Idle && self.progress.done(status) == self.progress.moves()
+        status.state == State::Idle && self.progress.done(status) == self.progress.items()
     }
 
     /// End of the job by a fault, or by a move that the machine does not admit.
@@ -125,7 +154,12 @@ impl<N: Transmit> JobClient<N> {
             return Some(failed(JobFailure::Fault(fault)));
         }
         let verdict = status.refused?;
-        let (index, violation) = (self.progress.index(verdict.number)?, verdict.violation?);
+        let index = match self.progress.is_path() {
+            // The piece at which the path was given up is the next one.
+            true => self.progress.taken(status),
+            false => self.progress.index(verdict.number)?,
+        };
+        let violation = verdict.violation?;
         Some(Phase::Ending(JobFailure::Inadmissible { index, violation }))
     }
 
@@ -135,7 +169,7 @@ impl<N: Transmit> JobClient<N> {
         // Ticks only go forwards.
         let went_back = status.tick.wrapping_sub(before.tick) > u32::MAX / 2;
         if let Some(identity) = &self.identity
-            && (went_back || taken > self.progress.moves())
+            && (went_back || taken > self.progress.items())
         {
             return Some(failed(JobFailure::Restarted(identity.board.start)));
         }
@@ -143,7 +177,8 @@ impl<N: Transmit> JobClient<N> {
         // A machine that was stopped before its first move ended has dropped nothing yet.
         let has_stopped = status.state == State::Idle
             && matches!(status.acting, Acting::Stop | Acting::Silence)
-            && done > 0;
+            && self.progress.moves_done(status) > 0;
+        // A piece at which a path was given up is no longer counted: its verdict says so.
         let has_dropped = taken < self.progress.offered();
         (has_dropped || has_stopped).then(|| failed(self.stopped(done, status.acting)))
     }
@@ -163,11 +198,19 @@ impl<N: Transmit> JobClient<N> {
         let seconds = self.approach.recovery_s.filter(|_| is_free)?;
         let ticks = (seconds * self.identity.as_ref()?.tick_rate_hz).round();
         Some(Phase::Recovering(Recovery {
-            to: self.progress.get(0)?.from,
+            to: self.progress.start()?,
             // The cast saturates, and the machine refuses so many.
             ticks: ticks.max(1.0) as u32,
         }))
     }
+}
+
+/// Returns true if a machine in `state` leaves it by itself, with no job under way.
+fn passes(state: State) -> bool {
+    matches!(
+        state,
+        State::Enabling | State::Disabling | State::Homing | State::Recovering | State::Stopping
+    )
 }
 
 fn failed<N: Transmit>(failure: JobFailure<N>) -> Phase<N> {

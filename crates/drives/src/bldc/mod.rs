@@ -70,7 +70,7 @@ where
     /// fails. Those of a microcontroller do not.
     #[inline(always)]
     pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
-        if !output.enabled {
+        if !output.is_on() {
             self.off();
             return Ok(());
         }

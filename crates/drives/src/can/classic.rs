@@ -2,17 +2,18 @@
 
 use embedded_can::{Frame, Id};
 
-/// Data frame of up to eight bytes.
+/// Frame of up to eight bytes, or a remote frame that asks for one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClassicFrame {
     id: Id,
     length: u8,
+    remote: bool,
     /// Zeros behind the length.
     data: [u8; 8],
 }
 
 impl ClassicFrame {
-    /// Frame from a controller's registers: the first `length` bytes of `data`, at most eight.
+    /// Data frame from a controller's registers: the first `length` bytes of `data`, at most eight.
     pub fn of(id: Id, length: u8, data: [u8; 8]) -> Self {
         let length = length.min(8);
         let mut kept = [0; 8];
@@ -22,6 +23,7 @@ impl ClassicFrame {
         Self {
             id,
             length,
+            remote: false,
             data: kept,
         }
     }
@@ -45,21 +47,27 @@ impl Frame for ClassicFrame {
         Some(Self {
             id: id.into(),
             length: data.len() as u8,
+            remote: false,
             data: kept,
         })
     }
 
-    /// None: these drives take no remote frames.
-    fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
-        None
+    fn new_remote(id: impl Into<Id>, length: usize) -> Option<Self> {
+        (length <= 8).then(|| Self {
+            id: id.into(),
+            length: length as u8,
+            remote: true,
+            data: [0; 8],
+        })
     }
 
     fn is_extended(&self) -> bool {
         matches!(self.id, Id::Extended(_))
     }
 
+    #[inline(always)]
     fn is_remote_frame(&self) -> bool {
-        false
+        self.remote
     }
 
     #[inline(always)]
@@ -73,7 +81,8 @@ impl Frame for ClassicFrame {
     }
 
     fn data(&self) -> &[u8] {
-        self.data.get(..self.length.into()).unwrap_or(&[])
+        let length = if self.remote { 0 } else { self.length.into() };
+        self.data.get(..length).unwrap_or(&[])
     }
 }
 
@@ -127,6 +136,10 @@ mod tests {
         assert_eq!(short.data(), &bytes[..5]);
         assert_eq!(ClassicFrame::new(id, &[0; 9]), None);
         assert_eq!(ClassicFrame::new(id, &[]).unwrap().data(), &[0; 0]);
+        let remote = ClassicFrame::new_remote(id, 8).unwrap();
+        assert_eq!((remote.is_remote_frame(), remote.dlc()), (true, 8));
+        assert_eq!(remote.data(), &[0; 0]);
+        assert_eq!(ClassicFrame::new_remote(id, 9), None);
     }
 
     #[test]

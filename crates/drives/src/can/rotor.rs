@@ -1,5 +1,6 @@
-//! From the joint to the rotor behind its gear, and from radians to turns.
+//! From the joint to the rotor behind its gear and back, and from radians to turns.
 
+use super::heard::Heard;
 use crate::count::Countable;
 use crate::winding::Winding;
 use trirrr_core::tick::Motor;
@@ -15,6 +16,18 @@ pub struct RotorCommand {
     pub torque: f32,
 }
 
+/// Meaning of a drive's position after it was switched on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Absolute {
+    /// Position 0 is a joint angle of the scene, over all turns: the encoder knows the joint.
+    Joint,
+    /// Position 0 is that angle but for whole turns of the rotor. The joint is taken to be within half a turn of the
+    /// rotor from the start of the job.
+    Rotor,
+    /// Nothing. The joint is taken to be at the start of the job, until a homing tells better.
+    Nothing,
+}
+
 /// Conversion from a joint, in the machine's units, to its rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotorScale {
@@ -26,6 +39,9 @@ pub struct RotorScale {
     torque: f32,
     /// Joint angle at which the drive's position is 0, rad.
     zero: f64,
+    absolute: Absolute,
+    /// N m of the rotor per ampere; 0 if a current tells no torque.
+    torque_constant: f32,
 }
 
 impl RotorScale {
@@ -44,7 +60,24 @@ impl RotorScale {
             gear: gear as f32,
             velocity: (gear * rate_rad_s / core::f64::consts::TAU) as f32,
             torque: (torque_nm / gear) as f32,
-            zero: zero_rad,
+            zero: zero_rad % core::f64::consts::TAU,
+            absolute: Absolute::Joint,
+            torque_constant: 0.0,
+        }
+    }
+
+    /// Scale of a drive whose position means this.
+    #[must_use]
+    pub const fn knows(self, absolute: Absolute) -> Self {
+        Self { absolute, ..self }
+    }
+
+    /// Scale of a motor with this torque per ampere, N m/A at the rotor, for drives that tell a current.
+    #[must_use]
+    pub const fn torque_constant(self, nm_per_a: f64) -> Self {
+        Self {
+            torque_constant: nm_per_a as f32,
+            ..self
         }
     }
 }
@@ -54,31 +87,116 @@ impl RotorScale {
 pub(super) struct Rotor<N: Countable> {
     scale: RotorScale,
     zero: N::Angle,
-    /// From the zero.
+    /// Joint from the zero: as measured while the drive is off, as commanded while it is on.
     winding: Winding,
+    /// Turns from the zero that the drive's position lacks. None until a position was heard.
+    offset: Option<f32>,
+}
+
+/// Motion of a joint, as its drive tells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct JointPlace<N: Countable> {
+    winding: Winding,
+    pub(super) angle: N::Angle,
 }
 
 impl<N: Countable> Rotor<N> {
+    /// Rotor of a joint that stands at `angle`, near enough to tell what its drive does not know.
     pub(super) fn new(scale: RotorScale, angle: N::Angle) -> Self {
         let zero = N::angle_from_f64(scale.zero);
         Self {
             scale,
             zero,
             winding: Winding::near_zero::<N>(angle - zero),
+            offset: None,
         }
     }
 
+    /// Returns true once a position was heard.
     #[inline(always)]
-    pub(super) fn command(&mut self, motor: &Motor<N>) -> RotorCommand {
-        self.winding = self.winding.after::<N>(motor.angle - self.zero);
+    pub(super) fn is_known(&self) -> bool {
+        self.offset.is_some()
+    }
+
+    /// Turns of the rotor from the zero.
+    #[inline(always)]
+    fn turns(&self) -> f32 {
         // Within half a turn of a whole one: a small angle must not be rounded like a whole turn.
         let part = self.winding.part as i32;
         let whole = self.winding.whole.wrapping_add(i32::from(part < 0));
         let turns = whole as f32 + part as f32 * (1.0 / 4_294_967_296.0);
+        turns * self.scale.gear
+    }
+
+    /// Command that follows `motor`, the short way from the command before.
+    #[inline(always)]
+    pub(super) fn command(&mut self, motor: &Motor<N>) -> RotorCommand {
+        self.winding = self.winding.after::<N>(motor.angle - self.zero);
         RotorCommand {
-            position: turns * self.scale.gear,
+            position: self.turns() - self.offset.unwrap_or(0.0),
             velocity: motor.rate.to_f32() * self.scale.velocity,
             torque: motor.torque.to_f32() * self.scale.torque,
         }
     }
+
+    /// Joint at the drive's `position`, turns. The first position tells what the drive's zero is.
+    pub(super) fn measure(&mut self, position: f32) -> JointPlace<N> {
+        let offset = match self.offset {
+            Some(offset) => offset,
+            None => {
+                let missing = self.turns() - position;
+                let offset = match self.scale.absolute {
+                    Absolute::Joint => 0.0,
+                    Absolute::Rotor => nearest(missing) as f32,
+                    Absolute::Nothing => missing,
+                };
+                self.offset = Some(offset);
+                offset
+            }
+        };
+        let turns = (position + offset) / self.scale.gear;
+        let winding = Winding::of_turns(turns);
+        let part = N::turn(self.zero).wrapping_add(winding.part);
+        JointPlace {
+            winding,
+            angle: N::angle_of(part),
+        }
+    }
+
+    /// Takes over a measured joint, from which the next command starts: for drives that are off.
+    #[inline(always)]
+    pub(super) fn stand(&mut self, measured: &JointPlace<N>) {
+        self.winding = measured.winding;
+    }
+
+    /// Joint rate and torque of the motor at the joint, as the frame tells them; a part that it does not tell is
+    /// none.
+    pub(super) fn motion(&self, heard: &Heard) -> [Option<N>; 2] {
+        let by_current = heard
+            .current
+            .filter(|_| self.scale.torque_constant > 0.0)
+            .map(|current| current * self.scale.torque_constant);
+        let torque = heard.torque.or(by_current);
+        [
+            heard
+                .velocity
+                .map(|velocity| N::from_f32(velocity / self.scale.velocity)),
+            torque.map(|torque| N::from_f32(torque / self.scale.torque)),
+        ]
+    }
+
+    /// Follows a new zero of the joint angle: it is greater `by` so much from now on, without a motion. The drive keeps
+    /// its own.
+    pub(super) fn shift(&mut self, by: N::Angle) {
+        let part = N::turn(by);
+        let turns = part as i32 as f32 * (1.0 / 4_294_967_296.0);
+        self.offset = self.offset.map(|offset| offset + turns * self.scale.gear);
+        self.winding = self.winding.turned(part as i32);
+    }
+}
+
+/// Whole number nearest to `value`; the nearest that fits, and 0 for what is not a number.
+fn nearest(value: f32) -> i32 {
+    let half = if value < 0.0 { -0.5 } else { 0.5 };
+    (value + half) as i32
 }

@@ -37,7 +37,7 @@ impl<'l, N: Countable> Steppers<'l, N> {
     /// three moves.
     #[inline(always)]
     pub fn apply(&mut self, output: &Output<N>) -> Result<(), Failure<N>> {
-        if !output.enabled {
+        if !output.is_on() {
             self.line.off();
             return Ok(());
         }

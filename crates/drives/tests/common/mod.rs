@@ -2,13 +2,15 @@
 
 #![allow(dead_code, unreachable_pub)]
 
+pub mod frame;
+
 use embedded_hal::digital::{ErrorType, OutputPin};
 use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
 use std::rc::Rc;
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
-use trirrr_service::Output;
+use trirrr_service::{Output, Power};
 
 /// Recorded changes of pins, with their times.
 #[derive(Clone, Debug, Default)]
@@ -78,6 +80,12 @@ impl OutputPin for Pin {
 
 /// Output of a tick: angle, rate and torque of each motor, in SI units.
 pub fn output<N: Number>(wanted: [[f64; 3]; 3], enabled: bool) -> Output<N> {
+    let power = if enabled { Power::On } else { Power::Off };
+    powered(wanted, power)
+}
+
+/// Output of a tick with this power.
+pub fn powered<N: Number>(wanted: [[f64; 3]; 3], power: Power) -> Output<N> {
     Output {
         motors: wanted.map(|[angle, rate, torque]| Motor {
             angle: N::angle_from_f64(angle),
@@ -86,7 +94,8 @@ pub fn output<N: Number>(wanted: [[f64; 3]; 3], enabled: bool) -> Output<N> {
             torque: N::from_f64(torque),
         }),
         tool: N::ZERO,
-        enabled,
+        power,
+        brake_released: power == Power::On,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Places on a stretch of a path at which alpha is chosen; between them it is a spline.
 
-use crate::course::{PathPiece, joint, length};
+use crate::course::PathPiece;
+use crate::piece::{joint, length};
 
 /// Part of the distance between knots within which a joint of pieces attracts one.
 const SNAP: f64 = 0.1;

@@ -1,5 +1,6 @@
 //! The plant: its forward dynamics against independent ones, its energy, its closed loop.
 
+mod bus;
 mod dynamics;
 mod ends;
 mod energy;

@@ -12,10 +12,12 @@ use trirrr_core::setpoint::Pose;
 /// [`Unread`](super::Unread) by a machine that takes none. `Q` is the same for a quintic move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize, Q::Piece: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned, Q::Piece: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema")]
+#[postcard(
+    bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema, Q::Piece: Schema"
+)]
 pub struct Request<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
     /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
@@ -30,10 +32,12 @@ pub struct Request<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize, Q::Piece: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned, Q::Piece: DeserializeOwned"
 ))]
-#[postcard(bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema")]
+#[postcard(
+    bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema, Q::Piece: Schema"
+)]
 pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
     Hello(Hello),
@@ -53,7 +57,7 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     Resume,
     /// Comes to rest on the path and drops the rest of the job.
     Stop,
-    /// Acknowledges the latched fault; what follows is a [`Command::Recover`].
+    /// Acknowledges the latched fault and clears the errors of the drives. They stay off until [`Command::Enable`].
     ClearFault,
     /// Moves the motors, each by itself, to where they are at a pose.
     Recover(Recovery<N>),
@@ -71,9 +75,21 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
         /// 1 to 100 % of normal speed.
         percent: u8,
     },
-    /// Asks for moves to a goal, in the least time that the machine can prove. They are queued behind the last, as if the host
-    /// had offered them.
+    /// Asks for moves to a goal, in the least time that the machine can prove: in place of the motion under way, or behind the
+    /// last move as if the host had offered them.
     Retarget(Q::Goal),
+    /// Gives a piece of a path, which the machine plans itself in the least time. Its moves are queued as if the host had offered
+    /// them.
+    Path(Q::Piece),
+    /// Switches the drives on, where the motors are.
+    Enable,
+    /// Comes to rest as [`Command::Stop`] does, then switches the drives off.
+    Disable,
+    /// One [sample of the drives](super::DriveSample) every so many ticks; 0 for none.
+    Drives {
+        /// Ticks from one sample to the next.
+        every: u16,
+    },
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -125,7 +141,7 @@ pub struct QuinticMove<N: Number> {
     pub end_acceleration: [N; 3],
 }
 
-/// Where a machine that plays quintics is to go, by moves that it plans itself.
+/// Goal of a machine that plays quintics, by moves that it plans itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -134,20 +150,77 @@ pub struct Goal<N: Number> {
     pub to: Pose<N>,
     /// (vx, vy, alphadot) there.
     pub velocity: [N; 3],
+    /// True: from the motion under way, which is cut as soon as the new one is planned. False: behind the moves that are
+    /// queued. Where nothing moves, both are the same.
+    pub cut: bool,
+    /// Fewest ticks of the motion: a goal in motion is passed at this time, if that is possible. 0: as short as it is proven.
+    pub least_ticks: u32,
 }
 
-/// Type as which a quintic move is read, with the one as which a [`Goal`] is.
+/// A piece of a path. It begins where the path ends so far: at the end of the last piece, or, for the first one, at rest
+/// where all moves end. D follows the curve; alpha goes from one end to the other with the parameter of the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct PathPiece<N: Number> {
+    /// Counts the pieces one by one, modulo 2^32; [`Status`](super::Status) says which is expected.
+    pub number: u32,
+    /// The curve.
+    pub curve: PathCurve<N>,
+    /// Greatest speed of D, positive; 0 for none.
+    pub feed: N,
+    /// The tool's power, as in a [`Move`].
+    pub tool_power: N,
+    /// Speed of the tool at which it has that power, as in a [`Move`].
+    pub tool_speed: N,
+    /// True for the last piece of the path. The machine plans as soon as it has room for no more, or has the last one.
+    pub last: bool,
+}
+
+/// Curve of a [`PathPiece`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub enum PathCurve<N: Number> {
+    /// A straight line.
+    Line {
+        /// Its end.
+        to: Pose<N>,
+    },
+    /// A circular arc.
+    Arc {
+        /// Centre of the circle, (x, y).
+        centre: [N; 2],
+        /// Angle about the centre, rad, counter-clockwise positive.
+        turn: N,
+        /// alpha at its end.
+        to_angle: N::Angle,
+    },
+    /// A cubic Bezier curve, of alpha too.
+    Bezier {
+        /// The two control poses between its ends.
+        controls: [Pose<N>; 2],
+        /// Its end.
+        to: Pose<N>,
+    },
+}
+
+/// Type as which a quintic move is read, with those as which a [`Goal`] and a [`PathPiece`] are.
 pub trait QuinticContent {
     /// A [`Goal`], read or not.
     type Goal: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`PathPiece`], read or not.
+    type Piece: Clone + Copy + core::fmt::Debug + PartialEq;
 }
 
 impl<N: Number> QuinticContent for QuinticMove<N> {
     type Goal = Goal<N>;
+    type Piece = PathPiece<N>;
 }
 
 impl<N: Number> QuinticContent for Unread<QuinticMove<N>> {
     type Goal = Unread<Goal<N>>;
+    type Piece = Unread<PathPiece<N>>;
 }
 
 /// A move of either kind.

@@ -15,6 +15,7 @@
 
 mod board;
 mod command;
+mod drive;
 mod part;
 mod refusal;
 mod report;
@@ -26,12 +27,14 @@ mod violation;
 
 pub use board::{Board, Clock, Registers, Start};
 pub use command::{
-    AnyMove, Command, Goal, Hello, Move, QuinticContent, QuinticMove, Recovery, Request,
+    AnyMove, Command, Goal, Hello, Move, PathCurve, PathPiece, QuinticContent, QuinticMove,
+    Recovery, Request,
 };
+pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
 pub use part::{Content, Unread, Written};
 pub use refusal::Refusal;
 pub use report::{
-    Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
+    Cut, Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
 };
 pub use state::{Acting, State};
 pub use violation::{Bounded, DriveFault, Fault, FaultCode, LeastDuration, Violation};
@@ -54,4 +57,4 @@ impl<N> Transmit for N where
 
 /// Version of the protocol: what commands mean, in which order they are to be given. A change of a
 /// message's layout changes the schema key instead.
-pub const PROTOCOL: u16 = 1;
+pub const PROTOCOL: u16 = 2;

@@ -95,4 +95,12 @@ pub enum Refusal<N: Number> {
     FeedOverride,
     /// A retarget is being planned: no move is taken before its moves are.
     Retargeting,
+    /// The image holds no planner of paths.
+    NoPaths,
+    /// A path is under way: no move and no goal is taken before its end.
+    PathUnderWay,
+    /// The feed of the piece is negative.
+    Feed,
+    /// The drives of the machine tell nothing.
+    NoFeedback,
 }

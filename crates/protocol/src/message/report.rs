@@ -2,6 +2,7 @@
 
 use super::Transmit;
 use super::board::Board;
+use super::drive::{DriveSample, NotEnabled};
 use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
@@ -37,6 +38,8 @@ pub enum Message<N: Number, S = Section> {
     Event(Event<N>),
     /// A sample of one tick.
     Telemetry(Telemetry<N>),
+    /// A sample of the drives in one tick.
+    Drives(DriveSample<N>),
 }
 
 /// A [`Message`] around what lies elsewhere, with the same bytes on the line.
@@ -54,6 +57,8 @@ pub enum MessageRef<'a, N: Number, S = Section> {
     Event(&'a Event<N>),
     /// As [`Message::Telemetry`].
     Telemetry(&'a Telemetry<N>),
+    /// As [`Message::Drives`].
+    Drives(&'a DriveSample<N>),
 }
 
 /// The answer to a request.
@@ -126,8 +131,13 @@ pub struct Status<N: Number> {
     /// Number of the first move that is not admitted: all before it are,
     pub admitted: u32,
     /// and of the first that is not over: all before it were played to their end, or cut short
-    /// where the job was stopped.
+    /// where the job was stopped, or cut by a retarget.
     pub done: u32,
+    /// Number of the next piece of a path. A piece that is refused, and all behind it, are dropped: the next to
+    /// give takes its place.
+    pub piece: u32,
+    /// True while the machine plans a path or a retarget, or the cut of one is ahead: more moves come.
+    pub planning: bool,
     /// Moves for which there is room.
     pub room: u8,
     /// The last move that was not admitted, until the next one is offered.
@@ -142,6 +152,21 @@ pub struct Status<N: Number> {
     pub longest_tick: u32,
     /// Feed override: the pace that the host asked for last, in percent of normal speed.
     pub feed_percent: u8,
+    /// The last cut by a retarget since the machine was switched on.
+    pub cut: Option<Cut>,
+    /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
+    pub not_enabled: Option<NotEnabled<N>>,
+}
+
+/// Cut of the motion by a retarget.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Cut {
+    /// Number of the move that was under way,
+    pub number: u32,
+    /// and its tick at which it was cut. The moves behind it were not begun,
+    pub at: u32,
+    /// up to this number, that of the retarget's first move.
+    pub next: u32,
 }
 
 /// The verdict over a move.

@@ -103,6 +103,8 @@ pub struct Limits {
     pub torque_nm: Option<[f64; 3]>,
     /// Largest mechanical power of either sign, W.
     pub power_w: Option<[f64; 3]>,
+    /// Largest joint jerk of either sign, rad/s^3.
+    pub jerk_rad_s3: Option<[f64; 3]>,
     /// Least [distance](trirrr_core::singularity) of each leg from its serial singularity.
     pub serial_distance_min: f64,
     /// Least [distance](trirrr_core::singularity) from the parallel singularity.
@@ -194,6 +196,7 @@ impl From<&LimitParameters> for Limits {
             acceleration_rad_s2: limits.acceleration_rad_s2,
             torque_nm: limits.torque_nm,
             power_w: limits.power_w,
+            jerk_rad_s3: limits.jerk_rad_s3,
             serial_distance_min: limits.serial_distance_min,
             parallel_distance_min: limits.parallel_distance_min,
         }
@@ -207,6 +210,7 @@ impl From<&Limits> for LimitParameters {
             acceleration_rad_s2: limits.acceleration_rad_s2,
             torque_nm: limits.torque_nm,
             power_w: limits.power_w,
+            jerk_rad_s3: limits.jerk_rad_s3,
             serial_distance_min: limits.serial_distance_min,
             parallel_distance_min: limits.parallel_distance_min,
         }

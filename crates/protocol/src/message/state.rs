@@ -4,8 +4,7 @@ use super::violation::Bounded;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// State of the machine. The tool knows four states: idle, running, holding and fault.
-/// The tool is on in running only, [`State::is_running`]. The other states lie between.
+/// State of the machine. The tool is on only while the machine plays a job, [`State::is_running`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum State {
     /// Stands, nothing under way.
@@ -18,16 +17,24 @@ pub enum State {
     Stopping,
     /// Stands on the path.
     Holding,
-    /// A fault is latched, the drives are off.
+    /// A fault is latched; the drives are off, or hold where the scene says so.
     Fault,
-    /// The fault was acknowledged, the drives hold; waits for a recovery.
+    /// Drives are on after a fault, the platform's pose is not known; waits for a recovery.
     Cleared,
     /// The motors move one by one to where they are at a pose.
     Recovering,
-    /// Switched on, or after a fault, in a scene with homing: where the motors are is not known.
+    /// Drives are on in a scene with homing: where the motors are is not known.
     Unhomed,
     /// The motors look for their switches or stops.
     Homing,
+    /// Drives are off, until the host enables them: the state after every start and after every fault.
+    Disabled,
+    /// Drives are checked and go on where the motors are.
+    Enabling,
+    /// The motors stand and the brake engages; then the drives go off.
+    Disabling,
+    /// A fault is latched: the machine comes to rest on its path, then the drives go off or hold, as the scene says.
+    Reacting,
 }
 
 /// Cause that keeps the machine from normal speed.
@@ -59,7 +66,17 @@ impl State {
     pub fn is_at_rest(self) -> bool {
         matches!(
             self,
-            Self::Idle | Self::Holding | Self::Fault | Self::Cleared | Self::Unhomed
+            Self::Idle
+                | Self::Holding
+                | Self::Fault
+                | Self::Cleared
+                | Self::Unhomed
+                | Self::Disabled
         )
+    }
+
+    /// Returns true if a fault is latched.
+    pub fn has_fault(self) -> bool {
+        matches!(self, Self::Fault | Self::Reacting)
     }
 }

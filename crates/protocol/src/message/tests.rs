@@ -136,11 +136,16 @@ fn a_message_around_what_lies_elsewhere_has_the_same_bytes() {
             },
             Message::Event(event) => MessageRef::Event(event),
             Message::Telemetry(sample) => MessageRef::Telemetry(sample),
+            Message::Drives(sample) => MessageRef::Drives(sample),
         };
         let (mut one, mut other) = ([0; 256], [0; 256]);
         assert_eq!(encode(&around, &mut one), encode(message, &mut other));
     }
     same(&Message::Telemetry(telemetry()));
+    same(&Message::Drives(DriveSample {
+        tick: 70_000,
+        drives: [0.5, -0.25, 3.0].map(DriveReading::unheard),
+    }));
     same(&Message::Event(Event::State {
         state: State::Slowing,
         acting: Acting::Hold,

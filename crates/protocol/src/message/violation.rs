@@ -26,6 +26,10 @@ pub enum Bounded {
     Power,
     /// A result against the range of the number type.
     Range,
+    /// Joint jerk.
+    Jerk,
+    /// Jump of the joint acceleration where a move meets the one before or after it, or rest.
+    AccelerationJump,
 }
 
 impl Bounded {
@@ -35,7 +39,8 @@ impl Bounded {
             Self::Reach => [1, 0, 0],
             Self::SerialDistance | Self::ParallelDistance | Self::Range => [0, 0, 0],
             Self::Rate => [0, -1, 0],
-            Self::Acceleration => [0, -2, 0],
+            Self::Acceleration | Self::AccelerationJump => [0, -2, 0],
+            Self::Jerk => [0, -3, 0],
             Self::Torque => [2, -2, 1],
             Self::Power => [2, -3, 1],
         }
@@ -150,6 +155,8 @@ pub enum FaultCode {
     /// Homing: the switch was closed before the search, and is still closed after the motor has
     /// moved away by the limit in rad.
     HomingClosedAtStart,
+    /// A joint is farther from its command than it may be, for longer than it may be: angle and limit in rad.
+    FollowingError,
 }
 
 /// Reason why a drive does not do what it was told.
@@ -166,6 +173,10 @@ pub enum DriveFault {
     BusOff,
     /// The drive reports an error of its own; the value is its code.
     Reported,
+    /// The drive has told nothing for too long: the value is the time over the timeout, the limit 1.
+    Silent,
+    /// The drive is not on, though it should be.
+    NotOn,
 }
 
 impl FaultCode {
@@ -192,7 +203,8 @@ impl FaultCode {
             | Self::Board
             | Self::HomingNotFound
             | Self::HomingNotReleased
-            | Self::HomingClosedAtStart => None,
+            | Self::HomingClosedAtStart
+            | Self::FollowingError => None,
         }
     }
 }

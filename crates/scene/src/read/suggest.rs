@@ -2,6 +2,7 @@
 
 /// Units that end a key, longest first, so that `_rad_s2` is not taken for `_s2`.
 const UNITS: &[(&str, &str)] = &[
+    ("rad_s3", "rad/s^3"),
     ("rad_s2", "rad/s^2"),
     ("m_s2", "m/s^2"),
     ("rad_s", "rad/s"),

@@ -9,11 +9,12 @@
 //! acceleration = e u^2 + w u'
 //! torque       = g + d u^2 + v u'          g at rest, g + d at normal speed
 //! power        = w u (g + d u^2 + v u')
+//! jerk         = j u^3 + 3 e u u'             but for jumps of u'
 //! ```
 //!
 //! Acceleration and torque are affine in (u^2, u'), so what keeps the limits is convex: with (0, a) and (1, b) all that
-//! lies between them does, and with both signs of u' a constant pace, too. The power at some u is affine in u', and a
-//! cubic of u on the line from (0, a) to (1, b).
+//! lies between them does, and with both signs of u' a constant pace, too. Power and jerk at some u are affine in u',
+//! and cubics of u on the line from (0, a) to (1, b).
 
 use super::breach::{Breach, Extent, greater};
 use super::enclose::Centre;
@@ -22,7 +23,8 @@ use crate::admission::Enclose;
 use crate::pace::{FULL, Pace};
 use trirrr_core::limits::Limits;
 use trirrr_core::model::Model;
-use trirrr_core::number::Arithmetic;
+use trirrr_core::number::{Arithmetic, Number};
+use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::Bounded;
 
 /// One motor over an interval.
@@ -36,6 +38,32 @@ pub(super) struct MotorBounds<N: Enclose> {
     pub(super) ramp_acceleration: TaylorModel<N>,
     /// The dynamics, if a limit asks for them.
     pub(super) torque: Option<TorqueBounds<N>>,
+}
+
+/// Jerk of one motor over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JerkBounds<N: Enclose> {
+    /// j.
+    pub(super) steady: TaylorModel<N>,
+    /// 3 e r.
+    pub(super) ramp: TaylorModel<N>,
+}
+
+impl<N: Enclose> JerkBounds<N> {
+    /// To be filled in.
+    pub(super) const UNMEASURED: Self = Self {
+        steady: TaylorModel::ZERO,
+        ramp: TaylorModel::ZERO,
+    };
+
+    /// Bounds at the speed `speed`, where the pace changes at these parts of the ramp's rate.
+    #[inline(never)]
+    fn extent(&self, speed: Float<N>, [at_rest, at_speed]: [Float<N>; 2]) -> Extent<Float<N>> {
+        let squared = speed * speed;
+        let ramp = scaled(self.ramp, squared);
+        let steady = scaled(self.steady, squared * speed);
+        greatest_between(scaled(ramp, at_rest), steady + scaled(ramp, at_speed))
+    }
 }
 
 /// Torque of one motor over an interval.
@@ -60,22 +88,25 @@ impl<N: Enclose> MotorBounds<N> {
 
     /// Checks that motor `index` keeps `limits` when the move takes 1 / `speed` times as long, 0 to 1, and the pace changes
     /// at no more than the rates `least`. The error is the broken limit. A larger `speed` never breaks less: the
-    /// paces of a slower move are among those of a faster one. `M` says whether there are torques to look at.
-    pub(super) fn check<M: Model<N: Enclose>>(
+    /// paces of a slower move are among those of a faster one. `M` says whether there are torques to look at, `K` whether
+    /// there is a `jerk`.
+    pub(super) fn check<M: Model<N: Enclose>, K: CurveKind>(
         &self,
         index: usize,
+        jerk: Option<&JerkBounds<N>>,
         limits: &Limits<Float<N>>,
         speed: Float<N>,
         least: &Pace,
     ) -> Result<(), Breach<Float<N>>> {
         let mut pace = *least;
-        self.lower::<M>(index, limits, speed, least, &mut pace)
+        self.lower::<M, K>(index, jerk, limits, speed, least, &mut pace)
     }
 
     /// Checks as [`check`](Self::check) does, and lowers the rates of `pace` until they keep the limits, down to `least`.
-    pub(super) fn lower<M: Model<N: Enclose>>(
+    pub(super) fn lower<M: Model<N: Enclose>, K: CurveKind>(
         &self,
         index: usize,
+        jerk: Option<&JerkBounds<N>>,
         limits: &Limits<Float<N>>,
         speed: Float<N>,
         least: &Pace,
@@ -86,7 +117,15 @@ impl<N: Enclose> MotorBounds<N> {
                 let part = <Float<N>>::ratio(u32::from(levels), u32::from(FULL));
                 if slower { -part } else { part }
             };
-            self.keeps::<M>(index, limits, speed, [part(rest), part(normal)])
+            let rates = [part(rest), part(normal)];
+            let kept = self.keeps::<M>(index, limits, speed, rates);
+            match (K::JERK, jerk, limits.jerk) {
+                (true, Some(jerk), Some(limits)) => kept.and_then(|()| {
+                    let size = jerk.extent(speed, rates);
+                    within(Bounded::Jerk, index, &size, limits[index], rates)
+                }),
+                _ => kept,
+            }
         };
         let both = [
             (true, &least.slower, &mut pace.slower),
@@ -123,7 +162,6 @@ impl<N: Enclose> MotorBounds<N> {
         [at_rest, at_speed]: [Float<N>; 2],
     ) -> Result<(), Breach<Float<N>>> {
         let squared = speed * speed;
-        let is_ramp = at_rest != <Float<N>>::ZERO || at_speed != <Float<N>>::ZERO;
         let rate = scaled(self.rate, speed);
         let torques = self.torque.as_ref().filter(|_| M::TORQUES).map(|torque| {
             let ramp = scaled(torque.ramp, speed);
@@ -162,14 +200,28 @@ impl<N: Enclose> MotorBounds<N> {
                 }
                 _ => continue,
             };
-            // What is not a number is beyond its limit.
-            if !(size.greatest <= limit) {
-                let ramp = is_ramp && what != Bounded::Rate;
-                return Err(Breach::above(what, index, &size, limit, ramp));
-            }
+            within(what, index, &size, limit, [at_rest, at_speed])?;
         }
         Ok(())
     }
+}
+
+/// Checks that a size of motor `index` is at most `limit`, where the pace changes at these parts of the ramp's rate.
+#[inline(always)]
+fn within<B: Number>(
+    what: Bounded,
+    index: usize,
+    size: &Extent<B>,
+    limit: B,
+    [at_rest, at_speed]: [B; 2],
+) -> Result<(), Breach<B>> {
+    // What is not a number is beyond its limit.
+    if size.greatest <= limit {
+        return Ok(());
+    }
+    let is_ramp = at_rest != B::ZERO || at_speed != B::ZERO;
+    let ramp = is_ramp && what != Bounded::Rate;
+    Err(Breach::above(what, index, size, limit, ramp))
 }
 
 /// The greatest number from `least`, which is good, to `most` that `is_good`, where all below one that is are good.
@@ -208,7 +260,11 @@ fn greatest_power<N: Enclose>(
     a: TaylorModel<N>,
     c: TaylorModel<N>,
 ) -> Extent<Float<N>> {
-    let (slow, fast) = (w * a, w * c);
+    greatest_between(w * a, w * c)
+}
+
+/// Largest size of u (slow (1 - u^2) + fast u^2) for 0 <= u <= 1, for independent bounds of both.
+fn greatest_between<N: Enclose>(slow: TaylorModel<N>, fast: TaylorModel<N>) -> Extent<Float<N>> {
     let mut greatest = <Float<N>>::ZERO;
     for slow in slow.ends() {
         for fast in fast.ends() {

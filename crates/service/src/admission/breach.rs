@@ -128,7 +128,12 @@ impl<N: Number> Breach<N> {
     /// Returns whether a slower move might keep the limit.
     pub(super) fn is_of_speed(&self) -> bool {
         match self.what {
-            Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power => true,
+            Bounded::Rate
+            | Bounded::Acceleration
+            | Bounded::Torque
+            | Bounded::Power
+            | Bounded::Jerk
+            | Bounded::AccelerationJump => true,
             Bounded::Reach
             | Bounded::SerialDistance
             | Bounded::ParallelDistance

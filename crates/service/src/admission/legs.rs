@@ -2,7 +2,7 @@
 
 use super::taylor::TaylorModel;
 use crate::admission::Enclose;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::machine::Leg;
@@ -89,4 +89,15 @@ pub(super) fn add_motion<N: Enclose>(
 ) {
     motion.rates = leg.rates(&motion.position, &setpoint.velocity);
     motion.accelerations = leg.accelerations(&motion.position, &motion.rates, setpoint);
+}
+
+/// Jerk of the motor of a leg while the platform has the jerk `third`.
+#[inline(never)]
+pub(super) fn jerk<N: Enclose>(
+    leg: &Leg<TaylorModel<N>>,
+    motion: &LegMotion<TaylorModel<N>>,
+    setpoint: &Setpoint<TaylorModel<N>>,
+    third: &Vector3<TaylorModel<N>>,
+) -> TaylorModel<N> {
+    leg.motor_jerk(motion, setpoint, third)
 }

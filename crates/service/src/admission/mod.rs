@@ -3,7 +3,7 @@
 //!
 //! # What is checked
 //! The whole path, every instant of it and not its ticks only: reach, the distances to both
-//! singularities, and of each motor rate, acceleration, torque and power; at normal speed, and
+//! singularities, and of each motor rate, acceleration, torque, power and jerk; at normal speed, and
 //! while a hold, a stop or a resume anywhere on the path scales the speed along it.
 //!
 //! # How
@@ -48,12 +48,14 @@ pub use enclose::{Centre, Enclose};
 #[doc(hidden)]
 pub use instances::instances;
 pub use path::Path;
-pub use retarget::{Aim, Aiming, Blocked, Retarget, RetargetRefusal, Retargeted};
+pub use retarget::{Aim, Aiming, Blocked, Retarget, RetargetRefusal, RetargetTask, Retargeted};
 pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
 use crate::offered::Offered;
 use crate::pace::{MovePaces, Ramp};
+use breach::Breach;
+use nalgebra::Vector3;
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
@@ -139,6 +141,24 @@ impl<N: Enclose, K: CurveKind> Offer<N, K> {
         }
     }
 
+    /// Looks for a jump of the acceleration at the ends of `segment`, the move in any duration: a broken limit, and where. At
+    /// the end of a cubic, and at rest, what the move meets has no acceleration. Two quintics have the same.
+    fn jump<M: Model<N = N>>(
+        &self,
+        path: &Path<M>,
+        segment: &Segment<TaylorModel<N>, K>,
+    ) -> Result<(), (Breach<N::Bound>, N::Bound)> {
+        let is_cubic = K::given(&self.ends.accelerations).is_none();
+        let ends = [<N::Bound>::ZERO, <N::Bound>::ONE];
+        for (at, velocity) in ends.into_iter().zip(&self.ends.velocities) {
+            if K::JERK && (is_cubic || *velocity == Vector3::from([N::ZERO; 3])) {
+                path.check_jump(segment, at)
+                    .map_err(|breach| (breach, at))?;
+            }
+        }
+        Ok(())
+    }
+
     /// The move in `ticks` ticks, as the tick would play it, over intervals of time.
     fn segment(&self, ticks: u32) -> Segment<TaylorModel<N>, K> {
         let pose = |pose: &Pose<N>| Pose {
@@ -155,13 +175,14 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
     /// Builds the coefficients. A hold or a stop takes `ramp`.
     ///
     /// # Errors
-    /// The first quantity of the machine that is refused.
+    /// The first quantity of the machine that is refused; a limit of jerk where `K` knows none.
     pub fn build(
         parameters: &Parameters,
         limits: Limits<M::N>,
         ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
+        crate::coefficients::allow_jerk::<K>(limits.jerk.map(|jerk| jerk.map(<M::N>::to_f64)))?;
         let limits = limits.map(<M::N>::bound);
         Path::build(parameters, limits, ramp, period_s).map(Self::over)
     }
@@ -229,6 +250,13 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
     pub(crate) fn offer<M: Model<N = N>>(&mut self, path: &Path<M>, offered: &Offered<N, K>) {
         let ticks = offered.common.ticks;
         self.judge(Offer::new(&offered.ends(), ticks, path.period));
+        if let Work::Check {
+            offered, segment, ..
+        } = &self.work
+            && let Err((breach, at)) = offered.jump(path, segment)
+        {
+            self.fail(*offered, &breach, at);
+        }
     }
 
     fn judge(&mut self, offered: Offer<N, K>) {
@@ -259,13 +287,8 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
                 Scanned::Undecided => {}
                 Scanned::Passed => self.work = Work::Judged(Verdict::Admitted),
                 Scanned::Failed { breach, at } => {
-                    let violation = breach.violation(at);
-                    self.work = if breach.is_of_speed() {
-                        let search = Search::new(*offered, breach.certain);
-                        Work::Search { violation, search }
-                    } else {
-                        Work::Judged(Verdict::Refused(violation))
-                    };
+                    let offered = *offered;
+                    self.fail(offered, &breach, at);
                 }
             },
             Work::Search { violation, search } => match search.step(path) {
@@ -282,12 +305,24 @@ impl<N: Enclose, K: CurveKind> Judgement<N, K> {
         self.verdict()
     }
 
+    /// Refuses `offered`, at once or after the search for a duration that would pass.
+    fn fail(&mut self, offered: Offer<N, K>, breach: &Breach<N::Bound>, at: N::Bound) {
+        let violation = breach.violation(at);
+        self.work = if breach.is_of_speed() {
+            let search = Search::new(offered, breach.certain);
+            Work::Search { violation, search }
+        } else {
+            Work::Judged(Verdict::Refused(violation))
+        };
+    }
+
     /// Rates for which there is room on an admitted move.
     pub(crate) fn paces(&self) -> MovePaces {
         self.paces
     }
 
-    fn violation(&self) -> Option<Violation<N>> {
+    /// As [`Admission::violation`].
+    pub(crate) fn violation(&self) -> Option<Violation<N>> {
         match &self.work {
             Work::Search { violation, .. } | Work::Judged(Verdict::Refused(violation)) => {
                 Some(*violation)

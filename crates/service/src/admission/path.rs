@@ -1,8 +1,8 @@
 //! One interval of a move, measured: the very stages of the tick, run on Taylor models.
 
-use super::bounds::{MotorBounds, TorqueBounds};
+use super::bounds::{JerkBounds, MotorBounds, TorqueBounds};
 use super::breach::{Breach, Extent};
-use super::legs::{add_motion, lines, solve, torques, unsolved};
+use super::legs::{add_motion, jerk, lines, solve, torques, unsolved};
 use super::taylor::{Float, TaylorModel};
 use crate::admission::Enclose;
 use crate::pace::{Pace, Ramp};
@@ -20,6 +20,9 @@ use trirrr_core::tick::Tick;
 use trirrr_core::to_source;
 use trirrr_core::torque::lines::DistalLines;
 use trirrr_protocol::message::Bounded;
+
+/// A jump of the acceleration counts as rounding up to this part of what a limit of jerk allows in a tick.
+const ROUNDING: u32 = 256;
 
 /// A machine with its limits, ready to measure intervals of moves: the coefficients of the
 /// admission.
@@ -86,6 +89,26 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         })
     }
 
+    /// The tick, on Taylor models.
+    pub fn tick(&self) -> &Tick<M::Over<TaylorModel<N>>> {
+        &self.tick
+    }
+
+    /// The distances to the singularities, likewise.
+    pub fn distances(&self) -> &Distances<TaylorModel<N>> {
+        &self.distances
+    }
+
+    /// The limits.
+    pub fn limits(&self) -> &Limits<Float<N>> {
+        &self.limits
+    }
+
+    /// Returns true if the motors may have to hold something at rest.
+    pub fn is_loaded(&self) -> bool {
+        self.loaded
+    }
+
     /// Checks that every limit is kept for certain during the interval `s`. The error is the first that is not. Lowers the
     /// rates of `pace` until they are kept, too.
     /// `side` is the sign of det A, which may not change on the way; none where it is not known yet.
@@ -97,14 +120,48 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         pace: &mut Pace,
     ) -> Result<(), Breach<Float<N>>> {
         let mut motors = [MotorBounds::UNMEASURED; 3];
-        self.measure(segment, s, side, &mut motors)?;
+        let mut jerks = [JerkBounds::UNMEASURED; 3];
+        let jerks: &mut [_] = if K::JERK { &mut jerks } else { &mut [] };
+        self.measure(segment, s, side, &mut motors, jerks)?;
+        let (limits, normal) = (&self.limits, <Float<N>>::ONE);
         for (index, motor) in motors.iter().enumerate() {
-            motor.lower::<M>(index, &self.limits, <Float<N>>::ONE, &self.least, pace)?;
+            motor.lower::<M, K>(index, jerks.get(index), limits, normal, &self.least, pace)?;
         }
         Ok(())
     }
 
-    /// Measures what the `motors` do over the interval `s` of fractions of `segment`.
+    /// Checks that the acceleration may begin or end with that of `segment` at its fraction `at`: that no motor's jumps there,
+    /// but for [`ROUNDING`]. Places out of reach are left to [`check`](Self::check).
+    #[inline(never)]
+    pub(super) fn check_jump<K: CurveKind>(
+        &self,
+        segment: &Segment<TaylorModel<N>, K>,
+        at: Float<N>,
+    ) -> Result<(), Breach<Float<N>>> {
+        let Some(limits) = self.limits.jerk.filter(|_| K::JERK) else {
+            return Ok(());
+        };
+        let setpoint = segment.at_fraction(TaylorModel::point(at));
+        let rotation = Rotation::new(setpoint.pose.angle);
+        let mut legs = [unsolved(); 3];
+        if self.solve(&setpoint, &rotation, &mut legs).is_err() {
+            return Ok(());
+        }
+        for (index, (leg, motion)) in self.tick.geometry().legs().iter().zip(&legs).enumerate() {
+            // Without the part of the velocities, which do not jump.
+            let jump = leg.rates(&motion.position, &setpoint.acceleration);
+            let size = jump.proximal.extent();
+            let limit = limits[index] * self.period * <Float<N>>::ratio(1, ROUNDING);
+            if !(size.greatest <= limit) {
+                let what = Bounded::AccelerationJump;
+                return Err(Breach::above(what, index, &size, limit, false));
+            }
+        }
+        Ok(())
+    }
+
+    /// Measures what the `motors` do over the interval `s` of fractions of `segment`, and as many `jerks` as asked, where one is
+    /// limited.
     /// It fails unless the interval is within reach and away from singularities for certain.
     #[inline(never)]
     pub(super) fn measure<K: CurveKind>(
@@ -113,6 +170,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         s: TaylorModel<N>,
         side: &mut Option<bool>,
         motors: &mut [MotorBounds<N>; 3],
+        jerks: &mut [JerkBounds<N>],
     ) -> Result<(), Breach<Float<N>>> {
         let mut setpoint = segment.at_fraction(s);
         let rotation = Rotation::new(setpoint.pose.angle);
@@ -121,11 +179,22 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
             .map_err(|status| self.breach(status, &setpoint, &rotation))?;
         let lines = lines(&legs);
         self.keeps_distance(&legs, lines.det_a, side)?;
-        self.add_motion(&setpoint, &mut legs);
+        self.add_motion::<K>(&setpoint, &mut legs);
         for (motor, leg) in motors.iter_mut().zip(&legs) {
             motor.rate = leg.rates.proximal;
             motor.acceleration = leg.accelerations.proximal;
             motor.ramp_acceleration = leg.rates.proximal * self.ramp;
+        }
+        if K::JERK && self.limits.jerk.is_some() {
+            let third = segment.jerk_at_fraction(s, TaylorModel::near(self.period));
+            let moving = self.tick.geometry().legs().iter().zip(&legs);
+            for (bounds, (leg, motion)) in jerks.iter_mut().zip(moving) {
+                let ramp = motion.accelerations.proximal * self.ramp;
+                *bounds = JerkBounds {
+                    steady: jerk(leg, motion, &setpoint, &third),
+                    ramp: ramp + ramp + ramp,
+                };
+            }
         }
         if self.needs_torques() {
             self.add_torques(motors, &lines, &mut legs, &mut setpoint, &rotation)
@@ -166,14 +235,16 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     }
 
     /// Adds rates and accelerations to the positions of the legs, if a limit asks for them.
-    fn add_motion(
+    fn add_motion<K: CurveKind>(
         &self,
         setpoint: &Setpoint<TaylorModel<N>>,
         motions: &mut [LegMotion<TaylorModel<N>>; 3],
     ) {
         let limits = &self.limits;
-        let is_limited =
-            limits.rate.is_some() || limits.acceleration.is_some() || self.needs_torques();
+        let is_limited = limits.rate.is_some()
+            || limits.acceleration.is_some()
+            || (K::JERK && limits.jerk.is_some())
+            || self.needs_torques();
         if is_limited || !self.motion_is_finite(setpoint, motions) {
             for (leg, motion) in self.tick.geometry().legs().iter().zip(motions) {
                 add_motion(leg, setpoint, motion);

@@ -1,7 +1,7 @@
 //! The shortest duration at which a move would pass.
 
 use super::Offer;
-use super::bounds::MotorBounds;
+use super::bounds::{JerkBounds, MotorBounds};
 use super::path::Path;
 use super::scan::{Scan, Scanned};
 use super::taylor::{Float, TaylorModel};
@@ -88,13 +88,18 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
             Stage::Survey { speed, too_short } => {
                 // What is not certain about reach or singularities is left to the trials.
                 let mut motors = [MotorBounds::UNMEASURED; 3];
+                let mut jerks = [JerkBounds::UNMEASURED; 3];
+                let jerks: &mut [_] = if K::JERK { &mut jerks } else { &mut [] };
                 let interval = self.scan.interval();
-                let measured = path.measure(&self.segment, interval, &mut None, &mut motors);
+                let measured = path.measure(&self.segment, interval, &mut None, &mut motors, jerks);
                 if measured.is_ok() {
                     let keeps = |speed: Float<N>| {
                         motors.iter().enumerate().all(|(index, motor)| {
                             let least = &path.least;
-                            motor.check::<M>(index, &path.limits, speed, least).is_ok()
+                            let jerk = jerks.get(index);
+                            motor
+                                .check::<M, K>(index, jerk, &path.limits, speed, least)
+                                .is_ok()
                         })
                     };
                     if !keeps(*speed) {
@@ -118,7 +123,10 @@ impl<N: Enclose, K: CurveKind> Search<N, K> {
             Stage::Try(trial) => match self.scan.step(path, &self.segment, None) {
                 Scanned::Undecided => Found::NotYet,
                 Scanned::Passed => {
-                    let next = trial.after_pass();
+                    let next = match self.offered.jump(path, &self.segment) {
+                        Ok(()) => trial.after_pass(),
+                        Err((breach, _)) => trial.after_failure(breach.certain),
+                    };
                     self.go_on(next)
                 }
                 Scanned::Failed { breach, .. } => {

@@ -6,7 +6,6 @@ use super::super::guard::{self, LimitBreach};
 use super::super::handoff::{Ahead, Order, Recover};
 use super::super::scene::Scene;
 use super::Background;
-use crate::admission::Aiming;
 use crate::coefficients::Coefficients;
 use crate::number::ServiceNumber;
 use core::borrow::Borrow;
@@ -21,7 +20,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
         }
-        let undecided = self.offered.1.peek().is_some() || self.aim.is_under_way();
+        let undecided = self.offered.peek().is_some() || self.is_planning();
         // In idle nothing is under way.
         if self.has_played_all() {
             return Err(if undecided {
@@ -67,20 +66,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// In every state: it never makes a machine move.
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Fault | State::Cleared | State::Unhomed => Ok(()),
+            State::Fault
+            | State::Reacting
+            | State::Cleared
+            | State::Unhomed
+            | State::Disabled
+            | State::Enabling
+            | State::Disabling => Ok(()),
             _ => self.order(Order::Stop, State::Stopping),
         }
     }
 
     pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Fault => {
-                let state = match self.scene.plan().is_some() {
-                    true => State::Unhomed,
-                    false => State::Cleared,
-                };
-                self.order(Order::ClearFault, state)
-            }
+            State::Fault | State::Disabled => self.order(Order::ClearFault, State::Disabled),
             state => Err(Refusal::State(state)),
         }
     }
@@ -159,7 +158,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Coefficients { tick, limits, .. } = self.coefficients.borrow();
         let geometry = tick.geometry();
         let position = geometry.position(pose).map_err(no_motion)?;
-        self.keeps_clear(&position)?;
+        self.keeps_clear(&position).map_err(too_near)?;
         let angles = geometry.motor_angles(&position);
         let path = JointMove::new(from, angles, ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();
@@ -183,8 +182,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn require_idle(&self) -> Result<(), Refusal<N>> {
-        let empty =
-            self.offered.1.peek().is_none() && self.has_played_all() && !self.aim.is_under_way();
+        let empty = self.offered.peek().is_none() && self.has_played_all() && !self.is_planning();
         if self.status.state == State::Idle && empty {
             Ok(())
         } else {
@@ -192,21 +190,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
     }
 
-    /// Refuses a recovery that ends nearer to a singularity than the limits allow.
-    fn keeps_clear(&self, position: &Position<N>) -> Result<(), Refusal<N>> {
+    /// Checks that a pose is no nearer to a singularity than the limits allow.
+    pub(super) fn keeps_clear(&self, position: &Position<N>) -> Result<(), LimitBreach<N>> {
         let Coefficients {
             limits, distances, ..
         } = self.coefficients.borrow();
+        let breach = |what, index, value, limit| LimitBreach {
+            code: FaultCode::Limit(what),
+            index,
+            value,
+            limit,
+        };
         let least = limits.serial_distance;
         for (leg, distance) in distances.serial(position).into_iter().enumerate() {
             if !(distance >= least) {
                 let leg = Some(leg as u8);
-                return Err(ends_at(Bounded::SerialDistance, leg, distance, least));
+                return Err(breach(Bounded::SerialDistance, leg, distance, least));
             }
         }
         let (distance, least) = (distances.parallel(position), limits.parallel_distance);
         if !(distance >= least) || !(distance > N::ZERO) {
-            return Err(ends_at(Bounded::ParallelDistance, None, distance, least));
+            return Err(breach(Bounded::ParallelDistance, None, distance, least));
         }
         Ok(())
     }
@@ -218,6 +222,13 @@ fn no_motion<N: Number>(status: Status) -> Refusal<N> {
     let (code, leg) = FaultCode::of(status);
     let what = code.bounded().unwrap_or(Bounded::Range);
     ends_at(what, leg, N::ZERO, N::ZERO)
+}
+
+/// Returns the refusal of a recovery that ends too near to a singularity.
+#[inline(never)]
+fn too_near<N: Number>(broken: LimitBreach<N>) -> Refusal<N> {
+    let what = broken.code.bounded().unwrap_or(Bounded::Range);
+    ends_at(what, broken.index, broken.value, broken.limit)
 }
 
 /// Returns the refusal of a recovery that breaks a limit at its end.

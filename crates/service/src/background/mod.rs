@@ -1,19 +1,29 @@
 //! The half that talks and judges, below the tick.
 
 mod control;
+mod enable;
 mod moves;
+mod offers;
 
 pub use moves::{check_offer, longest_move};
 mod parts;
+mod path;
 mod receive;
 mod retarget;
+mod splice;
 
-use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
-use super::offered::{Offered, PlayedCurves};
+pub(super) use offers::OfferedMoves;
+pub(super) use splice::Retargeting;
+
+use super::feedback::BackgroundFeedback;
+use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
+use super::offered::PlayedCurves;
 use super::pace::{Room, RoomCount};
+use super::planner::PathPlanner;
 use super::queue::{BothEnds, Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
+use super::splice::{BackgroundSplices, Optional};
 use crate::admission::{Aiming, Judgement};
 use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
@@ -32,18 +42,24 @@ pub struct Background<'q, S: Scene> {
     judgement: Judgement<S::N, S::Curves>,
     /// The retarget that is being planned.
     aim: <S::Curves as PlayedCurves>::Aim<S::N>,
+    /// Cut by which it begins.
+    retargeting: <S::Curves as PlayedCurves>::Retargeting<S::N>,
+
+    /// Planner of paths.
+    planner: &'q mut S::Planner,
 
     moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
     recoveries: Sender<'q, Recover<S::N>>,
     orders: Sender<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
-    reports: Receiver<'q, TickReport<S::N>>,
+    splices: BackgroundSplices<'q, S>,
+    feedback: BackgroundFeedback<'q, S>,
+    reports: Receiver<'q, ReportOf<S>>,
     faults: Receiver<'q, Fault<S::N>>,
     samples: Receiver<'q, Telemetry<S::N>>,
     shared: &'q SharedCounters,
 
-    /// Offered moves that are not judged yet; both ends are here.
-    offered: BothEnds<'q, Offered<S::N, S::Curves>>,
+    offered: OfferedMoves<'q, S::N, S::Curves>,
     /// Events that wait to be sent; both ends are here.
     events: BothEnds<'q, Event<S::N>>,
 
@@ -109,11 +125,14 @@ pub(super) struct BackgroundEnds<'q, S: Scene> {
     pub(super) recoveries: Sender<'q, Recover<S::N>>,
     pub(super) orders: Sender<'q, Order>,
     pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
-    pub(super) reports: Receiver<'q, TickReport<S::N>>,
+    pub(super) splices: BackgroundSplices<'q, S>,
+    pub(super) feedback: BackgroundFeedback<'q, S>,
+    pub(super) reports: Receiver<'q, ReportOf<S>>,
     pub(super) faults: Receiver<'q, Fault<S::N>>,
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
-    pub(super) offered: BothEnds<'q, Offered<S::N, S::Curves>>,
+    pub(super) planner: &'q mut S::Planner,
+    pub(super) offered: OfferedMoves<'q, S::N, S::Curves>,
     pub(super) events: BothEnds<'q, Event<S::N>>,
 }
 
@@ -125,20 +144,20 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         settings: Settings<N>,
         ends: BackgroundEnds<'q, S>,
     ) -> Self {
-        let state = match scene.plan().is_some() {
-            true => State::Unhomed,
-            false => State::Idle,
-        };
         Self {
             scene,
             settings,
             coefficients,
             judgement: Judgement::new(),
             aim: Aiming::<N>::NONE,
+            planner: ends.planner,
+            retargeting: S::Curves::retargeting(stand.pose),
             moves: ends.moves,
             recoveries: ends.recoveries,
             orders: ends.orders,
             setups: ends.setups,
+            splices: ends.splices,
+            feedback: ends.feedback,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -150,20 +169,24 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             next_sequence: 0,
             status: Status {
                 tick: 0,
-                state,
+                state: State::Disabled,
                 acting: Acting::Nothing,
                 fault: None,
                 next: 0,
                 admitted: 0,
                 done: 0,
+                piece: 0,
+                planning: false,
                 room: 0,
                 refused: None,
-                end: (state == State::Idle).then(|| at_rest(stand.pose)),
+                end: None,
                 lost: 0,
                 longest_tick: 0,
                 feed_percent: 100,
+                cut: None,
+                not_enabled: None,
             },
-            reported: (state, Acting::Nothing, 0),
+            reported: (State::Disabled, Acting::Nothing, 0),
             generation: 0,
             begun: 0,
             passed: Room::NONE,
@@ -180,7 +203,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// Whether there is more to do at once.
     pub fn step(&mut self) -> bool {
         self.drain_reports();
-        self.retarget_step() || self.check_step()
+        match self.splice_step() {
+            Some(more) => more,
+            None => {
+                self.place_step() || self.retarget_step() || self.check_step() || self.path_step()
+            }
+        }
     }
 
     /// Returns the message to send next: events, then telemetry.
@@ -188,6 +216,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.drain_reports();
         if let Some(event) = self.events.1.receive() {
             return Some(Message::Event(event));
+        }
+        if self.sends_drives()
+            && let Some(receiver) = self.feedback.get_mut()
+        {
+            return receiver.samples.receive().map(Message::Drives);
         }
         self.samples.receive().map(Message::Telemetry)
     }
@@ -199,6 +232,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         if let Some(event) = self.events.1.peek() {
             send(&MessageRef::Event(event));
             self.events.1.discard();
+        } else if self.sends_drives()
+            && let Some(receiver) = self.feedback.get_mut()
+            && let Some(sample) = receiver.samples.peek()
+        {
+            send(&MessageRef::Drives(sample));
+            receiver.samples.discard();
         } else if let Some(sample) = self.samples.peek() {
             send(&MessageRef::Telemetry(sample));
             self.samples.discard();
@@ -218,6 +257,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.drain_reports();
         self.status.tick = self.shared.tick.load(Ordering::Relaxed);
         self.status.room = self.room();
+        self.status.planning = self.is_planning();
         self.status.lost = self.shared.lost.load(Ordering::Relaxed);
         self.status.longest_tick = self.shared.longest.load(Ordering::Relaxed);
         self.status
@@ -231,16 +271,18 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     #[inline(never)]
-    fn apply_report(&mut self, report: &TickReport<N>) {
+    fn apply_report(&mut self, report: &ReportOf<S>) {
         self.orders_taken = report.orders;
         self.begun = report.begun;
         self.passed = report.passed;
         self.angles = report.angles;
+        self.apply_splice(report.splice.get());
+        self.apply_feedback(report.feedback.get(), report.pose);
         let over = report.generation != self.generation;
         if over {
             self.start_over(report);
         }
-        if report.state == State::Fault {
+        if report.state.has_fault() {
             if let Some(fault) = self.faults.receive() {
                 self.status.fault = Some(fault);
                 self.push_event(Event::Fault(fault));
@@ -249,6 +291,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             self.status.fault = None;
         }
         self.status.done = report.done;
+        self.offered.release(report.done);
         let reported = (report.state, report.acting, report.done);
         if self.reported != reported {
             self.reported = reported;
@@ -268,11 +311,13 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// The tick dropped its queue: so does the background.
-    fn start_over(&mut self, report: &TickReport<N>) {
+    fn start_over(&mut self, report: &ReportOf<S>) {
         self.generation = report.generation;
-        while self.offered.1.receive().is_some() {}
+        self.offered.clear();
         self.checking = false;
         self.aim = Aiming::<N>::NONE;
+        self.planner.drop_path();
+        self.drop_splice();
         self.status.next = report.begun;
         self.status.admitted = report.begun;
         self.admitted = RoomCount::NOTHING;
@@ -281,6 +326,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             room: Room::NONE,
             rests: self.rests,
         });
+        self.publish_generation();
         self.status.end = None;
     }
 

@@ -2,7 +2,9 @@
 
 use super::super::feed::FeedScale;
 use super::super::handoff::{Ahead, QueuedMove};
-use super::super::offered::Offered;
+use super::super::offered::{Offered, PlayedCurves};
+use super::super::pace::MovePaces;
+use super::super::planner::PathPlanner;
 use super::super::scene::Scene;
 use super::super::tool::Tool;
 use super::{Background, ends};
@@ -10,18 +12,62 @@ use crate::admission;
 use crate::number::ServiceNumber;
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{CurveKind, Pose, Segment};
-use trirrr_protocol::message::{AnyMove, Event, Move, Refusal, State, Verdict};
+use trirrr_core::setpoint::{CurveKind, Pose, Segment, Setpoint};
+use trirrr_protocol::message::{
+    AnyMove, Event, Move, QuinticMove, Refusal, State, Verdict, Violation,
+};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Moves for which there is room.
     pub(super) fn room(&self) -> u8 {
-        let waiting = self.offered.0.len() + self.moves.len();
-        self.offered.0.capacity().saturating_sub(waiting).min(255) as u8
+        let waiting = self.offered.waiting() + self.moves.len();
+        let room = self.moves.capacity().saturating_sub(waiting);
+        // The moves that are kept for a cut are reported as over a little later than they are.
+        let room = match S::Curves::CUTS {
+            true => room.min(self.offered.room()),
+            false => room,
+        };
+        room.min(255) as u8
     }
 
     fn longest(&self) -> u32 {
-        longest_move(self.offered.0.capacity())
+        longest_move(self.moves.capacity())
+    }
+
+    /// The setpoint where the next move starts, in a state that takes moves.
+    pub(super) fn end_of_moves(&self) -> Result<Setpoint<N>, Refusal<N>> {
+        let state = self.status.state;
+        let takes_moves = matches!(
+            state,
+            State::Idle | State::Running | State::Slowing | State::Holding
+        );
+        // Not known for the moment in which the tick drops its queue.
+        let end = self.status.end.filter(|_| takes_moves);
+        end.ok_or(Refusal::State(state))
+    }
+
+    /// Offers a move that was planned here. Returns false if there is no room.
+    #[inline(never)]
+    pub(super) fn offer_planned(&mut self, planned: QuinticMove<N>) -> bool {
+        let QuinticMove {
+            mut common,
+            start_acceleration,
+            end_acceleration,
+        } = planned;
+        let Some(accelerations) = S::Curves::some([start_acceleration, end_acceleration]) else {
+            return false;
+        };
+        common.number = self.status.next;
+        let (to, velocity) = (common.to, common.end_velocity);
+        let offered = self.offered.add(Offered {
+            common,
+            accelerations,
+        });
+        if offered {
+            self.status.next = self.status.next.wrapping_add(1);
+            self.status.end = Some(ends(to, velocity, end_acceleration));
+        }
+        offered
     }
 
     /// Takes a move to be judged.
@@ -31,12 +77,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         common: &Move<N>,
         given: <S::Curves as CurveKind>::Accelerations<N>,
     ) -> Result<(), Refusal<N>> {
-        match self.status.state {
-            State::Idle | State::Running | State::Slowing | State::Holding => {}
-            state => return Err(Refusal::State(state)),
-        }
-        // Not known for the moment in which the tick drops its queue.
-        let before = self.status.end.ok_or(Refusal::State(self.status.state))?;
+        let before = self.end_of_moves()?;
         let accelerations = S::Curves::given(&given);
         check_finite(common, accelerations)?;
         if common.number != self.status.next {
@@ -63,7 +104,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             common: *common,
             accelerations: given,
         };
-        if self.room() == 0 || !self.offered.0.send(offered) {
+        if self.room() == 0 || !self.offered.add(offered) {
             return Err(Refusal::QueueFull);
         }
         self.status.refused = None;
@@ -75,7 +116,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// One step of the admission. Whether there is more to do.
     #[inline(never)]
     pub(super) fn check_step(&mut self) -> bool {
-        let Some(offered) = self.offered.1.peek() else {
+        let Some(offered) = self.offered.peek() else {
             return false;
         };
         if !self.checking {
@@ -85,13 +126,25 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return true;
         }
         match self.judgement.step(&self.coefficients.borrow().path) {
-            admission::Verdict::Undecided => true,
+            admission::Verdict::Undecided => {
+                if let Some(violation) = self.judgement.violation()
+                    && self.planner.is_active()
+                {
+                    // The planner has no use for the shortest duration, which is still looked for.
+                    self.refuse_of_path(&violation);
+                }
+                true
+            }
             admission::Verdict::Admitted => {
-                if self.moves.has_room() {
+                if self.takes_admitted() {
                     self.admit();
                 }
                 // Else it stays admitted until there is room.
-                self.offered.1.peek().is_some() && self.moves.has_room()
+                self.offered.peek().is_some() && self.takes_admitted()
+            }
+            admission::Verdict::Refused(violation) if self.planner.is_active() => {
+                self.refuse_of_path(&violation);
+                true
             }
             admission::Verdict::Refused(violation) => {
                 self.refuse(violation);
@@ -107,19 +160,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     #[inline(never)]
     fn admit(&mut self) {
-        let Some(offered) = self.offered.1.receive() else {
+        let Some(offered) = self.offered.admit() else {
             return;
         };
         self.checking = false;
-        let Move { ticks, number, .. } = offered.common;
-        let planned = QueuedMove {
-            segment: Segment::new(&offered.ends(), ticks, self.settings.period),
-            ticks,
-            number,
-            tool: Tool::of(&offered.common),
-            paces: self.judgement.paces(),
-            generation: self.generation,
-        };
+        self.planner.keep();
+        let planned = self.queued(&offered, self.judgement.paces());
+        let QueuedMove { ticks, number, .. } = planned;
         if !self.moves.send(planned) {
             return;
         }
@@ -139,13 +186,47 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }));
     }
 
+    /// An admitted move, as the tick plays it.
+    #[inline]
+    pub(super) fn queued(
+        &self,
+        offered: &Offered<N, S::Curves>,
+        paces: MovePaces,
+    ) -> QueuedMove<N, S::Curves> {
+        let Move { ticks, number, .. } = offered.common;
+        QueuedMove {
+            segment: Segment::new(&offered.ends(), ticks, self.settings.period),
+            ticks,
+            number,
+            tool: Tool::of(&offered.common),
+            paces,
+            generation: self.generation,
+        }
+    }
+
     /// The oldest offered move is not admitted: it and all behind it are dropped, and the next to
     /// offer takes its place.
-    fn refuse(&mut self, violation: trirrr_protocol::message::Violation<N>) {
-        let Some(offered) = self.offered.1.receive() else {
+    fn refuse(&mut self, violation: Violation<N>) {
+        self.withdraw();
+        self.tell_refused(violation);
+    }
+
+    /// Tells the host that there is no move, or none like the next, for this reason.
+    #[inline(never)]
+    pub(super) fn tell_refused(&mut self, violation: Violation<N>) {
+        let verdict = Verdict {
+            number: self.status.next,
+            violation: Some(violation),
+        };
+        self.status.refused = Some(verdict);
+        self.push_event(Event::Verdict(verdict));
+    }
+
+    /// Drops all moves that are not judged.
+    pub(super) fn withdraw(&mut self) {
+        let Some(offered) = self.offered.refuse() else {
             return;
         };
-        while self.offered.1.receive().is_some() {}
         self.checking = false;
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
@@ -157,12 +238,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         } = offered.common;
         self.status.next = number;
         self.status.end = Some(ends(from, start_velocity, acceleration));
-        let verdict = Verdict {
-            number,
-            violation: Some(violation),
-        };
-        self.status.refused = Some(verdict);
-        self.push_event(Event::Verdict(verdict));
     }
 }
 
@@ -192,22 +267,24 @@ fn check_duration<N: Number>(offered: &Move<N>, longest: u32) -> Result<(), Refu
 }
 
 fn check_tool<N: Number>(offered: &Move<N>) -> Result<(), Refusal<N>> {
-    match Tool::is_one(offered) {
+    match Tool::is_one(offered.tool_power, offered.tool_speed) {
         true => Ok(()),
         false => Err(Refusal::Tool),
     }
+}
+
+/// Returns true if the pose is finite.
+pub(super) fn is_pose<N: Number>(pose: &Pose<N>) -> bool {
+    pose.position.x.is_finite() && pose.position.y.is_finite() && N::angle_is_finite(pose.angle)
 }
 
 fn check_finite<N: Number>(
     offered: &Move<N>,
     accelerations: Option<[[N; 3]; 2]>,
 ) -> Result<(), Refusal<N>> {
-    let pose = |pose: &Pose<N>| {
-        pose.position.x.is_finite() && pose.position.y.is_finite() && N::angle_is_finite(pose.angle)
-    };
     let all = |values: &[N; 3]| values.iter().all(|value| value.is_finite());
-    let finite = pose(&offered.from)
-        && pose(&offered.to)
+    let finite = is_pose(&offered.from)
+        && is_pose(&offered.to)
         && all(&offered.start_velocity)
         && all(&offered.end_velocity)
         && accelerations.is_none_or(|both| both.iter().all(all))

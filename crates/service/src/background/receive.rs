@@ -3,9 +3,9 @@
 use super::super::handoff::count;
 use super::super::scene::Scene;
 use super::{Background, Last};
-use crate::admission::Aiming;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
+use crate::planner::PathPlanner;
 use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::{Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply};
 
@@ -91,7 +91,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             });
         }
         self.greeted = true;
-        let queue = self.offered.0.capacity().min(255) as u8;
+        let queue = self.moves.capacity().min(255) as u8;
         Reply::Hello(self.settings.identity(queue, self.next_sequence))
     }
 
@@ -121,9 +121,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Override(section) => self.change(section),
             Command::Move(_) | Command::Quintic(_) | Command::Retarget(_)
-                if self.aim.is_under_way() =>
+                if self.is_retargeting() =>
             {
                 Err(Refusal::Retargeting)
+            }
+            Command::Move(_) | Command::Quintic(_) | Command::Retarget(_)
+                if self.planner.is_active() =>
+            {
+                Err(Refusal::PathUnderWay)
             }
             Command::Move(offered) => self.offer(offered, S::Curves::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
@@ -132,11 +137,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Resume => self.resume(),
             Command::Stop => self.stop(),
             Command::ClearFault => self.clear_fault(),
+            Command::Enable => self.enable(),
+            Command::Disable => self.disable(),
+            Command::Drives { every } => self.sample_drives(*every),
             Command::Recover(recovery) => self.recover(recovery),
             Command::Telemetry { every } => self.set_telemetry(*every),
             Command::Home => self.home(),
             Command::FeedOverride { percent } => self.override_feed(*percent),
             Command::Retarget(goal) => self.retarget(goal.content()),
+            Command::Path(piece) => self.path(piece.content()),
         }
     }
 }

@@ -1,13 +1,19 @@
 //! Retargets: moves to a goal, planned here and then judged and queued as if the host had offered them.
 
-use super::super::offered::Offered;
 use super::super::scene::Scene;
+use super::moves::is_pose;
 use super::{Background, ends};
-use crate::admission::{Aiming, Retargeted};
+use crate::admission::{Aiming, RetargetTask, Retargeted};
 use crate::number::ServiceNumber;
 use core::borrow::Borrow;
-use trirrr_core::setpoint::CurveKind;
-use trirrr_protocol::message::{Event, Goal, QuinticMove, Refusal, State, Verdict, Violation};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{CurveKind, Setpoint};
+use trirrr_protocol::message::{Goal, Refusal, State};
+
+/// The setpoint at a goal.
+pub(super) fn target<N: Number>(goal: &Goal<N>) -> Setpoint<N> {
+    ends(goal.to, goal.velocity, [N::ZERO; 3])
+}
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes a goal; none where the image plays no quintics.
@@ -23,31 +29,37 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     fn aim_at(&mut self, goal: &Goal<N>) -> Result<(), Refusal<N>> {
         let state = self.status.state;
-        let takes_moves = matches!(
-            state,
-            State::Idle | State::Running | State::Slowing | State::Holding
-        );
-        // The end is not known for the moment in which the tick drops its queue.
-        let before = self.status.end.filter(|_| takes_moves);
-        let before = before.ok_or(Refusal::State(state))?;
-        let (x, y) = (goal.to.position.x, goal.to.position.y);
+        let before = self.end_of_moves()?;
         let all = goal.velocity.iter().all(|value| value.is_finite());
-        if !(x.is_finite() && y.is_finite() && N::angle_is_finite(goal.to.angle) && all) {
+        if !(is_pose(&goal.to) && all) {
             return Err(Refusal::NotFinite);
         }
+        let moves = matches!(state, State::Running | State::Slowing | State::Holding);
+        if goal.cut && moves && self.begin_splice(goal) {
+            self.status.refused = None;
+            return Ok(());
+        }
         // It starts where the moves end: they have to stay.
-        if self.offered.1.peek().is_some() {
+        if self.offered.peek().is_some() {
             return Err(Refusal::Undecided);
         }
-        let room = self.room();
-        if room == 0 {
+        if self.room() == 0 {
             return Err(Refusal::QueueFull);
         }
         self.status.refused = None;
-        let target = ends(goal.to, goal.velocity, [N::ZERO; 3]);
-        let path = &self.coefficients.borrow().path;
-        self.aim.aim(path, &before, &target, usize::from(room));
+        self.aim_from(&before, goal);
         Ok(())
+    }
+
+    /// Begins to plan behind the moves that are queued.
+    pub(super) fn aim_from(&mut self, before: &Setpoint<N>, goal: &Goal<N>) {
+        let task = RetargetTask {
+            start: *before,
+            target: target(goal),
+            most: usize::from(self.room()),
+            least: goal.least_ticks,
+        };
+        self.aim.aim(&self.coefficients.borrow().path, &task);
     }
 
     /// One step of the plan. Whether there was one to do.
@@ -60,7 +72,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             None => return false,
             Some(Retargeted::Undecided) => return true,
             Some(Retargeted::Planned(count)) => self.take_planned(count),
-            Some(Retargeted::Refused(refusal)) => self.refuse_goal(refusal.violation),
+            Some(Retargeted::Refused(refusal)) => self.tell_refused(refusal.violation),
         }
         self.aim = Aiming::<N>::NONE;
         true
@@ -70,38 +82,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     fn take_planned(&mut self, count: usize) {
         for index in 0..count {
-            let Some(QuinticMove {
-                mut common,
-                start_acceleration,
-                end_acceleration,
-            }) = self.aim.planned(index)
-            else {
+            let Some(planned) = self.aim.planned(index) else {
                 return;
             };
-            let Some(accelerations) = S::Curves::some([start_acceleration, end_acceleration])
-            else {
-                return;
-            };
-            common.number = self.status.next;
-            let (to, velocity) = (common.to, common.end_velocity);
-            if !self.offered.0.send(Offered {
-                common,
-                accelerations,
-            }) {
+            if !self.offer_planned(planned) {
                 return;
             }
-            self.status.next = self.status.next.wrapping_add(1);
-            self.status.end = Some(ends(to, velocity, end_acceleration));
         }
-    }
-
-    #[inline(never)]
-    fn refuse_goal(&mut self, violation: Violation<N>) {
-        let verdict = Verdict {
-            number: self.status.next,
-            violation: Some(violation),
-        };
-        self.status.refused = Some(verdict);
-        self.push_event(Event::Verdict(verdict));
     }
 }

@@ -4,20 +4,25 @@ mod orders;
 mod output;
 mod play;
 mod report;
+mod splice;
+mod supply;
 
-pub use output::Output;
+pub use output::{Output, Power};
 
 use super::feed::{FeedScale, PathPosition};
+use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
-use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
+use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::homing::Homing;
 use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
+use super::splice::{Optional, TickSplices};
 use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
+use supply::Supply;
 use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
@@ -36,12 +41,15 @@ pub struct Foreground<'q, S: Scene> {
     recoveries: Receiver<'q, Recover<S::N>>,
     orders: Receiver<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
-    reports: Sender<'q, TickReport<S::N>>,
+    splices: TickSplices<'q, S>,
+    pub(super) feedback: TickFeedback<'q, S>,
+    reports: Sender<'q, ReportOf<S>>,
     faults: Sender<'q, Fault<S::N>>,
     samples: Sender<'q, Telemetry<S::N>>,
     shared: &'q SharedCounters,
 
     homing: S::Homing,
+    supply: Supply,
     state: State,
     acting: Acting,
     path: Path,
@@ -101,7 +109,9 @@ pub(super) struct ForegroundEnds<'q, S: Scene> {
     pub(super) recoveries: Receiver<'q, Recover<S::N>>,
     pub(super) orders: Receiver<'q, Order>,
     pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
-    pub(super) reports: Sender<'q, TickReport<S::N>>,
+    pub(super) splices: TickSplices<'q, S>,
+    pub(super) feedback: TickFeedback<'q, S>,
+    pub(super) reports: Sender<'q, ReportOf<S>>,
     pub(super) faults: Sender<'q, Fault<S::N>>,
     pub(super) samples: Sender<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
@@ -132,14 +142,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             recoveries: ends.recoveries,
             orders: ends.orders,
             setups: ends.setups,
+            splices: ends.splices,
+            feedback: ends.feedback,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
             shared: ends.shared,
-            state: match homing.is_needed() {
-                true => State::Unhomed,
-                false => State::Idle,
-            },
+            state: State::Disabled,
+            supply: Supply::new(settings.power, settings.reactions),
             homing,
             acting: Acting::Nothing,
             path: Path::None,
@@ -153,7 +163,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             output: Output {
                 motors: angles.map(motor),
                 tool: N::ZERO,
-                enabled: true,
+                power: Power::Off,
+                brake_released: false,
             },
             generation: 0,
             begun: 0,
@@ -197,29 +208,42 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     ) -> &Output<N> {
         self.homing.listen(inputs, &self.output.motors);
         self.listen();
+        self.watch();
+        self.take_splice();
         let started = self.take_order();
         let target = self.advance(started);
         let setpoint = match target {
             Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
-                Ok(motion) => match self.guard.check::<S::Model>(&motion) {
-                    Ok(()) => {
+                Ok(motion) => {
+                    if let Err(broken) = self.check(&motion) {
+                        self.latch(broken);
+                    }
+                    if self.output.is_on() {
                         observe(&setpoint, &motion);
                         self.output.motors = motion.motors;
                         self.output.tool = self.tool(&setpoint);
                         self.pose = setpoint.pose;
                         setpoint
+                    } else {
+                        Self::standing(self.pose)
                     }
-                    Err(broken) => self.latch(broken),
-                },
-                Err(status) => self.latch(LimitBreach::of(status)),
-            },
-            Target::Joints(joints) => match self.guard.check_joints(&joints) {
-                Ok(()) => {
-                    self.follow(&joints);
+                }
+                Err(status) => {
+                    self.latch(LimitBreach::of(status));
                     Self::standing(self.pose)
                 }
-                Err(broken) => self.latch(broken),
             },
+            Target::Joints(joints) => {
+                if !self.state.has_fault()
+                    && let Err(broken) = self.guard.check_joints(&joints)
+                {
+                    self.latch(broken);
+                }
+                if self.output.is_on() {
+                    self.follow(&joints);
+                }
+                Self::standing(self.pose)
+            }
             Target::Still => {
                 self.zero_motion();
                 Self::standing(self.pose)
@@ -229,7 +253,16 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.shared.tick.store(self.clock, Ordering::Relaxed);
         self.report();
         self.sample(&setpoint);
+        if let Some(watch) = self.feedback.get_mut() {
+            watch.sample(self.clock);
+        }
         &self.output
+    }
+
+    /// Takes what the drives tell, before the tick. An older telling counts as one that the drives repeat.
+    #[inline]
+    pub fn hear(&mut self, readings: ReadingsOf<S>) {
+        <S::Feedback as Feedback<N>>::hear(&mut self.feedback, readings);
     }
 
     /// Returns the output of the last tick.
@@ -292,22 +325,33 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// [recovery](trirrr_protocol::message::Command::Recover) to get there. Whether it was heard.
     pub fn set_position(&mut self, angles: [N::Angle; 3]) -> bool {
         let waits = match self.state {
-            State::Idle => self.current.is_none() && self.moves.peek().is_none(),
+            State::Idle => self.current.is_none() && self.next_move().is_none(),
             State::Unhomed => true,
             _ => false,
         };
-        if !waits && !matches!(self.state, State::Fault | State::Cleared) {
+        let is_lost = matches!(self.state, State::Fault | State::Cleared | State::Disabled);
+        if !waits && !is_lost {
             return false;
         }
         for (motor, angle) in self.output.motors.iter_mut().zip(angles) {
             motor.angle = angle;
         }
+        self.supply.set_lost(true);
         if waits {
             self.drop_queue();
             self.transition_to(State::Cleared, Acting::Nothing);
         }
         self.unreported = true;
         true
+    }
+
+    /// Checks the results of a tick. A machine that stops because of a fault keeps no limit but its path.
+    #[inline]
+    fn check(&self, motion: &Motion<N>) -> Result<(), LimitBreach<N>> {
+        match self.state {
+            State::Reacting => Ok(()),
+            _ => self.guard.check::<S::Model>(motion),
+        }
     }
 
     /// Counts the silence of the host.
@@ -346,6 +390,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.current = None;
         self.position = PathPosition::START;
         self.passed = RoomCount::NOTHING;
+        if let Some(splices) = self.splices.get_mut() {
+            splices.drop_queue();
+        }
         self.feed.end();
         self.held = false;
         self.done = self.begun;

@@ -7,6 +7,7 @@ use super::super::scene::{Scene, Take};
 use super::{Foreground, Part, Path};
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
+use crate::splice::Optional;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
@@ -31,6 +32,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Order::Resume => self.held = false,
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
+            Order::Enable => self.enable(),
+            Order::Disable => self.disable(),
+            Order::Place => self.place(),
+            Order::Drives { every } => {
+                if let Some(watch) = self.feedback.get_mut() {
+                    watch.sample_every(every);
+                }
+            }
             Order::Recover => return self.recover(),
             Order::Home => self.home(),
             Order::FeedOverride { percent } => self.feed.aim_at(percent),
@@ -55,7 +64,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     fn start(&mut self) -> bool {
         let full = self.moves.is_full();
-        let ahead = self.shared.ahead();
+        let ahead = self.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
         let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
         if self.state != State::Idle || !(enough || full) {
@@ -79,6 +88,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             return false;
         }
         self.drop_queue();
+        self.supply.set_lost(true);
         self.path = Path::Joints;
         self.part = Part::WHOLE;
         self.begin();
@@ -121,7 +131,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         match self.state {
             State::Running | State::Slowing | State::Holding | State::Recovering => {
                 self.transition_to(State::Stopping, Acting::Stop);
@@ -135,19 +145,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.drop_queue();
                 self.transition_to(State::Idle, Acting::Nothing);
             }
-            State::Fault | State::Cleared | State::Unhomed => {}
-        }
-    }
-
-    fn clear_fault(&mut self) {
-        if self.state == State::Fault {
-            self.output.enabled = true;
-            // Without current a motor without an encoder may have lost its place.
-            let state = match self.homing.is_needed() {
-                true => State::Unhomed,
-                false => State::Cleared,
-            };
-            self.transition_to(state, self.acting);
+            State::Fault
+            | State::Reacting
+            | State::Cleared
+            | State::Unhomed
+            | State::Disabled
+            | State::Enabling
+            | State::Disabling => {}
         }
     }
 }

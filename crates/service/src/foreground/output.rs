@@ -6,6 +6,7 @@ use super::super::homing::Homing;
 use super::super::scene::Scene;
 use super::{Foreground, Path};
 use crate::number::ServiceNumber;
+use crate::settings::StopCategory;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
@@ -14,12 +15,36 @@ use trirrr_protocol::message::{Acting, Fault, State};
 /// Commands to the motors and the tool until the next tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output<N: Number> {
-    /// The motors. In fault and cleared they stand where they were commanded last.
+    /// The motors. While drives are off, they stand where they were commanded last.
     pub motors: [Motor<N>; 3],
     /// Power of the tool, 0 to 1 of what it can give.
     pub tool: N,
-    /// True if the drives are on. They are off while a fault is latched.
-    pub enabled: bool,
+    /// Power of the drives.
+    pub power: Power,
+    /// True if the brake is released. It holds the motors while their drives cannot.
+    pub brake_released: bool,
+}
+
+/// Order to the drives, by which they are on or off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Power {
+    /// Off. A drive gets what keeps it off, and nothing else.
+    #[default]
+    Off,
+    /// Off, and in this tick the errors of the drives are cleared.
+    Clear,
+    /// Off; the drives are asked how they are.
+    Check,
+    /// On: a drive that was off closes its loop at the angle of the tick, then follows the angles.
+    On,
+}
+
+impl<N: Number> Output<N> {
+    /// Returns true if the drives are to be on.
+    #[inline(always)]
+    pub fn is_on(&self) -> bool {
+        self.power == Power::On
+    }
 }
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
@@ -62,13 +87,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.output.tool = N::ZERO;
     }
 
-    /// Latches a fault: no motion any more, the queue is dropped, the drives go off. Returns the setpoint of a
-    /// machine that stands.
+    /// Latches a fault. The machine comes to rest as the scene says for its kind; at a second fault on the way, and at one that
+    /// leaves no motion, the drives go off at once.
     #[cold]
-    pub(super) fn latch(&mut self, broken: LimitBreach<N>) -> Setpoint<N> {
-        self.zero_motion();
-        self.output.enabled = false;
-        if self.state != State::Fault {
+    pub(super) fn latch(&mut self, broken: LimitBreach<N>) {
+        let category = match self.state {
+            State::Fault | State::Reacting | State::Enabling => StopCategory::Off,
+            _ if !self.output.is_on() => StopCategory::Off,
+            _ => self.supply.reaction(broken.code),
+        };
+        if !self.state.has_fault() {
             // There is room: the one before was taken before it was cleared.
             self.faults.send(Fault {
                 code: broken.code,
@@ -77,14 +105,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 limit: broken.limit,
                 tick: self.clock,
             });
+            self.acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
+        }
+        match category {
+            StopCategory::Off => self.switch_off(),
+            category => self.react(category),
+        }
+    }
+
+    /// The drives go off at once: no motion any more, and the queue is dropped.
+    fn switch_off(&mut self) {
+        self.zero_motion();
+        self.output.power = Power::Off;
+        self.output.brake_released = false;
+        self.supply.fail();
+        if self.state != State::Fault {
             if matches!(self.path, Path::Joints | Path::JointsEnded) || self.homing.is_under_way() {
                 self.recoveries.discard();
             }
             self.homing.abandon();
             self.drop_queue();
-            let acting = broken.code.bounded().map_or(Acting::Nothing, Acting::Limit);
-            self.transition_to(State::Fault, acting);
+            self.transition_to(State::Fault, self.acting);
         }
-        Self::standing(self.pose)
     }
 }

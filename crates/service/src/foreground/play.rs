@@ -22,7 +22,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         match self.state {
             State::Idle => return Target::Setpoint(Self::standing(self.pose)),
+            State::Fault if self.output.is_on() => return self.stand(),
             State::Fault | State::Cleared | State::Unhomed => return Target::Still,
+            State::Reacting if self.path == Path::None => return self.switch(),
+            State::Disabled | State::Enabling | State::Disabling => return self.switch(),
             _ => {}
         }
         let step = if started {
@@ -53,7 +56,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             Progress::Stopped => {
                 self.recoveries.discard();
-                self.transition_to(State::Unhomed, self.acting);
+                self.rest_in(State::Unhomed, self.acting);
                 Target::Still
             }
             Progress::Failed { code, motor, limit } => {
@@ -73,8 +76,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn finish_path(&mut self) {
         match self.path {
             Path::Ended => {
-                let stopping = matches!(self.state, State::Stopping);
-                if !stopping && self.moves.peek().is_some() {
+                let stopping = matches!(self.state, State::Stopping | State::Reacting);
+                if !stopping && self.next_move().is_some() {
                     // The end of the last is the start of the next: this tick goes on from there.
                     let enough = self.has_enough();
                     self.take_next();
@@ -97,7 +100,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 } else {
                     Acting::Nothing
                 };
-                self.transition_to(State::Idle, acting);
+                self.rest_in(State::Idle, acting);
             }
             Path::JointsEnded => {
                 if let Some(recovery) = self.recoveries.receive() {
@@ -105,7 +108,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 }
                 self.path = Path::None;
                 self.feed.end();
-                self.transition_to(State::Idle, Acting::Nothing);
+                self.supply.set_lost(false);
+                self.rest_in(State::Idle, Acting::Nothing);
             }
             _ => {}
         }
@@ -174,8 +178,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn across(&self, step: impl Fn(&Pace) -> Step) -> Step {
         let Part { index, end, pace } = self.part;
         let next = match &self.current {
-            Some(current) if end < current.ticks => Some(current.paces.of(index + 1)),
-            _ => self.moves.peek().map(|next| next.paces.of(0)),
+            Some(current) if end < self.clip(current.ticks) => Some(current.paces.of(index + 1)),
+            _ => self.next_move().map(|next| next.paces.of(0)),
         };
         let paces = [pace, next.unwrap_or(pace)];
         self.feed.across(self.position, end, paces, step)
@@ -185,7 +189,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// rest: there the path can end without.
     #[inline]
     fn room(&self) -> Option<impl Fn(usize) -> i32> {
-        let ahead = self.shared.ahead();
+        let ahead = self.ahead();
         // The end of the move under way counts, unless the path stands there.
         let next = match self.path {
             Path::Ended => self.begun,
@@ -232,15 +236,18 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     return;
                 }
                 let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
-                if self.position.tick < ticks {
+                if self.position.tick < self.clip(ticks) {
                     self.begin_part(self.part.index + 1);
+                    return;
+                }
+                if self.change_to_chain() {
                     return;
                 }
                 if self.done != self.begun {
                     self.done = self.begun;
                     self.unreported = true;
                 }
-                let more = self.moves.peek().is_some();
+                let more = self.next_move().is_some();
                 if self.rests_here(more) {
                     self.land(ticks);
                     self.path = Path::Ended;
@@ -267,7 +274,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// little of it to stop in from this pace.
     #[inline(never)]
     fn rests_here(&self, more: bool) -> bool {
-        let ahead = self.shared.ahead();
+        let ahead = self.ahead();
         let stand = Step {
             parts: 0,
             ..self.feed.steady()
@@ -295,7 +302,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Takes the next move out of its queue; whether there was one.
     pub(super) fn begin_next(&mut self) -> bool {
-        self.current = self.moves.receive();
+        self.current = self.receive_move();
         let Some(current) = &self.current else {
             return false;
         };
@@ -316,8 +323,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             _ => self.part.end,
         };
         let pace = current.paces.of(index);
-        let end = MovePaces::end_of(current.ticks, index);
+        let end = self.clip(MovePaces::end_of(current.ticks, index));
         self.part = Part { index, end, pace };
+        if self.is_cut_ahead() {
+            return;
+        }
         self.passed
             .add(&pace, end - begin, &self.feed.room_measure());
     }
@@ -404,7 +414,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn come_to_rest(&mut self) {
         match self.state {
             State::Slowing => self.transition_to(State::Holding, self.acting),
-            State::Stopping => {
+            State::Stopping | State::Reacting => {
                 let on_path = matches!(self.path, Path::Move | Path::Ended);
                 if !on_path {
                     self.recoveries.discard();
@@ -412,7 +422,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.
                 let state = if on_path { State::Idle } else { State::Cleared };
-                self.transition_to(state, self.acting);
+                self.rest_in(state, self.acting);
             }
             _ => {}
         }

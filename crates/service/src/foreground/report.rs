@@ -1,7 +1,9 @@
 //! Reports and samples that the tick sends of itself.
 
+use super::super::feedback::Feedback;
 use super::super::handoff::{TickReport, count};
 use super::super::scene::Scene;
+use super::super::splice::{SpliceChannels, SplicesOf};
 use super::Foreground;
 use crate::number::ServiceNumber;
 use trirrr_core::setpoint::Setpoint;
@@ -24,6 +26,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             passed: self.passed.room,
             pose: self.pose,
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
+            splice: <SplicesOf<S>>::report(&self.splices, self.position.tick),
+            feedback: <S::Feedback as Feedback<N>>::report(&self.feedback),
         };
         self.unreported = !self.reports.send(report);
     }

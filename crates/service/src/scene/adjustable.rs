@@ -1,10 +1,12 @@
 //! A scene that the host can change while the machine is idle.
 
 use super::{Scene, Setup};
-use crate::coefficients::Coefficients;
+use crate::coefficients::{Coefficients, allow_jerk};
+use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
+use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::marker::PhantomData;
 use heapless::spsc::Queue;
@@ -17,15 +19,15 @@ use trirrr_protocol::message::Refusal;
 use trirrr_protocol::message::scene::{Section, SectionName};
 
 /// Scene that the host can change, within the room that the model `M` has. It plays
-/// moves of the kinds `K`.
+/// moves of the kinds `K`, and plans paths by `P`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adjustable<M, K = Quintics> {
+pub struct Adjustable<M, K = Quintics, P = ()> {
     parameters: Parameters,
     limits: LimitParameters,
-    types: PhantomData<(M, K)>,
+    types: PhantomData<(M, K, P)>,
 }
 
-impl<M: Model, K> Adjustable<M, K> {
+impl<M: Model, K: PlayedCurves, P> Adjustable<M, K, P> {
     /// Starts with this machine, in its own units. `M` has to be the model of the machine.
     pub fn new(parameters: Parameters, limits: LimitParameters) -> Self {
         Self {
@@ -38,21 +40,27 @@ impl<M: Model, K> Adjustable<M, K> {
     /// Returns true if the model can hold the changed scene.
     fn has_room_for(&self, parameters: &Parameters, limits: &LimitParameters) -> bool {
         let keeps = M::TORQUES || (limits.torque_nm.is_none() && limits.power_w.is_none());
+        let keeps = keeps && (K::JERK || limits.jerk_rad_s3.is_none());
         keeps && M::KIND.has_room_for(ModelKind::of(parameters, M::TORQUES))
     }
 }
 
-impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Adjustable<M, K> {
+impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scene
+    for Adjustable<M, K, P>
+{
     type N = N;
     type Model = M;
     type Slot = Queue<Setup<M>, 2>;
     type Replacement = Section;
     type Curves = K;
+    type Planner = P;
     type Part = Section;
     type Homing = NoHoming;
+    type Feedback = ();
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
+        allow_jerk::<K>(self.limits.jerk_rad_s3)?;
         let period = N::factor_to_f64(settings.period);
         Coefficients::build(&self.parameters, &self.limits, settings.ramp, period)
     }
@@ -68,6 +76,11 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Adjustable<M,
 
     fn homing(&self) -> NoHoming {
         NoHoming
+    }
+
+    #[inline(always)]
+    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
+        None
     }
 
     #[inline(always)]

@@ -3,9 +3,11 @@
 use super::{NoSlot, Scene};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
+use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
+use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::marker::PhantomData;
 use trirrr_core::limits::LimitParameters;
@@ -19,13 +21,13 @@ use trirrr_protocol::message::{Refusal, Unread, Written};
 /// Scene that cannot change. A host may have built the coefficients; the service passes the
 /// description on as it is.
 #[derive(Clone, Copy, Debug)]
-pub struct Compiled<'a, M: Model<N: Enclose>, K = Cubics> {
+pub struct Compiled<'a, M: Model<N: Enclose>, K = Cubics, P = ()> {
     /// Coefficients of the service, in the units of the machine.
     pub coefficients: &'a Coefficients<M>,
     /// Description.
     pub parts: Parts<'a>,
-    /// Kinds of moves that the machine plays.
-    pub curves: PhantomData<K>,
+    /// Kinds of moves that the machine plays, and its planner of paths.
+    pub types: PhantomData<(K, P)>,
 }
 
 /// Parts of a scene in SI units, each a [`Section`](trirrr_protocol::message::scene::Section) as the bytes on the line.
@@ -39,14 +41,18 @@ pub struct Parts<'a> {
     pub limits: &'a [u8],
 }
 
-impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Compiled<'a, M, K> {
+impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scene
+    for Compiled<'a, M, K, P>
+{
     type N = N;
     type Model = M;
     type Slot = NoSlot;
     type Replacement = Unread;
     type Curves = K;
+    type Planner = P;
     type Part = Written<'a>;
     type Homing = NoHoming;
+    type Feedback = ();
     type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]
@@ -65,6 +71,11 @@ impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves> Scene for Compiled<
     #[inline(always)]
     fn homing(&self) -> NoHoming {
         NoHoming
+    }
+
+    #[inline(always)]
+    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
+        None
     }
 
     #[inline(always)]

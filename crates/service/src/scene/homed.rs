@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::coefficients::Coefficients;
+use crate::feedback::FeedbackCoefficients;
 use crate::homing::{Cycle, HomingCoefficients, Plan};
 use crate::number::ServiceNumber;
 use crate::settings::Settings;
@@ -26,8 +27,10 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type Slot = S::Slot;
     type Replacement = S::Replacement;
     type Curves = S::Curves;
+    type Planner = S::Planner;
     type Part = S::Part;
     type Homing = Option<Cycle<'a, N>>;
+    type Feedback = S::Feedback;
     type Coefficients = S::Coefficients;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<S::Coefficients, BuildError> {
@@ -52,6 +55,11 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
             rates: axes.map(|axis| axis.search),
             accelerations: axes.map(|axis| axis.acceleration),
         })
+    }
+
+    #[inline(always)]
+    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
+        self.scene.feedback()
     }
 
     #[inline(always)]

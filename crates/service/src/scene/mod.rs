@@ -2,23 +2,27 @@
 //!
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
-//! [`WithHoming`] adds homing to either. The choice is a type, so that a scene pays only for its own
+//! [`WithHoming`] adds homing to either, [`WithFeedback`] drives that tell where they are. The choice is a type, so that a scene pays only for its own
 //! kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 mod adjustable;
 mod compiled;
 mod homed;
+mod measured;
 mod slot;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
 pub use homed::WithHoming;
+pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
 
 use crate::coefficients::Coefficients;
+use crate::feedback::{Feedback, FeedbackCoefficients};
 use crate::homing::{Homing, Plan};
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
+use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::borrow::Borrow;
 use postcard_schema::Schema;
@@ -61,11 +65,17 @@ pub trait Scene {
     /// Kinds of moves that the machine plays.
     type Curves: PlayedCurves;
 
+    /// Planner of paths; `()` without any.
+    type Planner: PathPlanner<Self::N>;
+
     /// Part of the scene in a reply.
     type Part: Serialize + Schema;
 
     /// Homing of the machine; [`NoHoming`](crate::NoHoming) without any.
     type Homing: Homing<Self::N>;
+
+    /// Feedback of the drives; `()` for drives that tell nothing.
+    type Feedback: Feedback<Self::N>;
 
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;
@@ -84,6 +94,9 @@ pub trait Scene {
 
     /// Returns the plan of the homing; `None` if the machine needs no homing.
     fn plan(&self) -> Option<Plan<Self::N>>;
+
+    /// Returns the coefficients of the feedback; `None` if the drives tell nothing.
+    fn feedback(&self) -> Option<&FeedbackCoefficients<Self::N>>;
 
     /// Returns the scene in `units` of the machine, with `section` in place of its own.
     ///

@@ -32,7 +32,7 @@ fn a_fault_is_latched_until_it_is_cleared() {
         .raise(FaultCode::Board, Some(2), 7.0, 0.0);
     for _ in 0..200 {
         let output = bench.tick();
-        assert!(!output.enabled);
+        assert!(!output.is_on());
         for (motor, last) in output.motors.iter().zip(&before.motors) {
             assert_eq!((motor.angle, motor.rate), (last.angle, 0.0));
             assert_eq!((motor.acceleration, motor.torque), (0.0, 0.0));
@@ -41,7 +41,7 @@ fn a_fault_is_latched_until_it_is_cleared() {
     let status = bench.status();
     let fault = status.fault.unwrap();
     assert_eq!((fault.code, fault.index), (FaultCode::Overrun, None));
-    assert_eq!((fault.value, fault.limit, fault.tick), (1.5, 1.0, 30));
+    assert_eq!((fault.value, fault.limit, fault.tick), (1.5, 1.0, 31));
     assert_eq!(
         (status.state, status.acting),
         (State::Fault, Acting::Nothing)
@@ -62,11 +62,10 @@ fn a_fault_is_latched_until_it_is_cleared() {
         .iter()
         .filter(|event| matches!(event, Event::Fault(_)));
     assert_eq!(faults.count(), 1);
-    bench.done(Command::ClearFault);
-    bench.ticks(1);
+    bench.acknowledge();
     let status = bench.status();
     assert_eq!((status.state, status.fault), (State::Cleared, None));
-    assert!(bench.service.foreground.output().enabled);
+    assert!(bench.service.foreground.output().is_on());
 }
 
 /// From where a fault left it, to a pose at rest, by the motors' own cubic.
@@ -78,8 +77,7 @@ fn a_recovery_leads_from_anywhere_to_idle() {
         .foreground
         .raise(FaultCode::Drive(DriveFault::Reported), Some(0), 0.0, 0.0);
     bench.ticks(5);
-    bench.done(Command::ClearFault);
-    bench.ticks(1);
+    bench.acknowledge();
     let target = pose(0.25, 0.25, 0.1);
     let from = bench.service.foreground.output().motors;
     bench.done(recover(target, 150));
@@ -232,7 +230,7 @@ fn a_setpoint_without_a_motion_is_a_fault() {
     assert_eq!(fault.code, FaultCode::Unreachable);
     assert!(fault.index.is_some());
     assert_eq!(status.acting, Acting::Limit(Bounded::Reach));
-    assert!(!bench.service.foreground.output().enabled);
+    assert!(!bench.service.foreground.output().is_on());
 }
 
 #[test]
@@ -255,21 +253,20 @@ fn the_longest_tick_is_remembered() {
 fn a_tick_that_is_not_done_when_the_next_is_due_is_a_fault() {
     let mut bench = running();
     assert!(bench.service.foreground.report_timing(1000, 1000));
-    assert!(bench.service.foreground.output().enabled);
+    assert!(bench.service.foreground.output().is_on());
     assert!(!bench.service.foreground.report_timing(1250, 1000));
     // At once, not with the next tick only.
-    assert!(!bench.service.foreground.output().enabled);
+    assert!(!bench.service.foreground.output().is_on());
     bench.tick();
     let status = bench.status();
     let fault = status.fault.unwrap();
     assert_eq!((fault.code, fault.index), (FaultCode::Overrun, None));
-    assert_eq!((fault.value, fault.limit, fault.tick), (1.25, 1.0, 30));
+    assert_eq!((fault.value, fault.limit, fault.tick), (1.25, 1.0, 31));
     assert_eq!((status.state, status.longest_tick), (State::Fault, 1250));
     // Latched: ticks that are in time do not lift it.
     assert!(bench.service.foreground.report_timing(10, 1000));
-    assert!(!bench.tick().enabled);
-    bench.done(Command::ClearFault);
-    bench.ticks(1);
+    assert!(!bench.tick().is_on());
+    bench.acknowledge();
     assert_eq!(bench.status().state, State::Cleared);
 }
 

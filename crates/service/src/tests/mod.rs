@@ -1,11 +1,14 @@
 mod faults;
+mod feedback;
 mod homing;
 mod moves;
 mod path;
 mod random;
+mod reactions;
 mod retarget;
 mod scene;
 mod sequence;
+mod splice;
 mod states;
 mod threads;
 
@@ -20,8 +23,8 @@ use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, Command, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply, Request,
-    State, Status, Telemetry,
+    Board, Command, DriveSample, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply,
+    Request, State, Status, Telemetry,
 };
 use trirrr_protocol::wire::{Decoder, encode};
 
@@ -41,6 +44,7 @@ pub(super) struct Bench<S: Scene + 'static> {
     /// What the tick is told of switches.
     pub(super) inputs: <S::Homing as Homing<S::N>>::Inputs,
     pub(super) telemetry: Vec<Telemetry<S::N>>,
+    pub(super) drives: Vec<DriveSample<S::N>>,
     pub(super) events: Vec<Event<S::N>>,
 }
 
@@ -83,6 +87,9 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
         ramp: Ramp::within(RAMP, None),
         host_timeout_ticks: SILENCE,
         telemetry_every: 1,
+        power: PowerTimes::default(),
+        reactions: Reactions::OFF,
+        planning: None,
         scene: SceneIdentity {
             schema: SCHEMA,
             key: SCENE,
@@ -112,15 +119,33 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
     }
 
     pub(super) fn in_units(scene: S, stands: Pose<N>, units: Units) -> Self {
+        Self::set(scene, stands, settings_in(units))
+    }
+
+    /// Service with these settings, enabled.
+    pub(super) fn set(scene: S, stands: Pose<N>, settings: Settings<N>) -> Self {
+        let enable_ticks = 1 + u32::from(settings.power.enable_ticks());
+        let mut bench = Self::off(scene, stands, settings);
+        let reply = bench.service.submit(&Command::Enable);
+        assert!(matches!(reply, Reply::Done));
+        bench.ticks(enable_ticks);
+        bench.events.clear();
+        bench.telemetry.clear();
+        bench
+    }
+
+    /// Service with these settings, as it is switched on.
+    pub(super) fn off(scene: S, stands: Pose<N>, settings: Settings<N>) -> Self {
         let channels: Channels<S, 8, 64> = Channels::new();
         let service = Box::leak(Box::new(channels))
-            .service(scene, stands, settings_in(units))
+            .service(scene, stands, settings)
             .unwrap();
         let mut bench = Self {
             service,
             sequence: 0,
             inputs: Default::default(),
             telemetry: Vec::new(),
+            drives: Vec::new(),
             events: Vec::new(),
         };
         bench.greet();
@@ -188,7 +213,12 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
             assert_eq!(output.tool, N::ZERO, "the tool is on in {state:?}");
         }
         assert!(output.tool >= N::ZERO && output.tool <= N::ONE);
-        assert_eq!(output.enabled, state != State::Fault);
+        // Drives are on in every state but these, and in part of the last.
+        if state != State::Enabling {
+            let off = matches!(state, State::Disabled | State::Fault);
+            assert!(output.is_on() != off);
+        }
+        assert!(output.is_on() || !output.brake_released);
         for motor in &output.motors {
             assert!(motor.rate.is_finite() && motor.torque.is_finite());
             if state.is_at_rest() {
@@ -198,11 +228,24 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
         while let Some(message) = self.service.poll() {
             match message {
                 Message::Telemetry(sample) => self.telemetry.push(sample),
+                Message::Drives(sample) => self.drives.push(sample),
                 Message::Event(event) => self.events.push(event),
                 Message::Reply { .. } => unreachable!("replies are returned"),
             }
         }
         output
+    }
+
+    /// Acknowledges a fault and switches the drives on again.
+    #[track_caller]
+    pub(super) fn acknowledge(&mut self) {
+        self.done(Command::ClearFault);
+        self.ticks(1);
+        self.done(Command::Enable);
+        self.ticks(1);
+        while self.state() == State::Enabling {
+            self.ticks(1);
+        }
     }
 
     pub(super) fn ticks(&mut self, ticks: u32) {

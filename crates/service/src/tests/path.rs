@@ -597,7 +597,7 @@ fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
         let mut latched = false;
         for _ in 0..110 {
             let output = bench.tick();
-            if output.enabled {
+            if output.is_on() {
                 assert!(!latched);
                 before = output;
                 continue;

@@ -22,12 +22,15 @@ enum Action {
     Retarget {
         to: usize,
         moving: bool,
+        cut: bool,
     },
     Start,
     Hold,
     Resume,
     Stop,
     ClearFault,
+    Enable,
+    Disable,
     Recover {
         to: usize,
         ticks: u32,
@@ -46,12 +49,15 @@ fn action() -> impl Strategy<Value = Action> {
     prop_oneof![
         6 => (0usize..5, 1u32..120, any::<bool>(), 0u8..10)
             .prop_map(|(to, ticks, moving, odd)| Action::Move { to, ticks, moving, wrong: odd == 0 }),
-        2 => (0usize..5, any::<bool>()).prop_map(|(to, moving)| Action::Retarget { to, moving }),
+        2 => (0usize..5, any::<bool>(), any::<bool>())
+            .prop_map(|(to, moving, cut)| Action::Retarget { to, moving, cut }),
         4 => Just(Action::Start),
         2 => Just(Action::Hold),
         3 => Just(Action::Resume),
         1 => Just(Action::Stop),
         1 => Just(Action::ClearFault),
+        3 => Just(Action::Enable),
+        1 => (0u8..4).prop_map(|odd| if odd == 0 { Action::Disable } else { Action::Enable }),
         1 => (0usize..5, 50u32..300).prop_map(|(to, ticks)| Action::Recover { to, ticks }),
         1 => (0u8..8).prop_map(|odd| if odd == 0 { Action::Fault } else { Action::Start }),
         2 => Just(Action::Repeat),
@@ -105,15 +111,19 @@ proptest! {
                         ..rest(status.next, from, place(to), ticks)
                     }))
                 }
-                Action::Retarget { to, moving } => Some(Command::Retarget(Goal {
+                Action::Retarget { to, moving, cut } => Some(Command::Retarget(Goal {
                     to: place(to),
                     velocity: if moving { [0.02, -0.01, 0.05] } else { [0.0; 3] },
+                    cut,
+                    least_ticks: 0,
                 })),
                 Action::Start => Some(Command::Start),
                 Action::Hold => Some(Command::Hold),
                 Action::Resume => Some(Command::Resume),
                 Action::Stop => Some(Command::Stop),
                 Action::ClearFault => Some(Command::ClearFault),
+                Action::Enable => Some(Command::Enable),
+                Action::Disable => Some(Command::Disable),
                 Action::Recover { to, ticks } => {
                     Some(Command::Recover(Recovery { to: place(to), ticks }))
                 }
@@ -143,7 +153,7 @@ proptest! {
                             // The angle moves as the rates say, to the square of a tick.
                             let mean = (motor.rate + old.rate) / 2.0;
                             let moved = motor.angle - old.angle;
-                            let calm = output.enabled && before.enabled;
+                            let calm = output.is_on() && before.is_on();
                             prop_assert!(!calm || (moved - mean * PERIOD_S).abs() < 5e-3);
                         }
                         prop_assert!(!matches!(status.fault, Some(fault)
@@ -179,6 +189,10 @@ proptest! {
         }
         if bench.state() == State::Fault {
             prop_assert_eq!(ask(&mut bench, Command::ClearFault), Reply::Done);
+            bench.ticks(1);
+        }
+        if bench.state() == State::Disabled {
+            prop_assert_eq!(ask(&mut bench, Command::Enable), Reply::Done);
             bench.ticks(1);
         }
         if bench.state() == State::Cleared {

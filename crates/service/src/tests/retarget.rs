@@ -9,6 +9,8 @@ fn goal<N: Enclose>(x: f64, y: f64, alpha: f64) -> Command<N> {
     Command::Retarget(Goal {
         to: pose(x, y, alpha),
         velocity: [N::ZERO; 3],
+        cut: false,
+        least_ticks: 0,
     })
 }
 
@@ -98,6 +100,8 @@ fn goals_in_motion_are_passed_without_a_stop() {
         bench.done(Command::Retarget(Goal {
             to: at(step),
             velocity,
+            cut: false,
+            least_ticks: 0,
         }));
         bench.judge();
         assert_eq!(bench.status().refused, None, "{step}");

@@ -65,7 +65,7 @@ fn an_image_without_the_code_refuses_overrides() {
             platform: part(SectionName::Platform),
             limits: part(SectionName::Limits),
         },
-        curves: core::marker::PhantomData::<Cubics>,
+        types: core::marker::PhantomData::<(Cubics, ())>,
     };
     let mut bench = Bench::of(scene, home());
     // It plays cubics only, and does not read the rest.
@@ -154,6 +154,8 @@ fn a_machine_without_torques_has_no_limit_of_them() {
         schema: SCHEMA,
         scene: SCENE,
     }));
+    assert_eq!(ask(Command::Enable), Reply::Done);
+    foreground.tick();
     let limited = Limits {
         torque_nm: some,
         ..(&LimitParameters::default()).into()

@@ -55,6 +55,7 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
         Command::Telemetry { every: 3 },
         Command::Override(Section::Leg { index: 0, leg }),
         Command::ClearFault,
+        Command::Enable,
         Command::Recover(recovery),
         Command::Stop,
     ];
@@ -207,6 +208,6 @@ fn nothing_is_heard_before_a_hello_that_fits() {
     };
     assert_eq!(
         (status.state, status.acting),
-        (State::Idle, Acting::Nothing)
+        (State::Disabled, Acting::Nothing)
     );
 }

@@ -3,13 +3,40 @@
 use super::*;
 use trirrr_protocol::message::{Acting, DriveFault, FaultCode, Recovery};
 
+/// Times of drives and of a brake.
+const TIMES: PowerTimes = PowerTimes {
+    drives_ticks: 5,
+    brake_release_ticks: 3,
+    brake_engage_ticks: 4,
+};
+
+/// Service of drives that take their time, and its brake.
+fn slow_bench() -> Bench<Thesis<f64>> {
+    let settings = Settings {
+        power: TIMES,
+        reactions: Reactions::default(),
+        ..settings()
+    };
+    Bench::set(
+        Adjustable::new(example(), LimitParameters::default()),
+        home(),
+        settings,
+    )
+}
+
 /// Service in `state`.
 fn rig_in(state: State) -> Bench<Thesis<f64>> {
-    let mut bench = Bench::new();
+    let mut bench = slow_bench();
     let job = rest(0, home(), pose(0.28, 0.28, 0.2), 100);
     if !matches!(
         state,
-        State::Idle | State::Fault | State::Cleared | State::Recovering
+        State::Idle
+            | State::Fault
+            | State::Cleared
+            | State::Recovering
+            | State::Disabled
+            | State::Enabling
+            | State::Disabling
     ) {
         bench.offer(job);
         bench.done(Command::Start);
@@ -40,8 +67,7 @@ fn rig_in(state: State) -> Bench<Thesis<f64>> {
         }
         State::Cleared => {
             bench = rig_in(State::Fault);
-            bench.done(Command::ClearFault);
-            bench.ticks(1);
+            bench.acknowledge();
         }
         State::Recovering => {
             bench = rig_in(State::Cleared);
@@ -50,6 +76,23 @@ fn rig_in(state: State) -> Bench<Thesis<f64>> {
                 ticks: 100,
             }));
             bench.ticks(5);
+        }
+        State::Disabled => {
+            bench.done(Command::Disable);
+            bench.ticks(1 + u32::from(TIMES.brake_engage_ticks));
+        }
+        State::Enabling => {
+            bench = rig_in(State::Disabled);
+            bench.done(Command::Enable);
+            bench.ticks(2);
+        }
+        State::Disabling => {
+            bench.done(Command::Disable);
+            bench.ticks(2);
+        }
+        State::Reacting => {
+            assert!(!bench.service.report_timing(1200, 1000));
+            bench.ticks(2);
         }
         State::Unhomed | State::Homing => unreachable!("the tests of homing have these"),
     }
@@ -73,14 +116,37 @@ fn each_command_in_each_state() {
         Command::Stop,
         Command::ClearFault,
         recover,
+        Command::Enable,
+        Command::Disable,
     ];
-    type Row = (State, [Option<State>; 6]);
-    // None: refused. In fault and cleared a stop has nothing to do.
-    let table: [Row; 8] = [
-        (Idle, [None, None, None, Some(Idle), None, Some(Recovering)]),
+    type Row = (State, [Option<State>; 8]);
+    // None: refused. Where nothing moves, a stop has nothing to do; where drives are off, nor has a disable.
+    let table: [Row; 12] = [
+        (
+            Idle,
+            [
+                None,
+                None,
+                None,
+                Some(Idle),
+                None,
+                Some(Recovering),
+                None,
+                Some(Disabling),
+            ],
+        ),
         (
             Running,
-            [None, Some(Slowing), None, Some(Stopping), None, None],
+            [
+                None,
+                Some(Slowing),
+                None,
+                Some(Stopping),
+                None,
+                None,
+                None,
+                Some(Stopping),
+            ],
         ),
         (
             Slowing,
@@ -91,19 +157,127 @@ fn each_command_in_each_state() {
                 Some(Stopping),
                 None,
                 None,
+                None,
+                Some(Stopping),
             ],
         ),
-        (Stopping, [None, None, None, Some(Stopping), None, None]),
+        (
+            Stopping,
+            [
+                None,
+                None,
+                None,
+                Some(Stopping),
+                None,
+                None,
+                None,
+                Some(Stopping),
+            ],
+        ),
         (
             Holding,
-            [None, Some(Holding), Some(Running), Some(Idle), None, None],
+            [
+                None,
+                Some(Holding),
+                Some(Running),
+                Some(Idle),
+                None,
+                None,
+                None,
+                Some(Disabling),
+            ],
         ),
-        (Fault, [None, None, None, Some(Fault), Some(Cleared), None]),
+        (
+            Fault,
+            [
+                None,
+                None,
+                None,
+                Some(Fault),
+                Some(Disabled),
+                None,
+                None,
+                Some(Fault),
+            ],
+        ),
         (
             Cleared,
-            [None, None, None, Some(Cleared), None, Some(Recovering)],
+            [
+                None,
+                None,
+                None,
+                Some(Cleared),
+                None,
+                Some(Recovering),
+                None,
+                Some(Disabling),
+            ],
         ),
-        (Recovering, [None, None, None, Some(Stopping), None, None]),
+        (
+            Recovering,
+            [
+                None,
+                None,
+                None,
+                Some(Stopping),
+                None,
+                None,
+                None,
+                Some(Stopping),
+            ],
+        ),
+        (
+            Disabled,
+            [
+                None,
+                None,
+                None,
+                Some(Disabled),
+                Some(Disabled),
+                None,
+                Some(Enabling),
+                Some(Disabled),
+            ],
+        ),
+        (
+            Enabling,
+            [
+                None,
+                None,
+                None,
+                Some(Enabling),
+                None,
+                None,
+                None,
+                Some(Disabling),
+            ],
+        ),
+        (
+            Disabling,
+            [
+                None,
+                None,
+                None,
+                Some(Disabling),
+                None,
+                None,
+                None,
+                Some(Disabling),
+            ],
+        ),
+        (
+            Reacting,
+            [
+                None,
+                None,
+                None,
+                Some(Reacting),
+                None,
+                None,
+                None,
+                Some(Reacting),
+            ],
+        ),
     ];
     for (state, expected) in table {
         assert_eq!(rig_in(state).refused(Command::Home), Refusal::NoHoming);
@@ -135,7 +309,8 @@ fn each_command_in_each_state() {
 fn no_state_is_without_an_exit() {
     use State::*;
     for state in [
-        Idle, Running, Slowing, Stopping, Holding, Fault, Cleared, Recovering,
+        Idle, Running, Slowing, Stopping, Holding, Fault, Cleared, Recovering, Disabled, Enabling,
+        Disabling, Reacting,
     ] {
         let mut bench = rig_in(state);
         bench.done(Command::Stop);
@@ -143,6 +318,10 @@ fn no_state_is_without_an_exit() {
         if bench.state() == Fault {
             bench.done(Command::ClearFault);
             bench.ticks(1);
+        }
+        if bench.state() == Disabled {
+            bench.done(Command::Enable);
+            bench.ticks(1 + u32::from(TIMES.enable_ticks()));
         }
         if bench.state() == Cleared {
             bench.done(Command::Recover(Recovery {
@@ -218,4 +397,106 @@ fn the_state_is_told_at_each_change() {
         states,
         [Running, Slowing, Holding, Running, Running, Running, Idle]
     );
+}
+
+/// Nothing is on before the host asks for it, whatever else it asks.
+#[test]
+fn a_machine_starts_with_its_drives_off() {
+    let settings = settings::<f64>();
+    let scene = Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default());
+    let channels: Channels<_, 8, 64> = Channels::new();
+    let mut service = Box::leak(Box::new(channels))
+        .service(scene, home(), settings)
+        .unwrap();
+    for command in [
+        Command::Status,
+        Command::Start,
+        Command::Stop,
+        Command::Hold,
+        Command::Resume,
+        Command::ClearFault,
+        Command::Disable,
+        Command::Telemetry { every: 1 },
+        Command::FeedOverride { percent: 50 },
+        Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)),
+        Command::Recover(Recovery {
+            to: home(),
+            ticks: 100,
+        }),
+    ] {
+        service.submit(&command);
+        for _ in 0..20 {
+            while service.step() {}
+            let output = service.tick();
+            // A host may clear the errors of drives that are off.
+            let clears = command == Command::ClearFault && output.power == Power::Clear;
+            assert!(clears || output.power == Power::Off, "{command:?}");
+            assert!(!output.brake_released && output.tool == 0.0);
+            assert!(output.motors.iter().all(|motor| motor.torque == 0.0));
+        }
+        assert_eq!(service.state(), State::Disabled);
+    }
+    assert_eq!(service.submit(&Command::Enable), Reply::Done);
+    let output = *service.tick();
+    assert_eq!((output.power, service.state()), (Power::On, State::Idle));
+    assert!(output.brake_released);
+}
+
+/// The drives hold before the brake lets go, and the brake holds before they go off.
+#[test]
+fn the_brake_and_the_drives_hold_by_turns() {
+    let mut bench = rig_in(State::Disabled);
+    bench.done(Command::Enable);
+    let ticks = bench.until(State::Idle);
+    assert_eq!(ticks, 1 + u32::from(TIMES.enable_ticks()));
+    let on: Vec<_> = (0..ticks).collect();
+    let mut bench = rig_in(State::Disabled);
+    bench.done(Command::Enable);
+    let outputs: Vec<_> = on.iter().map(|_| bench.tick()).collect();
+    let released = outputs
+        .iter()
+        .position(|output| output.brake_released)
+        .unwrap();
+    assert!(outputs.iter().all(Output::is_on));
+    assert_eq!(released, usize::from(TIMES.drives_ticks));
+    // The machine stands at its pose, with the torque of it, while the brake lets go.
+    assert_eq!(outputs[released].motors, outputs[ticks as usize - 1].motors);
+
+    bench.done(Command::Disable);
+    for tick in 0..=TIMES.brake_engage_ticks {
+        let output = bench.tick();
+        assert!(!output.brake_released);
+        assert_eq!(output.is_on(), tick < TIMES.brake_engage_ticks, "{tick}");
+    }
+    assert_eq!(bench.state(), State::Disabled);
+}
+
+/// A job that is disabled comes to rest on its path; enabled again the machine stands there.
+#[test]
+fn disabling_a_running_machine_stops_it_first() {
+    let mut bench = rig_in(State::Running);
+    bench.done(Command::Disable);
+    bench.until(State::Disabling);
+    let stood = bench.service.output().motors;
+    assert!(stood.iter().all(|motor| motor.rate == 0.0));
+    bench.until(State::Disabled);
+    bench.done(Command::Enable);
+    bench.until(State::Idle);
+    for (motor, stood) in bench.service.output().motors.iter().zip(&stood) {
+        assert_eq!(motor.angle, stood.angle);
+    }
+    assert_eq!(bench.status().next, 1);
+}
+
+/// The errors of the drives are cleared in one tick, when a host has asked for it.
+#[test]
+fn errors_are_cleared_once() {
+    let mut bench = rig_in(State::Fault);
+    assert_eq!(bench.tick().power, Power::Off);
+    bench.done(Command::ClearFault);
+    assert_eq!(bench.tick().power, Power::Clear);
+    for _ in 0..10 {
+        assert_eq!(bench.tick().power, Power::Off);
+    }
+    assert_eq!(bench.state(), State::Disabled);
 }

@@ -41,6 +41,10 @@ fn the_halves_need_nothing_but_their_queues() {
             scene: 0,
         };
         hear(&mut background, 0, Command::Hello(hello));
+        assert_eq!(ask(Command::Enable, &mut background), Reply::Done);
+        while background.status().state != State::Idle {
+            thread::yield_now();
+        }
         for each in &moves {
             assert_eq!(ask(Command::Move(*each), &mut background), Reply::Done);
         }

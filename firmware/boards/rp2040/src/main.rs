@@ -50,6 +50,14 @@ mod app {
     /// Capacity of the receiver, bytes.
     const FIFO: usize = 32;
 
+    #[cfg(not(brake))]
+    type Outputs = Drives;
+    #[cfg(brake)]
+    type Outputs = trirrr_app::outputs::Braked<
+        Drives,
+        gpio::Pin<gpio::bank0::Gpio17, gpio::FunctionSioOutput, gpio::PullDown>,
+    >;
+
     #[shared]
     struct Shared {}
 
@@ -57,7 +65,7 @@ mod app {
     struct Local {
         receiver: Reader<UART0, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Drives>,
+        tick: Tick<Switches, Outputs>,
         slot: StepTimer,
         background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
         watchdog: Watchdog,
@@ -120,6 +128,11 @@ mod app {
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
         let (outputs, slot) = drives::build(parts);
+        #[cfg(brake)]
+        let outputs = {
+            let pin = pins.gpio17.into_push_pull_output();
+            trirrr_app::outputs::Braked::new(outputs, pin)
+        };
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();

@@ -2,6 +2,7 @@
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
+//! | highest | CAN1_RX0 | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers |
 //! | 3 | USART2 | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
@@ -28,6 +29,8 @@ mod switches;
 mod app {
     use super::clock::{self, FAST, SLOW};
     use super::dividers::set_bauds;
+    #[cfg(any(drive = "odrive", drive = "mit"))]
+    use super::drives::Inbox;
     use super::drives::{self, Drives, StepTimer};
     use super::start;
     use super::switches::{self, Switches};
@@ -41,6 +44,12 @@ mod app {
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
+    #[cfg(not(brake))]
+    type Outputs = Drives;
+    #[cfg(brake)]
+    type Outputs =
+        trirrr_app::outputs::Braked<Drives, stm32f4xx_hal::gpio::PB0<stm32f4xx_hal::gpio::Output>>;
+
     #[shared]
     struct Shared {}
 
@@ -48,7 +57,7 @@ mod app {
     struct Local {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Drives>,
+        tick: Tick<Switches, Outputs>,
         slot: StepTimer,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
@@ -57,10 +66,16 @@ mod app {
     #[init(local = [
         channels: Channels = Channels::new(),
         bytes: Queue<u8, RECEIVED> = Queue::new(),
+        #[cfg(any(drive = "odrive", drive = "mit"))]
+        inbox: Inbox = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
-            channels, bytes, ..
+            channels,
+            bytes,
+            #[cfg(any(drive = "odrive", drive = "mit"))]
+            inbox,
+            ..
         } = context.local;
         let device = context.device;
         let start = start::cause(&device.RCC);
@@ -97,10 +112,15 @@ mod app {
             tim7: device.TIM7,
             can1: device.CAN1,
             clocks,
-            is_emulated: clock == Clock::Emulated,
+            #[cfg(any(drive = "odrive", drive = "mit"))]
+            clock,
+            #[cfg(any(drive = "odrive", drive = "mit"))]
+            inbox,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
         let (outputs, slot) = drives::build(parts, &mut rcc);
+        #[cfg(brake)]
+        let outputs = trirrr_app::outputs::Braked::new(outputs, b.pb0.into_push_pull_output());
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
@@ -143,7 +163,11 @@ mod app {
     #[idle(local = [background, watchdog])]
     fn idle(context: idle::Context) -> ! {
         let watchdog = context.local.watchdog;
-        context.local.background.run(|| watchdog.feed())
+        context.local.background.run(|| {
+            watchdog.feed();
+            #[cfg(any(drive = "odrive", drive = "mit"))]
+            drives::report();
+        })
     }
 }
 

@@ -1,28 +1,24 @@
 //! The drives of a scene as constants, in the units of its image.
 
+mod can;
+
 use super::FIXED;
+use can::cans;
 use std::fmt::{self, Write};
 use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_core::units::Units;
 use trirrr_drives::bldc::{Bldc, BldcParameters};
 use trirrr_drives::stepper::StepsPerTurn;
-use trirrr_scene::{Can, CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
+use trirrr_scene::{CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
 /// The kinds of drive, as `cfg(drive = "...")` has them in an image.
-pub(super) const KINDS: &[&str] = &[NONE, "stepper", "bldc", "odrive", "moteus"];
+pub(super) const KINDS: &[&str] = &[NONE, "stepper", "bldc", "odrive", "mit", "moteus"];
 
 /// No drive.
 const NONE: &str = "none";
 
 /// The slots of the fastest steppers, Hz: beyond, an interrupt in each leaves no time for a tick.
 const SLOTS_MAX_HZ: f64 = 200e3;
-
-/// Bits of a classic frame of eight bytes with an eleven-bit identifier, the space behind it and the
-/// most stuffing included (135), for three drives.
-const BITS_PER_TICK: f64 = 3.0 * 135.0;
-
-/// The share of the bus that the commands may take.
-const BUS_SHARE_MAX: f64 = 0.8;
 
 /// A drive that cannot be built into an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +42,7 @@ fn refuse<T>(index: usize, key: &str, reason: impl Into<String>) -> Result<T, Dr
     })
 }
 
-/// The kind of the scene's drives: `"none"`, `"stepper"`, `"bldc"`, `"odrive"` or `"moteus"`.
+/// The kind of the scene's drives: `"none"`, `"stepper"`, `"bldc"`, `"odrive"`, `"mit"` or `"moteus"`.
 pub fn kind(scene: &Scene) -> &'static str {
     let Some([drive, ..]) = &scene.drives else {
         return NONE;
@@ -56,6 +52,7 @@ pub fn kind(scene: &Scene) -> &'static str {
         DriveKind::Bldc(_) => "bldc",
         DriveKind::Can(can) => match can.protocol {
             CanProtocol::Odrive => "odrive",
+            CanProtocol::Mit(_) => "mit",
             CanProtocol::Moteus => "moteus",
         },
     }
@@ -205,54 +202,6 @@ fn bldcs(drives: &[Drive; 3], scalar: &str, units: &Units) -> Result<String, Dri
     ))
 }
 
-fn cans(
-    scene: &Scene,
-    drives: &[Drive; 3],
-    first: &Can,
-    units: &Units,
-) -> Result<String, DriveError> {
-    let share = BITS_PER_TICK * scene.tick_rate_hz / f64::from(first.bit_rate_hz);
-    if first.protocol == CanProtocol::Odrive && share > BUS_SHARE_MAX {
-        return refuse(
-            0,
-            "bit_rate_hz",
-            format!(
-                "three commands in each of {} ticks per second take {:.0} % of {} bits per second; \
-                 {:.0} % may be taken",
-                scene.tick_rate_hz,
-                100.0 * share,
-                first.bit_rate_hz,
-                100.0 * BUS_SHARE_MAX
-            ),
-        );
-    }
-    let mut nodes = Vec::new();
-    let mut rotors = Vec::new();
-    for (index, drive) in drives.iter().enumerate() {
-        let DriveKind::Can(can) = drive.kind else {
-            return refuse(index, "kind", "must be that of drive[1]");
-        };
-        nodes.push(can.node_id);
-        rotors.push(format!(
-            "({:?}, {}, {:?})",
-            drive.gear_ratio, drive.reversed, can.zero_rad
-        ));
-    }
-    Ok(format!(
-        "pub const NODES: [u8; 3] = {nodes:?};\n\
-         /// Gear ratio, whether it is reversed, and the joint angle of the drive's zero, rad.\n\
-         pub const ROTORS: [(f64, bool, f64); 3] = [{}];\n\
-         /// Units of joint rate, rad/s, and torque, N m.\n\
-         pub const RATE_RAD_S: f64 = {:?};\n\
-         pub const TORQUE_NM: f64 = {:?};\n\
-         pub const BIT_RATE_HZ: u32 = {};",
-        rotors.join(", "),
-        units.rate_rad_s(),
-        units.torque_nm(),
-        first.bit_rate_hz
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,14 +217,16 @@ mod tests {
 
     const STEPPER: &str = "[[drive]]\nkind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = 16\n";
 
-    fn odrives(more: &str) -> String {
-        (1..=3)
+    /// Drives with limits that fit their frames.
+    fn cans(protocol: &str, more: &str) -> String {
+        let drives: String = (1..=3)
             .map(|id| {
                 format!(
-                    "[[drive]]\nkind = \"can\"\nprotocol = \"odrive\"\nnode_id = {id}\n{more}\n"
+                    "[[drive]]\nkind = \"can\"\nprotocol = \"{protocol}\"\nnode_id = {id}\n{more}\n"
                 )
             })
-            .collect()
+            .collect();
+        format!("[limits]\nrate_rad_s = 8.0\ntorque_nm = 4.0\n{drives}")
     }
 
     #[test]
@@ -330,15 +281,62 @@ mod tests {
 
     #[test]
     fn a_bus_that_is_too_slow_is_refused() {
-        // 3 * 135 bits * 100 Hz are 40,500 bits per second, 32 % of the slowest.
-        let scene = with(&odrives("bit_rate_hz = 125000"));
+        // 3 * 135 bits * 100 Hz are 40,500 bits per second, what the drives say 44,550 more: 68 % of the slowest.
+        let scene = with(&cans("odrive", "bit_rate_hz = 125000"));
         let text = drive(&scene, "f32", &Units::SI).expect("good");
-        assert!(text.contains("NODES: [u8; 3] = [1, 2, 3];"), "{text}");
+        for part in [
+            "NODES: [u8; 3] = [1, 2, 3];",
+            "PROTOCOL: Protocol = trirrr_drives::can::Odrive;",
+            "FILTERS: [(u16, u16); 3] = [(32, 2016), (64, 2016), (96, 2016)];",
+            "Absolute::Rotor",
+            // 125,000 / 100 / 111 are 11 and a part.
+            "HEARD: u16 = 13;",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
         assert_eq!(kind(&scene), "odrive");
-        let mut fast = scene;
-        fast.tick_rate_hz = 300.0;
-        let error = drive(&fast, "f32", &Units::SI).expect_err("97 %");
-        assert!(error.to_string().contains("take 97 % of 125000"), "{error}");
+        let chatty = with(&cans("odrive", "bit_rate_hz = 125000\nmessages_hz = 400"));
+        let error = drive(&chatty, "f32", &Units::SI).expect_err("162 %");
+        assert!(
+            error.to_string().contains("take 162 % of 125000"),
+            "{error}"
+        );
+        // Each command of the MIT mode is answered: 6 * 135 * 100 are 65 %.
+        let more = "model = \"dm4310\"\nkp_nm_rad = 50.0\nkd_nm_s_rad = 1.0\nbit_rate_hz = 125000";
+        let mut mit = with(&cans("mit", more));
+        let text = drive(&mit, "f32", &Units::SI).expect("good");
+        assert!(
+            text.contains("kp: 50.0, kd: 1.0, answer: trirrr_drives::can::Answer::Damiao"),
+            "{text}"
+        );
+        assert!(text.contains("FILTERS: [(u16, u16); 3] = [(0, 2047), (0, 2047), (0, 2047)];"));
+        assert_eq!(kind(&mit), "mit");
+        mit.tick_rate_hz = 200.0;
+        assert!(drive(&mit, "f32", &Units::SI).is_err());
+    }
+
+    #[test]
+    fn limits_beyond_a_frame_are_refused() {
+        let refused = |text: &str| {
+            let error = drive(&with(text), "f32", &Units::SI).expect_err("refused");
+            error.to_string()
+        };
+        // 32.767 turns per second behind a gear of 30 are 6.863 rad/s.
+        let error = refused(&cans("odrive", "gear_ratio = 30.0"));
+        assert!(
+            error.contains("rate_rad_s is 8.0 at the joint, and a frame holds 6.863"),
+            "{error}"
+        );
+        let bare = cans("odrive", "").replace("rate_rad_s = 8.0\n", "");
+        assert!(refused(&bare).contains("drive[1].protocol: needs rate_rad_s in [limits]"));
+        let gains = "model = \"ak80-64\"\nkp_nm_rad = 50.0\nkd_nm_s_rad = 1.0\n";
+        let error = refused(&cans("mit", &format!("{gains}gear_ratio = 2.0")));
+        assert!(error.contains("a frame holds 4.000"), "{error}");
+        let error = refused(&cans("mit", &format!("{gains}gear_ratio = 5.0")));
+        assert!(
+            error.contains("gear_ratio") && error.contains("15.7 rad"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -6,14 +6,14 @@ use super::{COARSE, FIXED};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
+use trirrr_core::machine::Geometry;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
-use trirrr_scene::{RangeError, Scene, units_of_scene};
-use trirrr_service::HomingCoefficients;
-use trirrr_service::{ServiceNumber, Settings};
+use trirrr_scene::{RangeError, Scene, offer, units_of_scene};
+use trirrr_service::{FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -46,13 +46,24 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let mut file = File(String::new());
     file.line(&format!("pub type Scalar = {scalar};"));
     file.line(&format!("pub type Model = {};", source.model));
-    let curves = match scene.job.has_quintics() {
-        true => "Quintics",
-        false => "Cubics",
+    let has_quintics = scene.job.has_quintics() || scene.service.plans_paths;
+    let curves = match (limits.jerk_rad_s3.is_some(), has_quintics) {
+        (true, _) => "Quintics<true>",
+        (false, true) => "Quintics<false>",
+        (false, false) => "Cubics",
     };
     file.line(&format!(
         "pub type Curves = trirrr_core::setpoint::{curves};"
     ));
+    let planner = match scene.service.plans_paths {
+        true => format!(
+            "trirrr_plan::window::ServicePlanner<Scalar, {}, {}>",
+            offer::PIECES,
+            offer::CELLS
+        ),
+        false => "()".into(),
+    };
+    file.line(&format!("pub type Planner = {planner};"));
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -84,6 +95,17 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         file.global("HOMING", &homing_type, constant(&coefficients));
         let active_high = homing.active_high.to_string();
         file.constant("HOMING_ACTIVE_HIGH", "bool", active_high);
+    }
+
+    if let Some(feedback) = &scene.feedback {
+        let geometry = Geometry::<N>::build(parameters)?;
+        let start = Pose::from_f64(job.start.position.x, job.start.position.y, job.start.angle);
+        let feedback = feedback.parameters(scene.tick_rate_hz);
+        let coefficients =
+            FeedbackCoefficients::<N>::build(&feedback, parameters, &geometry, start)
+                .ok_or("the start is out of reach")?;
+        let feedback_type = format!("{service}::FeedbackCoefficients<Scalar>");
+        file.global("FEEDBACK", &feedback_type, constant(&coefficients));
     }
 
     // What measurements are made from: the description, and the job, in the machine's units.
@@ -189,15 +211,24 @@ fn settings<N: ServiceNumber>(settings: &Settings<N>) -> String {
         ramp,
         host_timeout_ticks,
         telemetry_every,
+        power,
+        reactions,
+        planning,
         scene,
         board: _,
     } = settings;
     format!(
         "trirrr_service::Settings {{ period: {}, ramp: {}, \
          host_timeout_ticks: {host_timeout_ticks}, telemetry_every: {telemetry_every}, \
-         scene: {}, board: trirrr_protocol::message::Board::HOST }}",
+         power: {}, reactions: {}, planning: {}, scene: {}, board: trirrr_protocol::message::Board::HOST }}",
         constant(period),
         constant(ramp),
+        constant(power),
+        constant(reactions),
+        planning.map_or("None".into(), |planning| format!(
+            "Some({})",
+            constant(&planning)
+        )),
         constant(scene),
     )
 }

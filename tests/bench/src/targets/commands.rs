@@ -6,7 +6,7 @@ use crate::device::{Device, DeviceChannels, answer, hello, home};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::{Limits, Platform, Section};
 use trirrr_protocol::message::{
-    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request,
+    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request, State,
 };
 
 /// Silence after which the machine stops, ticks.
@@ -24,7 +24,7 @@ pub fn commands(data: &[u8]) {
 pub fn play(data: &[u8]) -> Reached {
     let mut channels = DeviceChannels::new();
     let mut session = Session {
-        watched: Watched::new(Device::new(&mut channels, watch::limits(), SILENCE)),
+        watched: Watched::new(Device::enabled(&mut channels, watch::limits(), SILENCE)),
         changed: false,
         sequence: 0,
         last: None,
@@ -69,7 +69,11 @@ impl Session<'_> {
             6 => self.ask(Command::Hold),
             7 => self.ask(Command::Resume),
             8 => self.ask(Command::Stop),
-            9 => self.ask(Command::ClearFault),
+            9 => self.ask(match self.watched.device.service.state() {
+                State::Fault => Command::ClearFault,
+                State::Disabled => Command::Enable,
+                _ => Command::Disable,
+            }),
             10 => {
                 let to = pose(bytes)?;
                 let ticks = u32::from(bytes.u16()?);
@@ -231,6 +235,7 @@ fn section(bytes: &mut Bytes) -> Option<Section> {
                 acceleration_rad_s2: limit()?.map(|limits| limits.map(|limit| 100.0 * limit)),
                 torque_nm: limit()?,
                 power_w: limit()?,
+                jerk_rad_s3: limit()?.map(|limits| limits.map(|limit| 1e4 * limit)),
                 serial_distance_min: bytes.number(0.5)?,
                 parallel_distance_min: bytes.number(0.5)?,
             })

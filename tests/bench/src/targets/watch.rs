@@ -58,7 +58,8 @@ impl<'q> Watched<'q> {
             "the tool is on in {state:?}"
         );
         assert!((0.0..=1.0).contains(&output.tool), "{output:?}");
-        assert_eq!(output.enabled, state != State::Fault);
+        let off = matches!(state, State::Disabled | State::Fault);
+        assert!(output.is_on() != off);
         self.assert_within(&output, state);
         self.reached.tool |= output.tool > 0.0;
         if !self.reached.states.contains(&state) {
@@ -121,11 +122,18 @@ pub(super) fn leave(watched: &mut Watched, mut sequence: u32) {
         ask(watched, Command::ClearFault);
         watched.settle();
     }
+    if watched.device.service.state() == State::Disabled {
+        ask(watched, Command::Enable);
+        watched.settle();
+    }
     if watched.device.service.state() == State::Cleared {
         let recovery = Recovery {
             to: home(),
             ticks: RECOVERY,
         };
+        // At a pace that was asked for the way takes as much longer.
+        ask(watched, Command::FeedOverride { percent: 100 });
+        watched.settle();
         ask(watched, Command::Recover(recovery));
         for passed in 0..RECOVERY + 10 {
             // A silent host ends a recovery too.

@@ -3,18 +3,19 @@
 use super::super::breach::{self, Breach};
 use super::super::taylor::{Float, TaylorModel};
 use super::super::{Judgement, Offer, Path, Verdict};
-use super::chain::{Candidate, Problem, Shape};
+use super::chain::{Candidate, JOINTS, Problem, Shape};
 use super::profile::Rest;
 use super::timing::{LONGEST, Timed, Timing};
-use super::{Blocked, Retargeted};
+use super::{Blocked, RetargetTask, Retargeted};
 use crate::admission::Enclose;
+use crate::pace::MovePaces;
 use nalgebra::Vector3;
 use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Ends, Quintics, Setpoint};
 use trirrr_protocol::message::{Bounded, Move, QuinticMove};
 
-/// Shapes in the order in which they are tried. Of each kind the one after is tried only where a rate limit acts.
+/// Shapes in the order in which they are tried. Of each kind the one after is tried only where a limit of rate or jerk acts.
 pub(super) const SHAPES: [Shape; 8] = [
     Shape::Direct,
     Shape::Joined(16),
@@ -38,9 +39,9 @@ const FEW: usize = 13;
 
 /// The work on a retarget, without the coefficients, which may be constants.
 #[derive(Clone, Copy, Debug)]
-pub struct Aim<N: Enclose> {
+pub struct Aim<N: Enclose, const JERK: bool = true> {
     pub(super) problem: Problem<N>,
-    pub(super) stage: Stage<N>,
+    pub(super) stage: Stage<N, JERK>,
     /// The sign of det A at the start.
     side: Option<bool>,
     /// Candidates whose duration is found, by shape.
@@ -57,10 +58,12 @@ pub struct Aim<N: Enclose> {
     pub(super) stuck: Option<usize>,
     /// Why an end does not come to rest, and why the last shape has no duration.
     pub(super) breaches: [Option<Breach<Float<N>>>; 3],
+    /// Rates of each move that is proven.
+    paces: [MovePaces; JOINTS],
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Stage<N: Enclose> {
+pub(super) enum Stage<N: Enclose, const JERK: bool> {
     /// Checks both ends by themselves.
     Ends,
     /// Looks for the least duration of a motion to rest from an end, with these [`PARTS`]: with all of them in large
@@ -72,27 +75,29 @@ pub(super) enum Stage<N: Enclose> {
     Prove {
         shape: usize,
         piece: usize,
-        judgement: Judgement<N, Quintics>,
+        judgement: Judgement<N, Quintics<JERK>>,
     },
     /// Chooses what to do next.
     Choose,
     Done(Retargeted<N>, Option<Candidate>),
 }
 
-impl<N: Enclose> Aim<N> {
-    pub(super) fn new<M: Model<N = N>>(
-        path: &Path<M>,
-        start: &Setpoint<N>,
-        target: &Setpoint<N>,
-        most: usize,
-    ) -> Self {
+impl<N: Enclose, const JERK: bool> Aim<N, JERK> {
+    pub(super) fn new<M: Model<N = N>>(path: &Path<M>, task: &RetargetTask<N>) -> Self {
+        let RetargetTask {
+            start,
+            target,
+            most,
+            least,
+        } = *task;
         let is_there = start == target;
         Self {
             problem: Problem {
-                ends: [*start, *target],
+                ends: [start, target],
                 period: path.period,
                 stops: [Some(Rest::NONE); 2],
                 most,
+                least: least.min(LONGEST / 2),
             },
             stage: match is_there {
                 true => Stage::Done(Retargeted::Planned(0), None),
@@ -106,7 +111,13 @@ impl<N: Enclose> Aim<N> {
             last: Timing::new(Shape::Apart(16)).candidate,
             stuck: None,
             breaches: [None; 3],
+            paces: [MovePaces::FULL; JOINTS],
         }
+    }
+
+    /// Rates at which the pace may change on move `index` of the planned motion.
+    pub(super) fn paces(&self, index: usize) -> MovePaces {
+        self.paces.get(index).copied().unwrap_or(MovePaces::FULL)
     }
 
     /// As [`Retarget::planned`].
@@ -118,7 +129,7 @@ impl<N: Enclose> Aim<N> {
         if index >= chain.len() {
             return None;
         }
-        let (ends, ticks) = chain.piece(index);
+        let (ends, ticks) = chain.piece::<JERK>(index);
         let [start_acceleration, end_acceleration] = ends.accelerations?;
         let [start_velocity, end_velocity] = ends.velocities.map(Into::into);
         let common = Move {
@@ -145,7 +156,7 @@ impl<N: Enclose> Aim<N> {
             },
             Stage::Rest(index, parts, timing) => {
                 let (index, parts) = (*index, *parts);
-                match timing.step(path, &self.problem, self.side, LONGEST) {
+                match timing.step::<_, _, JERK>(path, &self.problem, self.side, LONGEST) {
                     Timed::NotYet => return Retargeted::Undecided,
                     Timed::Found(ticks) => {
                         self.tried[index] = parts;
@@ -169,10 +180,13 @@ impl<N: Enclose> Aim<N> {
             Stage::Time(shape, timing, first) => {
                 let (shape, first) = (*shape, *first);
                 let enough = if first { longest } else { LONGEST };
-                match timing.step(path, &self.problem, self.side, enough) {
+                match timing.step::<_, _, JERK>(path, &self.problem, self.side, enough) {
                     Timed::NotYet => return Retargeted::Undecided,
                     Timed::Found(ticks) => {
-                        let ticks = ticks + ticks / RESERVE;
+                        // A motion that may be no shorter leaves room anyway.
+                        let least = self.problem.least;
+                        let is_least = self.problem.duration(timing.candidate) == Some(least);
+                        let ticks = ticks + if is_least { 0 } else { ticks / RESERVE };
                         self.found[shape] = Some(Candidate {
                             ticks,
                             ..timing.candidate
@@ -188,7 +202,7 @@ impl<N: Enclose> Aim<N> {
                         }
                     }
                 }
-                let rate = timing.acting == Some(Bounded::Rate);
+                let rate = matches!(timing.acting, Some(Bounded::Rate | Bounded::Jerk));
                 match first {
                     true => self.time(shape + 1, rate),
                     false => self.choose(),
@@ -204,6 +218,9 @@ impl<N: Enclose> Aim<N> {
                     let shape = *shape;
                     self.lengthen(shape);
                 } else if verdict == Verdict::Admitted {
+                    if let Some(paces) = self.paces.get_mut(*piece) {
+                        *paces = judgement.paces();
+                    }
                     let (shape, piece) = (*shape, *piece + 1);
                     self.prove(shape, piece);
                 }
@@ -215,7 +232,7 @@ impl<N: Enclose> Aim<N> {
         }
     }
 
-    /// Both ends, each standing still at the other end of a tick.
+    /// Both ends, each standing still at the other end of a tick: a motion whose jerk says nothing.
     fn check_ends<M: Model<N = N>>(
         &mut self,
         path: &Path<M>,
@@ -223,13 +240,13 @@ impl<N: Enclose> Aim<N> {
         for (index, blocked) in [Blocked::Start, Blocked::Target].into_iter().enumerate() {
             let end = self.problem.ends[index];
             let rest = Vector3::from([N::ZERO; 3]);
-            let ends = Ends {
+            let ends = Ends::<N, Quintics<false>> {
                 from: end.pose,
                 to: end.pose,
                 velocities: [end.velocity, rest],
                 accelerations: Some([end.acceleration.into(), [N::ZERO; 3]]),
             };
-            if let Some(breach) = breach::of_input::<N, Quintics>(&ends, 1) {
+            if let Some(breach) = breach::of_input(&ends, 1) {
                 return Err((blocked, breach));
             }
             let segment = Offer::new(&ends, 1, path.period).segment(1);
@@ -265,7 +282,7 @@ impl<N: Enclose> Aim<N> {
         }
     }
 
-    /// Looks for the duration of `shape`, or of the next that there is. `rate`: a rate limit acts in the one before.
+    /// Looks for the duration of `shape`, or of the next that there is. `rate`: a limit of rate or jerk acts in the one before.
     fn time(&mut self, shape: usize, rate: bool) {
         let is_next = |shape: &usize| {
             let is_first = matches!(
@@ -275,9 +292,29 @@ impl<N: Enclose> Aim<N> {
             !self.failed[*shape] && self.exists(SHAPES[*shape]) && (is_first || rate)
         };
         match (shape..SHAPES.len()).find(is_next) {
-            Some(shape) => self.stage = Stage::Time(shape, Timing::new(SHAPES[shape]), true),
+            Some(shape) => self.stage = Stage::Time(shape, self.timing(SHAPES[shape]), true),
             None => self.choose(),
         }
+    }
+
+    /// The search for a shape's duration, from the least that is asked for on.
+    pub(super) fn timing(&self, shape: Shape) -> Timing {
+        let mut timing = Timing::new(shape);
+        let ticks = &mut timing.candidate.ticks;
+        let rests = match shape {
+            Shape::Apart(_) => self
+                .problem
+                .stops
+                .map(|stop| stop.map_or(0, |rest| rest.ticks)),
+            _ => [0; 2],
+        };
+        let least = self
+            .problem
+            .least
+            .saturating_sub(rests[0])
+            .saturating_sub(rests[1]);
+        *ticks = least.max(*ticks);
+        timing
     }
 
     pub(super) fn exists(&self, shape: Shape) -> bool {

@@ -9,9 +9,9 @@ use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Ends, Pose, Quintics, Setpoint};
 
 /// Most joints of a chain, its ends included.
-const JOINTS: usize = 16;
+pub(super) const JOINTS: usize = 16;
 
-/// How a motion is put together.
+/// Composition of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// One quintic.
@@ -42,10 +42,12 @@ pub(super) struct Candidate {
 pub(super) struct Problem<N: Enclose> {
     pub(super) ends: [Setpoint<N>; 2],
     pub(super) period: Float<N>,
-    /// How either end comes to rest. None where it does not.
+    /// Way to rest of either end. None where it has none.
     pub(super) stops: [Option<Rest>; 2],
     /// Most moves of a motion.
     pub(super) most: usize,
+    /// Fewest ticks of a motion.
+    pub(super) least: u32,
 }
 
 /// The candidate, ready to be evaluated at its joints.
@@ -57,7 +59,7 @@ pub(super) struct Chain<N: Enclose> {
     period: Float<N>,
     joints: Vec<u32, JOINTS>,
     brakes: [Brake<Float<N>>; 2],
-    /// What the second brake leaves out at the start.
+    /// Part that the second brake leaves out at the start.
     back: Vector3<Float<N>>,
     way: Vector3<Float<N>>,
     transfer: Option<(u32, Transfer)>,
@@ -109,7 +111,7 @@ impl<N: Enclose> Problem<N> {
         }
     }
 
-    /// How either end comes to rest in the candidate.
+    /// Way to rest of either end in the candidate.
     fn rests(&self, candidate: Candidate) -> Option<[Rest; 2]> {
         let rest = |least: Rest| {
             let ticks = match candidate.shape {
@@ -259,7 +261,7 @@ impl<N: Enclose> Chain<N> {
     }
 
     /// Move `index` and its ticks.
-    pub(super) fn piece(&self, index: usize) -> (Ends<N, Quintics>, u32) {
+    pub(super) fn piece<const JERK: bool>(&self, index: usize) -> (Ends<N, Quintics<JERK>>, u32) {
         let [from, to] = [self.state(index), self.state(index + 1)];
         let ends = Ends {
             from: from.pose,

@@ -17,8 +17,10 @@ mod timing;
 
 use super::Path;
 use crate::admission::Enclose;
+use crate::pace::MovePaces;
 pub use aim::Aim;
 use trirrr_core::model::Model;
+use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{QuinticMove, Violation};
 
@@ -49,6 +51,31 @@ pub struct RetargetRefusal<N: Enclose> {
     pub way: [Pose<N>; 2],
 }
 
+/// Task of a retarget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RetargetTask<N: Number> {
+    /// State in which the motion begins.
+    pub start: Setpoint<N>,
+    /// State in which it ends.
+    pub target: Setpoint<N>,
+    /// Most moves of the motion.
+    pub most: usize,
+    /// Fewest ticks of the motion.
+    pub least: u32,
+}
+
+impl<N: Number> RetargetTask<N> {
+    /// As fast as it can be, in any number of moves.
+    pub fn new(start: &Setpoint<N>, target: &Setpoint<N>) -> Self {
+        Self {
+            start: *start,
+            target: *target,
+            most: usize::MAX,
+            least: 0,
+        }
+    }
+}
+
 /// State of a retarget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Retargeted<N: Enclose> {
@@ -69,13 +96,18 @@ pub struct Retarget<M: Model<N: Enclose>> {
 impl<N: Enclose, M: Model<N = N>> Retarget<M> {
     /// With coefficients that are built.
     pub fn over(path: Path<M>, start: &Setpoint<N>, target: &Setpoint<N>) -> Self {
-        let aim = Aim::new(&path, start, target, usize::MAX);
+        let aim = Aim::new(&path, &RetargetTask::new(start, target));
         Self { path, aim }
     }
 
     /// Takes a new start and target, and drops the work under way.
     pub fn aim(&mut self, start: &Setpoint<N>, target: &Setpoint<N>) {
-        self.aim = Aim::new(&self.path, start, target, usize::MAX);
+        self.plan(&RetargetTask::new(start, target));
+    }
+
+    /// Takes a new task, and drops the work under way.
+    pub fn plan(&mut self, task: &RetargetTask<N>) {
+        self.aim = Aim::new(&self.path, task);
     }
 
     /// Does a bounded amount of work: measures one instant or interval.
@@ -95,20 +127,17 @@ pub trait Aiming<N: Enclose>: Sized {
     /// No work.
     const NONE: Self;
 
-    /// Takes a start and a target, for a motion of `most` moves at most.
-    fn aim<M: Model<N = N>>(
-        &mut self,
-        path: &Path<M>,
-        start: &Setpoint<N>,
-        target: &Setpoint<N>,
-        most: usize,
-    );
+    /// Takes a task.
+    fn aim<M: Model<N = N>>(&mut self, path: &Path<M>, task: &RetargetTask<N>);
 
     /// As [`Retarget::step`]; none where there is no work.
     fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Option<Retargeted<N>>;
 
     /// As [`Retarget::planned`].
     fn planned(&self, index: usize) -> Option<QuinticMove<N>>;
+
+    /// Rates at which the pace may change on move `index` of the planned motion.
+    fn paces(&self, index: usize) -> MovePaces;
 
     /// Returns true if there is work, done or not.
     fn is_under_way(&self) -> bool;
@@ -118,7 +147,7 @@ impl<N: Enclose> Aiming<N> for () {
     const NONE: Self = ();
 
     #[inline(always)]
-    fn aim<M: Model<N = N>>(&mut self, _: &Path<M>, _: &Setpoint<N>, _: &Setpoint<N>, _: usize) {}
+    fn aim<M: Model<N = N>>(&mut self, _: &Path<M>, _: &RetargetTask<N>) {}
 
     #[inline(always)]
     fn step<M: Model<N = N>>(&mut self, _: &Path<M>) -> Option<Retargeted<N>> {
@@ -131,22 +160,21 @@ impl<N: Enclose> Aiming<N> for () {
     }
 
     #[inline(always)]
+    fn paces(&self, _: usize) -> MovePaces {
+        MovePaces::FULL
+    }
+
+    #[inline(always)]
     fn is_under_way(&self) -> bool {
         false
     }
 }
 
-impl<N: Enclose> Aiming<N> for Option<Aim<N>> {
+impl<N: Enclose, const JERK: bool> Aiming<N> for Option<Aim<N, JERK>> {
     const NONE: Self = None;
 
-    fn aim<M: Model<N = N>>(
-        &mut self,
-        path: &Path<M>,
-        start: &Setpoint<N>,
-        target: &Setpoint<N>,
-        most: usize,
-    ) {
-        *self = Some(Aim::new(path, start, target, most));
+    fn aim<M: Model<N = N>>(&mut self, path: &Path<M>, task: &RetargetTask<N>) {
+        *self = Some(Aim::new(path, task));
     }
 
     fn step<M: Model<N = N>>(&mut self, path: &Path<M>) -> Option<Retargeted<N>> {
@@ -155,6 +183,11 @@ impl<N: Enclose> Aiming<N> for Option<Aim<N>> {
 
     fn planned(&self, index: usize) -> Option<QuinticMove<N>> {
         self.as_ref()?.planned(index)
+    }
+
+    fn paces(&self, index: usize) -> MovePaces {
+        self.as_ref()
+            .map_or(MovePaces::FULL, |aim| aim.paces(index))
     }
 
     fn is_under_way(&self) -> bool {

@@ -12,7 +12,7 @@ use trirrr_core::number::Arithmetic;
 /// Times that a candidate is made longer after a failed proof.
 const PROOFS: u32 = 8;
 
-impl<N: Enclose> Aim<N> {
+impl<N: Enclose, const JERK: bool> Aim<N, JERK> {
     /// The candidate that takes least, by its shape, and its ticks.
     pub(super) fn shortest(&self) -> Option<(usize, u32)> {
         let found = self.found.iter().enumerate();
@@ -34,7 +34,7 @@ impl<N: Enclose> Aim<N> {
         }
         let open = |shape: &usize| !self.failed[*shape] && self.exists(SHAPES[*shape]);
         if let Some(shape) = (0..SHAPES.len()).find(open) {
-            self.stage = Stage::Time(shape, Timing::new(SHAPES[shape]), true);
+            self.stage = Stage::Time(shape, self.timing(SHAPES[shape]), true);
             return;
         }
         let other = [0, 1]

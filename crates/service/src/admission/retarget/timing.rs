@@ -90,7 +90,7 @@ impl Timing {
     }
 
     /// Evaluates one sample. Motions of `enough` ticks or more are of no interest.
-    pub(super) fn step<N: Enclose, M: Model<N = N>>(
+    pub(super) fn step<N: Enclose, M: Model<N = N>, const JERK: bool>(
         &mut self,
         path: &Path<M>,
         problem: &Problem<N>,
@@ -120,7 +120,7 @@ impl Timing {
         let samples = each * chain.len() as u32;
         let sample = self.sample % samples;
         let (piece, numerator, denominator) = (sample / each, sample % each + 1, each);
-        let (ends, ticks) = chain.piece(piece as usize);
+        let (ends, ticks) = chain.piece::<JERK>(piece as usize);
         let segment = Offer::new(&ends, ticks, path.period).segment(ticks);
         let at = TaylorModel::point(<Float<N>>::ratio(numerator, denominator));
         let Err(breach) = path.check(&segment, at, &mut { side }, &mut { path.least }) else {
@@ -176,8 +176,18 @@ fn longer<B: Number>(ticks: u32, breach: &Breach<B>) -> u32 {
         // Beyond all numbers.
         _ if !(part > B::ZERO) => B::HALF,
         Bounded::Rate => part,
+        Bounded::Jerk => cube_root(part),
         _ => part.sqrt(),
     };
     let more = shortest::slower(ticks, speed) - ticks;
     ticks + (more - more / 8)
+}
+
+/// Cube root of a number between 0 and 1, to a thousandth: x^4 = part x, by steps that divide the error by four.
+fn cube_root<B: Number>(part: B) -> B {
+    let mut root = part.sqrt();
+    for _ in 0..6 {
+        root = (part * root).sqrt().sqrt();
+    }
+    root
 }

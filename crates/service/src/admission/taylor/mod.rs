@@ -88,6 +88,11 @@ impl<B: Arithmetic> ModelLine<B> {
     pub fn at(self, t: B) -> B {
         self.constant + self.slope * t
     }
+
+    /// Largest size, to a few roundings.
+    pub fn magnitude(self) -> B {
+        self.constant.abs() + self.slope.abs() + self.error
+    }
 }
 
 impl<N: Enclose> TaylorModel<N> {
@@ -133,7 +138,7 @@ impl<N: Enclose> TaylorModel<N> {
     }
 
     /// The same, with results that are rough.
-    pub(super) fn made_rough(self) -> Self {
+    pub fn made_rough(self) -> Self {
         Self {
             error: <Middle<N>>::marked(self.error),
             ..self

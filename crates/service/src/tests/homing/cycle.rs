@@ -32,7 +32,7 @@ fn before_it_is_homed_a_machine_plays_nothing() {
     machine.bench.done(Command::Telemetry { every: 2 });
     for _ in 0..5 {
         let output = machine.tick();
-        assert!(output.enabled);
+        assert!(output.is_on());
     }
     assert_eq!(machine.bench.state(), State::Unhomed);
 }

@@ -16,6 +16,8 @@ fn homes_after_all(machine: &mut Machine<f64>, turned_back: [f64; 3]) {
     machine.defects = [Defect::None; 3];
     machine.bench.done(Command::ClearFault);
     machine.tick();
+    machine.bench.done(Command::Enable);
+    machine.tick();
     let status = machine.bench.status();
     assert_eq!((status.state, status.fault), (State::Unhomed, None));
     assert_eq!(status.end, None);
@@ -88,7 +90,7 @@ fn each_fault_names_its_motor() {
             machine.bench.done(Command::Home);
             machine.until(State::Fault);
             let output = *machine.bench.service.foreground.output();
-            assert!(!output.enabled);
+            assert!(!output.is_on());
             let status = machine.bench.status();
             let fault = status.fault.expect("it is latched");
             assert_eq!(

@@ -131,6 +131,8 @@ proptest! {
         }
         machine.bench.ask(Command::ClearFault);
         machine.tick();
+        machine.bench.ask(Command::Enable);
+        machine.tick();
         let stopped = machine.bench.service.foreground.state();
         prop_assert!(stopped.is_at_rest(), "{stopped:?}");
         // Wherever that is, it is not far behind a switch.

@@ -21,7 +21,7 @@ pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
 #[cfg(drive = "bldc")]
 compile_error!("drive.kind = \"bldc\": the firmware for the RP2040 drives steppers or nothing");
 
-#[cfg(any(drive = "odrive", drive = "moteus"))]
+#[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
 compile_error!("drive.kind = \"can\": the RP2040 has no CAN controller");
 
 use rp2040_hal::gpio::bank0::{Gpio6, Gpio7, Gpio8, Gpio9, Gpio10, Gpio11, Gpio12};

@@ -1,37 +1,88 @@
-//! Drives on the CAN bus: CAN1 carries a frame for each of them in a tick.
+//! Drives on the CAN bus: CAN1 carries a frame to each of them in a tick, and an interrupt takes every frame from them.
 
-use super::DriveParts;
-use super::controller::Controller;
+use super::controller::{Controller, LOST};
+use super::{DriveParts, StepTimer};
+use core::sync::atomic::Ordering;
+use heapless::spsc::Queue;
 use stm32f4xx_hal::rcc::Rcc;
+use trirrr_app::inputs::Angle;
+use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
-use trirrr_app::scene::drive::{BIT_RATE_HZ, NODES, RATE_RAD_S, ROTORS, TORQUE_NM};
-use trirrr_drives::can::{BitTiming, CanDrives, Odrive, RotorScale};
+use trirrr_app::scene::drive::{BIT_RATE_HZ, FILTERS, HEARD, NODES, PROTOCOL, Protocol, ROTORS};
+use trirrr_app::{Output, Readings};
+use trirrr_drives::can::{BitTiming, CanDrives, ClassicFrame};
+use trirrr_drives::{Failure, ObeyingDrives};
+use trirrr_protocol::message::Clock;
 
 /// Drives, as the tick sees them.
-pub(crate) type OdriveDrives = CanDrives<Scalar, Odrive, Controller>;
-
-const fn scale((gear_ratio, reversed, zero_rad): (f64, bool, f64)) -> RotorScale {
-    RotorScale::new(gear_ratio, reversed, zero_rad, RATE_RAD_S, TORQUE_NM)
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one of them, for as long as the board runs"
+)]
+pub(crate) enum BusDrives {
+    /// On their bus.
+    Real(CanDrives<Scalar, Protocol, Controller>),
+    /// Of an emulated board, which has no bus.
+    Emulated(ObeyingDrives<Scalar>),
 }
 
-const SCALES: [RotorScale; 3] = [scale(ROTORS[0]), scale(ROTORS[1]), scale(ROTORS[2])];
+impl Outputs for BusDrives {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        match self {
+            Self::Real(drives) => drives.measure(),
+            Self::Emulated(drives) => drives.measure(),
+        }
+    }
 
-/// Builds the drives on their bus. An emulated board has no bus.
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        match self {
+            Self::Real(drives) => drives.apply(output),
+            Self::Emulated(drives) => {
+                drives.apply(output);
+                Ok(())
+            }
+        }
+    }
+
+    fn shift(&mut self, by: [Angle; 3]) {
+        match self {
+            Self::Real(drives) => drives.shift(by),
+            Self::Emulated(drives) => drives.shift(by),
+        }
+    }
+}
+
+/// Queue of the frames that came in: a tick's, and the place that stays empty.
+pub(crate) type Inbox = Queue<ClassicFrame, { HEARD as usize + 1 }>;
+
+/// Builds the drives on their bus, or those of an emulated board. A board without its crystal takes no part, for its bits
+/// would be too long or too short.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (OdriveDrives, ()) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, StepTimer) {
     let _ = (
         parts.pb8.into_alternate::<9>().internal_pull_up(true),
         parts.pb9.into_alternate::<9>(),
     );
-    let controller = match parts.is_emulated {
-        true => Controller::absent(parts.can1),
-        false => Controller::start(
-            parts.can1,
-            rcc,
-            BitTiming::new(parts.clocks.apb1, BIT_RATE_HZ),
-        ),
+    let (frames, inbox) = parts.inbox.split();
+    let timing = match parts.clock {
+        Clock::Crystal => BitTiming::new(parts.clocks.apb1, BIT_RATE_HZ),
+        _ => None,
     };
-    let drives = CanDrives::new(Odrive, controller, NODES, SCALES, parts.angles);
-    (drives, ())
+    if parts.clock == Clock::Emulated {
+        return (BusDrives::Emulated(ObeyingDrives::new(parts.angles)), ());
+    }
+    let controller = Controller::start(parts.can1, rcc, timing, &FILTERS, frames, inbox);
+    let drives = CanDrives::new(PROTOCOL, controller, NODES, ROTORS, parts.angles, HEARD);
+    (BusDrives::Real(drives), ())
+}
+
+/// Logs frames that were lost since the last call, which the queue has room for.
+pub(crate) fn report() {
+    let lost = LOST.swap(0, Ordering::Relaxed);
+    if lost > 0 {
+        defmt::error!("{=u32} frames from the bus were lost", lost);
+    }
 }

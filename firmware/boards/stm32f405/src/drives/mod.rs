@@ -4,16 +4,16 @@
 //! |---|---|---|
 //! | stepper | step PC0 to PC2, direction PC3 to PC5, enable PB12 | TIM7: a slot |
 //! | bldc | PWM PC6 to PC8, direction PC3 to PC5, enable PB12 | TIM3: PWM at 20 kHz |
-//! | can | PB8 receive, PB9 transmit | CAN1 |
+//! | can | PB8 receive, PB9 transmit | CAN1: an interrupt for each frame |
 //!
 //! Motors 1 to 3 have the pins in this order. All timers are on APB1. An image holds the drive that its scene
 //! names, or none.
 
 #[cfg(drive = "bldc")]
 mod bldc;
-#[cfg(drive = "odrive")]
+#[cfg(any(drive = "odrive", drive = "mit"))]
 mod can;
-#[cfg(drive = "odrive")]
+#[cfg(any(drive = "odrive", drive = "mit"))]
 mod controller;
 #[cfg(drive = "none")]
 mod none;
@@ -22,8 +22,8 @@ mod stepper;
 
 #[cfg(drive = "bldc")]
 pub(super) use bldc::{BldcDrives as Drives, build};
-#[cfg(drive = "odrive")]
-pub(super) use can::{OdriveDrives as Drives, build};
+#[cfg(any(drive = "odrive", drive = "mit"))]
+pub(super) use can::{BusDrives as Drives, Inbox, build, report};
 #[cfg(drive = "stepper")]
 pub(super) use stepper::{CheckedSteppers as Drives, StepTimer, build};
 #[cfg(not(drive = "stepper"))]
@@ -41,6 +41,8 @@ use crate::clock::Clocks;
 use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
 use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
 use trirrr_app::inputs::Angle;
+#[cfg(any(drive = "odrive", drive = "mit"))]
+use trirrr_protocol::message::Clock;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
@@ -55,8 +57,12 @@ pub(super) struct DriveParts {
     pub(super) can1: CAN1,
     /// Rates of the clocks.
     pub(super) clocks: Clocks,
-    /// An emulator runs this image.
-    pub(super) is_emulated: bool,
+    /// Source of the clocks.
+    #[cfg(any(drive = "odrive", drive = "mit"))]
+    pub(super) clock: Clock,
+    /// Queue of the frames that came in.
+    #[cfg(any(drive = "odrive", drive = "mit"))]
+    pub(super) inbox: &'static mut Inbox,
     /// Joint angles at the start.
     pub(super) angles: [Angle; 3],
 }

@@ -31,7 +31,7 @@ pub(crate) struct CheckedSteppers {
 impl Outputs for CheckedSteppers {
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        if output.enabled && !self.runs {
+        if output.is_on() && !self.runs {
             return Err(too_slow());
         }
         self.steppers.apply(output)

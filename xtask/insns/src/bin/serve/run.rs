@@ -134,6 +134,13 @@ pub(crate) fn run() -> ! {
         schema: SETTINGS.scene.schema,
         scene: 0,
     }));
+    host.done(Command::Enable);
+    while matches!(
+        ticking.foreground.state(),
+        State::Disabled | State::Enabling
+    ) {
+        count(black_box(tick), &mut ticking);
+    }
     println!("empty {}", count(black_box(empty), &mut ticking));
 
     #[cfg(homing)]

@@ -1,10 +1,12 @@
 //! Least times of seven problems, computed by convex optimisation (`min_time.csv`).
 
+use crate::judge::excess;
+use crate::problems::{Problem, from_outline, machine, path, problems};
 use nalgebra::Vector2;
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::machine::{LinkParameters, Parameters, example};
+use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Dynamic, Model};
-use trirrr_core::setpoint::{Ends, Pose, Quintics};
+use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, Massive, Massless};
 use trirrr_core::torque::payload::Centred;
@@ -13,28 +15,8 @@ use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::{Effort, PathPiece, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
-use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_service::Ramp;
-use trirrr_service::admission::{Admission, Verdict};
-
-fn machine(links: bool) -> Parameters {
-    let mut parameters = example();
-    if links {
-        for leg in &mut parameters.legs {
-            for (link, length) in [
-                (&mut leg.proximal, leg.proximal_m),
-                (&mut leg.distal, leg.distal_m),
-            ] {
-                *link = LinkParameters {
-                    mass_kg: 0.05,
-                    com_m: 0.5 * length,
-                    inertia_kgm2: 0.05 * length * length / 12.0,
-                };
-            }
-        }
-    }
-    parameters
-}
+use trirrr_service::admission::Admission;
 
 /// Ticks of 1 ms, and tolerances of 10 um and 0.1 mrad.
 const SAMPLING: Sampling = Sampling {
@@ -42,6 +24,7 @@ const SAMPLING: Sampling = Sampling {
     tolerance_m: 1e-5,
     tolerance_rad: 1e-4,
     resolution_m: f64::EPSILON,
+    resolution_rad: f64::EPSILON,
     ticks_min: 1,
 };
 
@@ -73,27 +56,7 @@ fn planned<M: Model<N = f64>>(
     )
     .expect("a machine");
     let mut judged = |each: &PlannedMove| {
-        let Ends {
-            from,
-            to,
-            velocities,
-            accelerations,
-        } = each.ends;
-        let [start_velocity, end_velocity] = velocities.map(Into::into);
-        let common = Move {
-            start_velocity,
-            end_velocity,
-            ..Move::rest_to_rest(0, from, to, each.ticks)
-        };
-        assert!(admission.offer_any(&AnyMove::new(common, accelerations)));
-        loop {
-            if let Some(violation) = admission.violation() {
-                return Judged::Exceeded(violation.value / violation.limit - 1.0);
-            }
-            if admission.step() == Verdict::Admitted {
-                return Judged::Kept;
-            }
-        }
+        excess(&mut admission, &each.ends, each.ticks).map_or(Judged::Kept, Judged::Exceeded)
     };
     plan_moves(&planner, pieces, Effort::default(), SAMPLING, |moves| {
         moves.iter().map(&mut judged).collect()
@@ -102,107 +65,6 @@ fn planned<M: Model<N = f64>>(
 
 type WithLinks = Dynamic<f64, Centred<f64>, Massive<f64, Horizontal>>;
 type WithoutLinks = Dynamic<f64, Centred<f64>, Massless>;
-
-fn outline() -> Vec<Piece<f64>> {
-    let mut at = Pose::from_f64(0.25, 0.245, 0.4);
-    let mut pieces = Vec::new();
-    let line = |at: &mut Pose<f64>, x: f64, y: f64| {
-        let to = Pose::from_f64(x, y, 0.4);
-        let piece = Piece::line(*at, to);
-        *at = to;
-        piece
-    };
-    let quarter = core::f64::consts::FRAC_PI_2;
-    let (x0, x1, y0, y1, r) = (0.18, 0.32, 0.245, 0.335, 0.02);
-    pieces.push(line(&mut at, x1 - r, y0));
-    for (centre, to) in [
-        ((x1 - r, y0 + r), Some((x1, y1 - r))),
-        ((x1 - r, y1 - r), Some((x0 + r, y1))),
-        ((x0 + r, y1 - r), Some((x0, y0 + r))),
-        ((x0 + r, y0 + r), Some((0.25, y0))),
-    ] {
-        let arc = Piece::arc(at, Vector2::new(centre.0, centre.1), quarter, 0.4);
-        at = arc.end();
-        pieces.push(arc);
-        if let Some((x, y)) = to {
-            pieces.push(line(&mut at, x, y));
-        }
-    }
-    pieces
-}
-
-fn circle(x: f64, y: f64, radius: f64, from: f64, alpha: f64) -> Vec<Piece<f64>> {
-    let (sin, cos) = from.sin_cos();
-    let start = Pose::from_f64(x + radius * cos, y + radius * sin, alpha);
-    vec![Piece::arc(
-        start,
-        Vector2::new(x, y),
-        core::f64::consts::TAU,
-        alpha,
-    )]
-}
-
-fn path(problem: &str) -> Vec<Piece<f64>> {
-    use core::f64::consts::{FRAC_PI_2, PI};
-    let pose = Pose::from_f64;
-    match problem {
-        "thesis_line_torque" | "thesis_line_all" => vec![Piece::line(
-            pose(0.21, 0.22, PI / 20.0),
-            pose(0.28, 0.28, PI / 15.0),
-        )],
-        "circle_torque" => circle(0.25, 0.29, 0.05, 0.0, 0.4),
-        "circle_feed" => circle(0.25, 0.29, 0.025, -FRAC_PI_2, 0.3),
-        "bezier_rate" => vec![Piece::bezier([
-            pose(0.2, 0.25, 0.2),
-            pose(0.2, 0.35, 0.2),
-            pose(0.3, 0.2, 0.5),
-            pose(0.3, 0.32, 0.5),
-        ])],
-        "outline_torque" | "outline_feed" => outline(),
-        other => panic!("unknown problem {other}"),
-    }
-}
-
-/// A problem of the file.
-struct Problem {
-    name: String,
-    links: bool,
-    limits: LimitParameters,
-    feed_m_s: Option<f64>,
-    time_s: f64,
-}
-
-fn problems() -> Vec<Problem> {
-    let read = |line: &str| {
-        // The path is quoted and has commas.
-        let (name, rest) = line.split_once(',').expect("a name");
-        let (links, rest) = rest.split_once(',').expect("links");
-        let (_, numbers) = rest.rsplit_once("\",").expect("a quoted path");
-        let numbers: Vec<Option<f64>> = numbers.split(',').map(|n| n.parse().ok()).collect();
-        let [torque, rate, acceleration, feed_m_s, time_s] = numbers[..] else {
-            panic!("{line}");
-        };
-        Problem {
-            name: name.into(),
-            links: links == "1",
-            limits: LimitParameters {
-                rate_rad_s: rate.map(|limit| [limit; 3]),
-                acceleration_rad_s2: acceleration.map(|limit| [limit; 3]),
-                torque_nm: torque.map(|limit| [limit; 3]),
-                ..LimitParameters::default()
-            },
-            feed_m_s,
-            time_s: time_s.expect("a time"),
-        }
-    };
-    let problems: Vec<Problem> = include_str!("min_time.csv")
-        .lines()
-        .skip(1)
-        .map(read)
-        .collect();
-    assert_eq!(problems.len(), 7);
-    problems
-}
 
 /// The least times of the file are good to 3e-5 of themselves.
 #[test]
@@ -243,6 +105,49 @@ fn the_bracket_holds_the_least_times_and_moves_come_near() {
             let accelerations = [before, after].map(|ends| ends.accelerations.expect("quintics"));
             assert_eq!(accelerations[0][1], accelerations[1][0]);
         }
+    }
+}
+
+/// Ticks of the moves of a problem with this limit of jerk.
+fn ticks_with_jerk(problem: &Problem, jerk: Option<f64>) -> u64 {
+    let pieces = path_pieces(&path(&problem.name), problem.feed_m_s);
+    let parameters = machine(problem.links);
+    let limits = LimitParameters {
+        jerk_rad_s3: jerk.map(|jerk| [jerk; 3]),
+        ..problem.limits
+    };
+    let planned = match problem.links {
+        true => planned::<WithLinks>(&parameters, &limits, &pieces),
+        false => planned::<WithoutLinks>(&parameters, &limits, &pieces),
+    };
+    let planned = planned.unwrap_or_else(|refusal| panic!("{}: {refusal:?}", problem.name));
+    planned.ticks()
+}
+
+/// A limit of jerk that hardly acts costs what its smoothing takes, and a narrow one more.
+#[test]
+fn a_limit_of_jerk_costs_time() {
+    let problem = &problems()[1];
+    let without = ticks_with_jerk(problem, None);
+    let [wide, narrow] = [10_000.0, 1000.0].map(|jerk| ticks_with_jerk(problem, Some(jerk)));
+    println!("{without} ticks, {wide} and {narrow} with limits of jerk");
+    assert!(wide > without && wide <= without + 8, "{wide} {without}");
+    assert!(
+        narrow > wide && narrow as f64 <= 1.06 * without as f64,
+        "{narrow} {without}"
+    );
+}
+
+#[test]
+#[ignore = "prints a table of docs/planning.md"]
+fn times_with_limits_of_jerk() {
+    for problem in problems() {
+        let limits = [None, Some(10_000.0), Some(3000.0), Some(1000.0)];
+        let times = limits.map(|jerk| {
+            let ticks = ticks_with_jerk(&problem, jerk);
+            format!("{:.3}", ticks as f64 * SAMPLING.period_s)
+        });
+        println!("{:20} {}", problem.name, times.join(" "));
     }
 }
 
@@ -291,14 +196,6 @@ fn moves_keep_limits_and_path() {
     assert!(step <= 1e-9 * 0.3, "{step}");
     assert!(worst <= 1.0 && worst > 0.99, "{worst}");
     assert!(away <= SAMPLING.tolerance_m && away > 0.0, "{away}");
-}
-
-/// Distance from the outline: the rectangle shrunk by the radius of its corners, plus that radius.
-fn from_outline(at: Vector2<f64>) -> f64 {
-    let (centre, half, radius) = (Vector2::new(0.25, 0.29), Vector2::new(0.05, 0.025), 0.02);
-    let off = (at - centre).abs() - half;
-    let outside = off.x.max(0.0).hypot(off.y.max(0.0)) + off.x.max(off.y).min(0.0);
-    (outside - radius).abs()
 }
 
 /// An L with a corner: a stop, or a curve within the tolerance that is faster.

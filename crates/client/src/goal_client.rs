@@ -1,0 +1,299 @@
+//! Sends a machine to goals: the newest goal that is wanted, as soon as the machine takes one.
+
+use crate::describe::{self, Units};
+use crate::exchange::{Exchange, Patience, Turn};
+use crate::job_client::UserCommand;
+use std::collections::VecDeque;
+use std::time::Duration;
+use trirrr_protocol::message::{
+    Acting, Command, Event, Fault, Goal, Hello, Identity, Message, NotEnabled, Refusal, Reply,
+    Request, State, Status, Transmit, Violation,
+};
+
+/// Time from one status to the next.
+const STATUS_EVERY: Duration = Duration::from_millis(20);
+
+/// Time until a request is made again that the machine did not take yet.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// Next act of the owner of the port.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GoalAction<N: Transmit> {
+    /// Send this to the machine.
+    Send(Request<N>),
+    /// Listen; unless something comes, there is nothing to do before this time.
+    Wait(Duration),
+    /// The machine does not answer: open the port anew and call [`GoalClient::reconnected`], or give up.
+    Lost,
+    /// The machine stands at the last goal, or why not.
+    Finished(Result<(), GoalFailure<N>>),
+}
+
+/// Reason why a machine goes to no goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GoalFailure<N: Transmit> {
+    /// The machine has to be homed or recovered first.
+    State(State),
+    /// A command was refused.
+    Refused(Refusal<N>),
+    /// A fault is latched.
+    Fault(Fault<N>),
+    /// The drives were not switched on.
+    NotEnabled(NotEnabled<N>),
+    /// The machine stopped, and dropped the goal.
+    Stopped(Acting),
+}
+
+/// Client that sends a machine to goals, without a port and a clock of its own.
+#[derive(Clone, Debug)]
+pub struct GoalClient<N: Transmit> {
+    exchange: Exchange<N>,
+    hello: Hello,
+    identity: Option<Identity>,
+    status: Option<Status<N>>,
+    /// The newest goal that the machine has not taken.
+    wanted: Option<Goal<N>>,
+    orders: VecDeque<UserCommand>,
+    /// There is no other goal behind the one that is wanted.
+    is_last: bool,
+    /// A goal was taken since the machine stood.
+    is_under_way: bool,
+    /// Violation by which the last goal was refused.
+    refused: Option<Violation<N>>,
+    look: Duration,
+    pause: Duration,
+    greeted: bool,
+    /// The client has enabled the machine.
+    is_enabled: bool,
+    result: Option<Result<(), GoalFailure<N>>>,
+}
+
+impl<N: Transmit> GoalFailure<N> {
+    /// Describes the failure in words and the machine's `units`.
+    pub fn describe(&self, units: &Units) -> String {
+        match self {
+            Self::State(state) => format!(
+                "the machine is not free: {}",
+                describe::state(*state, Acting::Nothing)
+            ),
+            Self::Refused(refusal) => describe::refusal(refusal, 0, units),
+            Self::Fault(fault) => describe::fault(fault, units),
+            Self::NotEnabled(why) => format!("not enabled: {}", describe::not_enabled(why)),
+            Self::Stopped(acting) => format!(
+                "the machine has stopped: {}",
+                describe::state(State::Idle, *acting)
+            ),
+        }
+    }
+}
+
+impl<N: Transmit> GoalClient<N> {
+    /// Creates the client of a machine that is what `hello` says. Another conversation with the machine should have another
+    /// number `conversation`.
+    pub fn new(hello: Hello, patience: Patience, conversation: u32) -> Self {
+        Self {
+            exchange: Exchange::new(patience, conversation),
+            hello,
+            identity: None,
+            status: None,
+            wanted: None,
+            orders: VecDeque::new(),
+            is_last: false,
+            is_under_way: false,
+            refused: None,
+            look: Duration::ZERO,
+            pause: Duration::ZERO,
+            greeted: false,
+            is_enabled: false,
+            result: None,
+        }
+    }
+
+    /// Wants a goal, in place of one that the machine has not taken.
+    pub fn aim(&mut self, goal: Goal<N>) {
+        self.wanted = Some(goal);
+        self.is_under_way = true;
+    }
+
+    /// Says that no other goal follows: the client has finished once the machine stands.
+    pub fn finish(&mut self) {
+        self.is_last = true;
+    }
+
+    /// Takes a command of the user. The command goes before the goal. A stop drops it.
+    pub fn command(&mut self, command: UserCommand) {
+        if matches!(command, UserCommand::Stop | UserCommand::Disable) {
+            self.wanted = None;
+        }
+        self.orders.push_back(command);
+    }
+
+    /// Returns the identity of the machine that answered.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// Returns the last status.
+    pub fn status(&self) -> Option<&Status<N>> {
+        self.status.as_ref()
+    }
+
+    /// Returns true while the machine has not taken the goal that is wanted.
+    pub fn is_wanting(&self) -> bool {
+        self.wanted.is_some()
+    }
+
+    /// Takes the limit out that keeps the machine from the last goal.
+    pub fn take_refused(&mut self) -> Option<Violation<N>> {
+        self.refused.take()
+    }
+
+    /// Begins the conversation again on a port that was opened anew.
+    pub fn reconnected(&mut self) {
+        self.greeted = false;
+        self.exchange.forget();
+    }
+
+    /// Returns the next act at `now`, counted from any start and never going back.
+    pub fn poll(&mut self, now: Duration) -> GoalAction<N> {
+        loop {
+            if let Some(result) = self.result {
+                return GoalAction::Finished(result);
+            }
+            match self.exchange.poll(now) {
+                Turn::Send(request) => return GoalAction::Send(request),
+                Turn::Wait(until) => return GoalAction::Wait(until),
+                Turn::Silent => return GoalAction::Lost,
+                Turn::Free if !self.greeted => self.exchange.greet(self.hello, now),
+                Turn::Free => match self.next(now) {
+                    Some(command) => self.exchange.ask(command, now),
+                    None if self.result.is_some() => {}
+                    None => return GoalAction::Wait(self.look),
+                },
+            }
+        }
+    }
+
+    /// The next command, if there is something to say at `now`.
+    fn next(&mut self, now: Duration) -> Option<Command<N>> {
+        let Some(status) = self.status.filter(|_| now < self.look) else {
+            return Some(Command::Status);
+        };
+        if let Some(order) = self.orders.pop_front() {
+            return Some(order.into());
+        }
+        if now < self.pause {
+            return None;
+        }
+        match status.state {
+            State::Disabled if !self.is_enabled => return Some(Command::Enable),
+            State::Disabled | State::Enabling | State::Disabling => return None,
+            _ => {}
+        }
+        let waits = status.state == State::Idle && status.next != status.done;
+        if waits && !status.planning && status.admitted == status.next {
+            return Some(Command::Start);
+        }
+        if let Some(goal) = self.wanted.filter(|_| !status.planning) {
+            return Some(Command::Retarget(goal));
+        }
+        let stands = status.state == State::Idle && status.next == status.done;
+        if stands && !status.planning && self.wanted.is_none() {
+            self.is_under_way = false;
+            if self.is_last {
+                self.result = Some(Ok(()));
+            }
+        }
+        None
+    }
+
+    /// Takes a message of the machine.
+    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+        if let Message::Event(Event::State { .. } | Event::Fault(_)) = message {
+            self.look = self.look.min(now);
+            return;
+        }
+        let Some((command, reply)) = self.exchange.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(identity) => {
+                self.greeted = true;
+                self.identity = Some(identity);
+                self.look = now;
+            }
+            Reply::Status(status) => self.on_status(status, now),
+            Reply::Done => {
+                if let Command::Retarget(goal) = command
+                    && self.wanted == Some(goal)
+                {
+                    self.wanted = None;
+                }
+                self.is_enabled |= command == Command::Enable;
+                // What it changes, the next status says.
+                self.look = now;
+            }
+            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
+            Reply::Section(_) => {}
+        }
+    }
+
+    fn on_status(&mut self, status: Status<N>, now: Duration) {
+        self.look = now + STATUS_EVERY;
+        let before = self.status.replace(status);
+        if let Some(fault) = status.fault {
+            self.result = Some(Err(GoalFailure::Fault(fault)));
+            return;
+        }
+        let is_off = status.state == State::Disabled && self.is_enabled;
+        let is_busy = matches!(
+            status.state,
+            State::Unhomed | State::Homing | State::Cleared | State::Recovering
+        );
+        if is_off || is_busy {
+            let state = GoalFailure::State(status.state);
+            let why = status.not_enabled.filter(|_| is_off);
+            self.result = Some(Err(why.map_or(state, GoalFailure::NotEnabled)));
+            return;
+        }
+        // Each offer forgets the refusal before it.
+        let is_known = before.is_some_and(|before| before.refused == status.refused);
+        if let Some(verdict) = status.refused.filter(|_| !is_known) {
+            self.refused = verdict.violation;
+        }
+        let stopped = matches!(status.acting, Acting::Stop | Acting::Silence);
+        let was_moving = before.is_some_and(|before| before.state != State::Idle);
+        if status.state == State::Idle && stopped && was_moving && self.is_last {
+            self.result = Some(Err(GoalFailure::Stopped(status.acting)));
+        }
+    }
+
+    fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        match (command, refusal) {
+            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                self.greeted = false;
+            }
+            // Not yet.
+            (
+                _,
+                Refusal::Busy
+                | Refusal::Retargeting
+                | Refusal::PathUnderWay
+                | Refusal::QueueFull
+                | Refusal::Undecided
+                | Refusal::NothingQueued
+                | Refusal::EndsMoving
+                | Refusal::State(State::Stopping),
+            ) => {
+                self.pause = now + PAUSE;
+                self.look = self.pause;
+            }
+            // The user's command came too late or too early.
+            (
+                Command::Hold | Command::Resume | Command::Start | Command::Enable,
+                Refusal::State(_),
+            ) => {}
+            (_, refusal) => self.result = Some(Err(GoalFailure::Refused(refusal))),
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Drives on a bus: the code of an image against state machines from the makers' documents, with faults.
+
+mod bench;
+mod faults;
+mod sequence;
+mod service;
+mod traffic;

@@ -1,0 +1,153 @@
+//! Change-over to a chain of moves, in the middle of a move.
+
+use super::super::handoff::{Ahead, QueuedMove};
+use super::super::pace::{Room, RoomCount};
+use super::super::scene::Scene;
+use super::super::splice::{CutOrder, Optional, Place, SpliceOrder};
+use super::{Foreground, Path};
+use crate::number::ServiceNumber;
+use trirrr_protocol::message::State;
+
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+    /// Drops moves that were cut, one of each queue, and takes an order.
+    #[inline]
+    pub(super) fn take_splice(&mut self) {
+        let Some(splices) = self.splices.get_mut() else {
+            return;
+        };
+        let order = splices.take_order();
+        if splices.hides_queue {
+            match self.moves.peek() {
+                Some(next) if next.generation != self.generation => self.moves.discard(),
+                _ => splices.hides_queue = false,
+            }
+        }
+        if let Some(order) = order {
+            self.obey_splice(order);
+        }
+    }
+
+    #[inline(never)]
+    fn obey_splice(&mut self, order: SpliceOrder) {
+        self.unreported = true;
+        let SpliceOrder::Cut(cut) = order else {
+            return;
+        };
+        let accepted = self.is_in_time(&cut);
+        if let Some(splices) = self.splices.get_mut() {
+            splices.accept(cut, accepted);
+        }
+        if accepted {
+            // From now on the path leads into the chain: what counts is the room there.
+            self.passed = RoomCount::NOTHING;
+            self.part.end = self.clip(self.part.end);
+        }
+    }
+
+    /// Returns true if the cut is still ahead, and the path can come to rest on the chain.
+    fn is_in_time(&self, cut: &CutOrder) -> bool {
+        let moves = matches!(self.state, State::Running | State::Slowing | State::Holding);
+        let is_first = self
+            .splices
+            .get()
+            .is_some_and(|all| all.pending().is_none());
+        let Place { number, tick } = cut.at;
+        let is_ahead = match number.wrapping_sub(self.number()) as i32 {
+            0 => self.position.tick < tick,
+            later => later > 0,
+        };
+        let rests = || cut.ahead.rests_from(cut.first);
+        let stops = || {
+            let room = |x: usize| Room::NONE.left(&cut.ahead.room, x);
+            let part = self.position.part;
+            self.feed.can_stop(self.feed.steady(), part, room)
+        };
+        moves
+            && is_first
+            && is_ahead
+            && self.path == Path::Move
+            && cut.generation == self.generation
+            && (rests() || stops())
+    }
+
+    /// Number of the move under way, or of the last one.
+    #[inline]
+    fn number(&self) -> u32 {
+        self.begun.wrapping_sub(1)
+    }
+
+    /// A tick of the move under way, or that of the cut where it comes first.
+    #[inline]
+    pub(super) fn clip(&self, tick: u32) -> u32 {
+        match self.splices.get() {
+            Some(splices) => splices.clip(self.number(), tick),
+            None => tick,
+        }
+    }
+
+    /// Returns true while a cut is ahead: then only the room of its chain is counted.
+    #[inline]
+    pub(super) fn is_cut_ahead(&self) -> bool {
+        self.splices
+            .get()
+            .is_some_and(|all| all.pending().is_some())
+    }
+
+    /// Changes over to the chain where the move under way is cut. Returns false if it is not.
+    #[inline]
+    pub(super) fn change_to_chain(&mut self) -> bool {
+        let number = self.number();
+        let Some(splices) = self.splices.get_mut() else {
+            return false;
+        };
+        if !splices.cuts(number) {
+            return false;
+        }
+        if let Some(at) = splices.cut() {
+            self.begin_chain(at.tick);
+        }
+        true
+    }
+
+    #[inline(never)]
+    fn begin_chain(&mut self, tick: u32) {
+        self.generation = self.generation.wrapping_add(1);
+        // The part of a tick goes on.
+        self.position.tick = self.position.tick.saturating_sub(tick);
+        self.begin_next();
+        self.done = self.number();
+        self.unreported = true;
+    }
+
+    /// The move that follows the one under way.
+    #[inline]
+    pub(super) fn next_move(&self) -> Option<&QueuedMove<N, S::Curves>> {
+        let Some(splices) = self.splices.get() else {
+            return self.moves.peek();
+        };
+        match splices.peek(self.number()) {
+            None if !splices.hides_queue => self.moves.peek(),
+            next => next,
+        }
+    }
+
+    /// The same, taken out.
+    #[inline]
+    pub(super) fn receive_move(&mut self) -> Option<QueuedMove<N, S::Curves>> {
+        let Some(splices) = self.splices.get_mut() else {
+            return self.moves.receive();
+        };
+        match splices.receive() {
+            None if !splices.hides_queue => self.moves.receive(),
+            next => next,
+        }
+    }
+
+    /// Account of what is admitted.
+    #[inline]
+    pub(super) fn ahead(&self) -> Ahead {
+        let own = self.splices.get();
+        own.and_then(|splices| splices.ahead(self.generation))
+            .unwrap_or_else(|| self.shared.ahead())
+    }
+}

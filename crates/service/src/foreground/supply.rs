@@ -1,0 +1,313 @@
+//! Switching the drives on and off, with the times that they and the brake take.
+
+use super::output::Power;
+use super::{Foreground, Target};
+use crate::feedback::EnableProgress;
+use crate::homing::Homing;
+use crate::number::ServiceNumber;
+use crate::scene::Scene;
+use crate::settings::{PowerTimes, Reactions, StopCategory};
+use crate::splice::Optional;
+use trirrr_protocol::message::{Acting, DriveState, FaultCode, State};
+
+/// Progress of switching on or off.
+pub(super) struct Supply {
+    times: PowerTimes,
+    phase: EnablePhase,
+    /// Ticks until the state that follows.
+    countdown: u16,
+    /// The machine comes to rest to be switched off.
+    ends: bool,
+    reactions: Reactions,
+    /// Stop of the fault that is latched.
+    category: StopCategory,
+    /// A fault was latched, or motors were moved one by one: the pose of the platform is not known.
+    lost: bool,
+}
+
+/// Phase in which a machine is enabled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum EnablePhase {
+    /// The drives tell where they are,
+    Check,
+    /// the background finds the pose,
+    Place,
+    /// the drives go on,
+    Close,
+    /// and are on.
+    Done,
+}
+
+impl Supply {
+    pub(super) fn new(times: PowerTimes, reactions: Reactions) -> Self {
+        Self {
+            times,
+            phase: EnablePhase::Done,
+            countdown: 0,
+            ends: false,
+            reactions,
+            category: StopCategory::Off,
+            lost: false,
+        }
+    }
+
+    /// Stop at this fault.
+    pub(super) fn reaction(&self, code: FaultCode) -> StopCategory {
+        self.reactions.to(code)
+    }
+
+    /// The drives go off by a fault.
+    pub(super) fn fail(&mut self) {
+        self.ends = false;
+        self.lost = true;
+    }
+
+    /// The pose of the platform is known, or is not.
+    pub(super) fn set_lost(&mut self, lost: bool) {
+        self.lost = lost;
+    }
+}
+
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+    /// Switches the drives on: at once, or, if they tell where they are, once they have told it.
+    pub(super) fn enable(&mut self) {
+        if self.state != State::Disabled {
+            return;
+        }
+        self.supply.countdown = self.supply.times.enable_ticks();
+        self.output.power = Power::On;
+        if let Some(watch) = self.feedback.get_mut().filter(|watch| watch.measures()) {
+            watch.begin();
+            self.supply.phase = EnablePhase::Check;
+            self.output.power = Power::Check;
+        }
+        self.transition_to(State::Enabling, Acting::Nothing);
+    }
+
+    /// Comes to rest, then switches the drives off.
+    pub(super) fn disable(&mut self) {
+        match self.state {
+            State::Disabled | State::Disabling | State::Reacting => {}
+            State::Fault if !self.output.is_on() => {}
+            // The drives hold after a fault: they go off, and the fault stays.
+            State::Fault => {
+                self.supply.category = StopCategory::StopThenOff;
+                self.transition_to(State::Reacting, self.acting);
+                self.end_reaction();
+            }
+            State::Idle | State::Cleared | State::Unhomed | State::Enabling => {
+                self.begin_disabling(Acting::Nothing);
+            }
+            _ => {
+                self.supply.ends = true;
+                self.stop();
+            }
+        }
+    }
+
+    /// Acknowledges a fault. The drives stay off; in this tick their errors are cleared.
+    pub(super) fn clear_fault(&mut self) {
+        match self.state {
+            State::Fault if self.output.is_on() => {
+                let state = self.ready_state();
+                self.transition_to(state, self.acting);
+            }
+            State::Fault | State::Disabled => {
+                self.supply.countdown = 1;
+                self.transition_to(State::Disabled, self.acting);
+            }
+            _ => {}
+        }
+    }
+
+    /// The motion has come to rest for good: `state` follows, unless the machine is to be switched off.
+    pub(super) fn rest_in(&mut self, state: State, acting: Acting) {
+        match self.supply.ends {
+            _ if self.state == State::Reacting => self.end_reaction(),
+            true => self.begin_disabling(acting),
+            false => self.transition_to(state, acting),
+        }
+    }
+
+    /// Comes to rest because of a fault, on the path if there is one.
+    pub(super) fn react(&mut self, category: StopCategory) {
+        self.supply.category = category;
+        self.output.tool = N::ZERO;
+        let moves = matches!(
+            self.state,
+            State::Running | State::Slowing | State::Stopping | State::Recovering | State::Homing
+        );
+        self.homing.stop();
+        self.transition_to(State::Reacting, self.acting);
+        if !moves {
+            self.end_reaction();
+        }
+    }
+
+    /// The machine stands after a fault: the brake engages, unless the drives hold it.
+    fn end_reaction(&mut self) {
+        self.drop_queue();
+        self.supply.ends = false;
+        if self.supply.category == StopCategory::StopAndHold {
+            self.transition_to(State::Fault, self.acting);
+            return;
+        }
+        self.engage_brake();
+    }
+
+    fn begin_disabling(&mut self, acting: Acting) {
+        self.drop_queue();
+        self.supply.ends = false;
+        self.engage_brake();
+        self.transition_to(State::Disabling, acting);
+    }
+
+    fn engage_brake(&mut self) {
+        self.supply.countdown = self.supply.times.brake_engage_ticks;
+        self.output.brake_released = false;
+    }
+
+    /// A tick of a machine whose drives are off, go on, or go off.
+    #[inline(never)]
+    pub(super) fn switch(&mut self) -> Target<N> {
+        if self.state == State::Enabling && !self.is_closed() {
+            return self.stand();
+        }
+        let left = self.supply.countdown;
+        let counting = left > 0;
+        self.supply.countdown = left.saturating_sub(1);
+        match self.state {
+            State::Enabling => {
+                let release = self.supply.times.brake_release_ticks;
+                self.output.brake_released = left <= release;
+                if !counting {
+                    let state = self.ready_state();
+                    self.transition_to(state, self.acting);
+                }
+            }
+            State::Disabling | State::Reacting if counting => {}
+            State::Disabling => {
+                self.output.power = Power::Off;
+                self.transition_to(State::Disabled, self.acting);
+            }
+            State::Reacting => {
+                self.output.power = Power::Off;
+                // Without current a motor without an encoder may lose its place.
+                self.supply.lost = true;
+                self.transition_to(State::Fault, self.acting);
+            }
+            _ => {
+                self.output.power = match counting {
+                    true => Power::Clear,
+                    false => Power::Off,
+                };
+            }
+        }
+        self.stand()
+    }
+
+    /// State of a machine that stands with its drives on.
+    fn ready_state(&self) -> State {
+        match (self.homing.is_needed(), self.supply.lost) {
+            (true, _) => State::Unhomed,
+            (false, true) => State::Cleared,
+            (false, false) => State::Idle,
+        }
+    }
+
+    /// Stands where the machine is known to be, or only where its motors are.
+    pub(super) fn stand(&mut self) -> Target<N> {
+        let holds = self.output.is_on() && !self.homing.is_needed() && !self.supply.lost;
+        match holds {
+            true => Target::Setpoint(Self::standing(self.pose)),
+            false => Target::Still,
+        }
+    }
+
+    /// A tick of a machine that is being enabled. Returns true once its drives are on.
+    #[inline]
+    fn is_closed(&mut self) -> bool {
+        let Some(watch) = self.feedback.get_mut().filter(|watch| watch.measures()) else {
+            return true;
+        };
+        let wanted = match self.supply.phase {
+            EnablePhase::Check => DriveState::Off,
+            EnablePhase::Place => return false,
+            EnablePhase::Close => DriveState::On,
+            EnablePhase::Done => return true,
+        };
+        match watch.wait_for(wanted) {
+            EnableProgress::Waiting => {}
+            EnableProgress::Refused => self.give_up(),
+            EnableProgress::Done(angles) if wanted == DriveState::Off => {
+                for (motor, angle) in self.output.motors.iter_mut().zip(angles) {
+                    motor.angle = angle;
+                }
+                self.unreported = true;
+                match self.homing.is_needed() {
+                    true => self.close(),
+                    false => {
+                        watch.ask_for_pose();
+                        self.supply.phase = EnablePhase::Place;
+                    }
+                }
+            }
+            EnableProgress::Done(_) => {
+                watch.forget(&self.output.motors);
+                self.supply.phase = EnablePhase::Done;
+            }
+        }
+        false
+    }
+
+    /// The background has found the pose: the drives close where they are, unless a joint has moved since.
+    pub(super) fn place(&mut self) {
+        let Some(place) = self.recoveries.receive() else {
+            return;
+        };
+        if self.state != State::Enabling || self.supply.phase != EnablePhase::Place {
+            return;
+        }
+        let stands = self
+            .feedback
+            .get_mut()
+            .is_some_and(|watch| watch.stands_at(&self.output.motors));
+        match stands {
+            true => {
+                self.pose = place.to;
+                self.supply.lost = false;
+                self.close();
+            }
+            false => self.give_up(),
+        }
+    }
+
+    fn close(&mut self) {
+        self.supply.phase = EnablePhase::Close;
+        self.output.power = Power::On;
+    }
+
+    /// The machine is not enabled: the drives go off, the brake has not let go.
+    fn give_up(&mut self) {
+        self.output.power = Power::Off;
+        self.supply.countdown = 0;
+        self.transition_to(State::Disabled, self.acting);
+    }
+
+    /// Watches the drives that are on.
+    #[inline]
+    pub(super) fn watch(&mut self) {
+        let is_on = match self.state {
+            State::Enabling => self.supply.phase == EnablePhase::Done,
+            _ => self.output.is_on(),
+        };
+        let Some(watch) = self.feedback.get_mut().filter(|_| is_on) else {
+            return;
+        };
+        // A motor that searches may stand against its stop.
+        let follows = self.state != State::Homing;
+        if let Err(breach) = watch.check(&self.output.motors, follows) {
+            self.latch(breach);
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! Splices: a chain of moves takes the place of what is queued, from a tick within a move on.
+//!
+//! The background plans the chain from the state that the tick will play there, puts it into a queue of its own and orders
+//! the cut. The tick accepts the order while the place is ahead; at the place it changes over to the chain as from one move
+//! to the next. There are two such queues, taken in turn: what is left of the one before is dropped, a move a tick. Behind
+//! the chain the common queue goes on, once what was cut is dropped from it, too.
+
+use crate::handoff::{Ahead, QueuedMove};
+use crate::number::ServiceNumber;
+use crate::offered::PlayedCurves;
+use crate::queue::{Receiver, Sender};
+use crate::scene::Scene;
+use core::fmt::Debug;
+use core::sync::atomic::{AtomicU8, Ordering};
+use heapless::spsc::Queue;
+use trirrr_core::setpoint::CurveKind;
+
+/// Most moves of a chain.
+pub(crate) const CHAIN: usize = 13;
+
+/// A part of the service that a scene may do without: then it has no size, and code for it is compiled out.
+pub trait Optional<T> {
+    /// The part, if there is one.
+    fn get(&self) -> Option<&T>;
+
+    /// The same, to be changed.
+    fn get_mut(&mut self) -> Option<&mut T>;
+}
+
+impl<T> Optional<T> for () {
+    #[inline(always)]
+    fn get(&self) -> Option<&T> {
+        None
+    }
+
+    #[inline(always)]
+    fn get_mut(&mut self) -> Option<&mut T> {
+        None
+    }
+}
+
+/// A part that is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Present<T>(pub(crate) T);
+
+impl<T> Optional<T> for Present<T> {
+    #[inline(always)]
+    fn get(&self) -> Option<&T> {
+        Some(&self.0)
+    }
+
+    #[inline(always)]
+    fn get_mut(&mut self) -> Option<&mut T> {
+        Some(&mut self.0)
+    }
+}
+
+/// Memory of splices.
+pub trait SpliceChannels<N: ServiceNumber, K: CurveKind>: Send + 'static {
+    /// Nothing in it.
+    const EMPTY: Self;
+
+    /// Report of the tick about it.
+    type Report: Optional<SpliceReport> + Copy + Debug + PartialEq;
+    /// End of the background.
+    type Background<'q>: Optional<SpliceSender<'q, N, K>>;
+    /// End of the tick.
+    type Tick<'q>: Optional<SplicePlayer<'q, N, K>>;
+
+    /// Returns both ends.
+    fn split(&mut self) -> (Self::Background<'_>, Self::Tick<'_>);
+
+    /// Returns the report of a tick that is `tick` whole ticks on its move.
+    fn report(of: &Self::Tick<'_>, tick: u32) -> Self::Report;
+}
+
+impl<N: ServiceNumber, K: CurveKind> SpliceChannels<N, K> for () {
+    const EMPTY: Self = ();
+    type Report = ();
+    type Background<'q> = ();
+    type Tick<'q> = ();
+
+    fn split(&mut self) -> ((), ()) {
+        ((), ())
+    }
+
+    #[inline(always)]
+    fn report((): &(), _: u32) {}
+}
+
+/// Splices of the scene `S`.
+pub(crate) type SplicesOf<S> = <<S as Scene>::Curves as PlayedCurves>::Splices<<S as Scene>::N>;
+
+/// The background's end of them.
+pub(crate) type BackgroundSplices<'q, S> =
+    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Background<'q>;
+
+/// The tick's end of them.
+pub(crate) type TickSplices<'q, S> =
+    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Tick<'q>;
+
+/// Place within a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Number of the move.
+    pub(crate) number: u32,
+    /// Whole ticks since its start.
+    pub(crate) tick: u32,
+}
+
+/// Order to the tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SpliceOrder {
+    /// To report where it is.
+    Locate,
+    /// To change over to a chain.
+    Cut(CutOrder),
+}
+
+/// Order to change over to a chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CutOrder {
+    /// Place at which the chain begins: ahead, and behind the start of its move.
+    pub(crate) at: Place,
+    /// Number of the chain's first move.
+    pub(crate) first: u32,
+    /// Account of the chain.
+    pub(crate) ahead: Ahead,
+    /// Queue of the chain.
+    pub(crate) chain: usize,
+    /// Generation of what is cut.
+    pub(crate) generation: u8,
+}
+
+/// State of splices, for the background.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SpliceReport {
+    /// Orders taken so far, modulo 256.
+    pub(crate) orders: u8,
+    /// The last order to cut was in time.
+    pub(crate) accepted: bool,
+    /// Cuts done so far, modulo 256.
+    pub(crate) cuts: u8,
+    /// Whole ticks on the move under way.
+    pub(crate) tick: u32,
+}
+
+/// The queues.
+pub struct SpliceQueues<N: ServiceNumber, K: CurveKind> {
+    chains: [Queue<QueuedMove<N, K>, { CHAIN + 1 }>; 2],
+    orders: Queue<SpliceOrder, 2>,
+    /// Generation of the account that the background shares.
+    published: AtomicU8,
+}
+
+impl<N: ServiceNumber + Send, K: CurveKind> SpliceChannels<N, K> for SpliceQueues<N, K>
+where
+    QueuedMove<N, K>: Send,
+{
+    const EMPTY: Self = Self {
+        chains: [Queue::new(), Queue::new()],
+        orders: Queue::new(),
+        published: AtomicU8::new(0),
+    };
+    type Report = Present<SpliceReport>;
+    type Background<'q> = Present<SpliceSender<'q, N, K>>;
+    type Tick<'q> = Present<SplicePlayer<'q, N, K>>;
+
+    fn split(
+        &mut self,
+    ) -> (
+        Present<SpliceSender<'_, N, K>>,
+        Present<SplicePlayer<'_, N, K>>,
+    ) {
+        let [first, second] = self.chains.each_mut().map(Queue::split);
+        let (put, take) = self.orders.split();
+        let sender = SpliceSender {
+            chains: [Sender::new(first.0), Sender::new(second.0)],
+            orders: Sender::new(put),
+            published: &self.published,
+        };
+        let player = SplicePlayer {
+            chains: [Receiver::new(first.1), Receiver::new(second.1)],
+            orders: Receiver::new(take),
+            published: &self.published,
+            pending: None,
+            playing: None,
+            drops: [false; 2],
+            hides_queue: false,
+            ahead: None,
+            report: SpliceReport::default(),
+        };
+        (Present(sender), Present(player))
+    }
+
+    #[inline]
+    fn report(of: &Present<SplicePlayer<'_, N, K>>, tick: u32) -> Present<SpliceReport> {
+        Present(SpliceReport {
+            tick,
+            ..of.0.report
+        })
+    }
+}
+
+/// End at which the background puts chains and orders in.
+pub struct SpliceSender<'q, N: ServiceNumber, K: CurveKind> {
+    pub(crate) chains: [Sender<'q, QueuedMove<N, K>>; 2],
+    pub(crate) orders: Sender<'q, SpliceOrder>,
+    published: &'q AtomicU8,
+}
+
+impl<N: ServiceNumber, K: CurveKind> SpliceSender<'_, N, K> {
+    /// Says that the shared account is that of this generation; after the account itself.
+    pub(crate) fn publish(&self, generation: u8) {
+        self.published.store(generation, Ordering::Release);
+    }
+}
+
+/// End at which the tick takes chains.
+pub struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
+    chains: [Receiver<'q, QueuedMove<N, K>>; 2],
+    orders: Receiver<'q, SpliceOrder>,
+    published: &'q AtomicU8,
+    /// Cut that is ahead.
+    pending: Option<CutOrder>,
+    /// Chain that is played, or was last.
+    playing: Option<usize>,
+    /// Moves in these queues are not played any more.
+    drops: [bool; 2],
+    /// The common queue has moves of before the cut.
+    pub(crate) hides_queue: bool,
+    /// Account of a chain until the background shares it.
+    ahead: Option<Ahead>,
+    report: SpliceReport,
+}
+
+impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
+    /// Drops a stale move of each chain. Returns the next order.
+    #[inline]
+    pub(crate) fn take_order(&mut self) -> Option<SpliceOrder> {
+        for (chain, drops) in self.chains.iter_mut().zip(&mut self.drops) {
+            if *drops {
+                *drops = chain.peek().is_some();
+                chain.discard();
+            }
+        }
+        let order = self.orders.receive()?;
+        self.report.orders = self.report.orders.wrapping_add(1);
+        Some(order)
+    }
+
+    /// The cut that is ahead.
+    #[inline]
+    pub(crate) fn pending(&self) -> Option<&CutOrder> {
+        self.pending.as_ref()
+    }
+
+    /// Takes an order to cut, or drops its chain.
+    pub(crate) fn accept(&mut self, cut: CutOrder, accepted: bool) {
+        self.report.accepted = accepted;
+        match accepted {
+            true => self.pending = Some(cut),
+            false => self.drop_chain(cut.chain),
+        }
+    }
+
+    fn drop_chain(&mut self, chain: usize) {
+        if let Some(drops) = self.drops.get_mut(chain) {
+            *drops = true;
+        }
+    }
+
+    /// Tick of move `number`, or that of the cut where it comes first.
+    #[inline]
+    pub(crate) fn clip(&self, number: u32, tick: u32) -> u32 {
+        match &self.pending {
+            Some(cut) if cut.at.number == number => tick.min(cut.at.tick),
+            _ => tick,
+        }
+    }
+
+    /// Returns true if move `number` is cut.
+    #[inline]
+    pub(crate) fn cuts(&self, number: u32) -> bool {
+        matches!(&self.pending, Some(cut) if cut.at.number == number)
+    }
+
+    /// The cut: from now on the chain is played. Returns the place.
+    pub(crate) fn cut(&mut self) -> Option<Place> {
+        let cut = self.pending.take()?;
+        if let Some(before) = self.playing.replace(cut.chain) {
+            self.drop_chain(before);
+        }
+        self.hides_queue = true;
+        self.ahead = Some(cut.ahead);
+        self.report.cuts = self.report.cuts.wrapping_add(1);
+        Some(cut.at)
+    }
+
+    /// The chain's move that follows move `number`; none where the common queue goes on.
+    #[inline]
+    pub(crate) fn peek(&self, number: u32) -> Option<&QueuedMove<N, K>> {
+        let chain = match &self.pending {
+            Some(cut) if cut.at.number == number => Some(cut.chain),
+            _ => self.playing,
+        };
+        self.chains.get(chain?)?.peek()
+    }
+
+    /// The same, of the chain that is played, taken out.
+    #[inline]
+    pub(crate) fn receive(&mut self) -> Option<QueuedMove<N, K>> {
+        self.chains.get_mut(self.playing?)?.receive()
+    }
+
+    /// Account of the chain, unless the background shares it by now.
+    #[inline]
+    pub(crate) fn ahead(&self, generation: u8) -> Option<Ahead> {
+        match &self.pending {
+            Some(cut) => Some(cut.ahead),
+            None if self.published.load(Ordering::Acquire) == generation => None,
+            None => self.ahead,
+        }
+    }
+
+    /// All that is queued is dropped.
+    pub(crate) fn drop_queue(&mut self) {
+        self.pending = None;
+        self.playing = None;
+        self.ahead = None;
+        self.drops = [true; 2];
+    }
+}

@@ -1,0 +1,115 @@
+//! Arguments of `trirrr goto`, `jog` and `follow`.
+
+use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::failure::CliError;
+use crate::stream::{Port, patience};
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Duration;
+use trirrr_client::Patience;
+use trirrr_client::transport::Address;
+use trirrr_core::units::Units;
+use trirrr_scene::{NumberType, Scene};
+use trirrr_service::ServiceNumber;
+
+/// The machine that is sent to goals.
+#[derive(Args, Clone, Debug)]
+pub struct MachineArgs {
+    /// The scene, a TOML file
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: PathBuf,
+    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `trirrr device`
+    #[arg(long, value_name = "PORT")]
+    pub port: Address,
+    /// Rate of a serial port
+    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
+    pub baud: u32,
+    /// Number type of the board's image [default: the scene's]
+    #[arg(long, value_parser = number_type())]
+    pub scalar: Option<NumberType>,
+    /// Seconds without an answer, or without the port, after which the command gives up
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
+    pub patience: f64,
+    /// Move at so many percent of normal speed, 1 to 100
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub feed: Option<u8>,
+}
+
+impl MachineArgs {
+    /// Opens the port. Returns it with the units of the machine of `scene` in the number type `N`, and the patience with the board.
+    ///
+    /// # Errors
+    /// Refused: the scene in this number type. Failed: the port.
+    pub(crate) fn open<N: ServiceNumber>(
+        &self,
+        scene: &Scene,
+    ) -> Result<(Port, Units, Patience), CliError> {
+        let units = trirrr_scene::units::<N>(scene)
+            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+        let wait = Duration::from_secs_f64(self.patience);
+        let port = Port::open(&self.port, self.baud, wait)
+            .map_err(|error| CliError::Failed(error.to_string()))?;
+        Ok((port, units, patience(wait)))
+    }
+}
+
+/// `trirrr goto`.
+///
+/// Moves a machine to a pose in the least time that it can prove, from rest or from any motion: what is under way is cut,
+/// and moves behind it are dropped. Ends where the machine stands.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+The scene must be the one that the board's image was built from, and have quintics: paths, or `curve = \"quintic\"`. Ctrl-C \
+stops the machine on its path.")]
+pub struct GotoArgs {
+    /// The machine.
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// x of the pose, m
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub x: f64,
+    /// y of the pose, m
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub y: f64,
+    /// Angle of the platform, rad [default: as it is]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
+    pub alpha: Option<f64>,
+}
+
+/// `trirrr follow`.
+///
+/// Reads poses, a line each, and sends the machine to the newest of them: x and y in m, then alpha in rad if it changes, then
+/// the velocity there if it is not zero, with commas or blanks between. Lines that begin with a letter or # are skipped.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+A pose that comes before the machine has taken the last one takes its place. At the end of the poses the command waits until \
+the machine stands at the last. Ctrl-C stops the machine on its path.")]
+pub struct FollowArgs {
+    /// The machine.
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// The poses, such as a CSV file [default: standard input]
+    #[arg(long, value_name = "FILE")]
+    pub poses: Option<PathBuf>,
+    /// Seconds from one pose to the next [default: as they come]
+    #[arg(long, value_name = "SECONDS", value_parser = factor)]
+    pub every: Option<f64>,
+}
+
+/// `trirrr jog`.
+///
+/// Moves a machine by lines from standard input: steps from the last goal, velocities that last until they are not renewed,
+/// and the commands of `stream`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+`step DX DY [DALPHA]` moves by so much, m and rad. `speed VX VY [VALPHA]` moves at this velocity, m/s and rad/s, for the time of \
+--renew; another such line before its end keeps the machine moving. `hold`, `resume`, `stop` and `feed PERCENT` are those of \
+`stream`. The machine comes to rest by itself when this program ends or the line breaks. The end of standard input ends the jog.")]
+pub struct JogArgs {
+    /// The machine.
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// Seconds for which a `speed` lasts
+    #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = factor)]
+    pub renew: f64,
+}

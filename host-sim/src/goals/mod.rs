@@ -1,0 +1,73 @@
+//! `trirrr goto`, `jog` and `follow`: send a machine to goals, from rest or from any motion.
+
+mod args;
+mod follow;
+mod goto;
+mod jog;
+mod lines;
+mod session;
+
+pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs};
+
+use crate::failure::{CliError, printed};
+use session::{GoalSession, Goals};
+use std::io::Write;
+use std::sync::atomic::AtomicBool;
+use trirrr_scene::Scene;
+use trirrr_scene::in_number_type;
+use trirrr_service::ServiceNumber;
+
+/// Moves to a pose. Returns false if the user has stopped the machine.
+///
+/// # Errors
+/// Refused: the scene, or the pose. Failed: the port, the board, or a fault.
+pub fn goto(args: &GotoArgs, stop: &AtomicBool) -> Result<bool, CliError> {
+    command(&args.machine, &mut goto::OneGoal::new(args), true, stop)
+}
+
+/// Moves by steps and at velocities. Returns as [`goto()`].
+///
+/// # Errors
+/// As [`goto()`].
+pub fn jog(args: &JogArgs, stop: &AtomicBool) -> Result<bool, CliError> {
+    command(&args.machine, &mut jog::Jog::new(args.renew), false, stop)
+}
+
+/// Follows poses. Returns as [`goto()`].
+///
+/// # Errors
+/// As [`goto()`]; refused: poses that cannot be read.
+pub fn follow(args: &FollowArgs, stop: &AtomicBool) -> Result<bool, CliError> {
+    let mut poses = follow::Poses::open(args)?;
+    command(&args.machine, &mut poses, false, stop)
+}
+
+fn command(
+    args: &MachineArgs,
+    goals: &mut impl Goals,
+    strict: bool,
+    stop: &AtomicBool,
+) -> Result<bool, CliError> {
+    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scalar = args.scalar.unwrap_or(scene.number);
+    in_number_type!(scalar, N => run::<N>(args, &scene, goals, strict, stop))
+}
+
+fn run<N: ServiceNumber>(
+    args: &MachineArgs,
+    scene: &Scene,
+    goals: &mut impl Goals,
+    strict: bool,
+    stop: &AtomicBool,
+) -> Result<bool, CliError> {
+    let mut session = GoalSession::<N>::open(args, scene, stop)?;
+    let Some([x, y, alpha]) = session.run(goals, strict)? else {
+        return Ok(false);
+    };
+    let mut out = std::io::stdout().lock();
+    printed(writeln!(
+        out,
+        "stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad"
+    ))?;
+    Ok(true)
+}

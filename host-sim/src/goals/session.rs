@@ -1,0 +1,225 @@
+//! Goals under way: client, port and what wants goals.
+
+use super::args::MachineArgs;
+use crate::failure::CliError;
+use crate::stream::{Port, conversation};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use trirrr_client::describe::{self, Units};
+use trirrr_client::{GoalAction, GoalClient, GoalFailure, UserCommand, local};
+use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::{Acting, Event, Goal, Message, State, Transmit};
+use trirrr_scene::{Scene, offer};
+use trirrr_service::ServiceNumber;
+
+/// Longest wait for the board before what wants goals is asked.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// A goal in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct GoalSi {
+    /// x, y and alpha.
+    pub(super) pose: [f64; 3],
+    /// Its derivative by time there.
+    pub(super) velocity: [f64; 3],
+    /// Least duration, s.
+    pub(super) least_s: f64,
+}
+
+/// Source of goals.
+pub(super) trait Goals {
+    /// Called every few milliseconds, with the time since the start.
+    ///
+    /// # Errors
+    /// Refused: what the user gave.
+    fn want<N: ServiceNumber>(
+        &mut self,
+        session: &mut GoalSession<'_, N>,
+        now: Duration,
+    ) -> Result<(), CliError>;
+}
+
+/// Goals under way.
+pub(super) struct GoalSession<'a, N: Transmit> {
+    client: GoalClient<N>,
+    port: Port,
+    units: trirrr_core::units::Units,
+    words: Units,
+    stop: &'a AtomicBool,
+    state: Option<(State, Acting)>,
+    /// Ticks from normal speed to rest.
+    ramp_s: f64,
+    /// The pose at the end of all goals, SI.
+    end: Option<[f64; 3]>,
+}
+
+impl<'a, N: ServiceNumber> GoalSession<'a, N> {
+    /// Opens the port to the machine of `scene`.
+    ///
+    /// # Errors
+    /// Refused: the scene in this number type. Failed: the port.
+    pub(super) fn open(
+        args: &MachineArgs,
+        scene: &Scene,
+        stop: &'a AtomicBool,
+    ) -> Result<Self, CliError> {
+        let (port, units, patience) = args.open::<N>(scene)?;
+        let hello = local::hello::<N>(scene);
+        let mut client = GoalClient::new(hello, patience, conversation());
+        if let Some(percent) = args.feed {
+            client.command(UserCommand::FeedOverride(percent));
+        }
+        Ok(Self {
+            client,
+            port,
+            words: Units::of_scene(scene, &units),
+            units,
+            stop,
+            state: None,
+            ramp_s: scene.service.hold_ramp_s,
+            end: None,
+        })
+    }
+
+    /// Pose where the last goal ends, or the machine's own moves; none before the first status.
+    pub(super) fn end(&self) -> Option<[f64; 3]> {
+        self.end.or_else(|| {
+            let end = self.client.status()?.end?;
+            let pose = end.pose;
+            let metres = |value: N| value.to_f64() * self.units.length_m();
+            let [x, y] = [pose.position.x, pose.position.y].map(metres);
+            Some([x, y, N::angle_to_f64(pose.angle)])
+        })
+    }
+
+    /// Time in which the machine comes to rest where its limits leave room, s.
+    pub(super) fn ramp_s(&self) -> f64 {
+        self.ramp_s
+    }
+
+    /// Returns true while the machine has not taken the last goal.
+    pub(super) fn is_wanting(&self) -> bool {
+        self.client.is_wanting()
+    }
+
+    /// Wants a goal.
+    pub(super) fn aim(&mut self, goal: &GoalSi) {
+        let units = &self.units;
+        let pose = units.pose(&Pose::from_f64(goal.pose[0], goal.pose[1], goal.pose[2]));
+        let velocity = units.velocity(&goal.velocity.into());
+        self.end = Some(goal.pose);
+        self.client.aim(Goal {
+            to: offer::pose(&pose),
+            velocity: <[f64; 3]>::from(velocity).map(N::from_f64),
+            cut: true,
+            // From float to integer the cast saturates.
+            least_ticks: (goal.least_s * self.words.tick_rate_hz).round() as u32,
+        });
+    }
+
+    /// Takes a command of the user.
+    pub(super) fn command(&mut self, command: UserCommand) {
+        if command == UserCommand::Stop {
+            self.end = None;
+        }
+        self.client.command(command);
+    }
+
+    /// Says that no other goal follows.
+    pub(super) fn finish(&mut self) {
+        self.client.finish();
+    }
+
+    /// Says something.
+    pub(super) fn note(text: &str) {
+        // Who does not listen does not stop the machine.
+        let _ = writeln!(std::io::stderr(), "trirrr: {text}");
+    }
+
+    /// Talks to the machine until it stands at the last goal. Returns the pose, SI; none where the user has stopped it.
+    ///
+    /// # Errors
+    /// Refused: the board refuses the scene, or a goal where it is the only one. Failed: the machine has a fault, or the
+    /// port or the board is lost.
+    pub(super) fn run(
+        &mut self,
+        goals: &mut impl Goals,
+        strict: bool,
+    ) -> Result<Option<[f64; 3]>, CliError> {
+        let start = Instant::now();
+        let mut stop_asked = false;
+        loop {
+            if self.stop.load(Ordering::Relaxed) && !stop_asked {
+                stop_asked = true;
+                Self::note("Ctrl-C: the machine stops on its path");
+                self.command(UserCommand::Stop);
+                self.finish();
+            }
+            if !stop_asked {
+                goals.want(self, start.elapsed())?;
+            }
+            if let Some(violation) = self.client.take_refused() {
+                self.end = None;
+                let why = describe::violation(&violation, 0, &self.words);
+                let text = format!("no motion to the goal: {why}");
+                if strict {
+                    return Err(CliError::Refused(text));
+                }
+                Self::note(&text);
+            }
+            match self.client.poll(start.elapsed()) {
+                GoalAction::Send(request) => {
+                    if let Err(error) = self.port.send(&request) {
+                        self.reopen(&error.to_string())?;
+                    }
+                }
+                GoalAction::Wait(until) => {
+                    let wait = until.saturating_sub(start.elapsed()).min(LOOK);
+                    self.receive(wait, start)?;
+                }
+                GoalAction::Lost => self.reopen("the board does not answer")?,
+                GoalAction::Finished(Ok(())) => return Ok(self.stands(stop_asked)),
+                GoalAction::Finished(Err(GoalFailure::Stopped(_))) if stop_asked => {
+                    return Ok(None);
+                }
+                GoalAction::Finished(Err(failure)) => {
+                    let text = failure.describe(&self.words);
+                    return Err(match failure {
+                        GoalFailure::Refused(_) => CliError::Refused(text),
+                        _ => CliError::Failed(text),
+                    });
+                }
+            }
+        }
+    }
+
+    fn stands(&mut self, stopped: bool) -> Option<[f64; 3]> {
+        self.end = None;
+        self.end().filter(|_| !stopped)
+    }
+
+    fn reopen(&mut self, why: &str) -> Result<(), CliError> {
+        Self::note(&format!("{why}; opening the port anew"));
+        self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
+        self.client.reconnected();
+        Ok(())
+    }
+
+    /// Listens for up to `wait` and takes what comes.
+    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), CliError> {
+        let messages = match self.port.receive(wait) {
+            Ok(messages) => messages,
+            Err(error) => return self.reopen(&error.to_string()),
+        };
+        for message in &messages {
+            if let Message::Event(Event::State { state, acting, .. }) = message
+                && self.state.replace((*state, *acting)) != Some((*state, *acting))
+            {
+                Self::note(&describe::state(*state, *acting));
+            }
+            self.client.receive(message, start.elapsed());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,89 @@
+//! `trirrr goto`, `jog` and `follow` on a device that stands or moves.
+
+use crate::common::{Device, Streaming, scene, text, trirrr};
+use std::io::Write;
+use std::process::{Output, Stdio};
+use tempfile::TempDir;
+
+/// Runs a command on the device, with lines on its standard input.
+fn go(folder: &TempDir, device: &Device, args: &[&str], lines: &str) -> Output {
+    let mut child = trirrr()
+        .arg(args[0])
+        .args(["scene.toml", "--port", &device.address])
+        .args(&args[1..])
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(lines.as_bytes())
+        .unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn stands_at(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// The client of a job is gone, and its machine still moves.
+#[test]
+fn goto_cuts_a_job_that_is_under_way() {
+    let folder = scene("thesis", &[("duration_s = 1.0", "duration_s = 600.0")]);
+    let mut device = Device::start(&folder, &[]);
+    let mut streaming = Streaming::start(&folder, &device.address, &[]);
+    streaming.lines.wait_for("running");
+    streaming.process.kill();
+    device.lines.wait_for("is gone");
+    let output = go(
+        &folder,
+        &device,
+        &["goto", "--x", "0.22", "--y", "0.23", "--alpha", "0.2"],
+        "",
+    );
+    let stands = stands_at(&output);
+    assert_eq!(
+        stands,
+        "stands at x 0.220000 m, y 0.230000 m, alpha 0.200000 rad\n"
+    );
+    // Out of reach.
+    let output = go(
+        &folder,
+        &device,
+        &["goto", "--x", "-0.9", "--y", "0.23"],
+        "",
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("no motion to the goal"),
+        "{output:?}"
+    );
+}
+
+#[test]
+fn steps_and_poses_add_up() {
+    let folder = scene("thesis", &[]);
+    let device = Device::start(&folder, &[]);
+    let lines = "step 0.01 0\nstep 0 0.005\nnothing\nspeed 0.01 0.01\nstop\nstep 0.005 0 0.01\n";
+    let output = go(&folder, &device, &["jog"], lines);
+    assert!(stands_at(&output).starts_with("stands at"));
+    assert!(text(&output.stderr).contains("lines are step"));
+    let poses = "x_m,y_m,alpha_rad\n0.22,0.23\n0.23,0.24,0.1\n0.25 0.25 0.15\n";
+    let output = go(&folder, &device, &["follow", "--every", "0.05"], poses);
+    let stands = stands_at(&output);
+    assert_eq!(
+        stands,
+        "stands at x 0.250000 m, y 0.250000 m, alpha 0.150000 rad\n"
+    );
+    let output = go(&folder, &device, &["follow"], "0.22,0.23,0.1,5\n");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("give 2, 3 or 6 numbers"),
+        "{output:?}"
+    );
+}
