@@ -236,6 +236,23 @@ impl<N: Number> Leg<N> {
             .rates(&position.links, position.velocity(velocity))
     }
 
+    /// Rate of the motor alone, as of [`rates`](Self::rates).
+    pub fn motor_rate(&self, position: &LegPosition<N>, velocity: &Vector3<N>) -> N {
+        self.dyad
+            .proximal_rate(&position.links, position.velocity(velocity))
+    }
+
+    /// Acceleration of the motor alone, as of [`accelerations`](Self::accelerations).
+    pub fn motor_acceleration(
+        &self,
+        position: &LegPosition<N>,
+        rates: &Rates<N>,
+        setpoint: &Setpoint<N>,
+    ) -> N {
+        self.dyad
+            .proximal_acceleration(&position.links, rates, position.acceleration(setpoint))
+    }
+
     /// The link accelerations at `position`, where the links turn with `rates`, when the platform
     /// moves as `setpoint` says.
     #[inline(always)]

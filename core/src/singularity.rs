@@ -52,7 +52,13 @@ impl<N: Number> Distances<N> {
     /// Distance of leg `index` from its serial singularity.
     #[inline]
     pub fn serial_of(&self, index: usize, leg: &LegPosition<N>) -> N {
-        leg.links.r1_cross_r2.scaled(self.serial[index]).abs()
+        self.signed_serial_of(index, leg).abs()
+    }
+
+    /// [`serial_of`](Self::serial_of) with the sign of r1 x r2.
+    #[inline]
+    pub fn signed_serial_of(&self, index: usize, leg: &LegPosition<N>) -> N {
+        leg.links.r1_cross_r2.scaled(self.serial[index])
     }
 
     /// Distance of the machine from its parallel singularity.

@@ -109,6 +109,11 @@ impl<N: DyadKernel> Rrr<N> {
         }
     }
 
+    /// Rate of the first link alone, as of [`rates`](Self::rates).
+    pub fn proximal_rate(&self, at: &DyadPosition<N>, v: Vector2<N>) -> N {
+        N::round_scaled(sum_dot(at.r2, v), at.inverse_cross)
+    }
+
     /// Link accelerations for `a`, the acceleration of C relative to A.
     #[inline(always)]
     pub fn accelerations(
@@ -128,6 +133,19 @@ impl<N: DyadKernel> Rrr<N> {
             proximal,
             distal: -opposite,
         }
+    }
+
+    /// Acceleration of the first link alone, as of [`accelerations`](Self::accelerations).
+    pub fn proximal_acceleration(
+        &self,
+        at: &DyadPosition<N>,
+        rates: &Rates<N>,
+        a: Vector2<N>,
+    ) -> N {
+        let w1 = rates.proximal * rates.proximal;
+        let w2 = rates.distal * rates.distal;
+        let r2_dot_b = sum_dot(at.r2, a) + N::sum_ab_plus_cd(w1, at.r1_dot_r2, w2, self.l2_sq);
+        N::round_scaled(r2_dot_b, at.inverse_cross)
     }
 
     /// Jerk of the first link for `j`, the jerk of C relative to A.
@@ -221,6 +239,32 @@ mod tests {
             of_link(at.r1, rates.proximal, acc.proximal) + of_link(at.r2, rates.distal, acc.distal);
         assert!((v_again - v).abs().max() < 1e-15, "{v_again:?}");
         assert!((a_again - a).abs().max() < 1e-14, "{a_again:?}");
+    }
+
+    #[test]
+    fn the_first_link_alone_has_the_same_rate_and_acceleration() {
+        fn check<N: DyadKernel>() {
+            let vector = |x, y| Vector2::new(N::from_f64(x), N::from_f64(y));
+            let dyad = Rrr::<N>::new(0.3, 0.4, -1.0);
+            let at = dyad.position(vector(0.5, 0.1)).unwrap();
+            let (v, a) = (vector(0.07, -0.03), vector(-0.2, 0.1));
+            let rates = dyad.rates(&at, v);
+            let acc = dyad.accelerations(&at, &rates, a);
+            for (alone, both) in [
+                (dyad.proximal_rate(&at, v), rates.proximal),
+                (dyad.proximal_acceleration(&at, &rates, a), acc.proximal),
+            ] {
+                let difference = (alone.to_f64() - both.to_f64()).abs();
+                assert!(
+                    difference <= 4.0 * N::UNIT_ROUNDOFF.to_f64(),
+                    "{difference:e}"
+                );
+                assert!(both.to_f64().abs() > 0.01);
+            }
+        }
+        check::<f64>();
+        check::<f32>();
+        check::<crate::number::Fixed>();
     }
 
     /// Along a path of C the jerk is the rate of change of the acceleration, by central differences at two steps.

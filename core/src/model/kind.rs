@@ -69,6 +69,14 @@ impl ModelKind {
         }
     }
 
+    /// Returns true if the motion of the legs takes torques, beside that of the platform.
+    pub const fn has_leg_loads(self) -> bool {
+        !matches!(
+            self,
+            Self::Kinematic | Self::Dynamic(_, LinksKind::Massless)
+        )
+    }
+
     /// Runs `visitor` for the model of this kind.
     pub fn visit<N: Number, V: ModelVisitor<N>>(self, visitor: V) -> V::Output {
         match self {
@@ -145,6 +153,21 @@ mod tests {
             .flat_map(|payload| links.map(|links| ModelKind::Dynamic(payload, links)));
         for kind in dynamic.chain([ModelKind::Kinematic]) {
             assert_eq!(kind.visit(OwnKind), kind);
+        }
+    }
+
+    /// A machine whose links weigh nothing takes the same torques however its legs move.
+    #[test]
+    fn only_masses_of_the_legs_load_the_motors_by_their_motion() {
+        let dynamic = |links| ModelKind::Dynamic(PayloadKind::Offset, links);
+        assert!(!ModelKind::Kinematic.has_leg_loads());
+        assert!(!dynamic(LinksKind::Massless).has_leg_loads());
+        for links in [
+            LinksKind::Rotors,
+            LinksKind::MassiveHorizontal,
+            LinksKind::MassiveInPlane,
+        ] {
+            assert!(dynamic(links).has_leg_loads());
         }
     }
 
