@@ -149,8 +149,8 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         }
         for (index, (leg, motion)) in self.tick.geometry().legs().iter().zip(&legs).enumerate() {
             // Without the part of the velocities, which do not jump.
-            let jump = leg.rates(&motion.position, &setpoint.acceleration);
-            let size = jump.proximal.extent();
+            let jump = leg.motor_rate(&motion.position, &setpoint.acceleration);
+            let size = jump.extent();
             let limit = limits[index] * self.period * <Float<N>>::ratio(1, ROUNDING);
             if !(size.greatest <= limit) {
                 let what = Bounded::AccelerationJump;

@@ -96,13 +96,15 @@ impl<N: Enclose> Arithmetic for TaylorModel<N> {
     }
 
     /// A function of its own: operands stay in memory up to here.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn dot_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
         sum_of_products(a.x, b.x, a.y, b.y)
     }
 
     /// As [`dot_of`](Self::dot_of).
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn cross_of(a: &Vector2<Self>, b: &Vector2<Self>) -> Self {
         difference_of_products(a.x, b.y, a.y, b.x)
     }

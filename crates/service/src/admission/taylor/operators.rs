@@ -1,7 +1,8 @@
 //! Sums, products and comparisons.
 //!
 //! The compiler passes what has the layout of C in registers of the FPU, and keeps the rest in memory. So these
-//! functions have the calling convention of C.
+//! functions have the calling convention of C. On a board each stands once (size: docs/size.md, rule 3). A host has the room for
+//! them where they are used: the calls were a third of a plan there.
 
 use super::{Float, Rough, Roundoffs, TaylorModel, Terms};
 use crate::admission::Enclose;
@@ -144,7 +145,8 @@ fn either_sum<N: Enclose>(a: TaylorModel<N>, b: TaylorModel<N>) -> TaylorModel<N
     }
 }
 
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub(in crate::admission) extern "C" fn sum<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
@@ -152,7 +154,8 @@ pub(in crate::admission) extern "C" fn sum<N: Enclose>(
     either_sum(a, b)
 }
 
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub(in crate::admission) extern "C" fn difference<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
@@ -160,7 +163,8 @@ pub(in crate::admission) extern "C" fn difference<N: Enclose>(
     either_sum(a, -b)
 }
 
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub(in crate::admission) extern "C" fn product<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
@@ -172,7 +176,8 @@ pub(in crate::admission) extern "C" fn product<N: Enclose>(
 }
 
 /// a b + c d.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub(in crate::admission) extern "C" fn sum_of_products<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
@@ -196,7 +201,8 @@ pub(in crate::admission) extern "C" fn sum_of_products<N: Enclose>(
 }
 
 /// a b - c d.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub(in crate::admission) extern "C" fn difference_of_products<N: Enclose>(
     a: TaylorModel<N>,
     b: TaylorModel<N>,
