@@ -29,6 +29,7 @@ use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
+use trirrr_core::torque::lines::DistalLines;
 #[cfg(feature = "std")]
 use trirrr_service::Ramp;
 use trirrr_service::admission::{Enclose, Path, TaylorModel};
@@ -71,6 +72,17 @@ type BoundOf<M> = <<M as Model>::N as Enclose>::Bound;
 pub struct Measured<N: Enclose> {
     length: N::Bound,
     limits: Rows<TaylorModel<N>, N::Bound>,
+}
+
+/// Motion of the legs that the limits ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LegNeeds {
+    /// Rates of the motors.
+    Rates,
+    /// Rates and accelerations of the motors.
+    Accelerations,
+    /// Rates and accelerations of all links, which have masses.
+    Links,
 }
 
 type Model3<N> = [TaylorModel<N>; 3];
@@ -159,7 +171,10 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             velocity: first,
             acceleration: second,
         };
-        let legs = self.solve(&setpoint, &Rotation::new(pose.angle)).ok()?;
+        let rotation = Rotation::new(pose.angle);
+        let legs = self
+            .solve(&setpoint, &rotation, LegNeeds::Accelerations)
+            .ok()?;
         let middle = |model: TaylorModel<N>| model.line().constant;
         Some(legs.map(|leg| {
             let LegMotion {
@@ -202,8 +217,14 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             acceleration: second,
         };
         let rotation = Rotation::new(pose.angle);
-        let mut legs = self.solve(&setpoint, &rotation)?;
-        self.keep_distances(&legs, side)?;
+        let needed = match self.limits().acceleration {
+            _ if self.needs_torques() && M::KIND.has_leg_loads() => LegNeeds::Links,
+            Some(_) => LegNeeds::Accelerations,
+            None => LegNeeds::Rates,
+        };
+        let mut legs = self.solve(&setpoint, &rotation, needed)?;
+        let lines = DistalLines::of(legs.each_ref().map(|leg| &leg.position));
+        self.keep_distances(&legs, lines.det_a, side)?;
 
         let mut rows = Rows::new();
         let rates = legs.map(|leg| leg.rates.proximal);
@@ -231,13 +252,15 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             let speed_sq = TaylorModel::ab_plus_cd(first.x, first.x, first.y, first.y);
             rows.push(ModelRow::of_square(Limited::Feed, speed_sq, feed));
         }
-        if let Some(most) = self.bend {
+        // A straight line does not bend.
+        let bends = || second.iter().any(|each| each.magnitude() > N::Bound::ZERO);
+        if let Some(most) = self.bend.filter(|_| bends()) {
             let most = most.map(|each| TaylorModel::point(N::Bound::ONE.div(each)));
             rows.push(bend(&first, &second, most).ok_or(Obstacle::Range)?);
         }
-        if M::TORQUES && (self.limits().torque.is_some() || self.limits().power.is_some()) {
+        if self.needs_torques() {
             let torques = self
-                .torques(&mut legs, &mut setpoint, &rotation)
+                .torques(&lines, &mut legs, &mut setpoint, &rotation)
                 .map_err(Obstacle::of)?;
             self.add_torques(&mut rows, &rates, torques);
         }
@@ -256,6 +279,11 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
         })
     }
 
+    /// Returns true if a limit asks for the dynamics.
+    fn needs_torques(&self) -> bool {
+        M::TORQUES && (self.limits().torque.is_some() || self.limits().power.is_some())
+    }
+
     fn add_torques(
         &self,
         rows: &mut Rows<TaylorModel<N>, N::Bound>,
@@ -264,10 +292,15 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
     ) {
         for motor in 0..3 {
             let rest = resting[motor];
+            // Without a load there is nothing to subtract.
+            let [acceleration, square] = match self.path().is_loaded() {
+                true => [starting[motor] - rest, moving[motor] - rest],
+                false => [starting[motor], moving[motor]],
+            };
             let torque = |limit| Row {
                 what: Limited::Torque(motor),
-                acceleration: Some(starting[motor] - rest),
-                square: moving[motor] - rest,
+                acceleration: Some(acceleration),
+                square,
                 rest,
                 limit,
             };
@@ -289,17 +322,35 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
         }
     }
 
+    /// Solves the legs; what is not `needed` stays 0.
     fn solve(
         &self,
         setpoint: &Setpoint<TaylorModel<N>>,
         rotation: &Rotation<TaylorModel<N>>,
+        needed: LegNeeds,
     ) -> Result<[LegMotion<TaylorModel<N>>; 3], Obstacle> {
         let legs = self.path().tick().geometry().legs();
         let solve = |index: usize| {
             let leg = &legs[index];
             let position: LegPosition<_> = leg.position(index, setpoint.pose.position, rotation)?;
-            let rates = leg.rates(&position, &setpoint.velocity);
-            let accelerations = leg.accelerations(&position, &rates, setpoint);
+            let rates = match needed {
+                LegNeeds::Rates => Rates {
+                    proximal: leg.motor_rate(&position, &setpoint.velocity),
+                    distal: TaylorModel::ZERO,
+                },
+                _ => leg.rates(&position, &setpoint.velocity),
+            };
+            let accelerations = match needed {
+                LegNeeds::Links => leg.accelerations(&position, &rates, setpoint),
+                LegNeeds::Accelerations => Accelerations {
+                    proximal: leg.motor_acceleration(&position, &rates, setpoint),
+                    distal: TaylorModel::ZERO,
+                },
+                LegNeeds::Rates => Accelerations {
+                    proximal: TaylorModel::ZERO,
+                    distal: TaylorModel::ZERO,
+                },
+            };
             Ok(LegMotion {
                 position,
                 rates,
@@ -313,19 +364,23 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
     fn keep_distances(
         &self,
         legs: &[LegMotion<TaylorModel<N>>; 3],
+        det_a: TaylorModel<N>,
         side: &mut Option<bool>,
     ) -> Result<(), Obstacle> {
         for (index, leg) in legs.iter().enumerate() {
-            let distance = self.path().distances().serial_of(index, &leg.position);
+            let distance = self
+                .path()
+                .distances()
+                .signed_serial_of(index, &leg.position);
             if !(distance.least_magnitude() >= self.limits().serial_distance) {
                 return Err(Obstacle::SerialDistance(index));
             }
         }
-        let positions = legs.each_ref().map(|leg| &leg.position);
-        let distance = self.path().distances().signed_parallel_of(positions);
-        let positive = distance > TaylorModel::ZERO;
-        let apart = distance.least_magnitude() > N::Bound::ZERO
-            && distance.least_magnitude() >= self.limits().parallel_distance;
+        let distance = self.path().distances().signed_parallel(det_a);
+        // All of it, where it is apart from 0.
+        let positive = distance.line().constant > N::Bound::ZERO;
+        let least = distance.least_magnitude();
+        let apart = least > N::Bound::ZERO && least >= self.limits().parallel_distance;
         match apart && *side.get_or_insert(positive) == positive {
             true => Ok(()),
             false => Err(Obstacle::ParallelDistance),
@@ -335,11 +390,22 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
     /// Torques A + C, B + C and C.
     fn torques(
         &self,
+        lines: &DistalLines<TaylorModel<N>>,
         legs: &mut [LegMotion<TaylorModel<N>>; 3],
         setpoint: &mut Setpoint<TaylorModel<N>>,
         rotation: &Rotation<TaylorModel<N>>,
     ) -> Result<[Model3<N>; 3], Status> {
-        let moving = self.path().tick().torques(legs, setpoint, rotation)?;
+        let model = self.path().tick().model();
+        if model.is_singular(lines.det_a) {
+            return Err(Status::ParallelSingular);
+        }
+        let torques = |legs: &[LegMotion<_>; 3], setpoint: &Setpoint<_>| {
+            let load = |leg: usize| model.load(leg, &legs[leg]);
+            let loads = [load(0), load(1), load(2)];
+            let forces = model.forces(Some(lines), legs, &loads, setpoint, rotation)?;
+            Ok(forces.torques(legs, &loads))
+        };
+        let moving = torques(legs, setpoint)?;
         let zero = TaylorModel::ZERO;
         setpoint.acceleration = setpoint.velocity;
         setpoint.velocity = Vector3::from([zero; 3]);
@@ -353,7 +419,7 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
                 distal: zero,
             };
         }
-        let starting = self.path().tick().torques(legs, setpoint, rotation)?;
+        let starting = torques(legs, setpoint)?;
         let mut resting = [zero; 3];
         if self.path().is_loaded() {
             setpoint.acceleration = setpoint.velocity;
@@ -363,7 +429,7 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
                     distal: zero,
                 };
             }
-            resting = self.path().tick().torques(legs, setpoint, rotation)?;
+            resting = torques(legs, setpoint)?;
         }
         Ok([starting, moving, resting])
     }

@@ -8,7 +8,7 @@
 
 use crate::cell::{Cell, Limited};
 use crate::extreme::{greater, lesser, unbounded};
-use crate::program::Program;
+use crate::program;
 use trirrr_core::number::Arithmetic;
 
 /// Backward pass: writes to `squares` the greatest x at each place from which x = `end` can be reached at the
@@ -77,43 +77,35 @@ const SETTLED: u32 = 1 << 16;
 
 /// Greatest x at the start of `cell` from which x <= `end` can be reached; `guess` may be near it.
 pub(crate) fn greatest_start<B: Arithmetic>(cell: &Cell<B>, end: B, guess: B) -> B {
-    best(cell, B::ZERO, guess, |program, cap, _| {
-        Some(program.greatest_start(cap, lesser(end, cap)))
+    best(cell, B::ZERO, guess, |allowed, cap| {
+        program::greatest_start(cell, allowed, [cap, lesser(end, cap)])
     })
 }
 
 /// Greatest x <= `cap` at the end of `cell` that can be reached from x = `start`.
 pub(crate) fn greatest_end<B: Arithmetic>(cell: &Cell<B>, start: B, cap: B) -> B {
-    best(cell, start, start, |program, bound, allowed| {
-        program.greatest_end(start, lesser(cap, bound), !(allowed > start))
+    best(cell, start, start, |allowed, bound| {
+        let is_certain = !(allowed > start);
+        program::greatest_end(cell, allowed, [start, lesser(cap, bound)], is_certain)
     })
 }
 
-/// The best that `reach` finds over all x, from `from`, that the cell's program may allow for; `reach` gets the
-/// program, a cap and that x. The search begins at `guess` if that is not 0.
-fn best<B: Arithmetic>(
-    cell: &Cell<B>,
-    from: B,
-    guess: B,
-    reach: impl Fn(&Program<B>, B, B) -> Option<B>,
-) -> B {
+/// The best that `reach` finds over all x, from `from`, that the limits of the cell may allow for; `reach` gets that x and a
+/// cap. The search begins at `guess` if that is not 0.
+fn best<B: Arithmetic>(cell: &Cell<B>, from: B, guess: B, reach: impl Fn(B, B) -> Option<B>) -> B {
     let (zero, half) = (B::ZERO, B::HALF);
-    let far = || reach(&Program::of(cell, zero), unbounded(), zero).unwrap_or(zero);
+    let far = || reach(zero, unbounded()).unwrap_or(zero);
     let holds = cell.ramp > zero;
     if cell.limits.powers.is_empty() && !holds {
         return far();
     }
-    let allowing = |x, cap| {
-        let program = Program::of(cell, x);
-        program.stands().then(|| reach(&program, cap, x)).flatten()
-    };
     let mut best = zero;
     if cell.limits.powers.is_empty() {
         // What a hold takes of a limit is bounded by the tangent of a root: allowing for what was reached reaches
         // more, as by Newton's method. The start itself can always be allowed for.
         let mut x = if guess > zero { guess } else { far() };
         for _ in 0..STEPS {
-            let Some(reached) = allowing(x, unbounded()) else {
+            let Some(reached) = reach(x, unbounded()) else {
                 x = half * half * x + (half + half * half) * from;
                 continue;
             };
@@ -127,13 +119,13 @@ fn best<B: Arithmetic>(
     }
     // A power limit leaves less of a torque the more x is allowed for: the best lies where that x is reached.
     let (mut low, mut high) = (from, greater(from, far()));
-    best = allowing(from, from).unwrap_or(zero);
+    best = reach(from, from).unwrap_or(zero);
     for _ in 0..STEPS {
         if high - low <= high * B::ratio(1, SETTLED) {
             break;
         }
         let middle = half * (low + high);
-        let reached = allowing(middle, middle);
+        let reached = reach(middle, middle);
         best = reached.map_or(best, |reached| greater(best, reached));
         match reached.is_some_and(|reached| reached >= middle) {
             true => low = middle,

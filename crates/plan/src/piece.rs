@@ -57,11 +57,16 @@ pub struct PathPoint<N: Number> {
     pub second: Vector3<N>,
 }
 
-/// c1 p + c2 p^2 + c3 p^3 and its first two derivatives.
-fn cubic<N: Number, V: Copy + Add<Output = V> + Mul<N, Output = V>>(
+/// c1 p + c2 p^2 + c3 p^3 and its first two derivatives; `zero` is 0.
+fn cubic<N: Number, V: Copy + Add<Output = V> + Mul<N, Output = V> + PartialEq>(
     [c1, c2, c3]: [V; 3],
     p: N,
+    zero: V,
 ) -> [V; 3] {
+    // Mostly alpha is linear in p.
+    if c3 == zero && c2 == zero {
+        return [c1 * p, c1, zero];
+    }
     let half_second = c2 + c3 * (p + p + p);
     [
         (c1 + (c2 + c3 * p) * p) * p,
@@ -99,7 +104,7 @@ impl<N: Number> PlaneCurve<N> {
                 start,
                 coefficients,
             } => {
-                let [way, first, second] = cubic(*coefficients, p);
+                let [way, first, second] = cubic(*coefficients, p, Vector2::from([N::ZERO; 2]));
                 [*start + way, first, second]
             }
         }
@@ -110,7 +115,7 @@ impl<N: Number> Piece<N> {
     /// The point at `p`.
     pub fn at(&self, p: N) -> PathPoint<N> {
         let [position, first, second] = self.curve.at(p);
-        let [turned, rate, bend] = cubic(self.turning, p);
+        let [turned, rate, bend] = cubic(self.turning, p, N::ZERO);
         PathPoint {
             pose: Pose {
                 position,

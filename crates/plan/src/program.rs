@@ -24,14 +24,101 @@ pub(crate) struct Inequality<B> {
     pub(crate) limit: B,
 }
 
+/// The end of a cell that is asked for where the other one is known.
+struct EndReach<B> {
+    /// Least and greatest value there that go with the other end.
+    least: B,
+    greatest: B,
+    /// Greatest value would be greater if the other end were less.
+    gives_way: bool,
+    /// Other end is within the limits that it has alone, and rest is within all.
+    kept: bool,
+    stands: bool,
+}
+
+impl<B: Arithmetic> EndReach<B> {
+    /// Of the `cap` and the inequalities of `cell` for x up to `greatest_x`; `sides` gives the coefficients of the end asked
+    /// for and of the other one, which is `known`.
+    ///
+    /// A division is needed only where an inequality is nearer than all before.
+    #[inline(always)]
+    fn of(
+        cell: &Cell<B>,
+        greatest_x: B,
+        [known, cap]: [B; 2],
+        sides: impl Fn(&Inequality<B>) -> [B; 2],
+    ) -> Self {
+        let zero = B::ZERO;
+        let mut reached = Self {
+            least: zero,
+            greatest: cap,
+            gives_way: false,
+            kept: true,
+            stands: true,
+        };
+        inequalities(cell, greatest_x, |each, _| {
+            reached.stands &= each.limit >= zero;
+            let [asked, other] = sides(&each);
+            let left = each.limit - other * known;
+            if asked > zero {
+                if left < asked * reached.greatest {
+                    reached.greatest = left.div(asked);
+                    reached.gives_way = other > zero;
+                }
+            } else if asked < zero {
+                if left < asked * reached.least {
+                    reached.least = left.div(asked);
+                }
+            } else {
+                reached.kept &= left >= zero;
+            }
+        });
+        reached
+    }
+}
+
+/// Greatest y at the start of `cell`, at most `y_cap`, from which some z from 0 to `z_cap` can be reached, for x up to
+/// `greatest_x` as of a [`Program`]. It is 0 at least, given that the machine can stand in the cell; none where it cannot.
+pub(crate) fn greatest_start<B: Arithmetic>(
+    cell: &Cell<B>,
+    greatest_x: B,
+    [y_cap, z_cap]: [B; 2],
+) -> Option<B> {
+    // Mostly the greatest y leads to the greatest z.
+    let reached = EndReach::of(cell, greatest_x, [z_cap, y_cap], |each| {
+        [each.start, each.end]
+    });
+    if !reached.stands {
+        return None;
+    }
+    let is_greatest = reached.kept && !reached.gives_way && reached.least <= reached.greatest;
+    Some(match is_greatest {
+        true => reached.greatest,
+        false => Program::of(cell, greatest_x).greatest_start(y_cap, z_cap),
+    })
+}
+
+/// Greatest z at the end of `cell`, at most `z_cap`, for this `y`, for x up to `greatest_x`; none if no z goes with it, or
+/// the machine cannot stand. If some z does for certain, the `certain` y may be the greatest there is, which rounding puts
+/// on the wrong side of its z.
+pub(crate) fn greatest_end<B: Arithmetic>(
+    cell: &Cell<B>,
+    greatest_x: B,
+    [y, z_cap]: [B; 2],
+    certain: bool,
+) -> Option<B> {
+    let reached = EndReach::of(cell, greatest_x, [y, z_cap], |each| [each.end, each.start]);
+    let (low, high) = (reached.least, reached.greatest);
+    let kept = certain || (reached.kept && low <= high);
+    (kept && reached.stands).then_some(if high > low { high } else { low })
+}
+
 /// Inequalities of one cell, solved for z.
-pub(crate) struct Program<B> {
+struct Program<B> {
     least: Vec<EndBound<B>, INEQUALITIES>,
     greatest: Vec<EndBound<B>, INEQUALITIES>,
     /// Greatest y of the inequalities without z.
     start_cap: B,
-    /// Rest is within the limits.
-    stands: bool,
 }
 
 /// A bound of z: at_rest + slope y.
@@ -50,12 +137,12 @@ impl<B: Arithmetic> EndBound<B> {
 impl<B: Arithmetic> Program<B> {
     /// The limits of `cell` for x up to `greatest`. The power is bounded by that x; the root in a hold's
     /// share, by its tangent there. With 0, both are left out.
-    pub(crate) fn of(cell: &Cell<B>, greatest: B) -> Self {
+    #[inline(never)]
+    fn of(cell: &Cell<B>, greatest: B) -> Self {
         let mut program = Self {
             least: Vec::new(),
             greatest: Vec::new(),
             start_cap: unbounded(),
-            stands: true,
         };
         inequalities(cell, greatest, |each, _| program.add(each));
         program
@@ -63,7 +150,6 @@ impl<B: Arithmetic> Program<B> {
 
     /// There is room for each.
     fn add(&mut self, each: Inequality<B>) {
-        self.stands &= each.limit >= B::ZERO;
         if each.end == B::ZERO {
             if each.start > B::ZERO {
                 self.start_cap = lesser(self.start_cap, each.limit.div(each.start));
@@ -79,11 +165,6 @@ impl<B: Arithmetic> Program<B> {
             true => self.greatest.push(bound),
             false => self.least.push(bound),
         };
-    }
-
-    /// Returns true if rest is within the limits.
-    pub(crate) fn stands(&self) -> bool {
-        self.stands
     }
 
     /// Least and greatest z for this `y`; the least is above the greatest where `y` is too large for every z.
@@ -112,7 +193,7 @@ impl<B: Arithmetic> Program<B> {
 
     /// Greatest y, at most `y_cap`, from which some z from 0 to `z_cap` can be reached. It is 0 at least,
     /// given that the machine can stand in the cell.
-    pub(crate) fn greatest_start(&self, y_cap: B, z_cap: B) -> B {
+    fn greatest_start(&self, y_cap: B, z_cap: B) -> B {
         let zero = B::ZERO;
         let mut y = lesser(y_cap, self.start_cap);
         // Newton's method on the gap, a concave function of y that is positive at 0: from the right it
@@ -134,15 +215,6 @@ impl<B: Arithmetic> Program<B> {
         }
         zero
     }
-
-    /// Greatest z, at most `z_cap`, for this `y`; none if no z goes with it. If some z does for certain, the
-    /// `certain` y may be the greatest there is, which rounding puts on the wrong side of its z.
-    pub(crate) fn greatest_end(&self, y: B, z_cap: B, certain: bool) -> Option<B> {
-        let [low, high] = self.range(y, z_cap);
-        let (low, high) = (low.at(y), high.at(y));
-        let kept = certain || (low <= high && y <= self.start_cap);
-        kept.then_some(if high > low { high } else { low })
-    }
 }
 
 /// The quantity whose limit is nearest for the motion through `cell` from `y` to `z`.
@@ -157,88 +229,145 @@ pub(crate) fn acting<B: Arithmetic>(cell: &Cell<B>, y: B, z: B) -> Option<Limite
     nearest.map(|(_, what)| what)
 }
 
+/// What the rows of a cell have in common, for x up to a greatest one.
+struct RowTerms<B> {
+    /// 1 / (2 length): a over z - y.
+    per_length: B,
+    /// sqrt(x) <= half_root (1 + x / greatest): a hold adds |acceleration| r sqrt(x).
+    half_root: B,
+    /// half_root / greatest.
+    per_greatest: B,
+    share: B,
+}
+
+impl<B: Arithmetic> RowTerms<B> {
+    fn of(cell: &Cell<B>, greatest: B) -> Self {
+        let zero = B::ZERO;
+        let holds = cell.ramp > zero && greatest > zero;
+        let half_root = match holds {
+            true => B::HALF * cell.ramp * greatest.sqrt(),
+            false => zero,
+        };
+        Self {
+            per_length: B::HALF.div(cell.length),
+            half_root,
+            per_greatest: match holds {
+                true => half_root.div(greatest),
+                false => zero,
+            },
+            share: cell.share,
+        }
+    }
+}
+
 /// Hands each inequality of `cell` to `take`, for x up to `greatest`.
+#[inline(always)]
 pub(crate) fn inequalities<B: Arithmetic>(
     cell: &Cell<B>,
     greatest: B,
     mut take: impl FnMut(Inequality<B>, Limited),
 ) {
+    let shared = RowTerms::of(cell, greatest);
     for row in &cell.limits.rows {
-        of_row(row, cell, row.limit, greatest, &mut take);
+        shared.of_row(row, row.limit, &mut take);
+    }
+    if cell.limits.powers.is_empty() {
+        return;
     }
     let root = greatest.sqrt();
     for power in &cell.limits.powers {
         let limit = power.limit.div(power.rate * root);
         if greatest > B::ZERO && limit.is_finite() {
-            of_row(&power.torque, cell, limit, greatest, &mut take);
+            shared.of_row(&power.torque, limit, &mut take);
         }
     }
 }
 
-fn of_row<B: Arithmetic>(
-    row: &Row<ModelLine<B>, B>,
-    cell: &Cell<B>,
-    limit: B,
-    greatest_x: B,
-    take: &mut impl FnMut(Inequality<B>, Limited),
-) {
-    let zero = B::ZERO;
-    // sqrt(x) <= half_root (1 + x / greatest): a hold adds |acceleration| r sqrt(x).
-    let half_root = B::HALF * cell.ramp * greatest_x.sqrt();
-    let per_greatest = match greatest_x > zero {
-        true => half_root.div(greatest_x),
-        false => zero,
-    };
-    let signs: &[B] = match row.acceleration {
-        Some(_) => &[B::ONE, -B::ONE],
-        None => &[B::ONE],
-    };
-    let none = ModelLine {
-        constant: zero,
-        slope: zero,
-        error: zero,
-    };
-    let acceleration = row.acceleration.unwrap_or(none);
-    let (square, rest) = (row.square, row.rest);
-    let per_length = B::HALF.div(cell.length);
-    // What |z - y| adds at most: errors, and x at the other end.
-    let change = acceleration.error * per_length
-        + B::HALF * (square.slope.abs() + per_greatest * acceleration.slope.abs())
-        + square.error;
-    // Where x alone is limited, |z - y| is at most the greater of the two, which the limit bounds. A coefficient of z
-    // that is tiny beside that of y would make noise of z.
-    let part = change.div(square.constant - square.slope.abs());
-    let is_level = row.acceleration.is_none() && part >= zero && part < B::ratio(1, 1 << 14);
-    let (change, limit) = match is_level {
-        true => (zero, limit - limit * (part + part)),
-        false => (change, limit),
-    };
-    // A part of all motions that the limits allow: what holds the pose counts with the same part, so that rest stays.
-    let limit = limit * cell.share;
-    // The inequality itself is computed with a few roundings.
-    let limit = limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0)) - cell.share * rest.error;
-    for &sign in signs {
+impl<B: Arithmetic> RowTerms<B> {
+    fn of_row(
+        &self,
+        row: &Row<ModelLine<B>, B>,
+        limit: B,
+        take: &mut impl FnMut(Inequality<B>, Limited),
+    ) {
+        let zero = B::ZERO;
+        let (square, rest) = (row.square, row.rest);
+        let Some(acceleration) = row.acceleration else {
+            return self.of_square(row, limit, take);
+        };
+        // What |z - y| adds at most: errors, and x at the other end.
+        let change = acceleration.error * self.per_length
+            + B::HALF * (square.slope.abs() + self.per_greatest * acceleration.slope.abs())
+            + square.error;
+        let limit = self.usable(limit) - self.share * rest.error;
         for end in [-B::ONE, B::ONE] {
-            let slope = sign * acceleration.at(end) * per_length;
-            let hold = acceleration.at(end).abs() + acceleration.error;
-            let square = sign * square.at(end) + square.error + hold * per_greatest;
-            let (at_start, at_end) = match end < zero {
-                true => (square, zero),
-                false => (zero, square),
-            };
-            let limit = limit - sign * cell.share * rest.at(end) - hold * half_root;
-            let mut take = |change: B| {
+            let at_end = acceleration.at(end);
+            let size = at_end.abs() + acceleration.error;
+            let mut slope = at_end * self.per_length;
+            let mut square_there = square.at(end);
+            let mut rest_there = self.share * rest.at(end);
+            // Errors, and what a hold adds.
+            let more = square.error + size * self.per_greatest;
+            let limit = limit - size * self.half_root;
+            // Above, then below.
+            for _ in 0..2 {
+                let square = square_there + more;
+                let (start, end) = match end < zero {
+                    true => (square - slope, slope),
+                    false => (-slope, square + slope),
+                };
+                for change in [change, -change] {
+                    let inequality = Inequality {
+                        start: start - change,
+                        end: end + change,
+                        limit: limit - rest_there,
+                    };
+                    take(inequality, row.what);
+                }
+                (slope, square_there, rest_there) = (-slope, -square_there, -rest_there);
+            }
+        }
+    }
+
+    /// Of a row that limits x alone.
+    fn of_square(
+        &self,
+        row: &Row<ModelLine<B>, B>,
+        limit: B,
+        take: &mut impl FnMut(Inequality<B>, Limited),
+    ) {
+        let (zero, square) = (B::ZERO, row.square);
+        let change = B::HALF * square.slope.abs() + square.error;
+        // |z - y| is at most the greater of the two, which the limit bounds. A coefficient of z that is tiny beside that
+        // of y would make noise of z.
+        let part = change.div(square.constant - square.slope.abs());
+        let is_level = part >= zero && part < B::ratio(1, 1 << 14);
+        let limit = match is_level {
+            true => limit - limit * (part + part),
+            false => limit,
+        };
+        let limit = self.usable(limit);
+        let [start, end] = [-B::ONE, B::ONE].map(|end| square.at(end) + square.error);
+        let changes: &[B] = match is_level {
+            true => &[zero],
+            false => &[change, -change],
+        };
+        for &change in changes {
+            for (start, end) in [(start, zero), (zero, end)] {
                 let inequality = Inequality {
-                    start: at_start - slope - change,
-                    end: at_end + slope + change,
+                    start: start - change,
+                    end: end + change,
                     limit,
                 };
                 take(inequality, row.what);
-            };
-            take(change);
-            if change != zero {
-                take(-change);
             }
         }
+    }
+
+    /// The part of `limit` that motions may use: what holds the pose counts with the same part, so that rest stays.
+    fn usable(&self, limit: B) -> B {
+        let limit = limit * self.share;
+        // An inequality itself is computed with a few roundings.
+        limit - limit * (B::UNIT_ROUNDOFF * B::from_f64(64.0))
     }
 }

@@ -89,8 +89,9 @@ impl<N: Enclose> ModelRow<N> {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        let all = self.acceleration.unwrap_or(TaylorModel::ZERO) + self.square + self.rest;
-        all.is_finite()
+        self.acceleration.is_none_or(TaylorModel::is_finite)
+            && self.square.is_finite()
+            && self.rest.is_finite()
     }
 }
 
