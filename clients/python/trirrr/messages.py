@@ -149,6 +149,8 @@ FaultCode = Enum(
     HomingNotReleased=None,
     HomingClosedAtStart=None,
     FollowingError=None,
+    Contact=None,
+    ContactMoment=None,
 )
 
 Fault = Struct(

@@ -32,6 +32,9 @@ _CODES = {
     "HomingClosedAtStart": "homing: the switch of motor {number} was closed at the start, and is still "
     "closed {limit:.4g} rad away",
     "FollowingError": "joint {number} is {value:.4g} rad from its command, the most allowed is {limit:.4g} rad",
+    # A machine that detects contacts computes in SI units.
+    "Contact": "contact: a force of {value:.4g} N at the tool, the most allowed is {limit:.4g} N",
+    "ContactMoment": "contact: a moment of {value:.4g} N m at the tool, the most allowed is {limit:.4g} N m",
 }
 
 _NOT_ENABLED = {

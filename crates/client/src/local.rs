@@ -8,13 +8,14 @@ use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_plan::window::ServicePlanner;
 use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request};
+use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, State};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
-    Adjustable, Channels, DriveFeedback, FeedbackCoefficients, Homing, HomingCoefficients, Output,
-    Played, Readings, Service, ServiceError, ServiceNumber, Settings, WithFeedback, WithHoming,
+    Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
+    HomingCoefficients, Output, Played, Readings, Service, ServiceError, ServiceNumber, Settings,
+    WithContact, WithFeedback, WithHoming,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -28,6 +29,9 @@ const SAMPLES: usize = 63 + 1;
 pub trait LocalService<N: ServiceNumber> {
     /// Computes one tick.
     fn tick(&mut self);
+
+    /// Returns the state of the machine.
+    fn state(&self) -> State;
 
     /// Sets the inputs of homing for the next ticks.
     fn inputs(&mut self, closed: [bool; 3]);
@@ -90,7 +94,20 @@ pub fn with_machine<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(scene, None, None, play)
+    build(scene, None, None, None, play)
+}
+
+/// Builds as [`with_machine`], for a machine whose drives tell where they are: they have to be
+/// [heard](LocalService::hear) in every tick.
+///
+/// # Errors
+/// As [`with_machine`].
+pub fn with_machine_measured<N: ServiceNumber, T>(
+    scene: &Scene,
+    play: impl FnOnce(&mut dyn LocalService<N>) -> T,
+) -> Result<T, Unbuildable> {
+    let (feedback, contact) = (scene.feedback.as_ref(), scene.contact.as_ref());
+    build(scene, None, feedback, contact, play)
 }
 
 /// Builds as [`with_machine`], for a machine that was just switched on. Where the scene has homing, the
@@ -102,13 +119,20 @@ pub fn with_machine_switched_on<N: ServiceNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(scene, scene.homing.as_ref(), scene.feedback.as_ref(), play)
+    build(
+        scene,
+        scene.homing.as_ref(),
+        scene.feedback.as_ref(),
+        scene.contact.as_ref(),
+        play,
+    )
 }
 
 fn build<N: ServiceNumber, T>(
     scene: &Scene,
     homing: Option<&trirrr_scene::Homing>,
     feedback: Option<&trirrr_scene::Feedback>,
+    contact: Option<&trirrr_scene::Contact>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
     let refused = |reason: String| Unbuildable {
@@ -128,11 +152,21 @@ fn build<N: ServiceNumber, T>(
         }
         None => None,
     };
+    let contact = match contact {
+        Some(contact) => {
+            let contact = contact.parameters(scene.tick_rate_hz);
+            let built = ContactCoefficients::build(&contact, scene.period_s());
+            let why = "contact: needs a number type with a floating point: f32, micromath or f64";
+            Some(built.ok_or_else(|| refused(why.into()))?)
+        }
+        None => None,
+    };
     let described = Described {
         parameters,
         limits: units.limits(&scene.limits),
         start,
         feedback,
+        contact,
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
@@ -157,6 +191,7 @@ struct Described<N: ServiceNumber> {
     settings: Settings<N>,
     homing: Option<HomingCoefficients<N>>,
     feedback: Option<FeedbackCoefficients<N>>,
+    contact: Option<ContactCoefficients<N>>,
 }
 
 struct Play<N: ServiceNumber, F> {
@@ -182,6 +217,10 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
             scene,
             feedback: described.feedback.as_ref(),
         };
+        let scene = WithContact {
+            scene,
+            contact: described.contact.as_ref(),
+        };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
         let mut service = channels.service(scene, described.start, described.settings)?;
@@ -203,6 +242,10 @@ where
 {
     fn tick(&mut self) {
         Service::tick(self);
+    }
+
+    fn state(&self) -> State {
+        Service::state(self)
     }
 
     fn inputs(&mut self, closed: [bool; 3]) {

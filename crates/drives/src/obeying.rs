@@ -8,6 +8,8 @@ use trirrr_service::Output;
 #[derive(Clone, Debug)]
 pub struct ObeyingDrives<N: Number> {
     angles: [N::Angle; 3],
+    /// Rate and torque of each joint.
+    motion: [[N; 2]; 3],
     is_on: bool,
 }
 
@@ -16,6 +18,7 @@ impl<N: Number> ObeyingDrives<N> {
     pub fn new(angles: [N::Angle; 3]) -> Self {
         Self {
             angles,
+            motion: [[N::ZERO; 2]; 3],
             is_on: false,
         }
     }
@@ -26,19 +29,27 @@ impl<N: Number> ObeyingDrives<N> {
             true => DriveState::On,
             false => DriveState::Off,
         };
-        self.angles.map(|angle| DriveReading {
+        let mut readings = self.angles.map(|angle| DriveReading {
             state,
             age: 0,
             state_age: 0,
             ..DriveReading::unheard(angle)
-        })
+        });
+        for (reading, [rate, torque]) in readings.iter_mut().zip(self.motion) {
+            reading.rate = rate;
+            reading.torque = torque;
+        }
+        readings
     }
 
     /// Carries out the output of a tick.
     pub fn apply(&mut self, output: &Output<N>) {
         self.is_on = output.is_on();
+        self.motion = [[N::ZERO; 2]; 3];
         if self.is_on {
-            self.angles = output.motors.each_ref().map(|motor| motor.angle);
+            let motors = output.motors.each_ref();
+            self.angles = motors.map(|motor| motor.angle);
+            self.motion = motors.map(|motor| [motor.rate, motor.torque]);
         }
     }
 

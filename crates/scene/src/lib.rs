@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cases;
+mod contact;
 mod drive;
 mod duration;
 mod error;
@@ -32,6 +33,7 @@ mod planning;
 mod plant;
 mod player;
 mod power;
+mod push;
 mod range;
 pub mod read;
 pub mod record;
@@ -41,6 +43,7 @@ mod settings;
 mod tolerances;
 pub mod words;
 
+pub use contact::{Contact, ContactFriction};
 pub use drive::{
     Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, Knows, Mit, MitAnswer, PullOut, Stepper,
 };
@@ -55,6 +58,7 @@ pub use planning::{PlannedJob, Unplanned, plan_job};
 pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
 pub use player::JobPlayer;
 pub use power::Power;
+pub use push::Push;
 pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use scene::{NumberType, Scene};
 pub use service::Service;

@@ -2,6 +2,7 @@
 //! motors are controlled, and how it is integrated.
 
 use crate::drive::{Drive, DriveKind};
+use crate::push::{Push, read_push};
 use crate::read::{Bound, Place, Section};
 
 /// Settings of the simulated plant. A part that is `None` has no place in its equations.
@@ -23,6 +24,8 @@ pub struct Plant {
     pub transmission: Option<[Transmission; 3]>,
     /// Counts of the rotor's encoder per turn of the rotor.
     pub encoder_counts_per_rev: Option<u32>,
+    /// Push on the platform.
+    pub push: Option<Push>,
 }
 
 /// Method of integration.
@@ -125,6 +128,7 @@ impl Plant {
 pub(crate) struct PlacedPlant {
     pub(crate) plant: Plant,
     step: Place,
+    push: Place,
 }
 
 /// Rate below which a joint with Coulomb friction sticks where the scene does not say, rad/s.
@@ -158,6 +162,7 @@ pub(crate) fn read_plant(
             .map(Some),
         false => Some(None),
     };
+    let push = read_push(&section);
     let plant = Plant {
         method: method?,
         settle_s: settle_s?,
@@ -167,16 +172,18 @@ pub(crate) fn read_plant(
         friction: friction?,
         transmission: transmission?,
         encoder_counts_per_rev: counts?,
+        push: push?,
     };
     check_drives(&section, root, &plant, drives?)?;
     Some(Some(PlacedPlant {
         plant,
         step: section.place_of("step_s"),
+        push: section.place_of("push"),
     }))
 }
 
 impl PlacedPlant {
-    /// Refuses a step longer than the run of `run_s`; the plant.
+    /// Refuses a step longer than the run, and a push behind its end; the plant.
     pub(crate) fn checked(self, root: &Section, job_s: f64) -> Option<Plant> {
         let run_s = job_s + self.plant.settle_s;
         if let Method::SemiImplicitEuler { step_s } | Method::Rk4 { step_s } = self.plant.method
@@ -184,6 +191,13 @@ impl PlacedPlant {
         {
             let reason = format!("a step longer than the run, which lasts {run_s} s");
             root.refuse_at(&self.step, reason);
+            return None;
+        }
+        if let Some(push) = self.plant.push
+            && push.at_s >= run_s
+        {
+            let reason = format!("at_s lies behind the run, which lasts {run_s} s");
+            root.refuse_at(&self.push, reason);
             return None;
         }
         Some(self.plant)

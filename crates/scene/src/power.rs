@@ -59,11 +59,12 @@ pub(crate) fn read_power(root: &Section, rate: Option<f64>) -> Option<Power> {
     })
 }
 
-/// Reads `[faults]`; what is left out is as in [`Reactions::default`].
-pub(crate) fn read_reactions(root: &Section) -> Option<Reactions> {
+/// Reads `[faults]`; what is left out is as in [`Reactions::default`]. Returns the stop at a contact beside them, none
+/// where it is left out.
+pub(crate) fn read_reactions(root: &Section) -> Option<(Reactions, Option<StopCategory>)> {
     let default = Reactions::default();
     if !root.has("faults") {
-        return Some(default);
+        return Some((default, None));
     }
     let section = root.section("faults")?;
     let category = |key, default| {
@@ -80,10 +81,15 @@ pub(crate) fn read_reactions(root: &Section) -> Option<Reactions> {
     let overrun = category("overrun", default.overrun);
     let following = category("following", default.following);
     let drive = category("drive", default.drive);
-    Some(Reactions {
+    let contact = match section.has("contact") {
+        true => category("contact", StopCategory::StopThenOff).map(Some),
+        false => Some(None),
+    };
+    let reactions = Reactions {
         limit: limit?,
         overrun: overrun?,
         following: following?,
         drive: drive?,
-    })
+    };
+    Some((reactions, contact?))
 }

@@ -1,5 +1,6 @@
 //! A scene as a whole.
 
+use crate::contact::{Contact, ContactNeeds, read_contact};
 use crate::drive::{Drive, DriveKind, read_drives};
 use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
@@ -66,6 +67,8 @@ pub struct Scene {
     pub reactions: Reactions,
     /// Watch over the drives, if they tell where they are.
     pub feedback: Option<Feedback>,
+    /// Detection of forces at the tool, if the scene asks for it.
+    pub contact: Option<Contact>,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -237,6 +240,14 @@ fn read_scene(
         .flatten()
         .is_some_and(|[drive, ..]| drive.kind.measures());
     let feedback = read_feedback(root, rate, measures);
+    let needs = ContactNeeds {
+        rate,
+        number,
+        torque,
+        can: drives.flatten().and_then(|[drive, ..]| drive.can()),
+    };
+    let of_contact = reactions.map(|(_, contact)| contact);
+    let contact = read_contact(root, &needs, of_contact);
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
     let plant = read_plant(root, drives, rate);
     if torque == Some(false) {
@@ -263,8 +274,9 @@ fn read_scene(
         limits: limits?,
         service: service?,
         power: power?,
-        reactions: reactions?,
+        reactions: reactions?.0,
         feedback: feedback?,
+        contact: contact?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         plant: None,

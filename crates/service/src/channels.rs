@@ -2,6 +2,7 @@
 
 use super::background::{self, Background, OfferedMoves, Stand};
 use super::coefficients::Coefficients;
+use super::contact::ContactChannels;
 use super::foreground::{self, Foreground};
 use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::offered::Offered;
@@ -48,6 +49,7 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     events: Queue<Event<S::N>, EVENTS>,
     setups: S::Slot,
     feedback: S::Feedback,
+    contact: S::Contact,
     planner: S::Planner,
     shared: SharedCounters,
 }
@@ -95,6 +97,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
             splices: <SplicesOf<S>>::EMPTY,
             setups: S::Slot::EMPTY,
             feedback: S::Feedback::EMPTY,
+            contact: S::Contact::EMPTY,
             planner: S::Planner::EMPTY,
             shared: SharedCounters::new(),
         }
@@ -151,6 +154,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         let (setups_in, setups_out) = self.setups.split();
         let (splices_in, splices_out) = self.splices.split();
         let (feedback_in, feedback_out) = self.feedback.split(scene.feedback());
+        let (contact_in, contact_out) = self.contact.split(scene.contact());
         let shared = &self.shared;
         self.planner.set_up(settings.planning);
         let foreground = Foreground::new(
@@ -165,6 +169,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 setups: setups_out,
                 splices: splices_out,
                 feedback: feedback_out,
+                contact: contact_out,
                 reports: Sender::new(reports_in),
                 faults: Sender::new(faults_in),
                 samples: Sender::new(samples_in),
@@ -183,6 +188,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 setups: setups_in,
                 splices: splices_in,
                 feedback: feedback_in,
+                contact: contact_in,
                 reports: Receiver::new(reports_out),
                 faults: Receiver::new(faults_out),
                 samples: Receiver::new(samples_out),

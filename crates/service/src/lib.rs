@@ -36,6 +36,7 @@ pub mod admission;
 mod background;
 mod channels;
 mod coefficients;
+mod contact;
 mod feed;
 mod feedback;
 mod foreground;
@@ -59,6 +60,10 @@ mod tool;
 pub use background::{Background, check_offer, longest_move};
 pub use channels::{Channels, ServiceError};
 pub use coefficients::Coefficients;
+pub use contact::{
+    ContactChannels, ContactCoefficients, ContactMemory, ContactModel, ContactObserver,
+    ContactParameters, ContactReceiver, ContactThresholds, ContactWatch, Deviation,
+};
 pub use feedback::{
     DriveFeedback, DriveWatch, Feedback, FeedbackCoefficients, FeedbackParameters,
     FeedbackReceiver, FeedbackReport, Readings, ReadingsOf, WatchLimits,
@@ -73,7 +78,8 @@ pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use scene::{
-    Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithFeedback, WithHoming,
+    Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact, WithFeedback,
+    WithHoming,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

@@ -1,5 +1,7 @@
 //! Service of the scene: its types, its memory, its construction.
 
+#[cfg(contact)]
+use crate::scene::CONTACT;
 #[cfg(feedback)]
 use crate::scene::FEEDBACK;
 #[cfg(homing)]
@@ -8,11 +10,18 @@ use crate::scene::{
     COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ,
 };
 use trirrr_protocol::message::{self, Board, Clock, Start};
+#[cfg(contact)]
+use trirrr_service::WithContact;
 #[cfg(feedback)]
 use trirrr_service::WithFeedback;
 #[cfg(homing)]
 use trirrr_service::WithHoming;
 use trirrr_service::{Compiled, Scene, Settings};
+
+#[cfg(contact_refused)]
+compile_error!(
+    "[contact] needs a number type with a floating point: build the image with TRIRRR_SCALAR=f32, or leave [contact] out"
+);
 
 /// Places for moves; one stays empty.
 const MOVES: usize = 128;
@@ -28,11 +37,17 @@ type HomedScene = CompiledScene;
 #[cfg(homing)]
 type HomedScene = WithHoming<'static, CompiledScene>;
 
-/// Scene of this image, which no host can change. Its drives may tell where they are.
+/// The same with its feedback, if its drives tell where they are.
 #[cfg(not(feedback))]
-pub(crate) type ImageScene = HomedScene;
+type MeasuredScene = HomedScene;
 #[cfg(feedback)]
-pub(crate) type ImageScene = WithFeedback<'static, HomedScene>;
+type MeasuredScene = WithFeedback<'static, HomedScene>;
+
+/// Scene of this image, which no host can change. It may detect contacts.
+#[cfg(not(contact))]
+pub(crate) type ImageScene = MeasuredScene;
+#[cfg(contact)]
+pub(crate) type ImageScene = WithContact<'static, MeasuredScene>;
 
 /// Content of what the drives tell in a tick.
 pub type Readings = trirrr_service::ReadingsOf<ImageScene>;
@@ -81,6 +96,11 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     let scene = WithFeedback {
         scene,
         feedback: Some(&FEEDBACK),
+    };
+    #[cfg(contact)]
+    let scene = WithContact {
+        scene,
+        contact: Some(&CONTACT),
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

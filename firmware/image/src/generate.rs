@@ -42,8 +42,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
-/// Sets the kind of the scene's drives as `cfg(drive = "...")`, and `cfg(homing)` for a scene with homing. A
-/// package with a `links` key hands both on to the build scripts of its dependents.
+/// Sets the kind of the scene's drives as `cfg(drive = "...")`, `cfg(homing)` for a scene with homing, and `cfg(contact)` for one
+/// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents.
 ///
 /// # Errors
 /// A scene that is refused, with file, key, value and reason. A quantity outside the range of the number type.
@@ -69,6 +69,7 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         .map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
     print_kinds(&scene);
+    print_contact(&scene, scalar);
     Ok(())
 }
 
@@ -109,5 +110,15 @@ fn print_kinds(scene: &Scene) {
     if scene.feedback.is_some() {
         println!("cargo:rustc-cfg=feedback");
         println!("cargo:feedback=yes");
+    }
+}
+
+/// Sets `cfg(contact)` for a scene that detects contacts, or `cfg(contact_refused)` where the number type `scalar` cannot.
+fn print_contact(scene: &Scene, scalar: &str) {
+    println!("cargo:rustc-check-cfg=cfg(contact, contact_refused)");
+    match (scene.contact.is_some(), scalar == FIXED) {
+        (true, false) => println!("cargo:rustc-cfg=contact"),
+        (true, true) => println!("cargo:rustc-cfg=contact_refused"),
+        (false, _) => {}
     }
 }

@@ -58,6 +58,15 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
                 "joint {motor} is {value} rad from its command, the most allowed is {limit} rad"
             )
         }
+        // A machine that detects contacts computes in SI units.
+        FaultCode::Contact => {
+            let (value, limit) = (value(), short(fault.limit.to_f64()));
+            format!("contact: a force of {value} N at the tool, the most allowed is {limit} N")
+        }
+        FaultCode::ContactMoment => {
+            let (value, limit) = (value(), short(fault.limit.to_f64()));
+            format!("contact: a moment of {value} N m at the tool, the most allowed is {limit} N m")
+        }
         FaultCode::HomingNotFound => {
             let (motor, limit) = searched();
             format!("homing: motor {motor} has not found its switch or stop within {limit} rad")

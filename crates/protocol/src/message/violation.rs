@@ -157,6 +157,10 @@ pub enum FaultCode {
     HomingClosedAtStart,
     /// A joint is farther from its command than it may be, for longer than it may be: angle and limit in rad.
     FollowingError,
+    /// Something pushes the platform: the force at D and the limit, in N, as the machine estimates them.
+    Contact,
+    /// Something turns the platform: the moment about D and the limit, in N m, as the machine estimates them.
+    ContactMoment,
 }
 
 /// Reason why a drive does not do what it was told.
@@ -204,7 +208,9 @@ impl FaultCode {
             | Self::HomingNotFound
             | Self::HomingNotReleased
             | Self::HomingClosedAtStart
-            | Self::FollowingError => None,
+            | Self::FollowingError
+            | Self::Contact
+            | Self::ContactMoment => None,
         }
     }
 }

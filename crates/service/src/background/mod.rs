@@ -1,5 +1,6 @@
 //! The half that talks and judges, below the tick.
 
+mod contact;
 mod control;
 mod enable;
 mod moves;
@@ -15,6 +16,7 @@ mod splice;
 pub(super) use offers::OfferedMoves;
 pub(super) use splice::Retargeting;
 
+use super::contact::BackgroundContact;
 use super::feedback::BackgroundFeedback;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::offered::PlayedCurves;
@@ -54,6 +56,7 @@ pub struct Background<'q, S: Scene> {
     setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
     splices: BackgroundSplices<'q, S>,
     feedback: BackgroundFeedback<'q, S>,
+    contact: BackgroundContact<'q, S>,
     reports: Receiver<'q, ReportOf<S>>,
     faults: Receiver<'q, Fault<S::N>>,
     samples: Receiver<'q, Telemetry<S::N>>,
@@ -127,6 +130,7 @@ pub(super) struct BackgroundEnds<'q, S: Scene> {
     pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
     pub(super) splices: BackgroundSplices<'q, S>,
     pub(super) feedback: BackgroundFeedback<'q, S>,
+    pub(super) contact: BackgroundContact<'q, S>,
     pub(super) reports: Receiver<'q, ReportOf<S>>,
     pub(super) faults: Receiver<'q, Fault<S::N>>,
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
@@ -158,6 +162,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             setups: ends.setups,
             splices: ends.splices,
             feedback: ends.feedback,
+            contact: ends.contact,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -203,6 +208,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// Whether there is more to do at once.
     pub fn step(&mut self) -> bool {
         self.drain_reports();
+        self.contact_step();
         match self.splice_step() {
             Some(more) => more,
             None => {

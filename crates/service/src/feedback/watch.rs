@@ -67,6 +67,12 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
         self.limits.is_some()
     }
 
+    /// Returns the readings of this tick, or the last ones.
+    #[inline(always)]
+    pub(crate) fn readings(&self) -> Option<&Readings<N>> {
+        self.readings.as_ref()
+    }
+
     pub(super) fn hear(&mut self, readings: Readings<N>) {
         self.readings = Some(readings);
     }

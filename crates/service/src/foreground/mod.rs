@@ -9,6 +9,7 @@ mod supply;
 
 pub use output::{Output, Power};
 
+use super::contact::TickContact;
 use super::feed::{FeedScale, PathPosition};
 use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
@@ -43,6 +44,7 @@ pub struct Foreground<'q, S: Scene> {
     setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
     splices: TickSplices<'q, S>,
     pub(super) feedback: TickFeedback<'q, S>,
+    contact: TickContact<'q, S>,
     reports: Sender<'q, ReportOf<S>>,
     faults: Sender<'q, Fault<S::N>>,
     samples: Sender<'q, Telemetry<S::N>>,
@@ -111,6 +113,7 @@ pub(super) struct ForegroundEnds<'q, S: Scene> {
     pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
     pub(super) splices: TickSplices<'q, S>,
     pub(super) feedback: TickFeedback<'q, S>,
+    pub(super) contact: TickContact<'q, S>,
     pub(super) reports: Sender<'q, ReportOf<S>>,
     pub(super) faults: Sender<'q, Fault<S::N>>,
     pub(super) samples: Sender<'q, Telemetry<S::N>>,
@@ -144,6 +147,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             setups: ends.setups,
             splices: ends.splices,
             feedback: ends.feedback,
+            contact: ends.contact,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,

@@ -7,10 +7,11 @@ use super::super::scene::Scene;
 use super::{Foreground, Path};
 use crate::number::ServiceNumber;
 use crate::settings::StopCategory;
+use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
-use trirrr_protocol::message::{Acting, Fault, State};
+use trirrr_protocol::message::{Acting, Fault, FaultCode, State};
 
 /// Commands to the motors and the tool until the next tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +95,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let category = match self.state {
             State::Fault | State::Reacting | State::Enabling => StopCategory::Off,
             _ if !self.output.is_on() => StopCategory::Off,
-            _ => self.supply.reaction(broken.code),
+            _ => self.reaction(broken.code),
         };
         if !self.state.has_fault() {
             // There is room: the one before was taken before it was cleared.
@@ -110,6 +111,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         match category {
             StopCategory::Off => self.switch_off(),
             category => self.react(category),
+        }
+    }
+
+    /// Stop at this fault.
+    fn reaction(&self, code: FaultCode) -> StopCategory {
+        match (code, self.contact.get()) {
+            (FaultCode::Contact | FaultCode::ContactMoment, Some(contact)) => contact.reaction(),
+            _ => self.supply.reaction(code),
         }
     }
 

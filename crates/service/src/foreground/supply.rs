@@ -1,7 +1,7 @@
 //! Switching the drives on and off, with the times that they and the brake take.
 
 use super::output::Power;
-use super::{Foreground, Target};
+use super::{Foreground, Path, Target};
 use crate::feedback::EnableProgress;
 use crate::homing::Homing;
 use crate::number::ServiceNumber;
@@ -306,7 +306,24 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         };
         // A motor that searches may stand against its stop.
         let follows = self.state != State::Homing;
-        if let Err(breach) = watch.check(&self.output.motors, follows) {
+        let watched = watch.check(&self.output.motors, follows);
+        // What pushes the machine may push it on during the stop, and while the drives hold it: no second fault.
+        let torques_are_known = match self.state {
+            State::Idle | State::Running | State::Slowing | State::Holding => true,
+            State::Stopping => matches!(self.path, Path::Move | Path::Ended),
+            _ => false,
+        };
+        let felt = match (self.contact.get_mut(), watch.readings()) {
+            (Some(contact), Some(readings)) if torques_are_known => {
+                contact.check(readings, &self.output.motors, &self.pose)
+            }
+            (Some(contact), _) => {
+                contact.pause();
+                Ok(())
+            }
+            (None, _) => Ok(()),
+        };
+        if let Err(breach) = watched.and(felt) {
             self.latch(breach);
         }
     }

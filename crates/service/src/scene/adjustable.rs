@@ -2,6 +2,7 @@
 
 use super::{Scene, Setup};
 use crate::coefficients::{Coefficients, allow_jerk};
+use crate::contact::ContactCoefficients;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
@@ -57,6 +58,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Part = Section;
     type Homing = NoHoming;
     type Feedback = ();
+    type Contact = ();
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
@@ -80,6 +82,11 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
+        None
+    }
+
+    #[inline(always)]
+    fn contact(&self) -> Option<&ContactCoefficients<N>> {
         None
     }
 

@@ -3,6 +3,7 @@
 use super::{NoSlot, Scene};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
+use crate::contact::ContactCoefficients;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
@@ -53,6 +54,7 @@ impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> 
     type Part = Written<'a>;
     type Homing = NoHoming;
     type Feedback = ();
+    type Contact = ();
     type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]
@@ -75,6 +77,11 @@ impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> 
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
+        None
+    }
+
+    #[inline(always)]
+    fn contact(&self) -> Option<&ContactCoefficients<N>> {
         None
     }
 

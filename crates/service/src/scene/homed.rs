@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::coefficients::Coefficients;
+use crate::contact::ContactCoefficients;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{Cycle, HomingCoefficients, Plan};
 use crate::number::ServiceNumber;
@@ -31,6 +32,7 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type Part = S::Part;
     type Homing = Option<Cycle<'a, N>>;
     type Feedback = S::Feedback;
+    type Contact = S::Contact;
     type Coefficients = S::Coefficients;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<S::Coefficients, BuildError> {
@@ -60,6 +62,11 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
         self.scene.feedback()
+    }
+
+    #[inline(always)]
+    fn contact(&self) -> Option<&ContactCoefficients<N>> {
+        self.scene.contact()
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::coefficients::Coefficients;
+use crate::contact::ContactCoefficients;
 use crate::feedback::{DriveFeedback, FeedbackCoefficients};
 use crate::homing::Plan;
 use crate::number::ServiceNumber;
@@ -31,6 +32,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
     type Part = S::Part;
     type Homing = S::Homing;
     type Feedback = DriveFeedback<N>;
+    type Contact = S::Contact;
     type Coefficients = S::Coefficients;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<S::Coefficients, BuildError> {
@@ -53,6 +55,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
         self.feedback
+    }
+
+    #[inline(always)]
+    fn contact(&self) -> Option<&ContactCoefficients<N>> {
+        self.scene.contact()
     }
 
     #[inline(always)]

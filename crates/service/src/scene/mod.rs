@@ -2,22 +2,25 @@
 //!
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
-//! [`WithHoming`] adds homing to either, [`WithFeedback`] drives that tell where they are. The choice is a type, so that a scene pays only for its own
-//! kind. Likewise the kinds of moves: cubics, or quintics beside them.
+//! [`WithHoming`] adds homing to either, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that. The choice
+//! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 mod adjustable;
 mod compiled;
+mod contact;
 mod homed;
 mod measured;
 mod slot;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
+pub use contact::WithContact;
 pub use homed::WithHoming;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
 
 use crate::coefficients::Coefficients;
+use crate::contact::{ContactChannels, ContactCoefficients};
 use crate::feedback::{Feedback, FeedbackCoefficients};
 use crate::homing::{Homing, Plan};
 use crate::number::ServiceNumber;
@@ -77,6 +80,9 @@ pub trait Scene {
     /// Feedback of the drives; `()` for drives that tell nothing.
     type Feedback: Feedback<Self::N>;
 
+    /// Detection of contacts; `()` without any.
+    type Contact: ContactChannels<Self::N>;
+
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;
 
@@ -97,6 +103,9 @@ pub trait Scene {
 
     /// Returns the coefficients of the feedback; `None` if the drives tell nothing.
     fn feedback(&self) -> Option<&FeedbackCoefficients<Self::N>>;
+
+    /// Returns the coefficients of contact detection; `None` without any.
+    fn contact(&self) -> Option<&ContactCoefficients<Self::N>>;
 
     /// Returns the scene in `units` of the machine, with `section` in place of its own.
     ///

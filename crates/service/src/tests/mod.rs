@@ -1,3 +1,4 @@
+mod contact;
 mod faults;
 mod feedback;
 mod homing;

@@ -13,7 +13,9 @@ use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{RangeError, Scene, offer, units_of_scene};
-use trirrr_service::{FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings};
+use trirrr_service::{
+    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings,
+};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -106,6 +108,15 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
                 .ok_or("the start is out of reach")?;
         let feedback_type = format!("{service}::FeedbackCoefficients<Scalar>");
         file.global("FEEDBACK", &feedback_type, constant(&coefficients));
+    }
+
+    if let Some(contact) = &scene.contact {
+        let parameters = contact.parameters(scene.tick_rate_hz);
+        // None in fixed point: an image with it is refused, by `cfg(contact_refused)`.
+        if let Some(coefficients) = ContactCoefficients::<N>::build(&parameters, scene.period_s()) {
+            let contact_type = format!("{service}::ContactCoefficients<Scalar>");
+            file.global("CONTACT", &contact_type, constant(&coefficients));
+        }
     }
 
     // What measurements are made from: the description, and the job, in the machine's units.

@@ -1,0 +1,25 @@
+//! Models of the machine for contact detection.
+
+use super::Background;
+use crate::contact::ContactModel;
+use crate::number::ServiceNumber;
+use crate::scene::Scene;
+use crate::splice::Optional;
+use core::borrow::Borrow;
+
+impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
+    /// Answers the tick with a model of the pose that it asks for. A pose without a motion has none: the tick keeps the
+    /// last one.
+    #[inline(always)]
+    pub(super) fn contact_step(&mut self) {
+        let Some(receiver) = self.contact.get_mut() else {
+            return;
+        };
+        let Some(pose) = receiver.poses.receive() else {
+            return;
+        };
+        if let Some(model) = ContactModel::at(&self.coefficients.borrow().tick, pose) {
+            receiver.models.send(model);
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! Contacts: what is one, what the machine does, and what is none.
+
+use super::*;
+use trirrr_core::machine::Geometry;
+use trirrr_protocol::message::{DriveReading, DriveState, Fault, FaultCode};
+
+type Felt<N> = WithContact<'static, WithFeedback<'static, Thesis<N>>>;
+
+const FORCE_N: f64 = 1.0;
+const MOMENT_NM: f64 = 0.05;
+
+fn contact(reaction: StopCategory) -> ContactParameters {
+    ContactParameters {
+        force_n: FORCE_N,
+        torque_nm: MOMENT_NM,
+        bandwidth_hz: 20.0,
+        confirm_ticks: 3,
+        model_ticks: 4,
+        coulomb_nm: [0.0; 3],
+        viscous_nm_s_rad: [0.0; 3],
+        sliding_rad_s: 0.05,
+        late_ticks: 0,
+        told_after: 0.0,
+        reaction,
+    }
+}
+
+/// Machine whose drives hold it where it is told, against `external` torques of the joints.
+struct Rig<N: ServiceNumber> {
+    bench: Bench<Felt<N>>,
+    external: [f64; 3],
+    age: u16,
+    /// The drives tell of the command before so many others.
+    late: usize,
+    commanded: Vec<Output<N>>,
+    last: Output<N>,
+}
+
+impl<N: ServiceNumber> Rig<N> {
+    fn new(contact: &ContactParameters) -> Self {
+        let geometry = Geometry::<N>::build(&example()).unwrap();
+        let watch = FeedbackParameters {
+            timeout_ticks: 40,
+            enable_ticks: 100,
+            still_rad: 1e-3,
+            standing_rad: 0.01,
+            moving_rad: 0.05,
+            window_ticks: 3,
+        };
+        let feedback = FeedbackCoefficients::build(&watch, &example(), &geometry, home()).unwrap();
+        let coefficients = ContactCoefficients::build(contact, PERIOD_S).unwrap();
+        let scene = WithContact {
+            scene: WithFeedback {
+                scene: Adjustable::new(example(), LimitParameters::default()),
+                feedback: Some(Box::leak(Box::new(feedback))),
+            },
+            contact: Some(Box::leak(Box::new(coefficients))),
+        };
+        let bench = Bench::off(scene, home(), settings());
+        let last = *bench.service.output();
+        let mut rig = Self {
+            bench,
+            external: [0.0; 3],
+            age: 0,
+            late: contact.late_ticks.into(),
+            commanded: std::vec![last; 8],
+            last,
+        };
+        rig.ticks(3);
+        rig.bench.done(Command::Enable);
+        rig.ticks(40);
+        assert_eq!(rig.bench.state(), State::Idle);
+        rig
+    }
+
+    fn tick(&mut self) {
+        let readings = [0, 1, 2].map(|leg| {
+            let told = &self.commanded[self.commanded.len() - 1 - self.late];
+            let motor = &told.motors[leg];
+            DriveReading {
+                state: match self.last.is_on() {
+                    true => DriveState::On,
+                    false => DriveState::Off,
+                },
+                age: self.age,
+                state_age: 0,
+                rate: motor.rate,
+                // What the drive does not have to give.
+                torque: motor.torque - N::from_f64(self.external[leg]),
+                ..DriveReading::unheard(self.last.motors[leg].angle)
+            }
+        });
+        self.bench.service.hear(readings);
+        self.last = *self.bench.service.tick();
+        self.commanded.push(self.last);
+        while self.bench.service.step() {}
+        while self.bench.service.poll().is_some() {}
+    }
+
+    fn ticks(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// Torques of the joints by which `wrench` at the tool pushes the machine, at the start: K^T of the rates.
+    fn push(&mut self, [x, y, moment]: [f64; 3]) {
+        let tick = trirrr_core::tick::Tick::<Dynamic<f64>>::build(&example()).unwrap();
+        let rates = |velocity: [f64; 3]| {
+            let setpoint = trirrr_core::setpoint::Setpoint {
+                pose: home(),
+                velocity: velocity.into(),
+                acceleration: [0.0; 3].into(),
+            };
+            let motion = tick.evaluate(&setpoint).unwrap();
+            motion.motors.map(|motor| motor.rate)
+        };
+        // The power of the push is that of the torques, along each axis: three equations, solved by cross products.
+        let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|axis| nalgebra::Vector3::<f64>::from(rates(axis)));
+        let det: f64 = a.dot(&b.cross(&c));
+        let torques = (b.cross(&c) * x + c.cross(&a) * y + a.cross(&b) * moment) * (1.0 / det);
+        self.external = torques.into();
+    }
+
+    fn fault(&mut self) -> Option<Fault<N>> {
+        self.bench.status().fault
+    }
+
+    fn start(&mut self, ticks: u32) {
+        let status = self.bench.status();
+        let from = status.end.unwrap().pose;
+        self.bench
+            .offer(rest(status.next, from, pose(0.28, 0.28, 0.2), ticks));
+        self.bench.done(Command::Start);
+        self.ticks(2);
+    }
+}
+
+/// A force a tenth beyond the threshold is told as it is, one a tenth below is none; in whatever direction.
+fn thresholds_hold<N: ServiceNumber>() {
+    for step in 0..8 {
+        let (sin, cos) = f64::sin_cos(0.8 * f64::from(step));
+        for (size, felt) in [(0.9, false), (1.1, true)] {
+            let mut rig = Rig::<N>::new(&contact(StopCategory::StopAndHold));
+            rig.push([size * FORCE_N * cos, size * FORCE_N * sin, 0.0]);
+            rig.ticks(100);
+            let fault = rig.fault();
+            assert_eq!(
+                fault.map(|fault| fault.code),
+                felt.then_some(FaultCode::Contact)
+            );
+            if let Some(fault) = fault {
+                let value = fault.value.to_f64();
+                assert!((1.0..1.1001).contains(&value), "{value}");
+                assert_eq!((fault.index, fault.limit.to_f64()), (None, FORCE_N));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_force_beyond_the_threshold_is_a_contact() {
+    thresholds_hold::<f64>();
+    thresholds_hold::<f32>();
+}
+
+#[test]
+fn a_moment_beyond_its_threshold_is_a_contact() {
+    for (size, felt) in [(0.9, None), (-1.1, Some(FaultCode::ContactMoment))] {
+        let mut rig = Rig::<f64>::new(&contact(StopCategory::StopAndHold));
+        rig.push([0.0, 0.0, size * MOMENT_NM]);
+        rig.ticks(100);
+        let fault = rig.fault();
+        assert_eq!(fault.map(|fault| fault.code), felt);
+        if let Some(fault) = fault {
+            assert!(
+                fault.value < -MOMENT_NM && fault.value > 1.1001 * -MOMENT_NM,
+                "{fault:?}"
+            );
+        }
+    }
+}
+
+/// The push goes on over the whole reaction: no second fault, which would let go of the platform.
+#[test]
+fn the_machine_reacts_as_the_scene_says() {
+    for (reaction, is_on) in [
+        (StopCategory::Off, false),
+        (StopCategory::StopThenOff, false),
+        (StopCategory::StopAndHold, true),
+    ] {
+        let mut rig = Rig::<f64>::new(&contact(reaction));
+        rig.start(200);
+        rig.ticks(50);
+        rig.push([3.0, 0.0, 0.0]);
+        let mut states = Vec::new();
+        for _ in 0..60 {
+            rig.tick();
+            let state = rig.bench.state();
+            if states.last() != Some(&state) {
+                states.push(state);
+            }
+        }
+        let expected: &[State] = match reaction {
+            StopCategory::Off => &[State::Running, State::Fault],
+            _ => &[State::Running, State::Reacting, State::Fault],
+        };
+        assert_eq!(
+            (&states[..], rig.last.is_on()),
+            (expected, is_on),
+            "{reaction:?}"
+        );
+        if !is_on {
+            continue;
+        }
+        // Cleared while it is still pushed, it feels that again; let go, it works.
+        rig.bench.done(Command::ClearFault);
+        rig.ticks(30);
+        assert_eq!(rig.bench.state(), State::Fault);
+        rig.external = [0.0; 3];
+        rig.bench.done(Command::ClearFault);
+        rig.ticks(30);
+        assert_eq!((rig.bench.state(), rig.fault()), (State::Idle, None));
+    }
+}
+
+/// A push for less than the confirming ticks is none; neither are drives that say nothing for some ticks, nor old readings.
+#[test]
+fn a_knock_and_late_readings_are_no_contact() {
+    let mut rig = Rig::<f64>::new(&contact(StopCategory::Off));
+    rig.push([3.0, 0.0, 0.0]);
+    rig.ticks(2);
+    rig.external = [0.0; 3];
+    rig.ticks(100);
+    assert_eq!(rig.fault(), None);
+    rig.push([0.5, 0.0, 0.0]);
+    for age in [3, 15, 16, 30, 0, 20, 1, 0] {
+        rig.age = age;
+        rig.ticks(5);
+        assert_eq!(rig.fault(), None, "{age}");
+    }
+}
+
+/// Old readings are compared with the commands of their ticks: a motion is no contact.
+#[test]
+fn a_motion_is_no_contact_whatever_the_age_of_the_readings() {
+    for late_ticks in [0, 1, 4] {
+        let parameters = ContactParameters {
+            late_ticks,
+            force_n: 1e-9,
+            torque_nm: 1e-9,
+            ..contact(StopCategory::Off)
+        };
+        let mut rig = Rig::<f64>::new(&parameters);
+        let mut moved = false;
+        rig.start(40);
+        for _ in 0..60 {
+            rig.tick();
+            moved |= rig.last.motors[0].rate != 0.0;
+            assert_eq!(rig.fault(), None, "{late_ticks}");
+        }
+        assert!(moved);
+    }
+}
