@@ -9,14 +9,15 @@
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals. [`transport`]
 //! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
-//! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records, and
-//! [`describe`] says in words and SI units what a machine reports.
+//! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
+//! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
 mod approach;
 pub mod describe;
+pub mod drive_records;
 pub mod exchange;
 mod failure;
 mod goal_client;

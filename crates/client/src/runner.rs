@@ -6,9 +6,9 @@ use crate::{JobFailure, Patience};
 use std::time::Duration;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{
-    AnyMove, Command, Hello, Message, Reply, Request, Telemetry, Transmit,
+    AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry, Transmit,
 };
-use trirrr_service::ServiceNumber;
+use trirrr_service::{Output, Readings, ServiceNumber};
 
 /// One tick of a machine that plays a job.
 #[derive(Clone, Debug)]
@@ -101,6 +101,21 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                 Action::Finished(result) => return Some(result),
             }
         }
+    }
+
+    /// Sets what the drives tell in the next tick, of a machine that [measures](crate::local::with_machine_measured).
+    pub fn hear(&mut self, readings: Readings<N>) {
+        self.service.hear(readings);
+    }
+
+    /// Returns the output of the last tick.
+    pub fn output(&self) -> &Output<N> {
+        self.service.output()
+    }
+
+    /// Returns the state of the machine.
+    pub fn state(&self) -> State {
+        self.service.state()
     }
 
     /// Computes one tick of the machine.

@@ -28,6 +28,8 @@ pub(crate) struct SimulatedBus<N: Countable, P: Protocol, const LONGEST: usize> 
     angles: [f64; 3],
     /// Longest age of a reading, ticks.
     oldest: u16,
+    /// A service watches the drives in this tick.
+    is_watched: bool,
     units: Units,
     references: [Reference<f64>; 3],
     /// Time from one sample to the next, s.
@@ -160,6 +162,7 @@ impl Parts<'_> {
             board,
             medium,
             angles: start,
+            is_watched: false,
             oldest: (watch(scene).timeout_s * rate_hz).ceil() as u16,
             units,
             references: start.map(Reference::standing),
@@ -258,9 +261,16 @@ fn refused<N: Number>(failure: &Failure<N>) -> Refusal {
 impl<N: Countable, P: Protocol + Send, const LONGEST: usize> SimulatedDrives<N>
     for SimulatedBus<N, P, LONGEST>
 {
+    fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
+        self.is_watched = true;
+        Some(self.board.measure())
+    }
+
     fn tick(&mut self, output: &Output<N>) -> Result<(), Refusal> {
-        let readings = self.board.measure();
-        self.judge(&readings)?;
+        if !std::mem::take(&mut self.is_watched) {
+            let readings = self.board.measure();
+            self.judge(&readings)?;
+        }
         self.references = output
             .motors
             .each_ref()

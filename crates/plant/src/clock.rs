@@ -9,6 +9,8 @@ pub(crate) struct RunClock {
     pub(crate) rate: Option<f64>,
     pub(crate) record_s: f64,
     pub(crate) end: f64,
+    /// Start and end of a push on the platform.
+    pub(crate) push: Option<[f64; 2]>,
 }
 
 impl RunClock {
@@ -26,7 +28,11 @@ impl RunClock {
 
     /// The next row; on a sample where it is one within rounding.
     fn row_t(&self) -> f64 {
-        let t = self.row as f64 * self.record_s;
+        self.on_sample(self.row as f64 * self.record_s)
+    }
+
+    /// `t`, on a sample where it is one within rounding.
+    fn on_sample(&self, t: f64) -> f64 {
         let Some(rate) = self.rate else { return t };
         let sample = (t * rate).round() / rate;
         if (sample - t).abs() <= self.together() {
@@ -44,8 +50,21 @@ impl RunClock {
         self.row_t() <= self.t + self.together()
     }
 
+    /// Returns `true` while the push acts.
+    pub(crate) fn pushes_now(&self) -> bool {
+        let now = self.t + self.together();
+        self.push.is_some_and(|[from, to]| from <= now && now < to)
+    }
+
+    /// The next start or end of the push.
+    fn push_t(&self) -> f64 {
+        let now = self.t + self.together();
+        let edge = self.push.iter().flatten().find(|edge| **edge > now);
+        edge.map_or(f64::INFINITY, |edge| self.on_sample(*edge))
+    }
+
     pub(crate) fn next(&self) -> f64 {
-        let next = self.sample_t().min(self.row_t());
+        let next = self.sample_t().min(self.row_t()).min(self.push_t());
         // A last interval too short for a step belongs to the one before.
         if self.end - next <= self.together() {
             self.end

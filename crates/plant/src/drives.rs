@@ -11,11 +11,18 @@ use trirrr_core::units::Units;
 use trirrr_drives::count::Countable;
 use trirrr_drives::joint::Reference;
 use trirrr_drives::stepper::Line;
+use trirrr_protocol::message::DriveReading;
 use trirrr_scene::{NumberType, Scene, Timing};
 use trirrr_service::Output;
 
 /// The three drives of a machine whose ticks are in the number type `N`.
 pub(crate) trait SimulatedDrives<N: Number>: Send {
+    /// Returns what the drives tell at the begin of a tick, for a service that watches them; none of drives that tell
+    /// nothing. Drives that nobody watches are judged here, in the [tick](Self::tick).
+    fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
+        None
+    }
+
     /// Takes the output of a tick.
     ///
     /// # Errors

@@ -187,6 +187,7 @@ impl<const N: usize> Plant<N> {
             moment.platform = self.friction(2, leg, tilt);
             loss = loss + moment.elbow * bend + moment.platform * tilt;
         }
+        work = work + self.mechanics.push_power(at.rates());
         let acceleration = self.mechanics.acceleration(at, &moments)?;
         dy[..3].copy_from_slice(&y[RATES..RATES + 3]);
         dy[RATES..RATES + 3].copy_from_slice(&acceleration);

@@ -47,6 +47,8 @@ pub struct Mechanics {
     gravity: Option<Vector2<f64>>,
     /// (Wx, Wy, Walpha) at D.
     wrench: [f64; 3],
+    /// The same of a push that acts now, without a potential.
+    push: [f64; 3],
 }
 
 /// Inertias of a leg's links.
@@ -128,7 +130,20 @@ impl Mechanics {
             links,
             gravity: (gravity != Vector2::zeros()).then_some(gravity),
             wrench: [force.x, force.y, parameters.wrench_torque_nm],
+            push: [0.0; 3],
         })
+    }
+
+    /// Lets a push (Wx, Wy, Walpha) at D act from now on, N and N m, besides the constant wrench.
+    pub fn set_push(&mut self, push: [f64; 3]) {
+        self.push = push;
+    }
+
+    /// Power of the push on a platform that moves with `rates`, W.
+    #[inline(always)]
+    pub(crate) fn push_power<T: Differentiable>(&self, [vx, vy, turning]: [T; 3]) -> T {
+        let [x, y, moment] = self.push;
+        vx * x + vy * y + turning * moment
     }
 
     /// Configuration at the coordinates `w` that move with `rates`: x, y and alpha, or the angles of
@@ -245,7 +260,7 @@ impl Mechanics {
         // Upper triangle: xx, xy, xa, yy, ya, aa.
         let [mass, inertia] = [self.mass, self.inertia].map(T::from);
         let mut m = [mass, zero, zero, mass, zero, inertia];
-        let mut right = self.wrench.map(T::from);
+        let mut right = [0, 1, 2].map(|axis| T::from(self.wrench[axis] + self.push[axis]));
         if let Some(centre) = self.centre {
             let s = turned(centre * self.mass, *rotation);
             m[2] = -s.y;

@@ -19,6 +19,7 @@ use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
 use trirrr_integrate::stability::Warning;
 use trirrr_integrate::{self as integrate, Failure, Integrator, Method, Spectrum, System};
+use trirrr_protocol::message::DriveReading;
 use trirrr_scene::{Scene, Timing};
 use trirrr_service::Output;
 
@@ -46,6 +47,12 @@ impl<'l, N: Countable> PlantRun<'l, N> {
 }
 
 impl<N: Number> PlantRun<'_, N> {
+    /// Returns what the drives tell before the next tick, for a service that watches them. None of drives that tell
+    /// nothing.
+    pub fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
+        self.0.measure()
+    }
+
     /// Takes the output of the next tick, the first of the job at first, and simulates up to the
     /// tick after it. Rows of the table go to `sink`.
     ///
@@ -80,6 +87,7 @@ pub fn control_of(scene: &Scene) -> Result<Control, Refusal> {
 
 /// A run without its dimension.
 trait Simulation<N: Number>: Send {
+    fn measure(&mut self) -> Option<[DriveReading<N>; 3]>;
     fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row));
     fn finish(&mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome;
 }
@@ -91,6 +99,9 @@ struct Run<'l, N: Number, const D: usize> {
     driven: Option<Driven<'l, N>>,
     integrator: Integrator<D>,
     clock: RunClock,
+    /// Force and moment of the push, and whether it acts.
+    push: Option<[f64; 3]>,
+    pushed: bool,
     tick_rate_hz: f64,
     ticks: u32,
     ended: Option<PlantEnd>,
@@ -125,6 +136,7 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
         let record_s = scenario.map_or(1e-3, |plant| plant.record_s);
         let settle_s = scenario.map_or(0.0, |plant| plant.settle_s);
         let end = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
+        let push = scenario.and_then(|plant| plant.push);
 
         let spectrum = Spectrum::of(&plant, 0.0, &y)?;
         let (method, reason) = choose(scene, &spectrum, rate, record_s);
@@ -155,7 +167,10 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
                 rate,
                 record_s,
                 end,
+                push: push.map(|push| [push.at_s, push.at_s + push.duration_s]),
             },
+            push: push.map(|push| [push.force_n[0], push.force_n[1], push.torque_nm]),
+            pushed: false,
             tick_rate_hz: scene.tick_rate_hz,
             ticks: 0,
             ended: None,
@@ -216,6 +231,7 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
         sink: &mut dyn FnMut(&Row),
     ) -> Result<bool, PlantEnd> {
         let t = self.clock.t;
+        self.push();
         let failed = |cause: Refusal| PlantEnd::Failed(format!("{cause} at t = {t:.6} s"));
         if self.clock.samples_now() && !self.sample().map_err(failed)? {
             return Ok(false);
@@ -265,6 +281,20 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
         }
     }
 
+    /// Lets the push begin or end.
+    fn push(&mut self) {
+        let Some(push) = self.push else {
+            return;
+        };
+        let pushes = self.clock.pushes_now();
+        if pushes != self.pushed {
+            self.pushed = pushes;
+            let now = if pushes { push } else { [0.0; 3] };
+            self.plant.mechanics.set_push(now);
+            self.integrator.input_changed();
+        }
+    }
+
     /// Lets the drives measure and command; `false` where the tick is missing that they follow.
     fn sample(&mut self) -> Result<bool, Refusal> {
         let Some(driven) = &mut self.driven else {
@@ -286,6 +316,10 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
 }
 
 impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
+    fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
+        self.driven.as_mut()?.drives.measure()
+    }
+
     fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row)) {
         if let Some(driven) = &mut self.driven {
             driven.give(output);

@@ -68,6 +68,8 @@ pub struct JobClient<N: Transmit> {
     hello: Hello,
     /// Ticks from one telemetry sample to the next.
     telemetry: u16,
+    /// The same of the drives, where they tell something.
+    drives: Option<u16>,
     progress: JobProgress<N>,
     identity: Option<Identity>,
     status: Option<Status<N>>,
@@ -120,6 +122,7 @@ impl<N: Transmit> JobClient<N> {
             exchange: Exchange::new(patience, conversation),
             hello,
             telemetry,
+            drives: None,
             progress: JobProgress::new(work.into()),
             identity: None,
             status: None,
@@ -149,6 +152,13 @@ impl<N: Transmit> JobClient<N> {
     #[must_use]
     pub fn with_recovery(mut self, seconds: f64) -> Self {
         self.approach.recovery_s = Some(seconds);
+        self
+    }
+
+    /// Asks for a sample of the drives every `every` ticks, too. A machine whose drives tell nothing plays the job without.
+    #[must_use]
+    pub fn with_drives(mut self, every: u16) -> Self {
+        self.drives = Some(every);
         self
     }
 

@@ -12,7 +12,7 @@ use trirrr_protocol::message::{Command, Recovery, State, Transmit};
 ///    │           ├──────> Enabling ───┬──> Awaiting ──┐
 ///    │           ├──────> Homing ─────┤               │
 ///    │           ├──────> Recovering ─┘               │
-///    │           └──────> Preparing ─> Streaming <────┘ by Preparing
+///    │           └──────> Preparing, Sampling ─> Streaming <────┘ by Preparing
 ///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
 /// ```
 /// Every phase may end in Ending or Finished. A lost line leads back to Greeting.
@@ -35,8 +35,10 @@ pub(super) enum Phase<N: Transmit> {
     Recovering(Recovery<N>),
     /// The machine is on its way to the start of the job.
     Awaiting,
-    /// The client sets the rate of the telemetry.
+    /// The client sets the rate of the telemetry,
     Preparing,
+    /// and that of the samples of the drives.
+    Sampling,
     /// The client offers moves, starts them and watches.
     Streaming,
     /// The client stops the machine; then the job has ended with the failure.
@@ -68,6 +70,9 @@ impl<N: Transmit> JobClient<N> {
             Phase::Recovering(recovery) => Command::Recover(*recovery),
             Phase::Preparing => Command::Telemetry {
                 every: self.telemetry,
+            },
+            Phase::Sampling => Command::Drives {
+                every: self.drives.unwrap_or(0),
             },
             Phase::Ending(_) => Command::Stop,
         };

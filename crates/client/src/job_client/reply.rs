@@ -19,9 +19,8 @@ impl<N: Transmit> JobClient<N> {
     /// The machine has executed `command`.
     pub(super) fn on_done(&mut self, command: &Command<N>, now: Duration) {
         match command {
-            Command::Telemetry { .. } => {
-                self.phase = self.beside().map_or(Phase::Streaming, Phase::Recovering);
-            }
+            Command::Telemetry { .. } if self.drives.is_some() => self.phase = Phase::Sampling,
+            Command::Telemetry { .. } | Command::Drives { .. } => self.begin(),
             Command::Enable => {
                 (self.approach.enabled, self.approach.is_enabling) = (true, true);
                 self.phase = Phase::Awaiting;
@@ -64,6 +63,11 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
+    /// The machine is set up: it goes to the start of the job, or begins.
+    fn begin(&mut self) {
+        self.phase = self.beside().map_or(Phase::Streaming, Phase::Recovering);
+    }
+
     /// The machine has refused `command`.
     pub(super) fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
         match (command, refusal) {
@@ -95,6 +99,8 @@ impl<N: Transmit> JobClient<N> {
                 Command::Move(_) | Command::Quintic(_) | Command::Path(_),
                 Refusal::MoveNumber { .. },
             ) => self.phase = Phase::Surveying,
+            // Its image tells nothing of its drives: the job goes without.
+            (Command::Drives { .. }, Refusal::NoFeedback) => self.begin(),
             // Another client has enabled the machine.
             (Command::Enable, Refusal::State(_)) => self.phase = Phase::Surveying,
             // The user's command came too late or too early, which does no harm.
