@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 const RESULT: &str = "result.json";
 
 /// Tables of any command. Folders of versions without a [`RESULT`] hold them too.
-const TABLES: [&str; 5] = [
+const TABLES: [&str; 6] = [
     "ticks.csv",
+    "drives.csv",
     "plant.csv",
     "tolerances.csv",
     "tolerance_budget.csv",

@@ -117,3 +117,82 @@ fn a_run_that_the_plant_ends_says_why_and_fails() {
     let table = fs::read_to_string(folder.path().join("plant.csv")).unwrap();
     assert!((2..10).contains(&table.lines().count()), "{table}");
 }
+
+/// Rows of a table: the columns named, where a cell is not empty.
+fn columns<const N: usize>(folder: &Path, table: &str, names: [&str; N]) -> Vec<[f64; N]> {
+    let text = fs::read_to_string(folder.join(table)).unwrap();
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let places = names.map(|name| header.iter().position(|each| *each == name).expect(name));
+    let rows = text.lines().skip(1).map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), header.len(), "{line}");
+        places.map(|place| cells[place].parse().unwrap_or(f64::NAN))
+    });
+    rows.collect()
+}
+
+const PUSH: &str = "[plant.push]\nat_s = 0.4\nduration_s = 0.3\nforce_n = [6.0, 0.0]\n\n[plant.controller]\nrate_hz";
+
+/// Drives on a bus are heard by the service; what they measure is where the plant is.
+#[test]
+fn measured_poses_are_those_of_the_plant() {
+    let folder = tempfile::tempdir().unwrap();
+    // Felt, but not beyond the threshold.
+    let edits = [
+        ("[plant.controller]\nrate_hz", PUSH),
+        ("force_n = 3.0", "force_n = 30.0"),
+    ];
+    let output = run(&edited(&text("plant-odrive"), &edits), folder.path());
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("as estimated"), "{said}");
+    let truth = columns(folder.path(), "plant.csv", ["t", "x", "y", "alpha"]);
+    let measured = columns(
+        folder.path(),
+        "drives.csv",
+        ["t", "x", "y", "ext_fx", "ext_fy"],
+    );
+    assert_eq!(measured.len(), 500);
+    for [t, x, y, fx, fy] in measured {
+        // A reading is up to two ticks old; the platform moves at up to 0.15 m/s.
+        let near = truth
+            .iter()
+            .filter(|row| (0.0..4.1e-3).contains(&(t - row[0])));
+        let off = near
+            .map(|row| (row[1] - x).hypot(row[2] - y))
+            .fold(f64::MAX, f64::min);
+        assert!(off < 1e-4, "t = {t}: {off:e} m");
+        // The force of the push, and otherwise what friction of the passive joints leaves.
+        let expected = match t {
+            t if (0.46..0.7).contains(&t) => 6.0,
+            t if !(0.4..0.76).contains(&t) => 0.0,
+            _ => continue,
+        };
+        assert!((fx - expected).hypot(fy) < 1.0, "t = {t}: {fx}, {fy} N");
+    }
+    let svg = fs::read_to_string(folder.path().join("drives.svg")).unwrap();
+    assert!(svg.contains("polyline"));
+}
+
+/// A push of 6 N against a threshold of 3 N: a fault soon after, and a machine that comes to rest as its scene says.
+#[test]
+fn a_push_is_a_contact() {
+    for (category, rests) in [("", 0.1), ("[faults]\ncontact = 0\n\n", 0.0)] {
+        let folder = tempfile::tempdir().unwrap();
+        let limits = format!("{category}[limits]\n");
+        let edits = [
+            ("[plant.controller]\nrate_hz", PUSH),
+            ("[limits]\n", limits.as_str()),
+        ];
+        let output = run(&edited(&text("plant-odrive"), &edits), folder.path());
+        assert_eq!(output.status.code(), Some(1));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(said.contains("contact: a force of"), "{said}");
+        let ticks = columns(folder.path(), "ticks.csv", ["t", "vx"]);
+        let [end, _] = ticks[ticks.len() - 1];
+        assert!(
+            (0.4 + rests..0.44 + rests).contains(&end),
+            "{category}: {end} s"
+        );
+    }
+}

@@ -2,12 +2,14 @@
 //! to scale with the path of its tool.
 
 mod catalogue;
+mod drives;
 mod machine;
 mod plan;
 mod plant;
 mod tolerances;
 mod traces;
 
+pub use drives::DriveTraces;
 pub use plan::PlanTraces;
 pub use plant::PlantTraces;
 pub use tolerances::ToleranceTraces;

@@ -1,7 +1,9 @@
 //! Table, figures and peaks of a job, from the records of a run or of a board.
 
+mod drives;
 mod peaks;
 
+pub use drives::{DrivePeaks, DriveRecorder, RecordedDrives};
 pub use peaks::{At, MotorPeaks, Peaks};
 
 use crate::failure::CliError;

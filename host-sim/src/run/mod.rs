@@ -14,10 +14,10 @@ pub use plant::Simulated;
 use crate::failure::{CliError, printed};
 use crate::histogram::Histogram;
 use crate::realtime::Deadlines;
-use crate::recording::{Peaks, Recorded, Recorder};
+use crate::recording::{DriveRecorder, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
 use plant::PlantRecorder;
-use play::play;
+use play::{ClosedLoop, SentTick, play};
 use progress::ProgressDisplay;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -25,11 +25,12 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 use trirrr_client::describe::Units;
-use trirrr_client::local;
+use trirrr_client::local::{self, LocalService};
 use trirrr_client::records::{Samples, is_of_a_job};
-use trirrr_client::runner::{JobRunner, PlayedTick};
+use trirrr_client::runner::JobRunner;
 use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
+use trirrr_protocol::message::DriveSample;
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -88,6 +89,8 @@ pub struct RunReport {
     pub scalar: NumberType,
     /// Written files.
     pub files: Vec<PathBuf>,
+    /// What the drives told, if they were simulated and tell something.
+    pub drives: Option<RecordedDrives>,
     /// Result of the plant, if the scene has one.
     pub plant: Option<Simulated>,
 }
@@ -98,10 +101,12 @@ impl RunReport {
         self.end.reason().or_else(|| self.plant.as_ref()?.reason())
     }
 
-    /// Files of the job and of the plant.
+    /// Files of the job, of the drives and of the plant.
     fn all_files(&self) -> Vec<PathBuf> {
+        let of_drives = self.drives.iter().flat_map(|drives| &drives.files);
         let of_plant = self.plant.iter().flat_map(|plant| &plant.files);
-        self.files.iter().chain(of_plant).cloned().collect()
+        let own = self.files.iter().chain(of_drives);
+        own.chain(of_plant).cloned().collect()
     }
 }
 
@@ -190,9 +195,15 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();
     let mut results = ResultFolder::create(folder, "run")?;
-    let plant = match &scene.plant {
+    let mut plant = match &scene.plant {
         Some(_) => Some(PlantRecorder::create(scene, &line, &mut results)?),
         None => None,
+    };
+    // The service hears the drives of the plant: both tick in one thread.
+    let is_closed = plant.is_some() && scene.feedback.is_some();
+    let drives = match is_closed {
+        true => DriveRecorder::create(&mut results, scene, units, 1)?,
+        false => None,
     };
     let recorder = Recorder::create(results, setpoints, scene.torque)?;
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
@@ -200,17 +211,20 @@ fn simulate_in<N: ServiceNumber + Countable>(
         samples: Samples::new(&*pipeline, units),
         recorder,
         progress: ProgressDisplay::new(setpoints, expected),
-        plant,
+        drives,
+        plant: plant.take_if(|_| !is_closed),
     };
 
-    let (played, recorded) = local::with_machine::<N, _>(scene, |machine| {
+    let run = |machine: &mut dyn LocalService<N>| {
         let (sender, receiver) = sync_channel(WAITING);
         std::thread::scope(|scope| {
             let recording = scope.spawn(move || recording.record_all(&receiver));
+            let angles = machine.motors().each_ref().map(|motor| motor.angle);
+            let closed = plant.as_mut().map(|plant| ClosedLoop::new(plant, angles));
             let runner =
                 JobRunner::new(machine, moves, local::hello::<N>(scene), scene.tick_rate_hz);
             let rate_hz = paced.then_some(scene.tick_rate_hz);
-            let played = play(runner, rate_hz, stop, &sender);
+            let played = play(runner, closed, rate_hz, stop, &sender);
             // The recorder ends with the last tick that it is sent.
             drop(sender);
             // A panic there is a bug and goes on here.
@@ -220,10 +234,19 @@ fn simulate_in<N: ServiceNumber + Countable>(
                 recorded.unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
             )
         })
-    })?;
+    };
+    let (played, recorded) = match is_closed {
+        true => local::with_machine_measured::<N, _>(scene, run),
+        false => local::with_machine::<N, _>(scene, run),
+    }?;
     let is_complete = played.end == JobEnd::Complete;
-    let (recorder, plant) = recorded?;
+    let (recorder, drives, open) = recorded?;
+    let plant = plant.or(open);
     let (Recorded { rows, peaks, files }, results) = recorder.finish(&scene.name, is_complete)?;
+    let drives = drives.filter(|_| results.has_begun());
+    let drives = drives
+        .map(|drives| drives.finish(&scene.name))
+        .transpose()?;
     let plant = plant.filter(|_| results.has_begun());
     let plant = plant.map(|plant| plant.finish(&scene.name, stop));
     let plant = plant.transpose()?;
@@ -237,6 +260,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
         peaks,
         scalar,
         files,
+        drives,
         plant,
     };
     let why = report.reason();
@@ -250,17 +274,23 @@ struct Recording<'a, N: ServiceNumber> {
     samples: Samples<'a, N>,
     recorder: Recorder,
     progress: ProgressDisplay,
+    drives: Option<DriveRecorder<N>>,
+    /// Plant that is no part of the loop.
     plant: Option<PlantRecorder<'a, N>>,
 }
+
+/// What is left to be ended: records, samples of the drives, plant.
+type Recorders<'a, N> = (
+    Recorder,
+    Option<DriveRecorder<N>>,
+    Option<PlantRecorder<'a, N>>,
+);
 
 impl<'a, N: ServiceNumber> Recording<'a, N> {
     /// Takes every tick until the sender is gone. After an error the receiver is gone, which the
     /// sender notices.
-    fn record_all(
-        mut self,
-        ticks: &Receiver<PlayedTick<N>>,
-    ) -> Result<(Recorder, Option<PlantRecorder<'a, N>>), CliError> {
-        for tick in ticks {
+    fn record_all(mut self, ticks: &Receiver<SentTick<N>>) -> Result<Recorders<'a, N>, CliError> {
+        for (tick, readings) in ticks {
             if let Some(plant) = &mut self.plant {
                 plant.tick(&tick.sample);
             }
@@ -273,9 +303,16 @@ impl<'a, N: ServiceNumber> Recording<'a, N> {
                 CliError::Failed(format!("tick {number} of the machine: {status}"))
             })?;
             self.recorder.record(&record)?;
+            if let (Some(drives), Some(readings)) = (&mut self.drives, readings) {
+                drives.drives(&DriveSample {
+                    tick: tick.sample.tick,
+                    drives: readings,
+                })?;
+                drives.command(&tick.sample)?;
+            }
             self.progress.update(self.recorder.rows(), record.t);
         }
         self.progress.finish();
-        Ok((self.recorder, self.plant))
+        Ok((self.recorder, self.drives, self.plant))
     }
 }

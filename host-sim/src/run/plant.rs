@@ -18,7 +18,7 @@ use trirrr_plant::table::{COLUMNS, Row};
 use trirrr_plant::{Outcome, PlantEnd, PlantRun};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
-use trirrr_service::{Output, Power};
+use trirrr_service::{Output, Power, Readings};
 
 /// Outcome of a plant, and the files written.
 #[derive(Clone, Debug)]
@@ -74,6 +74,17 @@ impl<'l, N: Countable> PlantRecorder<'l, N> {
 }
 
 impl<N: Transmit> PlantRecorder<'_, N> {
+    /// Returns what the drives tell before the next tick; none of drives that tell nothing.
+    pub(super) fn measure(&mut self) -> Option<Readings<N>> {
+        self.run.measure()
+    }
+
+    /// Takes the output of the next tick of the job.
+    pub(super) fn follow(&mut self, output: &Output<N>) {
+        let (rows, table) = (&mut self.rows, &mut self.table);
+        self.run.tick(output, &mut |row| keep(row, rows, table));
+    }
+
     /// Takes the sample of the next tick of the job.
     pub(super) fn tick(&mut self, sample: &Telemetry<N>) {
         let motor = |i: usize| Motor {
@@ -88,8 +99,7 @@ impl<N: Transmit> PlantRecorder<'_, N> {
             power: Power::On,
             brake_released: true,
         };
-        let (rows, table) = (&mut self.rows, &mut self.table);
-        self.run.tick(&output, &mut |row| keep(row, rows, table));
+        self.follow(&output);
     }
 
     /// Simulates to the end, unless `stop` is raised, and writes the rest.

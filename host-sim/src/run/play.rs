@@ -1,6 +1,7 @@
 //! Plays a job tick by tick, in real time or as fast as the computer can.
 
 use super::JobEnd;
+use super::plant::PlantRecorder;
 use crate::histogram::Histogram;
 use crate::realtime::{Deadlines, Pacer};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,7 +9,9 @@ use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 use trirrr_client::JobFailure;
 use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
-use trirrr_service::ServiceNumber;
+use trirrr_drives::ObeyingDrives;
+use trirrr_protocol::message::State;
+use trirrr_service::{Output, Readings, ServiceNumber};
 
 /// Result of a job, besides its ticks.
 pub(super) struct RunResult {
@@ -19,26 +22,74 @@ pub(super) struct RunResult {
     pub(super) deadlines: Option<Deadlines>,
 }
 
+/// Machine whose service hears the drives of the plant, in one thread with it.
+pub(super) struct ClosedLoop<'p, 'l, N: ServiceNumber> {
+    plant: &'p mut PlantRecorder<'l, N>,
+    /// Drives until the job begins: the plant stands in its brakes.
+    drives: ObeyingDrives<N>,
+}
+
+impl<'p, 'l, N: ServiceNumber> ClosedLoop<'p, 'l, N> {
+    /// Joins `plant` to a machine whose motors stand at `angles`.
+    pub(super) fn new(plant: &'p mut PlantRecorder<'l, N>, angles: [N::Angle; 3]) -> Self {
+        Self {
+            plant,
+            drives: ObeyingDrives::new(angles),
+        }
+    }
+
+    /// What the drives tell before a tick.
+    fn measure(&mut self, part: JobPart) -> Readings<N> {
+        let of_plant = match part {
+            JobPart::Before => None,
+            JobPart::Path | JobPart::After => self.plant.measure(),
+        };
+        of_plant.unwrap_or_else(|| self.drives.measure())
+    }
+
+    fn follow(&mut self, part: JobPart, output: &Output<N>) {
+        self.drives.apply(output);
+        if part != JobPart::Before {
+            self.plant.follow(output);
+        }
+    }
+}
+
+/// What a tick played, and what the drives had told before.
+pub(super) type SentTick<N> = (PlayedTick<N>, Option<Readings<N>>);
+
 /// Plays the job of `runner` and sends each tick, from the first of the path on. With a `rate_hz`,
-/// each tick of the path waits until it is due.
+/// each tick of the path waits until it is due. In a closed loop the plant follows each tick at once.
 pub(super) fn play<N: ServiceNumber>(
     mut runner: JobRunner<'_, N>,
+    mut closed: Option<ClosedLoop<'_, '_, N>>,
     rate_hz: Option<f64>,
     stop: &AtomicBool,
-    ticks: &SyncSender<PlayedTick<N>>,
+    ticks: &SyncSender<SentTick<N>>,
 ) -> RunResult {
     let mut computation = Histogram::default();
     let mut start = None;
     let mut pacer = None;
     let mut tick = 0;
+    let mut end = None;
     let end = loop {
-        if let Some(result) = runner.talk() {
-            break ended(&runner, result);
+        if end.is_none() {
+            end = runner.talk().map(|result| ended(&runner, result));
+        }
+        // After a fault the machine still comes to rest.
+        match end {
+            Some(end) if closed.is_none() || runner.state() != State::Reacting => break end,
+            _ => {}
         }
         if stop.load(Ordering::Relaxed) {
             break JobEnd::Stopped;
         }
-        if runner.part() == JobPart::Path {
+        let part = runner.part();
+        let readings = closed.as_mut().map(|closed| closed.measure(part));
+        if let Some(readings) = readings {
+            runner.hear(readings);
+        }
+        if part == JobPart::Path {
             start.get_or_insert_with(Instant::now);
             if let Some(rate_hz) = rate_hz
                 && !pacer
@@ -58,8 +109,11 @@ pub(super) fn play<N: ServiceNumber>(
             // Before and after the path nothing is due, and nothing is measured.
             runner.tick();
         }
+        if let Some(closed) = &mut closed {
+            closed.follow(part, runner.output());
+        }
         if let Some(played) = runner.collect()
-            && ticks.send(played).is_err()
+            && ticks.send((played, readings)).is_err()
         {
             // The recorder has gone: it says why when it is joined.
             break JobEnd::Stopped;

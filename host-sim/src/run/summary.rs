@@ -17,6 +17,10 @@ pub(super) fn print(
 ) -> io::Result<()> {
     job(out, file, scene, report)?;
     motion(out, scene, report)?;
+    if let Some(drives) = &report.drives {
+        writeln!(out)?;
+        drives.peaks.print(|label, text| line(out, label, text))?;
+    }
     timing(out, scene, report)?;
     files(out, report)?;
     out.flush()
@@ -163,7 +167,8 @@ fn timing(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
 
 fn files(out: &mut dyn Write, report: &RunReport) -> io::Result<()> {
     writeln!(out)?;
-    for (i, file) in report.files.iter().enumerate() {
+    let of_drives = report.drives.iter().flat_map(|drives| &drives.files);
+    for (i, file) in report.files.iter().chain(of_drives).enumerate() {
         line(
             out,
             if i == 0 { "written" } else { "" },

@@ -13,7 +13,7 @@ pub(crate) use port::Port;
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
-use crate::recording::Recorder;
+use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
 use session::Session;
@@ -25,7 +25,7 @@ use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
 use trirrr_client::{JobClient, JobWork, Patience, UserCommand};
-use trirrr_protocol::message::Telemetry;
+use trirrr_protocol::message::{DriveSample, Telemetry};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::NumberType;
@@ -89,7 +89,8 @@ fn stream<N: ServiceNumber>(
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
-    let results = ResultFolder::create(&folder, "stream")?;
+    let mut results = ResultFolder::create(&folder, "stream")?;
+    let drives = DriveRecorder::create(&mut results, scene, units, every)?;
     let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
     let mut session = Session {
         client: to_start(
@@ -105,6 +106,7 @@ fn stream<N: ServiceNumber>(
         port,
         samples: Samples::new(&*pipeline, units),
         recorder,
+        drives,
         display,
         before,
         every,
@@ -112,6 +114,9 @@ fn stream<N: ServiceNumber>(
         stop,
         is_over: false,
     };
+    if session.drives.is_some() {
+        session.client = session.client.with_drives(every);
+    }
     if let Some(percent) = args.feed {
         session.client.command(UserCommand::FeedOverride(percent));
     }
@@ -124,12 +129,20 @@ fn stream<N: ServiceNumber>(
         port,
         samples,
         recorder,
+        drives,
         display,
         ..
     } = session;
     display.finish();
     let is_complete = matches!(result, Ok(StreamEnd::Complete));
-    let (recorded, results) = recorder.finish(&scene.name, is_complete)?;
+    let (mut recorded, results) = recorder.finish(&scene.name, is_complete)?;
+    let drives = drives.filter(|_| results.has_begun());
+    let drives = drives
+        .map(|drives| drives.finish(&scene.name))
+        .transpose()?;
+    if let Some(drives) = &drives {
+        recorded.files.extend_from_slice(&drives.files);
+    }
     let why = match &result {
         Ok(StreamEnd::Complete) => None,
         Ok(StreamEnd::Stopped) => Some("stopped by the user".into()),
@@ -148,6 +161,7 @@ fn stream<N: ServiceNumber>(
         item: client.item(),
         every,
         recorded: &recorded,
+        drives: drives.as_ref().map(|drives| &drives.peaks),
         missing: samples.missing(),
         differing: samples.differing(),
         repeated: client.repeated(),
@@ -166,7 +180,11 @@ fn telemetry_every<N: ServiceNumber>(args: &StreamArgs, scene: &Scene, display: 
     let least = match &args.port {
         Address::Tcp(_) => 1,
         Address::Serial(_) => least_every(
-            frame_length(longest::<Telemetry<N>>() + 1),
+            frame_length(longest::<Telemetry<N>>() + 1)
+                + match scene.feedback {
+                    Some(_) => frame_length(longest::<DriveSample<N>>() + 1),
+                    None => 0,
+                },
             scene.tick_rate_hz,
             args.baud,
         ),

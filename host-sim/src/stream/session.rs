@@ -4,7 +4,7 @@
 use super::display::Display;
 use super::port::Port;
 use crate::failure::CliError;
-use crate::recording::Recorder;
+use crate::recording::{DriveRecorder, Recorder};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
@@ -33,6 +33,8 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) port: Port,
     pub(super) samples: Samples<'a, N>,
     pub(super) recorder: Recorder,
+    /// Samples of the drives, if they tell something.
+    pub(super) drives: Option<DriveRecorder<N>>,
     pub(super) display: Display,
     /// Ticks of the job before each of its moves.
     pub(super) before: Vec<u64>,
@@ -104,7 +106,12 @@ impl<N: Transmit> Session<'_, N> {
                 Message::Event(Event::State { state, acting, .. }) => {
                     self.display.state(*state, *acting);
                 }
-                Message::Event(_) | Message::Drives(_) | Message::Reply { .. } => {}
+                Message::Drives(sample) => {
+                    if let Some(drives) = self.drives.as_mut().filter(|_| !self.is_over) {
+                        drives.drives(sample)?;
+                    }
+                }
+                Message::Event(_) | Message::Reply { .. } => {}
             }
             self.client.receive(message, start.elapsed());
         }
@@ -138,6 +145,9 @@ impl<N: Transmit> Session<'_, N> {
             ))
         })?;
         self.recorder.record(&record)?;
+        if let Some(drives) = &mut self.drives {
+            drives.command(sample)?;
+        }
         let before = self.before.get(index as usize).copied().unwrap_or(0);
         self.display.values(before + u64::from(sample.at), &record);
         Ok(())

@@ -2,7 +2,7 @@
 
 use super::StreamEnd;
 use crate::failure::{CliError, printed};
-use crate::recording::Recorded;
+use crate::recording::{DrivePeaks, Recorded};
 use std::io::{self, Write};
 use std::path::Path;
 use trirrr_client::describe;
@@ -27,6 +27,8 @@ pub(super) struct Summary<'a> {
     pub(super) item: &'a str,
     pub(super) every: u16,
     pub(super) recorded: &'a Recorded,
+    /// What the drives told, if they tell something.
+    pub(super) drives: Option<&'a DrivePeaks>,
     pub(super) missing: u64,
     pub(super) differing: u64,
     pub(super) repeated: u64,
@@ -95,6 +97,9 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         every => format!("one every {every} ticks"),
     };
     line("samples", &format!("{rows}, {every}, {missing} missing"))?;
+    if let Some(drives) = summary.drives {
+        drives.print(&mut line)?;
+    }
     line(
         "link",
         &format!(

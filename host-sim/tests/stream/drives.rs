@@ -112,3 +112,26 @@ fn drives_that_tell_nothing_are_no_failure_of_the_line() {
     let enabled = tool("enable", &file, &device.address, &["--clear"]);
     assert!(enabled.status.success(), "{}", text(&enabled.stderr));
 }
+
+/// A stream asks for the samples of the drives by itself, and writes them beside their commands.
+#[test]
+fn a_stream_writes_what_the_drives_tell() {
+    let folder = scene("plant-odrive", &[]);
+    let device = Device::start(&folder, &["--speed", "5"]);
+    let played = stream(&folder, &device.address, &[]);
+    assert!(played.status.success(), "{}", text(&played.stderr));
+    let said = text(&played.stdout);
+    assert!(said.contains("force at the tool at most 0"), "{said}");
+    let table = std::fs::read_to_string(folder.path().join("out/drives.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert!(rows.len() > 400, "{}", rows.len());
+    for row in rows {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        // These drives obey exactly: commanded and measured angles, rates and torques are the same.
+        for (commanded, measured) in cells[1..10].iter().zip(&cells[10..19]) {
+            assert!((commanded - measured).abs() < 2e-6, "{row}");
+        }
+        // x, y, alpha, then how far that is off.
+        assert!(cells[22] < 2e-6 && cells[23].abs() < 2e-5, "{row}");
+    }
+}

@@ -1,0 +1,167 @@
+//! `drives.csv` and its figure: what the drives tell, beside what they are told.
+
+use super::unwritable;
+use crate::failure::CliError;
+use crate::figures::DriveTraces;
+use crate::results::ResultFolder;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+use trirrr_client::describe::Units;
+use trirrr_client::drive_records::{DriveRecord, DriveSamples};
+use trirrr_protocol::message::{DriveSample, Telemetry, Transmit};
+use trirrr_scene::Scene;
+use trirrr_scene::words::short;
+
+/// Writes the samples of the drives of one job.
+pub struct DriveRecorder<N: Transmit> {
+    samples: DriveSamples<N>,
+    folder: PathBuf,
+    path: PathBuf,
+    table: BufWriter<File>,
+    traces: DriveTraces,
+    peaks: DrivePeaks,
+}
+
+/// Greatest values of a job.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DrivePeaks {
+    /// Samples.
+    pub rows: u64,
+    /// Distance of the platform from its commanded pose, m,
+    pub off_m: f64,
+    /// and in angle, rad.
+    pub off_rad: f64,
+    /// Estimated force at D, N; none in a scene without torques.
+    pub force_n: Option<f64>,
+    /// Estimated moment about D, N m.
+    pub moment_nm: f64,
+}
+
+/// Written samples.
+#[derive(Clone, Debug)]
+pub struct RecordedDrives {
+    /// Greatest values.
+    pub peaks: DrivePeaks,
+    /// Written files, the table first.
+    pub files: Vec<PathBuf>,
+}
+
+impl<N: Transmit> DriveRecorder<N> {
+    /// Prepares `drives.csv` in the folder of `results` for a job of `rows` samples, one every `every` ticks. `None` for
+    /// drives that tell nothing.
+    ///
+    /// # Errors
+    /// Refused: the machine. Failed: the table cannot be written.
+    pub fn create(
+        results: &mut ResultFolder,
+        scene: &Scene,
+        units: Units,
+        every: u16,
+    ) -> Result<Option<Self>, CliError> {
+        let samples = DriveSamples::new(scene, units, every)
+            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+        let Some(samples) = samples else {
+            return Ok(None);
+        };
+        let (path, file) = results.table("drives.csv")?;
+        let mut table = BufWriter::new(file);
+        writeln!(table, "{}", DriveRecord::COLUMNS).map_err(|error| unwritable(&path, &error))?;
+        let rows = u64::from(scene.ticks()) / u64::from(every.max(1)) + 1;
+        let force_n = scene.torque.then_some(0.0);
+        Ok(Some(Self {
+            samples,
+            folder: results.path().into(),
+            path,
+            table,
+            traces: DriveTraces::new(rows, scene.torque),
+            peaks: DrivePeaks {
+                force_n,
+                ..DrivePeaks::default()
+            },
+        }))
+    }
+
+    /// Takes the telemetry sample of a tick of the job.
+    ///
+    /// # Errors
+    /// Failed: the table cannot be written.
+    pub fn command(&mut self, sample: &Telemetry<N>) -> Result<(), CliError> {
+        self.samples.command(sample);
+        self.write()
+    }
+
+    /// Takes a sample of the drives.
+    ///
+    /// # Errors
+    /// Failed: the table cannot be written.
+    pub fn drives(&mut self, sample: &DriveSample<N>) -> Result<(), CliError> {
+        self.samples.drives(sample);
+        self.write()
+    }
+
+    fn write(&mut self) -> Result<(), CliError> {
+        while let Some(record) = self.samples.next_record() {
+            writeln!(self.table, "{}", record.row())
+                .map_err(|error| unwritable(&self.path, &error))?;
+            self.traces.push(&record);
+            self.peaks.add(&record);
+        }
+        Ok(())
+    }
+
+    /// Ends the table and draws the figure. `name` begins the title. Without a sample there are no files.
+    ///
+    /// # Errors
+    /// Failed: a file cannot be written.
+    pub fn finish(mut self, name: &str) -> Result<RecordedDrives, CliError> {
+        self.table
+            .flush()
+            .map_err(|error| unwritable(&self.path, &error))?;
+        let mut files = vec![self.path];
+        if self.peaks.rows > 0 {
+            let figure = self.traces.write(&self.folder, name);
+            files.push(figure.map_err(|error| unwritable(&error.path, &error.source))?);
+        }
+        Ok(RecordedDrives {
+            peaks: self.peaks,
+            files,
+        })
+    }
+}
+
+impl DrivePeaks {
+    fn add(&mut self, record: &DriveRecord) {
+        self.rows += 1;
+        if let Some([off_m, off_rad]) = record.off {
+            self.off_m = self.off_m.max(off_m);
+            self.off_rad = self.off_rad.max(off_rad.abs());
+        }
+        let [x, y, moment] = record.wrench;
+        if let Some(force) = &mut self.force_n {
+            *force = force.max(x.hypot(y));
+            self.moment_nm = self.moment_nm.max(moment.abs());
+        }
+    }
+
+    /// Prints the lines of a summary: the label, and what there is to say.
+    ///
+    /// # Errors
+    /// Those of `line`.
+    pub fn print(&self, mut line: impl FnMut(&str, &str) -> io::Result<()>) -> io::Result<()> {
+        let (off_m, off_rad) = (short(self.off_m), short(self.off_rad));
+        let off = format!(
+            "{} samples, the platform at most {off_m} m and {off_rad} rad off",
+            self.rows
+        );
+        line("drives", &off)?;
+        let Some(force) = self.force_n else {
+            return Ok(());
+        };
+        let (force, moment) = (short(force), short(self.moment_nm));
+        line(
+            "",
+            &format!("force at the tool at most {force} N, moment {moment} N m, as estimated"),
+        )
+    }
+}
