@@ -142,13 +142,69 @@ mod can {
     use embedded_can::{Frame, Id, StandardId};
     use trirrr_drives::Failure;
     use trirrr_drives::can::{Absolute, Bus, CanDrives, ClassicFrame};
+    use trirrr_protocol::message::DriveReading;
     use trirrr_service::Output;
 
-    /// A controller whose mailboxes are always empty. In each tick it has received a heartbeat and an estimate of each
-    /// drive: on, without an error, at rest.
+    /// A drive that obeys: it is on when it is told, and where it is told.
+    #[derive(Clone, Copy)]
+    struct Obeying {
+        /// State of its axis, as heartbeats tell it.
+        state: u8,
+        /// Position and velocity of the rotor as its estimates tell them,
+        estimates: [u8; 8],
+        /// and its torque.
+        torques: [u8; 8],
+    }
+
+    /// A controller whose mailboxes are always empty. In each tick it has received an estimate and a torque of each drive, and
+    /// now and then a heartbeat in the place of the torque.
     pub struct Mailboxes {
+        drives: [Obeying; 3],
         /// Frames received in this tick.
         received: usize,
+        ticks: u8,
+    }
+
+    impl Mailboxes {
+        /// Controller of drives that are off.
+        fn new() -> Self {
+            let drive = Obeying {
+                state: 1,
+                estimates: [0; 8],
+                torques: [0; 8],
+            };
+            Self {
+                drives: [drive; 3],
+                received: 0,
+                ticks: 0,
+            }
+        }
+
+        /// Lets an ODrive obey a frame. Drives of other kinds say nothing.
+        #[inline(always)]
+        fn obey(&mut self, id: u32, [low, high]: [u32; 2]) {
+            if !cfg!(drive = "odrive") {
+                return;
+            }
+            for (node, drive) in NODES.iter().zip(&mut self.drives) {
+                if id >> 5 != u32::from(*node) {
+                    continue;
+                }
+                match id & 0x1F {
+                    0x07 => drive.state = low as u8,
+                    0x0C => {
+                        // Velocity and torque in thousandths.
+                        let part = |bits: u32| f32::from(bits as u16 as i16) * 1e-3;
+                        let words = |one: u32, two: f32| {
+                            (u64::from(one) | u64::from(two.to_bits()) << 32).to_le_bytes()
+                        };
+                        drive.estimates = words(low, part(high));
+                        drive.torques = words(0, part(high >> 16));
+                    }
+                    _ => {}
+                }
+            }
+        }
     }
 
     impl Can for Mailboxes {
@@ -168,18 +224,23 @@ mod can {
             for word in [frame.dlc() as u32, low, high, id] {
                 REGISTER.store(word, Ordering::Relaxed);
             }
+            self.obey(id, [low, high]);
             Ok(None)
         }
 
         #[inline(always)]
         fn receive(&mut self) -> nb::Result<ClassicFrame, Infallible> {
-            let Some(node) = NODES.get(self.received / 2) else {
+            let place = self.received / 2;
+            let drive = self.drives.get(place).filter(|_| cfg!(drive = "odrive"));
+            let (Some(node), Some(drive)) = (NODES.get(place), drive) else {
                 self.received = 0;
+                self.ticks = self.ticks.wrapping_add(1);
                 return Err(nb::Error::WouldBlock);
             };
-            let (command, data) = match self.received % 2 {
-                0 => (1, [0, 0, 0, 0, 8, 0, 0, 0]),
-                _ => (9, [0; 8]),
+            let (command, data) = match (self.received % 2, self.ticks % 8) {
+                (0, _) => (0x09, drive.estimates),
+                (_, 0) => (0x01, [0, 0, 0, 0, drive.state, 0, 0, 0]),
+                _ => (0x1C, drive.torques),
             };
             self.received += 1;
             let id = StandardId::new(u16::from(*node) << 5 | command).unwrap_or(StandardId::ZERO);
@@ -197,17 +258,26 @@ mod can {
     /// Drives whose joints stand at `angles`, wherever their encoders began.
     pub fn build(angles: [Angle; 3]) -> HeardDrives {
         let scales = ROTORS.map(|scale| scale.knows(Absolute::Nothing));
-        let bus = Mailboxes { received: 0 };
-        HeardDrives(CanDrives::new(PROTOCOL, bus, NODES, scales, angles, HEARD))
+        HeardDrives(CanDrives::new(
+            PROTOCOL,
+            Mailboxes::new(),
+            NODES,
+            scales,
+            angles,
+            HEARD,
+        ))
     }
 
     impl HeardDrives {
-        /// Work of a tick for the drives: hears them, and commands them.
+        /// Hears the drives, before the tick.
+        #[inline(always)]
+        pub fn measure(&mut self) -> [DriveReading<Scalar>; 3] {
+            self.0.measure()
+        }
+
+        /// Work of a tick for the drives: commands them.
         #[inline(always)]
         pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
-            for reading in self.0.measure() {
-                REGISTER.store(reading.error, Ordering::Relaxed);
-            }
             self.0.apply(output)
         }
 

@@ -11,11 +11,23 @@ type CompiledScene = Compiled<'static, Model, Curves, Planner>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
-pub type CountedScene = CompiledScene;
+type HomedScene = CompiledScene;
 
 /// The same, of a machine that is homed.
 #[cfg(homing)]
-pub type CountedScene = trirrr_service::WithHoming<'static, CompiledScene>;
+type HomedScene = trirrr_service::WithHoming<'static, CompiledScene>;
+
+/// The same, of drives that tell where they are.
+#[cfg(not(drive = "odrive"))]
+type HeardScene = HomedScene;
+#[cfg(drive = "odrive")]
+type HeardScene = trirrr_service::WithFeedback<'static, HomedScene>;
+
+/// The same, of a machine that detects contacts.
+#[cfg(not(all(drive = "odrive", contact)))]
+pub type CountedScene = HeardScene;
+#[cfg(all(drive = "odrive", contact))]
+pub type CountedScene = trirrr_service::WithContact<'static, HeardScene>;
 
 /// Sixteen moves and samples less one each.
 pub type SceneChannels = Channels<CountedScene, 16, 16>;
@@ -43,6 +55,16 @@ pub fn scene() -> CountedScene {
     let scene = trirrr_service::WithHoming {
         scene,
         homing: Some(&crate::scene::HOMING),
+    };
+    #[cfg(drive = "odrive")]
+    let scene = trirrr_service::WithFeedback {
+        scene,
+        feedback: Some(&crate::scene::FEEDBACK),
+    };
+    #[cfg(all(drive = "odrive", contact))]
+    let scene = trirrr_service::WithContact {
+        scene,
+        contact: Some(&crate::scene::CONTACT),
     };
     scene
 }
@@ -109,6 +131,9 @@ impl Ticking {
 pub fn tick(ticking: &mut Ticking) {
     #[cfg(not(homing))]
     let Ticking { foreground, drives } = ticking;
+    // Of drives in the MIT mode no answers are imitated: their tick hears nothing.
+    #[cfg(all(drive = "odrive", not(homing)))]
+    foreground.hear(drives.measure());
     #[cfg(not(homing))]
     let output = foreground.tick();
     #[cfg(homing)]
@@ -117,6 +142,8 @@ pub fn tick(ticking: &mut Ticking) {
         drives,
         closed,
     } = ticking;
+    #[cfg(all(drive = "odrive", homing))]
+    foreground.hear(drives.measure());
     #[cfg(homing)]
     let output = {
         foreground.tick_with(*closed);

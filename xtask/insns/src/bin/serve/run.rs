@@ -13,6 +13,8 @@ use trirrr_insns::service::{
     CountedScene, SceneBackground, SceneChannels, SceneCommand, SceneReply, Ticking, offered,
     scene, settings, start, tick,
 };
+#[cfg(drive = "odrive")]
+use trirrr_protocol::message::Recovery;
 use trirrr_protocol::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
 use trirrr_service::{Channels, command_of};
 
@@ -111,6 +113,26 @@ fn home(ticking: &mut Ticking, host: &mut Host) {
     }
 }
 
+/// Brings a machine that was measured to the start of its job, in the bits.
+#[cfg(drive = "odrive")]
+fn go_to_start(ticking: &mut Ticking, host: &mut Host) {
+    host.done(Command::Recover(Recovery {
+        to: start(),
+        ticks: 100,
+    }));
+    loop {
+        count(black_box(tick), ticking);
+        host.ask(Command::Status);
+        while host.background.step() {}
+        while host.background.outgoing().is_some() {}
+        match ticking.foreground.state() {
+            State::Recovering => {}
+            State::Idle => return,
+            state => counter::fail(format_args!("{state:?} on the way to the start")),
+        }
+    }
+}
+
 /// The whole program.
 pub(crate) fn run() -> ! {
     counter::start();
@@ -140,7 +162,11 @@ pub(crate) fn run() -> ! {
         State::Disabled | State::Enabling
     ) {
         count(black_box(tick), &mut ticking);
+        // The background finds the pose of drives that tell where they are.
+        while host.background.step() {}
     }
+    #[cfg(drive = "odrive")]
+    go_to_start(&mut ticking, &mut host);
     println!("empty {}", count(black_box(empty), &mut ticking));
 
     #[cfg(homing)]
