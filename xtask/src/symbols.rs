@@ -91,6 +91,16 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.homing.is_some(),
     },
     Mark {
+        what: "feedback",
+        names: &["12WithFeedback"],
+        used: |scene| scene.feedback.is_some(),
+    },
+    Mark {
+        what: "contact detection",
+        names: &["11WithContact", "12ContactModel"],
+        used: |scene| scene.contact.is_some(),
+    },
+    Mark {
         what: "switches that close by rule",
         names: &[RULED_SWITCHES],
         used: |_| false,

@@ -18,7 +18,7 @@ use trirrr_scene::{Contact, Scene};
 use trirrr_service::{ContactCoefficients, ContactModel, ContactObserver};
 
 /// Model with room for every scene.
-type Machine = Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
+type GeneralModel = Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;
 
 /// Samples of the commands that are kept: readings are seldom older.
 const KEPT: usize = 64;
@@ -89,7 +89,7 @@ impl DriveRecord {
 }
 
 /// Command of a tick, SI.
-struct Command {
+struct CommandedTick {
     tick: u32,
     motors: [Motor<f64>; 3],
     pose: Pose<f64>,
@@ -101,7 +101,7 @@ struct Command {
 pub struct DriveSamples<N: Transmit> {
     units: Units,
     forward: Forward<f64>,
-    tick: Tick<Machine>,
+    tick: Tick<GeneralModel>,
     coefficients: Option<ContactCoefficients<f64>>,
     observer: ContactObserver<f64>,
     late_ticks: u32,
@@ -109,7 +109,7 @@ pub struct DriveSamples<N: Transmit> {
     every: u16,
     /// Tick of the machine at which the job started.
     start: Option<u32>,
-    commands: VecDeque<Command>,
+    commands: VecDeque<CommandedTick>,
     waiting: VecDeque<DriveSample<N>>,
     last: Option<u32>,
 }
@@ -164,7 +164,7 @@ impl<N: Transmit> DriveSamples<N> {
         };
         let setpoint = &sample.setpoint;
         let position = setpoint.pose.position.map(|value| value.to_f64() * length);
-        self.commands.push_back(Command {
+        self.commands.push_back(CommandedTick {
             tick: sample.tick,
             motors: [0, 1, 2].map(|i| Motor {
                 angle: N::angle_to_f64(sample.angles[i]),
@@ -275,8 +275,8 @@ impl<N: Transmit> DriveSamples<N> {
     }
 
     /// Sample of the commands nearest to `tick`, and the time from there, s.
-    fn nearest(&self, tick: u32) -> Option<(&Command, f64)> {
-        let ticks = |command: &Command| tick.wrapping_sub(command.tick) as i32;
+    fn nearest(&self, tick: u32) -> Option<(&CommandedTick, f64)> {
+        let ticks = |command: &CommandedTick| tick.wrapping_sub(command.tick) as i32;
         let nearest = self
             .commands
             .iter()
@@ -311,7 +311,7 @@ impl<N: Transmit> DriveSamples<N> {
     }
 }
 
-impl Command {
+impl CommandedTick {
     /// Pose `dt` s later, at constant acceleration.
     fn pose_after(&self, dt: f64) -> Pose<f64> {
         let way = (self.velocity + self.acceleration * (0.5 * dt)) * dt;

@@ -11,17 +11,17 @@ type CompiledScene = Compiled<'static, Model, Curves, Planner>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]
-type HomedScene = CompiledScene;
+type CountedHomedScene = CompiledScene;
 
 /// The same, of a machine that is homed.
 #[cfg(homing)]
-type HomedScene = trirrr_service::WithHoming<'static, CompiledScene>;
+type CountedHomedScene = trirrr_service::WithHoming<'static, CompiledScene>;
 
 /// The same, of drives that tell where they are.
 #[cfg(not(drive = "odrive"))]
-type HeardScene = HomedScene;
+type HeardScene = CountedHomedScene;
 #[cfg(drive = "odrive")]
-type HeardScene = trirrr_service::WithFeedback<'static, HomedScene>;
+type HeardScene = trirrr_service::WithFeedback<'static, CountedHomedScene>;
 
 /// The same, of a machine that detects contacts.
 #[cfg(not(all(drive = "odrive", contact)))]

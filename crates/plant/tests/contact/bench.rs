@@ -337,7 +337,7 @@ pub(crate) const FINE: Setup = Setup {
     rotor_inertia: 1.5e-6,
     torque_noise: 0.01,
     coulomb: 0.0,
-    contact: detection(0.2, 50.0, 1),
+    contact: detection(0.22, 50.0, 1),
 };
 
 /// Motor of 1e-5 kg m^2 behind a gear of 10, at 1 kHz, as in `scenes/plant-odrive.toml`: a count of its encoder is 28 um at
