@@ -158,7 +158,7 @@ mod can {
 
     /// A controller whose mailboxes are always empty. In each tick it has received an estimate and a torque of each drive, and
     /// now and then a heartbeat in the place of the torque.
-    pub struct Mailboxes {
+    struct Mailboxes {
         drives: [Obeying; 3],
         /// Frames received in this tick.
         received: usize,

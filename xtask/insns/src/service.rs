@@ -23,9 +23,10 @@ type HeardScene = CountedHomedScene;
 #[cfg(drive = "odrive")]
 type HeardScene = trirrr_service::WithFeedback<'static, CountedHomedScene>;
 
-/// The same, of a machine that detects contacts.
+/// The scene that is counted.
 #[cfg(not(all(drive = "odrive", contact)))]
 pub type CountedScene = HeardScene;
+/// The same, of a machine that detects contacts.
 #[cfg(all(drive = "odrive", contact))]
 pub type CountedScene = trirrr_service::WithContact<'static, HeardScene>;
 
