@@ -230,18 +230,17 @@ impl<N: Transmit> DriveSamples<N> {
         let follows = self
             .last
             .is_some_and(|last| sample.tick.wrapping_sub(last) == u32::from(self.every));
-        if !follows {
-            self.observer = ContactObserver::AT_REST;
-        }
         self.last = Some(sample.tick);
         let mut wrench = [0.0; 3];
         let mut external = [0.0; 3];
         if let Some(coefficients) = &self.coefficients {
             external = [0, 1, 2].map(|i| commands[i].torque - measured[i].torque);
-            if let Some(model) = ContactModel::at(&self.tick, place) {
-                let deviations = [0, 1, 2].map(|i| {
-                    coefficients.deviation(measured[i].rate, measured[i].torque, &commands[i])
-                });
+            if let Some(model) = ContactModel::at(&self.tick, place, coefficients) {
+                let told = measured.map(|joint| [joint.rate, joint.torque]);
+                let deviations = coefficients.deviations(&told, &commands);
+                if !follows {
+                    self.observer = ContactObserver::starting(&model, &deviations);
+                }
                 let torques = self.observer.observe(coefficients, &model, &deviations);
                 wrench = model.at_tool(&torques);
             }

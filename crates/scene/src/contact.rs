@@ -14,8 +14,8 @@ const CONFIRM_TICKS: (u32, u32) = (2, 1000);
 /// Rate of a joint that slides for certain, where the scene does not say, rad/s.
 const SLIDING_RAD_S: f64 = 0.05;
 
-/// Time from one model of the pose to the next, s: at 1 m/s the platform moves by 5 mm.
-const MODEL_S: f64 = 0.005;
+/// Time from one model of the pose to the next, s: at 1 m/s the platform moves by 10 mm.
+const MODEL_S: f64 = 0.01;
 
 /// Detection of forces at the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]

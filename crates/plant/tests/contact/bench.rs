@@ -89,12 +89,9 @@ impl Estimate {
         let Some(before) = &self.before else {
             return [0.0; 3];
         };
-        let model = ContactModel::at(&self.tick, pose).unwrap();
-        let deviations = [0, 1, 2].map(|leg| {
-            let (reading, motor) = (&readings[leg], &before.motors[leg]);
-            self.coefficients
-                .deviation(reading.rate, reading.torque, motor)
-        });
+        let model = ContactModel::at(&self.tick, pose, &self.coefficients).unwrap();
+        let told = readings.map(|reading| [reading.rate, reading.torque]);
+        let deviations = self.coefficients.deviations(&told, &before.motors);
         let external = self
             .observer
             .observe(&self.coefficients, &model, &deviations);
@@ -362,7 +359,7 @@ pub(crate) const fn detection(
         torque_nm: 1e3,
         bandwidth_hz,
         confirm_ticks,
-        model_ticks: 5,
+        model_ticks: 20,
         coulomb_nm: [0.0; 3],
         viscous_nm_s_rad: [0.0; 3],
         sliding_rad_s: 0.05,

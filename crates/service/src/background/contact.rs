@@ -15,10 +15,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Some(receiver) = self.contact.get_mut() else {
             return;
         };
-        let Some(pose) = receiver.poses.receive() else {
+        let (Some(pose), Some(contact)) = (receiver.poses.receive(), self.scene.contact()) else {
             return;
         };
-        if let Some(model) = ContactModel::at(&self.coefficients.borrow().tick, pose) {
+        let tick = &self.coefficients.borrow().tick;
+        if let Some(model) = ContactModel::at(tick, pose, contact) {
             receiver.models.send(model);
         }
     }

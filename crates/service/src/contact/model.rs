@@ -1,5 +1,7 @@
 //! Inertia and lever arms of a machine at a pose.
 
+use super::observer::Deviation;
+use super::parameters::ContactCoefficients;
 use nalgebra::Vector3;
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
@@ -9,7 +11,7 @@ use trirrr_core::tick::Tick;
 /// Inertia of the machine in its joints, and the way from torques of the joints to the tool, at one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactModel<N> {
-    /// M, by rows: torques of the motors for each joint acceleration, kg m^2.
+    /// M, by rows: torques of the motors for each joint acceleration, kg m^2; times the weight of the momentum.
     pub(super) inertia: [[N; 3]; 3],
     /// K^T, by rows: force along x and y and moment about D for each torque of a joint, 1/m and 1.
     pub(super) to_tool: [[N; 3]; 3],
@@ -19,7 +21,11 @@ impl<N: Number> ContactModel<N> {
     /// Takes the model from the pipeline of the machine, at rest at `pose`. Torques are affine in the acceleration: those of
     /// three unit accelerations, less those at rest, are all there is to them. `None` where the pose has no motion.
     #[inline(never)] // size: docs/size.md, rule 3
-    pub fn at<M: Model<N = N>>(tick: &Tick<M>, pose: Pose<N>) -> Option<Self> {
+    pub fn at<M: Model<N = N>>(
+        tick: &Tick<M>,
+        pose: Pose<N>,
+        coefficients: &ContactCoefficients<N>,
+    ) -> Option<Self> {
         let zero = Vector3::new(N::ZERO, N::ZERO, N::ZERO);
         let mut accelerations = [zero; 3];
         let mut torques = [zero; 3];
@@ -53,7 +59,7 @@ impl<N: Number> ContactModel<N> {
         let [kx, ky, kz] = &accelerations;
         let (yz, zx, xy) = (ky.cross(kz), kz.cross(kx), kx.cross(ky));
         let det = kx.x * yz.x + kx.y * yz.y + kx.z * yz.z;
-        let scale = N::ONE.div(det);
+        let scale = coefficients.weight.div(det);
         let [tx, ty, tz] = &torques;
         let row = |of: fn(&Vector3<N>) -> N| {
             let row = (yz * of(tx) + zx * of(ty) + xy * of(tz)) * scale;
@@ -72,10 +78,10 @@ impl<N: Number> ContactModel<N> {
         product(&self.to_tool, torques)
     }
 
-    /// Momentum of joints with these rates.
+    /// Weighted momentum of joints with these deviations.
     #[inline(always)]
-    pub(super) fn momentum(&self, rates: &[N; 3]) -> [N; 3] {
-        product(&self.inertia, rates)
+    pub(super) fn momentum(&self, [a, b, c]: &[Deviation<N>; 3]) -> [N; 3] {
+        product(&self.inertia, &[a.rate, b.rate, c.rate])
     }
 }
 

@@ -38,15 +38,13 @@ pub struct ContactParameters {
 /// units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactCoefficients<N> {
-    /// 2 pi times the bandwidth, 1/s.
-    pub(crate) gain: N,
-    /// Share of the estimate that a tick leaves: 1 / (1 + gain * period).
+    /// Weight of the momentum: g / (1 + g T), g 2 pi times the bandwidth, T the length of a tick, 1/s.
+    pub(crate) weight: N,
+    /// Share of the estimate that a tick leaves: 1 / (1 + g T),
     pub(crate) decay: N,
-    /// gain * period.
+    /// and that of the tick itself: g T / (1 + g T).
     pub(crate) share: N,
-    /// Length of a tick, s,
-    pub(crate) period: N,
-    /// and time from a command to the motion that is told.
+    /// Time from a command to the motion that is told, s.
     pub(crate) told_after: N,
     pub(crate) coulomb: [N; 3],
     pub(crate) viscous: [N; 3],
@@ -58,7 +56,8 @@ pub struct ContactCoefficients<N> {
 /// Thresholds of a contact, and times of the watch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactThresholds<N> {
-    pub(crate) force: N,
+    /// Square of the force, N^2.
+    pub(crate) force_sq: N,
     pub(crate) moment: N,
     pub(crate) confirm_ticks: u16,
     pub(crate) model_ticks: u16,
@@ -67,10 +66,9 @@ pub struct ContactThresholds<N> {
 }
 
 to_source!([N: Number] ContactCoefficients [N] in trirrr_service {
-    gain: N,
+    weight: N,
     decay: N,
     share: N,
-    period: N,
     told_after: N,
     coulomb: [N; 3],
     viscous: [N; 3],
@@ -79,7 +77,7 @@ to_source!([N: Number] ContactCoefficients [N] in trirrr_service {
 });
 
 to_source!([N: Number] ContactThresholds [N] in trirrr_service {
-    force: N,
+    force_sq: N,
     moment: N,
     confirm_ticks: u16,
     model_ticks: u16,
@@ -88,19 +86,13 @@ to_source!([N: Number] ContactThresholds [N] in trirrr_service {
 });
 
 impl<N: Number> ContactCoefficients<N> {
-    /// Deviation of a joint that told `rate` and `torque` from its command `motor`.
-    #[inline(always)]
-    pub fn deviation(&self, rate: N, torque: N, motor: &Motor<N>) -> Deviation<N> {
-        self.commanded(motor).deviation(rate, torque)
-    }
-
-    /// Command of a joint at the instant that its drive will tell of.
-    #[inline(always)]
-    pub(super) fn commanded(&self, motor: &Motor<N>) -> Commanded<N> {
-        Commanded {
-            rate: motor.rate + motor.acceleration * self.told_after,
-            torque: motor.torque,
-        }
+    /// Deviations of joints that told `[rate, torque]` from their commands `motors`.
+    pub fn deviations(&self, told: &[[N; 2]; 3], motors: &[Motor<N>; 3]) -> [Deviation<N>; 3] {
+        let joint = |index: usize| {
+            let [rate, torque] = told[index];
+            Commanded::of(self, index, &motors[index]).deviation(rate, torque)
+        };
+        [joint(0), joint(1), joint(2)]
     }
 
     /// Builds the coefficients for ticks of `period_s`. `None` in a number type with units of its own: its range has no
@@ -111,16 +103,15 @@ impl<N: Number> ContactCoefficients<N> {
         }
         let gain = TAU * contact.bandwidth_hz;
         Some(Self {
-            gain: N::from_f64(gain),
+            weight: N::from_f64(gain / (1.0 + gain * period_s)),
             decay: N::from_f64(1.0 / (1.0 + gain * period_s)),
-            share: N::from_f64(gain * period_s),
-            period: N::from_f64(period_s),
+            share: N::from_f64(gain * period_s / (1.0 + gain * period_s)),
             told_after: N::from_f64(contact.told_after * period_s),
             coulomb: contact.coulomb_nm.map(N::from_f64),
             viscous: contact.viscous_nm_s_rad.map(N::from_f64),
             per_sliding: N::from_f64(1.0 / contact.sliding_rad_s),
             thresholds: ContactThresholds {
-                force: N::from_f64(contact.force_n),
+                force_sq: N::from_f64(contact.force_n * contact.force_n),
                 moment: N::from_f64(contact.torque_nm),
                 confirm_ticks: contact.confirm_ticks,
                 model_ticks: contact.model_ticks,

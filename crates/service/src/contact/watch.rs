@@ -1,7 +1,7 @@
 //! The tick's part of contact detection.
 
 use super::model::ContactModel;
-use super::observer::{Commanded, ContactObserver, Deviation};
+use super::observer::{Commanded, ContactObserver};
 use super::parameters::{ContactCoefficients, ContactThresholds};
 use crate::feedback::Readings;
 use crate::guard::LimitBreach;
@@ -78,46 +78,45 @@ impl<'q, N: ServiceNumber> ContactWatch<'q, N> {
         motors: &[Motor<N>; 3],
         pose: &Pose<N>,
     ) -> Result<(), LimitBreach<N>> {
-        let Some(coefficients) = &self.coefficients else {
+        if self.coefficients.is_none() {
             return Ok(());
-        };
-        if let Some(model) = self.models.receive() {
-            self.model = Some(model);
         }
         match self.countdown.checked_sub(1) {
             Some(left) => self.countdown = left,
-            None => {
-                // While the background is busy the last pose waits: the model comes later.
-                self.poses.send(*pose);
-                self.countdown = coefficients.thresholds.model_ticks;
-            }
+            None => self.exchange(pose),
         }
-        let Some(model) = &self.model else {
+        let (Some(coefficients), Some(model)) = (&self.coefficients, &self.model) else {
             return Ok(());
         };
-        let commands = motors.each_ref().map(|motor| coefficients.commanded(motor));
-        if !self.observes {
-            self.observes = true;
-            self.observer = ContactObserver::AT_REST;
-            self.beyond = 0;
-            self.commanded = [commands; KEPT];
-        }
-        self.newest = (self.newest + 1) % KEPT;
+        let joint = |index: usize| Commanded::of(coefficients, index, &motors[index]);
+        let commands = [joint(0), joint(1), joint(2)];
+        self.newest = self.newest.wrapping_add(1) % KEPT;
         if let Some(newest) = self.commanded.get_mut(self.newest) {
             *newest = commands;
         }
-        let mut deviations = [Deviation::NONE; 3];
-        for (index, (deviation, reading)) in deviations.iter_mut().zip(readings).enumerate() {
-            let age = usize::from(reading.age) + usize::from(coefficients.thresholds.late_ticks);
+        let begins = !self.observes;
+        if begins {
+            self.observes = true;
+            self.beyond = 0;
+            fill(&mut self.commanded, &commands);
+        }
+        let late = usize::from(coefficients.thresholds.late_ticks);
+        let age = |index: usize| usize::from(readings[index].age) + late;
+        // All of them at once: the places are a power of two.
+        if (age(0) | age(1) | age(2)) >= KEPT {
             // A drive that is silent for so long tells nothing: the observer begins anew once it speaks.
-            if age >= KEPT {
-                self.observes = false;
-                return Ok(());
-            }
-            let place = self.commanded.get((self.newest + KEPT - age) % KEPT);
-            if let Some(commanded) = place.and_then(|each| each.get(index)) {
-                *deviation = commanded.deviation(reading.rate, reading.torque);
-            }
+            self.observes = false;
+            return Ok(());
+        }
+        let deviation = |index: usize| {
+            let place = self.newest.wrapping_sub(age(index)) % KEPT;
+            let commands = self.commanded.get(place).unwrap_or(&commands);
+            let reading = &readings[index];
+            commands[index].deviation(reading.rate, reading.torque)
+        };
+        let deviations = [deviation(0), deviation(1), deviation(2)];
+        if begins {
+            self.observer = ContactObserver::starting(model, &deviations);
         }
         let external = self.observer.observe(coefficients, model, &deviations);
         let wrench = model.at_tool(&external);
@@ -134,21 +133,46 @@ impl<'q, N: ServiceNumber> ContactWatch<'q, N> {
     }
 }
 
+impl<N: ServiceNumber> ContactWatch<'_, N> {
+    /// Takes the model that the background has sent, and asks for one of `pose`. Until there is a first one, in every tick.
+    #[inline(never)] // size: docs/size.md, rule 3
+    fn exchange(&mut self, pose: &Pose<N>) {
+        if let Some(model) = self.models.peek() {
+            self.model = Some(*model);
+            self.models.discard();
+        }
+        // While the background is busy the last pose waits: the model comes later.
+        self.poses.send(*pose);
+        if let (Some(coefficients), Some(_)) = (&self.coefficients, &self.model) {
+            self.countdown = coefficients.thresholds.model_ticks;
+        }
+    }
+}
+
+/// Fills the ring of a machine that has had these commands for a while.
+#[cold]
+#[inline(never)]
+fn fill<N: ServiceNumber>(ring: &mut [[Commanded<N>; 3]; KEPT], commands: &[Commanded<N>; 3]) {
+    for place in ring {
+        *place = *commands;
+    }
+}
+
 impl<N: ServiceNumber> ContactThresholds<N> {
     /// Returns false for a contact, and for what is no number.
     #[inline(always)]
     fn keep(&self, [x, y, moment]: &[N; 3]) -> bool {
         let square = *x * *x + *y * *y;
-        square <= self.force * self.force && moment.abs() <= self.moment
+        square <= self.force_sq && moment.abs() <= self.moment
     }
 
     #[cold]
     #[inline(never)]
     fn breach(&self, [x, y, moment]: &[N; 3]) -> LimitBreach<N> {
-        let force = (*x * *x + *y * *y).sqrt();
-        let (code, value, limit) = match force <= self.force {
+        let square = *x * *x + *y * *y;
+        let (code, value, limit) = match square <= self.force_sq {
             true => (FaultCode::ContactMoment, *moment, self.moment),
-            false => (FaultCode::Contact, force, self.force),
+            false => (FaultCode::Contact, square.sqrt(), self.force_sq.sqrt()),
         };
         LimitBreach {
             code,
