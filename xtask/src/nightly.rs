@@ -81,7 +81,7 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::cargo(
-            "a thousand machines that fall, and faults of drives",
+            "a thousand machines that fall, faults of drives, no contact in ten million ticks",
             &[
                 "test",
                 "--release",
@@ -91,6 +91,8 @@ fn steps() -> Result<Vec<Step>> {
                 "plant",
                 "--test",
                 "bus",
+                "--test",
+                "contact",
                 "--",
                 "--ignored",
                 "--nocapture",
