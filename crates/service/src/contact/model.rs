@@ -61,11 +61,15 @@ impl<N: Number> ContactModel<N> {
         let det = kx.x * yz.x + kx.y * yz.y + kx.z * yz.z;
         let scale = coefficients.weight.div(det);
         let [tx, ty, tz] = &torques;
-        let row = |of: fn(&Vector3<N>) -> N| {
-            let row = (yz * of(tx) + zx * of(ty) + xy * of(tz)) * scale;
+        let row = |x: N, y: N, z: N| {
+            let row = (yz * x + zx * y + xy * z) * scale;
             [row.x, row.y, row.z]
         };
-        let inertia = [row(|t| t.x), row(|t| t.y), row(|t| t.z)];
+        let inertia = [
+            row(tx.x, ty.x, tz.x),
+            row(tx.y, ty.y, tz.y),
+            row(tx.z, ty.z, tz.z),
+        ];
         let to_tool = accelerations.map(|column| [column.x, column.y, column.z]);
         let mut all = inertia.iter().chain(&to_tool).flatten();
         all.all(|entry| N::is_finite(*entry))
