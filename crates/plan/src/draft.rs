@@ -27,6 +27,8 @@ const SHARE: f64 = 0.999;
 const SHARE_MIN: f64 = 0.25;
 /// Part of the largest jerk by which a move may differ from the spline.
 const JERK: f64 = 0.03;
+/// Part of the largest jerk that the rounding of poses may make.
+const ROUNDED_JERK: f64 = 0.03;
 /// Ticks of a step of the spline at least, for moves that are as long.
 const SMOOTHING_TICKS: f64 = 1.0;
 
@@ -54,17 +56,15 @@ pub(crate) struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    /// Moves of `run`, whose largest acceleration has been `full` before its limits were lowered.
+    /// Moves of `run`, none shorter than `least_s`, from a point of the platform `lever_m` from D.
     pub(crate) fn new(
         run: &'a Run,
         pieces: &'a [PathPiece],
-        [lever_m, full]: [f64; 2],
+        [lever_m, least_s]: [f64; 2],
         sampling: Sampling,
         fine: &[Fine],
     ) -> Self {
-        // The position at an end, which is rounded, changes the acceleration within a quintic by at most 5.8 h / T^2.
-        let least_s = (5.8 * sampling.resolution_m / (ROUNDING * full)).sqrt();
-        let least = (least_s.max(least_at_feed_s(run, pieces, &sampling)) / sampling.period_s)
+        let least = (least_s / sampling.period_s)
             .ceil()
             .max(f64::from(sampling.ticks_min));
         let step_s = least.max(SMOOTHING_TICKS) * sampling.period_s;
@@ -85,11 +85,10 @@ impl<'a> Draft<'a> {
             jerk: None,
             sampling,
         };
-        if run.jerk.is_some() {
-            let jerks = (0..draft.spline.ticks).map(|tick| draft.jerk_at(f64::from(tick) + 0.5));
-            let sizes = jerks.map(|jerk| size(jerk, lever_m));
-            draft.jerk = Some(sizes.fold(0.0, f64::max));
-        }
+        draft.jerk = run
+            .jerk
+            .is_some()
+            .then(|| draft.spline.largest_jerk(lever_m));
         let fine: Vec<(f64, f64)> = fine
             .iter()
             .map(|each| (draft.spline.tick_at(each.distance), each.ticks))
@@ -141,12 +140,6 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// The jerk of the spline over the tick about `tick`.
-    fn jerk_at(&self, tick: f64) -> Vector3<f64> {
-        let [before, after] = [-0.5, 0.5].map(|half| self.spline.at(tick + half).acceleration);
-        (after - before) / self.sampling.period_s
-    }
-
     /// Returns true if the move between `states` has the jerk of the spline, where that is limited.
     fn follows_jerk(&self, [from, to]: [f64; 2], states: &[Setpoint<f64>; 2]) -> bool {
         let Some(largest) = self.jerk else {
@@ -157,7 +150,7 @@ impl<'a> Draft<'a> {
         (0..=INSTANTS).all(|instant| {
             let part = f64::from(instant) / f64::from(INSTANTS);
             let tick = (from + part * (to - from)).clamp(from + 0.5, to - 0.5);
-            let bent = segment.jerk_at_fraction(part, period_s) - self.jerk_at(tick);
+            let bent = segment.jerk_at_fraction(part, period_s) - self.spline.jerk_at(tick);
             size(bent, self.fit.lever) <= JERK * largest
         })
     }
@@ -228,6 +221,29 @@ impl<'a> Draft<'a> {
         self.spline
             .cells([self.knots[index], self.knots[index + 1]])
     }
+}
+
+/// Shortest move of `run`, s, for which the rounding of its ends is little beside the accelerations, the feeds and the jerk
+/// of the run, as long as its limits are not lowered.
+pub(crate) fn shortest_s(
+    run: &Run,
+    pieces: &[PathPiece],
+    lever_m: f64,
+    sampling: &Sampling,
+) -> f64 {
+    let full = largest(run, pieces, lever_m);
+    // The position at an end, which is rounded, changes the acceleration within a quintic by at most 5.8 h / T^2.
+    let least_s = (5.8 * sampling.resolution_m / (ROUNDING * full)).sqrt();
+    let least_s = least_s.max(least_at_feed_s(run, pieces, sampling));
+    if run.jerk.is_none() {
+        return least_s;
+    }
+    // The jerk changes by at most 60 h / T^3, and with it the verdict on each move, at random.
+    let step_s = least_s.max(f64::from(sampling.ticks_min) * sampling.period_s);
+    let spline = Spline::new(run, pieces, step_s, sampling.period_s);
+    let rounded = 60.0 * (sampling.resolution_m + lever_m * sampling.resolution_rad);
+    let jerk = spline.largest_jerk(lever_m);
+    least_s.max((rounded / (ROUNDED_JERK * jerk)).cbrt().min(LONGEST_S))
 }
 
 /// Shortest move, s, for which the rounding of its ends is little beside the feeds of `run`.

@@ -6,7 +6,7 @@
 
 use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, PathPiece, PathPlace, PathRefusal, Plan, Run, plan};
-use crate::draft::{Draft, Fine, largest, leave_room};
+use crate::draft::{Draft, Fine, leave_room, shortest_s};
 use crate::fit::{EXCESS_OF_FIT, MARGIN};
 use crate::jerk;
 use trirrr_core::model::Model;
@@ -129,9 +129,9 @@ fn moves_of<M: Model<N = f64>>(
     leave_room(run, pieces, &sampling);
     run.replan();
     let lever_m = planner.lever_m();
-    let full = largest(run, pieces, lever_m);
+    let least_s = shortest_s(run, pieces, lever_m, &sampling);
     for _ in 0..ROUNDS {
-        let draft = Draft::new(run, pieces, [lever_m, full], sampling, &fine);
+        let draft = Draft::new(run, pieces, [lever_m, least_s], sampling, &fine);
         let mut mended = false;
         let mut slower = Vec::new();
         for index in 0..draft.moves.len() {

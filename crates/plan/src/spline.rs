@@ -4,8 +4,9 @@
 //! of the plan's over two steps: continuous where the plan's jumps, and of no value that the plan does not take nearby.
 
 use crate::course::{PathPiece, PathPlace, Run};
-use crate::fit::{Motion, smoothed};
+use crate::fit::{Motion, size, smoothed};
 use crate::timeline::Timeline;
+use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Setpoint};
 
 /// The smoothed run. It begins and ends at rest, one step before and after the plan.
@@ -62,6 +63,18 @@ impl<'a> Spline<'a> {
         let w = steps - index as f64;
         let poses = [0, 1, 2, 3].map(|other| &self.poses[index + other]);
         smoothed(poses, w, self.step_s)
+    }
+
+    /// The jerk over the tick about `tick`.
+    pub(crate) fn jerk_at(&self, tick: f64) -> Vector3<f64> {
+        let [before, after] = [-0.5, 0.5].map(|half| self.at(tick + half).acceleration);
+        (after - before) / self.period_s
+    }
+
+    /// Size of the largest jerk, that of a point of the platform `lever_m` from D.
+    pub(crate) fn largest_jerk(&self, lever_m: f64) -> f64 {
+        let jerks = (0..self.ticks).map(|tick| self.jerk_at(f64::from(tick) + 0.5));
+        jerks.map(|jerk| size(jerk, lever_m)).fold(0.0, f64::max)
     }
 
     /// Distance of the plan at `tick`.

@@ -32,6 +32,9 @@ fn tally(seed: u64, numbers: impl Fn(usize) -> bool, most: usize, samples: u32) 
     let mut tally = Tally::default();
     let drawn = jobs(seed).take(most).enumerate();
     for (index, job) in drawn.filter(|(index, _)| numbers(*index)) {
+        if index > 0 && index % 500 == 0 {
+            println!("{seed}: {index} paths, {} refused", tally.refused.len());
+        }
         let begin = Clock::now();
         match Scene::parse(&job.text, "random.toml") {
             Ok(scene) => {
@@ -128,10 +131,11 @@ fn random_paths_keep_limits_and_path() {
 }
 
 /// Numbers of paths that were once refused, or left by the moves, of two seeds: where alpha turns back within a
-/// tolerance, under a load, at the end of a path, of very short moves, beside a turn in place, at a slow feed.
+/// tolerance, under a load, at the end of a path, of very short moves, beside a turn in place, at a slow feed, where poses are
+/// rounded beside a limit of jerk.
 const ONCE_MISSED: [(u64, &[usize]); 2] = [
-    (1, &[47, 98, 344, 460, 516, 586, 922, 1422]),
-    (2, &[39, 166, 401, 594]),
+    (1, &[47, 98, 344, 460, 516, 586, 729, 922, 1422]),
+    (2, &[39, 166, 401, 453, 594, 880]),
 ];
 
 #[test]
