@@ -70,7 +70,9 @@ impl<B: Arithmetic> EndReach<B> {
                     reached.least = left.div(asked);
                 }
             } else {
-                reached.kept &= left >= zero;
+                // The known end may be the greatest there is: a division may have rounded it up.
+                let rounded = each.limit * (B::UNIT_ROUNDOFF * B::from_f64(8.0));
+                reached.kept &= left + rounded >= zero;
             }
         });
         reached
