@@ -175,7 +175,7 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
                     end_velocity,
                     None if duration is None else float(duration),
                     float(tool["power"]) if tool else 0.0,
-                    float(tool["speed_m_s"]) if tool else 0.0,
+                    float(tool.get("speed_m_s", 0.0)) if tool else 0.0,
                     f"{path}: job.move[{index}]",
                     accelerations,
                 )

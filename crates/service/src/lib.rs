@@ -22,7 +22,8 @@
 //!   there is more.
 //! - Nothing goes out that is beyond a limit: it is a fault instead. A fault is latched, the drives
 //!   and the tool are off.
-//! - The tool is on only while the job runs, in proportion to its speed along the path.
+//! - The tool is on only while the job runs, in proportion to its speed along the path or, where a move says so, at
+//!   the same power at every speed.
 //! - A host that is silent for too long ends in a controlled stop.
 #![no_std]
 // A comparison with what is not a number is false. Guards are written `!(x > limit)` so that such a

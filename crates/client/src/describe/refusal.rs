@@ -61,7 +61,7 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::Feed => "the feed of a piece is negative".into(),
         Refusal::NoFeedback => "the drives of the board's scene tell nothing".into(),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
-        Refusal::Tool => "the tool's power is not from 0 to 1, or its speed not positive".into(),
+        Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),
         Refusal::NotInImage => {
             "the board's image holds no code for such links, loads or such a centre of mass".into()

@@ -122,8 +122,8 @@ pub struct Move<N: Number> {
     pub ticks: u32,
     /// The tool's power at `tool_speed`, 0 to 1 of what it can give; 0 for none.
     pub tool_power: N,
-    /// Speed of the tool along the path at which it has `tool_power`, positive where there is any
-    /// power. The power follows the true speed in proportion, up to 1.
+    /// Speed of the tool along the path at which it has `tool_power`, positive. The power follows the true speed in
+    /// proportion, up to 1. 0: the power is the same at every speed, and at rest.
     pub tool_speed: N,
 }
 

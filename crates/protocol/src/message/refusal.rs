@@ -63,7 +63,7 @@ pub enum Refusal<N: Number> {
     StartPose,
     /// The move does not start as fast as the last one ends.
     StartVelocity,
-    /// The tool's power is not between 0 and 1, or its speed is not positive.
+    /// The tool's power is not between 0 and 1, or its speed is negative.
     Tool,
     /// The image holds no code to change its scene.
     NotAdjustable,

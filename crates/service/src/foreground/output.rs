@@ -49,7 +49,7 @@ impl<N: Number> Output<N> {
 }
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// Power of the tool: in proportion to its speed along the path, and nothing unless the job
+    /// Power of the tool: in proportion to its speed along the path, or constant, and nothing unless the job
     /// runs.
     #[inline]
     pub(super) fn tool(&self, setpoint: &Setpoint<N>) -> N {

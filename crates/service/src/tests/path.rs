@@ -571,6 +571,45 @@ fn the_tool_follows_the_speed_along_the_path() {
     assert!(output.tool == 0.0 && output.motors[0].rate != 0.0);
 }
 
+/// A power without a speed is the same on the ramps and at rest, and off wherever the job does not run.
+#[test]
+fn a_tool_without_a_speed_has_a_constant_power() {
+    fn check<N: ServiceNumber>() {
+        let mut bench = Bench::<Thesis<N>>::new();
+        let power = N::from_f64(0.75);
+        let there = pose(0.23, 0.23, 0.16);
+        let on = |offered| Move {
+            tool_power: power,
+            ..offered
+        };
+        bench.offer(on(rest(0, home(), there, 100)));
+        // A dwell: the machine stands.
+        bench.offer(on(rest(1, there, there, 50)));
+        bench.done(Command::Start);
+        bench.ticks(40);
+        bench.done(Command::Hold);
+        bench.until(State::Holding);
+        bench.ticks(5);
+        bench.done(Command::Resume);
+        bench.until(State::Idle);
+        let (mut standing, mut held) = (0, 0);
+        for sample in &bench.telemetry {
+            let expected = match sample.state.is_running() {
+                true => power,
+                false => N::ZERO,
+            };
+            let error = (sample.tool - expected).abs();
+            assert!(error <= N::UNIT_ROUNDOFF + N::UNIT_ROUNDOFF, "{sample:?}");
+            let [x, y] = [sample.setpoint.velocity.x, sample.setpoint.velocity.y];
+            standing += usize::from(sample.state == State::Running && x == N::ZERO && y == N::ZERO);
+            held += usize::from(sample.state == State::Holding);
+        }
+        assert!(standing >= 50 && held >= 5, "{standing} {held}");
+    }
+    check::<f64>();
+    check::<f32>();
+}
+
 /// The tick's own guard: what a setup without its admission lets through does not go out.
 #[test]
 fn what_is_beyond_a_limit_is_a_fault_and_does_not_go_out() {
