@@ -11,8 +11,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use trirrr_core::setpoint::Pose;
 use trirrr_plan::course::{Effort, PathPiece, Run};
-use trirrr_plan::moves::PlannedMoves;
-use trirrr_scene::{JobPath, PlannedJob, Scene, limited, plan_job};
+use trirrr_scene::{Dwell, JobPath, PlannedJob, Scene, limited, plan_job};
 
 /// `trirrr plan`.
 ///
@@ -58,7 +57,7 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     let path = scene.job.path.as_ref();
     let path = path.ok_or_else(|| refused("the job has no [[job.path]]".into()))?;
     let job = plan_job(&scene, path, effort).map_err(|error| refused(error.to_string()))?;
-    let points = all_points(&job.path, &job.moves);
+    let points = all_points(&scene, &job);
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
@@ -117,14 +116,26 @@ fn points(path: &JobPath, run: &Run, start: f64) -> Vec<PlanPoint> {
     points
 }
 
-fn all_points(path: &JobPath, planned: &PlannedMoves) -> Vec<PlanPoint> {
+fn all_points(scene: &Scene, job: &PlannedJob) -> Vec<PlanPoint> {
+    let path = &job.path;
     let mut start = 0.0;
+    let mut after = None;
     let mut all = Vec::new();
-    for run in &planned.plan.runs {
+    for run in &job.moves.plan.runs {
+        let sources = path.pieces[run.pieces.clone()].iter();
+        let mut sources = sources.map(|each| each.source);
+        let (first, last) = (sources.next(), sources.next_back());
+        start += stands_s(scene, path.dwells_between(after, first));
         all.extend(points(path, run, start));
         start += run.duration_s;
+        after = last.or(first);
     }
     all
+}
+
+/// Seconds for which the machine stands in `dwells`.
+fn stands_s<'a>(scene: &Scene, dwells: impl Iterator<Item = &'a Dwell>) -> f64 {
+    scene.period_s() * dwells.map(|each| f64::from(each.ticks)).sum::<f64>()
 }
 
 /// Writes tables and the figure; the files.
@@ -147,7 +158,7 @@ fn write(
         );
         traces.push(t, [speed, speed_max, alpha]);
     }
-    let moves = moves_table(scene, &job.path, &job.moves);
+    let moves = moves_table(scene, job);
     let mut files = Vec::new();
     for (file, text) in [("plan.csv", plan), ("moves.csv", moves)] {
         let file = folder.join(file);
@@ -160,7 +171,7 @@ fn write(
 }
 
 /// The moves as a table that other clients play: the state at the end of each, after a row for the start.
-fn moves_table(scene: &Scene, path: &JobPath, planned: &PlannedMoves) -> String {
+fn moves_table(scene: &Scene, job: &PlannedJob) -> String {
     let mut table =
         String::from("piece,duration,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,power,speed\n");
     let mut row = |source: usize, duration: f64, values: [[f64; 3]; 3], tool: [f64; 2]| {
@@ -177,13 +188,14 @@ fn moves_table(scene: &Scene, path: &JobPath, planned: &PlannedMoves) -> String 
         [pose(&scene.job.start), [0.0; 3], [0.0; 3]],
         [0.0; 2],
     );
-    for each in &planned.moves {
-        let source = path.pieces[each.piece].source;
-        let tool = path.tools[source].map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
-        let [_, velocity] = each.ends.velocities;
-        let [_, acceleration] = each.ends.accelerations.unwrap_or_default();
-        let end = [pose(&each.ends.to), velocity.into(), acceleration];
-        row(source, f64::from(each.ticks) * scene.period_s(), end, tool);
+    for (source, each) in job.steps() {
+        let tool = each
+            .tool
+            .map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
+        let acceleration = each.accelerations.map_or([0.0; 3], |[_, end]| end.into());
+        let end = [pose(&each.to), each.end_velocity.into(), acceleration];
+        let duration = f64::from(each.duration_ticks) * scene.period_s();
+        row(source, duration, end, tool);
     }
     table
 }
@@ -216,10 +228,11 @@ fn alpha_range(path: &JobPath) -> Option<[f64; 2]> {
 }
 
 fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathBuf]) -> String {
-    let planned = &job.moves;
-    let plan = &planned.plan;
-    let (duration, least) = (plan.duration_s(), plan.least_s());
-    let played = planned.ticks() as f64 * scene.period_s();
+    let plan = &job.moves.plan;
+    let dwells = &job.path.dwells;
+    let stands = stands_s(scene, dwells.iter());
+    let (duration, least) = (stands + plan.duration_s(), stands + plan.least_s());
+    let played = job.ticks() as f64 * scene.period_s();
     let part = |time: f64| 100.0 * (time / least - 1.0);
     let mut text = format!(
         "{}: {} pieces, {} stops\n\
@@ -227,12 +240,19 @@ fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathB
          plan     {duration:.6} s   {:+.2} % over the bound, with room for holds\n\
          bound    {least:.6} s   no motion along the path within the limits is faster\n",
         scene.name,
-        job.path.tools.len(),
+        job.path.tools.len() - dwells.len(),
         plan.runs.len() - 1,
-        planned.moves.len(),
-        planned.ticks(),
+        job.moves.moves.len() + dwells.len(),
+        job.ticks(),
         part(duration),
     );
+    if !dwells.is_empty() {
+        let count = dwells.len();
+        let _ = writeln!(
+            text,
+            "in all three the machine stands for {stands:.6} s; dwells: {count}"
+        );
+    }
     let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
     if let Some(longest) = scene.longest_stop() {
         let _ = writeln!(text, "a hold is {longest}");
@@ -259,8 +279,9 @@ fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathB
 }
 
 fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
-    let planned = &job.moves;
-    let runs = planned.plan.runs.iter().map(|run| {
+    let plan = &job.moves.plan;
+    let stands = stands_s(scene, job.path.dwells.iter());
+    let runs = plan.runs.iter().map(|run| {
         json!({
             "duration_s": run.duration_s,
             "least_s": run.least_s,
@@ -270,11 +291,12 @@ fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
     let longest = scene.longest_stop();
     json!({
         "scene": scene.name,
-        "moves": planned.moves.len(),
-        "ticks": planned.ticks(),
-        "played_s": planned.ticks() as f64 * scene.period_s(),
-        "duration_s": planned.plan.duration_s(),
-        "least_s": planned.plan.least_s(),
+        "moves": job.moves.moves.len() + job.path.dwells.len(),
+        "ticks": job.ticks(),
+        "played_s": job.ticks() as f64 * scene.period_s(),
+        "duration_s": stands + plan.duration_s(),
+        "least_s": stands + plan.least_s(),
+        "dwells_s": stands,
         "longest_stop_s": longest.map(|longest| longest.time_s),
         "longest_stop_m": longest.map(|longest| longest.way_m),
         "runs": runs.collect::<Vec<_>>(),

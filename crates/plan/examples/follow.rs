@@ -129,6 +129,7 @@ fn compare(
             piece: Piece::line(start.pose, target.pose),
             feed_m_s: None,
             source: 0,
+            stops: false,
         }];
         let bound_s = plan(planner, &line, Effort::default())
             .map_err(|refusal| format!("{refusal:?}"))?

@@ -64,6 +64,7 @@ fn drawing(lines: usize) -> Vec<PathPiece> {
             piece,
             feed_m_s: Some(0.25),
             source,
+            stops: false,
         }
     };
     (0..lines).map(line).collect()

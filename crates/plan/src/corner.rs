@@ -1,7 +1,6 @@
 //! Rounding of corners: a smooth curve takes the place of two pieces' ends.
 
 use crate::course::PathPiece;
-use crate::piece::joint;
 use crate::piece::{Piece, PlaneCurve};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::Pose;
@@ -33,7 +32,9 @@ pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
     let mut begun = 0.0;
     for (index, each) in pieces.iter().enumerate() {
         let next = pieces.get(index + 1);
-        let corner = next.filter(|next| joint(&each.piece, &next.piece).is_none());
+        // Where the motion stops anyway, the path is left as it is.
+        let is_corner = |next: &&PathPiece| !next.stops && next.joint(each).is_none();
+        let corner = next.filter(is_corner);
         let curve = corner.and_then(|next| curve(&each.piece, &next.piece, tolerance_m));
         let (end, next_begun) =
             curve.map_or((1.0, 0.0), |curve| (1.0 - curve.cut[0], curve.cut[1]));
@@ -44,11 +45,13 @@ pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
                     (0.0, 1.0) => each.piece,
                     _ => each.piece.part(begun, end),
                 },
+                stops: each.stops && begun == 0.0,
                 ..*each
             });
         }
         rounded.extend(curve.map(|curve| PathPiece {
             piece: curve.piece,
+            stops: false,
             ..*each
         }));
         begun = next_begun;

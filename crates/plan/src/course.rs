@@ -46,6 +46,19 @@ pub struct PathPiece {
     pub feed_m_s: Option<f64>,
     /// Number of the piece in the user's path, from 0.
     pub source: usize,
+    /// The motion stops where the piece begins, even where it could go on.
+    pub stops: bool,
+}
+
+impl PathPiece {
+    /// Scale of x = (dp/dt)^2 from the end of `before` to the start of this piece; none where the motion stops between
+    /// the two.
+    pub(crate) fn joint(&self, before: &Self) -> Option<f64> {
+        match self.stops {
+            true => None,
+            false => joint(&before.piece, &self.piece),
+        }
+    }
 }
 
 /// Refusal of a path: no motion along it keeps the limits, or none was found to be proven.
@@ -211,7 +224,7 @@ fn ranges(pieces: &[PathPiece]) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut first = 0;
     for next in 1..=pieces.len() {
-        if next == pieces.len() || joint(&pieces[next - 1].piece, &pieces[next].piece).is_none() {
+        if next == pieces.len() || pieces[next].joint(&pieces[next - 1]).is_none() {
             ranges.push(first..next);
             first = next;
         }

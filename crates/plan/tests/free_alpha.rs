@@ -32,6 +32,7 @@ fn path_pieces(pieces: Vec<Piece<f64>>) -> Vec<PathPiece> {
         piece,
         feed_m_s: None,
         source,
+        stops: false,
     };
     pieces.into_iter().enumerate().map(piece).collect()
 }

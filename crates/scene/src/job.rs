@@ -45,7 +45,7 @@ pub struct Tool {
     /// Power at `speed_m_s`, 0 to 1 of what the tool can give.
     pub power: f64,
     /// Speed of the reference point D along the path at which the tool has that power, m/s,
-    /// positive. The power follows the true speed in proportion, up to 1.
+    /// positive. The power follows the true speed in proportion, up to 1. 0: it is the same at every speed.
     pub speed_m_s: f64,
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn read_job(
         return None;
     }
     if shortest {
-        let placed = read_path(&section, &pieces, start)?;
+        let placed = read_path(&section, &pieces, start, rate)?;
         return Some(PlacedJob {
             start: section.place_of("start"),
             moves: Vec::new(),
@@ -306,7 +306,7 @@ pub(crate) fn read_tool(each: &Section) -> Option<Option<Tool>> {
     }
     let tool = each.section("tool")?;
     let power = tool.number("power", Bound::Within(0.0, 1.0));
-    let speed = tool.number("speed_m_s", Bound::Positive);
+    let speed = tool.number_or("speed_m_s", Bound::Positive, 0.0);
     Some(Some(Tool {
         power: power?,
         speed_m_s: speed?,

@@ -1,5 +1,6 @@
 //! `[[job.path]]`: a path without durations, whose moves are planned.
 
+use crate::duration::whole_ticks;
 use crate::job::{Tool, read_tool};
 use crate::read::{Bound, Place, Section};
 use nalgebra::{Vector2, Vector3};
@@ -27,12 +28,39 @@ pub struct JobPath {
     pub pieces: Vec<PathPiece>,
     /// The path whose alpha the planner may choose, if it may.
     pub free: Option<FreeAlpha>,
-    /// Work of the tool on each piece of the file.
+    /// Stands between the pieces, in order.
+    pub dwells: Vec<Dwell>,
+    /// Work of the tool on each table of the file, a piece or a dwell.
     pub tools: Vec<Option<Tool>>,
     /// Largest distance of the played motion from the path, m.
     pub tolerance_m: f64,
     /// Largest deviation of alpha, rad.
     pub tolerance_rad: f64,
+}
+
+/// A stand of the machine on the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dwell {
+    /// Number of its table in the file, from 0. The machine stands where the piece before ends.
+    pub source: usize,
+    /// Duration in ticks, positive.
+    pub ticks: u32,
+}
+
+impl JobPath {
+    /// Stands behind the piece with the number `after` in the file, and before that with the number `before`; none: the
+    /// path begins or ends there.
+    pub fn dwells_between(
+        &self,
+        after: Option<usize>,
+        before: Option<usize>,
+    ) -> impl Iterator<Item = &Dwell> {
+        let lies = move |dwell: &&Dwell| {
+            after.is_none_or(|after| dwell.source > after)
+                && before.is_none_or(|before| dwell.source < before)
+        };
+        self.dwells.iter().filter(lies)
+    }
 }
 
 /// A path whose alpha is free.
@@ -53,11 +81,12 @@ pub(crate) struct PlacedPath {
     pub(crate) places: Vec<Place>,
 }
 
-/// Reads the pieces of `job` from `start`; `sections` are its `[[job.path]]`.
+/// Reads the pieces of `job` from `start`; `sections` are its `[[job.path]]`. Without a tick `rate`, dwells are not checked.
 pub(crate) fn read_path(
     job: &Section,
     sections: &[Section],
     start: Option<Pose<f64>>,
+    rate: Option<f64>,
 ) -> Option<PlacedPath> {
     let tolerance_m = job.number_or("tolerance_m", Bound::Positive, TOLERANCE_M);
     let feed_m_s = read_feed(job);
@@ -76,8 +105,19 @@ pub(crate) fn read_path(
     let tolerance_rad = job.number_or("tolerance_rad", Bound::Positive, default_rad);
     let mut from = start;
     let (mut pieces, mut ends, mut tools) = (Vec::new(), Vec::new(), Vec::new());
+    let mut dwells: Vec<Dwell> = Vec::new();
     let mut complete = true;
     for (source, each) in sections.iter().enumerate() {
+        if is_dwell(each) {
+            match (read_dwell(each, rate), read_tool(each)) {
+                (Some(ticks), Some(tool)) => {
+                    dwells.push(Dwell { source, ticks });
+                    tools.push(tool);
+                }
+                _ => complete = false,
+            }
+            continue;
+        }
         let piece = read_piece(each, from, is_free == Some(true));
         let own_feed = read_feed(each);
         let tool = read_tool(each);
@@ -94,13 +134,17 @@ pub(crate) fn read_path(
         let whole = || Some((piece?, own_feed?.or(feed_m_s?), tool?));
         match whole() {
             Some((piece, feed_m_s, tool)) => {
+                // A spline has several; the machine stands before the first of them.
+                let mut stops = dwells.last().is_some_and(|last| last.source + 1 == source);
                 for (piece, end) in piece {
                     ends.push(end);
                     pieces.push(PathPiece {
                         piece,
                         feed_m_s,
                         source,
+                        stops,
                     });
+                    stops = false;
                 }
                 tools.push(tool);
             }
@@ -110,6 +154,12 @@ pub(crate) fn read_path(
     let (tolerance_m, tolerance_rad, corner_m) = (tolerance_m?, tolerance_rad?, corner_m?);
     let is_free = is_free?;
     if !complete {
+        return None;
+    }
+    if pieces.is_empty() {
+        let reason =
+            "the machine only stands: a path needs at least one line, arc, bezier or spline";
+        job.refuse_list("path", reason);
         return None;
     }
     let way = is_free.then(|| FreePath::new(&pieces, &ends, corner_m));
@@ -123,6 +173,7 @@ pub(crate) fn read_path(
                 way,
             }),
             pieces,
+            dwells,
             tools,
             tolerance_m,
             tolerance_rad,
@@ -144,13 +195,35 @@ fn has_length(piece: &Piece<f64>) -> bool {
     first.iter().any(|first| first.amax() > LENGTH_MIN)
 }
 
+/// Keys of which a table has one.
+const KINDS: [&str; 5] = ["line", "arc", "bezier", "spline", "dwell_s"];
+
+/// Returns true if the machine stands in this table, and nothing else.
+fn is_dwell(each: &Section) -> bool {
+    each.has("dwell_s") && KINDS.iter().filter(|kind| each.has(kind)).count() == 1
+}
+
+/// The ticks of a dwell.
+fn read_dwell(each: &Section, rate: Option<f64>) -> Option<u32> {
+    let has_feed = each.has("feed_m_s");
+    if has_feed {
+        each.refuse(
+            "feed_m_s",
+            "the machine stands during a dwell: it has no speed",
+        );
+    }
+    let ticks = whole_ticks(each.number("dwell_s", Bound::Positive)?, rate?)
+        .map_err(|reason| each.refuse("dwell_s", reason))
+        .ok()?;
+    (!has_feed).then_some(ticks)
+}
+
 /// The piece of one table, from `from`: several cubics for a spline.
 fn read_piece(each: &Section, from: Option<Pose<f64>>, is_free: bool) -> Option<Pieces> {
-    const KINDS: [&str; 4] = ["line", "arc", "bezier", "spline"];
     let mut given = KINDS.iter().filter(|kind| each.has(kind));
     let (kind, second) = (given.next(), given.next());
     let Some(kind) = kind.filter(|_| second.is_none()) else {
-        let reason = "expected one of line, arc, bezier and spline";
+        let reason = "expected one of line, arc, bezier, spline and dwell_s";
         each.refuse_at(&each.place(), reason);
         each.ignore_rest();
         return None;

@@ -1,6 +1,7 @@
 //! Judges the moves of a job as the service of the scene would: with its own check of an offer and its own
 //! admission, in the number type, units and model of the scene.
 
+use crate::job::JobMove;
 use crate::range::{RangeError, units};
 use crate::{Scene, in_number_type, offer};
 use thiserror::Error;
@@ -102,8 +103,15 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             scene.ramp(),
             units.time(scene.period_s()),
         )?;
-        let judge = |offered| judgement(&mut admission, offered, units, shortest);
-        Ok(moves.iter().map(judge).collect())
+        let judge = |(given, offered): (&JobMove, &AnyMove<N>)| {
+            // Rounded to 0, a speed would make a constant power of one that follows the speed.
+            let has_speed = given.tool.is_some_and(|tool| tool.speed_m_s > 0.0);
+            match has_speed && offered.common().tool_speed == N::ZERO {
+                true => Err(Objection::Tool),
+                false => judgement(&mut admission, offered, units, shortest),
+            }
+        };
+        Ok(scene.job.moves.iter().zip(moves).map(judge).collect())
     }
 }
 

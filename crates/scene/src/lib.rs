@@ -51,7 +51,7 @@ pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
 pub use homing::Homing;
 pub use job::{Job, JobMove, Tool};
-pub use job_path::{FreeAlpha, JobPath};
+pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
 pub use planning::{PlannedJob, Unplanned, plan_job};

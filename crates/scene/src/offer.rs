@@ -23,6 +23,12 @@ pub const CELLS: usize = 48;
 pub fn pieces<N: Transmit>(scene: &Scene, units: &Units) -> Result<Vec<PathPiece<N>>, String> {
     let path = scene.job.path.as_ref();
     let path = path.ok_or("its job has no path: give it as [[job.path]]")?;
+    if let Some(dwell) = path.dwells.first() {
+        return Err(format!(
+            "job.path[{}]: a machine that plans a path does not dwell on it; send moves",
+            dwell.source + 1
+        ));
+    }
     let metres = units.length_m();
     let speed = |speed: f64| N::from_f64(speed * units.time_s() / metres);
     let pose = |at: Pose<f64>| {
@@ -43,7 +49,7 @@ pub fn pieces<N: Transmit>(scene: &Scene, units: &Units) -> Result<Vec<PathPiece
             PlaneCurve::Arc { .. } => {
                 return Err(format!(
                     "job.path[{}]: a machine plans no arc on which alpha bends; send moves",
-                    each.source
+                    each.source + 1
                 ));
             }
             PlaneCurve::Line { .. } | PlaneCurve::Cubic { .. } => {

@@ -1,23 +1,26 @@
 //! Moves for a job's path: planned in the least time, and judged as the scene's service judges them.
 
 use crate::job::{Job, JobMove};
-use crate::job_path::{JobPath, PlacedPath};
+use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
 use crate::obstacle::obstacle;
+use crate::offer::CAPACITY;
 use crate::read::Document;
 use crate::{NumberType, Scene};
+use nalgebra::Vector3;
 use thiserror::Error;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::{BuildError, LegParameters};
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::number::{Arithmetic, Fixed};
-use trirrr_core::setpoint::Ends;
+use trirrr_core::setpoint::{Ends, Pose};
 use trirrr_plan::alpha::{Sampler, choose_alpha};
 use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::Bounded;
+use trirrr_service::longest_move;
 
 /// Reason why a path has no plan.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -38,6 +41,27 @@ pub enum Unplanned {
         /// Place and reason.
         refusal: PathRefusal,
     },
+    /// The machine does not stand for a dwell: the service does not admit a stand that the plan allows.
+    #[error(
+        "the machine cannot stand there: a limit at rest leaves no room for the number type of the scene"
+    )]
+    Dwell {
+        /// Number of the dwell in the file, from 0.
+        number: usize,
+    },
+    /// A dwell is too long for the service.
+    #[error("the machine stands for {ticks} ticks; a dwell lasts {longest} at most")]
+    LongDwell {
+        /// Number of the dwell in the file, from 0.
+        number: usize,
+        /// Ticks of the dwell, and the most that the service plays.
+        ticks: u32,
+        /// Most ticks of a move.
+        longest: u32,
+    },
+    /// The job is longer than a service counts.
+    #[error("the moves take {0} ticks together, at most 4294967295 are allowed")]
+    Ticks(u64),
     /// An obstacle whatever alpha is.
     #[error("{}; no other alpha leads past this place", obstacle(refusal))]
     NoAlpha {
@@ -59,12 +83,102 @@ pub struct PlannedJob {
     pub given_ticks: Option<u64>,
 }
 
+impl PlannedJob {
+    /// Returns the moves in order, dwells among them, each with the number of its table in the file.
+    pub fn steps(&self) -> Vec<(usize, JobMove)> {
+        let Self { path, moves, .. } = self;
+        let sources = moves
+            .moves
+            .iter()
+            .map(|each| path.pieces[each.piece].source);
+        let mut steps: Vec<(usize, JobMove)> = Vec::new();
+        let mut after = None;
+        for (source, each) in sources.zip(job_moves(path, &moves.moves)) {
+            let stands = path.dwells_between(after, Some(source));
+            steps.extend(stands.map(|dwell| (dwell.source, stand(path, dwell, each.from))));
+            after = Some(source);
+            steps.push((source, each));
+        }
+        let end = steps.last().map(|(_, each)| each.to);
+        let last = path
+            .dwells_between(after, None)
+            .zip(end.into_iter().cycle());
+        steps.extend(last.map(|(dwell, at)| (dwell.source, stand(path, dwell, at))));
+        steps
+    }
+
+    /// Duration of the moves and dwells in ticks.
+    pub fn ticks(&self) -> u64 {
+        let stands = self.path.dwells.iter().map(|each| u64::from(each.ticks));
+        self.moves.ticks() + stands.sum::<u64>()
+    }
+}
+
+/// The stand of `dwell` at a pose.
+fn stand(path: &JobPath, dwell: &Dwell, at: Pose<f64>) -> JobMove {
+    let zero = Vector3::zeros();
+    JobMove {
+        from: at,
+        to: at,
+        start_velocity: zero,
+        end_velocity: zero,
+        accelerations: Some([zero; 2]),
+        duration_ticks: dwell.ticks,
+        tool: path.tools[dwell.source],
+    }
+}
+
 /// Plans `path`, the path of the job of `scene`. `scene` is otherwise checked. A path whose alpha is free is planned
 /// as it is given, too: the faster plan counts.
 ///
 /// # Errors
 /// [`Unplanned`].
 pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedJob, Unplanned> {
+    let planned = plan_alpha(scene, path, effort)?;
+    check_dwells(scene, &planned)?;
+    match planned.ticks() {
+        ticks if ticks > u64::from(u32::MAX) => Err(Unplanned::Ticks(ticks)),
+        _ => Ok(planned),
+    }
+}
+
+/// Checks that the service stands where the path dwells: a plan knows the machine's limits, not the number type.
+fn check_dwells(scene: &Scene, planned: &PlannedJob) -> Result<(), Unplanned> {
+    let steps = planned.steps();
+    let is_dwell = |(source, _): &&(usize, JobMove)| {
+        planned
+            .path
+            .dwells
+            .iter()
+            .any(|each| each.source == *source)
+    };
+    let dwells: Vec<_> = steps.iter().filter(is_dwell).copied().collect();
+    let longest = longest_move(CAPACITY);
+    for (number, each) in &dwells {
+        let (number, ticks) = (*number, each.duration_ticks);
+        if ticks > longest {
+            return Err(Unplanned::LongDwell {
+                number,
+                ticks,
+                longest,
+            });
+        }
+    }
+    let moves: Vec<_> = dwells.iter().map(|(_, each)| *each).collect();
+    let all: Vec<_> = steps.iter().map(|(_, each)| *each).collect();
+    let verdicts = judged(scene, &moves, &all);
+    match dwells
+        .iter()
+        .zip(verdicts)
+        .find(|(_, judged)| *judged != Judged::Kept)
+    {
+        Some((&(number, _), _)) => Err(Unplanned::Dwell { number }),
+        None => Ok(()),
+    }
+}
+
+/// Plans as [`plan_job`], and looks at no dwell.
+fn plan_alpha(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedJob, Unplanned> {
     let Some(free) = &path.free else {
         return plan_either(scene, path, false, effort);
     };
@@ -74,13 +188,13 @@ pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<Planned
     };
     let given = plan_either(scene, &as_given, false, effort);
     let chosen = plan_either(scene, path, true, effort);
-    let given_ticks = given.as_ref().ok().map(|planned| planned.moves.ticks());
+    let given_ticks = given.as_ref().ok().map(PlannedJob::ticks);
     let chosen = chosen.map(|planned| PlannedJob {
         given_ticks,
         ..planned
     });
     match (chosen, given) {
-        (Ok(chosen), Ok(given)) if given.moves.ticks() <= chosen.moves.ticks() => Ok(PlannedJob {
+        (Ok(chosen), Ok(given)) if given.ticks() <= chosen.ticks() => Ok(PlannedJob {
             given_ticks,
             ..given
         }),
@@ -284,14 +398,19 @@ fn shortest_reach_m(scene: &Scene) -> f64 {
 pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedPath) -> Option<()> {
     match plan_job(scene, &placed.path, Effort::default()) {
         Ok(planned) => {
-            scene.job.moves = job_moves(&planned.path, &planned.moves.moves);
+            scene.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
             scene.job.path = Some(planned.path);
             return Some(());
         }
-        Err(error @ Unplanned::Units) => document.refuse(&placed.places[0], error.to_string()),
-        Err(ref error @ (Unplanned::Path { number, .. } | Unplanned::NoAlpha { number, .. })) => {
-            document.refuse(&placed.places[number], error.to_string())
+        Err(error @ (Unplanned::Units | Unplanned::Ticks(_))) => {
+            document.refuse(&placed.places[0], error.to_string());
         }
+        Err(
+            ref error @ (Unplanned::Path { number, .. }
+            | Unplanned::NoAlpha { number, .. }
+            | Unplanned::Dwell { number }
+            | Unplanned::LongDwell { number, .. }),
+        ) => document.refuse(&placed.places[number], error.to_string()),
         // The machine is checked, and refused, by itself.
         Err(Unplanned::Machine(_)) => {}
     }

@@ -86,7 +86,7 @@ fn keys_that_do_not_go_together_are_refused() {
     );
     assert!(refusal("timing = \"shortest\"\n").contains("at least one [[job.path]]"));
     let both = "timing = \"shortest\"\n[[job.path]]\nline = { x_m = 0.3, y_m = 0.245 }\narc = {}\n";
-    assert!(refusal(both).contains("expected one of line, arc, bezier and spline"));
+    assert!(refusal(both).contains("expected one of line, arc, bezier, spline and dwell_s"));
     let nowhere = "timing = \"shortest\"\n[[job.path]]\nline = { x_m = 0.25, y_m = 0.245 }\n";
     assert!(refusal(nowhere).contains("has no length"));
     let controls = "timing = \"shortest\"\n[[job.path]]\nbezier = { controls_m = [[0.2, 0.3]], x_m = 0.3, y_m = 0.3 }\n";
@@ -132,6 +132,123 @@ fn a_quintic_move_is_read() {
     let cubic = "duration_s = 0.5\nend_acceleration = { ay_m_s2 = 0.1 }\n";
     assert!(refused(cubic).contains("goes with curve = \"quintic\""));
     assert!(refused("duration_s = 0.5\ncurve = \"septic\"\n").contains("curve"));
+}
+
+/// The machine stands where it is told to, for as long as it is told, also on a path that goes on straight.
+#[test]
+fn a_dwell_stands_between_the_pieces() {
+    let job = r#"
+        timing = "shortest"
+        corner_tolerance_m = 5e-4
+        [[job.path]]
+        dwell_s = 0.02
+        [[job.path]]
+        line = { x_m = 0.27, y_m = 0.245 }
+        [[job.path]]
+        dwell_s = 0.05
+        tool = { power = 0.75 }
+        [[job.path]]
+        line = { x_m = 0.3, y_m = 0.245 }
+        [[job.path]]
+        line = { x_m = 0.3, y_m = 0.28 }
+        [[job.path]]
+        dwell_s = 0.01
+        [[job.path]]
+        dwell_s = 0.03
+        "#;
+    let scene = with_job(job).unwrap_or_else(|error| panic!("{error}"));
+    let moves = &scene.job.moves;
+    let stands: Vec<_> = moves
+        .iter()
+        .filter(|each| each.from == each.to)
+        .map(|each| {
+            let at = each.from.position;
+            assert_eq!(each.start_velocity.amax() + each.end_velocity.amax(), 0.0);
+            (each.duration_ticks, [at.x, at.y].map(|x| (x * 1e6).round()))
+        })
+        .collect();
+    let expected = [
+        (20, [250_000.0, 245_000.0]),
+        (50, [270_000.0, 245_000.0]),
+        (10, [300_000.0, 280_000.0]),
+        (30, [300_000.0, 280_000.0]),
+    ];
+    assert_eq!(stands, expected);
+    assert_eq!(moves[0].duration_ticks, 20);
+    let tools: Vec<_> = moves.iter().filter_map(|each| each.tool).collect();
+    assert_eq!(tools.len(), 1);
+    assert_eq!((tools[0].power, tools[0].speed_m_s), (0.75, 0.0));
+    for pair in moves.windows(2) {
+        assert_eq!(pair[0].to, pair[1].from);
+        assert_eq!(pair[0].end_velocity, pair[1].start_velocity);
+    }
+    // The corner behind the dwell is rounded, the place of the dwell is not.
+    let rests = moves
+        .iter()
+        .filter(|each| each.end_velocity.amax() == 0.0)
+        .count();
+    assert_eq!(rests, 4 + 2, "four dwells, two runs");
+    // Without the dwells it is faster by more than they last, for it does not stop there.
+    let through = job.replace(
+        "dwell_s = 0.05\n        tool = { power = 0.75 }",
+        "line = { x_m = 0.271, y_m = 0.245 }",
+    );
+    let through = with_job(&through).unwrap_or_else(|error| panic!("{error}"));
+    assert!(through.ticks() + 50 < scene.ticks());
+}
+
+#[test]
+fn bad_dwells_are_refused() {
+    let job = |table: &str| {
+        let line = "[[job.path]]\nline = { x_m = 0.3, y_m = 0.245 }\n";
+        refusal(&format!(
+            "timing = \"shortest\"\n{line}[[job.path]]\n{table}\n"
+        ))
+    };
+    assert!(
+        job("dwell_s = 0.0105")
+            .contains("job.path[2].dwell_s = 0.0105: must be a whole number of ticks")
+    );
+    assert!(job("dwell_s = -1.0").contains("must be greater than 0"));
+    assert!(job("dwell_s = 0.1\nfeed_m_s = 0.1").contains("the machine stands during a dwell"));
+    assert!(job("dwell_s = 0.1\nline = { x_m = 0.25, y_m = 0.245 }").contains("expected one of"));
+    let long = job("dwell_s = 16648.0");
+    assert!(long.contains("a dwell lasts 16647159 at most"), "{long}");
+    let only = refusal("timing = \"shortest\"\n[[job.path]]\ndwell_s = 0.1\n");
+    assert!(only.contains("the machine only stands"), "{only}");
+}
+
+/// A machine that plans a path itself is not told to stand on it.
+#[test]
+fn a_path_with_a_dwell_is_sent_as_moves() {
+    let job = "timing = \"shortest\"\n[[job.path]]\nline = { x_m = 0.3, y_m = 0.245 }\n[[job.path]]\ndwell_s = 0.1\n";
+    let scene = with_job(job).unwrap_or_else(|error| panic!("{error}"));
+    let units = trirrr_scene::units::<f32>(&scene).expect("units");
+    let refused = trirrr_scene::offer::pieces::<f32>(&scene, &units).expect_err("a dwell");
+    assert!(refused.contains("job.path[2]"), "{refused}");
+}
+
+/// The shipped job of a gripper: faster than with durations by hand, the gripper closed from the dwell on.
+#[test]
+fn the_pick_is_faster_than_by_hand_and_holds_its_part() {
+    let path = include_str!("../../../scenes/paths/pick.toml");
+    let scene = Scene::parse(path, "pick.toml").unwrap_or_else(|error| panic!("{error}"));
+    let by_hand = include_str!("../../../scenes/pick-stepper.toml");
+    let by_hand = Scene::parse(by_hand, "pick-stepper.toml").expect("shipped");
+    assert_eq!(scene.tick_rate_hz, by_hand.tick_rate_hz);
+    assert!(2 * scene.ticks() < by_hand.ticks(), "{}", scene.ticks());
+    let moves = &scene.job.moves;
+    let grip = moves.iter().position(|each| each.from == each.to);
+    let (open, closed) = moves.split_at(grip.expect("a dwell"));
+    assert_eq!(closed[0].duration_ticks, 50);
+    assert!(open.iter().all(|each| each.tool.is_none()));
+    let holds = |each: &trirrr_scene::JobMove| {
+        each.tool
+            .is_some_and(|tool| tool.power == 1.0 && tool.speed_m_s == 0.0)
+    };
+    assert!(closed.iter().all(holds));
+    let at = closed[0].from.position;
+    assert!((at.x - 0.29).abs() < 1e-12 && (at.y - 0.26).abs() < 1e-12);
 }
 
 const HOURGLASS: &str = include_str!("../../../scenes/paths/hourglass.toml");

@@ -35,6 +35,7 @@ pub(crate) fn lay(stretch: &Stretch<'_>, knots: &[Knot], angles: &[f64]) -> Vec<
             let (angle, turning) = spans[next].part(start, scale * (to - from));
             laid.push(PathPiece {
                 piece: piece.with_alpha(angle, turning),
+                stops: each.stops && from == 0.0,
                 ..*each
             });
             if knot.piece == index && next + 2 < knots.len() {

@@ -1,7 +1,7 @@
 //! Places on a stretch of a path at which alpha is chosen; between them it is a spline.
 
 use crate::course::PathPiece;
-use crate::piece::{joint, length};
+use crate::piece::length;
 
 /// Part of the distance between knots within which a joint of pieces attracts one.
 const SNAP: f64 = 0.1;
@@ -53,12 +53,12 @@ impl<'a> Stretch<'a> {
             let extent = match (index.checked_sub(1), extents.last()) {
                 (Some(before), Some(last)) => {
                     let start_m = last.start_m + last.length_m;
-                    let before = &pieces[before].piece;
-                    let is_joint = joint(before, &each.piece).is_some();
+                    let before = &pieces[before];
+                    let is_joint = each.joint(before).is_some();
                     if !is_joint {
                         stops.push(start_m);
                     }
-                    let speeds = [before.at(1.0).first, each.piece.at(0.0).first].map(length);
+                    let speeds = [before.piece.at(1.0).first, each.piece.at(0.0).first].map(length);
                     Extent {
                         start_m,
                         length_m,

@@ -36,6 +36,7 @@ fn path_pieces(pieces: &[Piece<f64>], feed_m_s: Option<f64>) -> Vec<PathPiece> {
         piece,
         feed_m_s,
         source,
+        stops: false,
     };
     pieces.iter().enumerate().map(piece).collect()
 }
