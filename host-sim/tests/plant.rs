@@ -101,7 +101,7 @@ fn gains_that_cannot_be_followed_are_refused_with_exit_code_2() {
     let output = run(&edited(&text("plant-reference-zoh"), &edits), folder.path());
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("plant.controller.kp_nm_rad"), "{said}");
+    assert!(said.contains("controller.kp_nm_rad"), "{said}");
     assert!(said.contains("unstable at the start"), "{said}");
 }
 

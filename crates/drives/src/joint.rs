@@ -1,4 +1,4 @@
-//! Inner loop of one joint: proportional and derivative, with or without the torque of the tick fed forward.
+//! Inner loop of one joint: proportional, derivative and integral, with or without the torque of the tick fed forward.
 //!
 //! The loop runs faster than the ticks: [`Reference::after`] extrapolates the setpoint of a tick.
 
@@ -54,24 +54,66 @@ impl<N: Number> Reference<N> {
     }
 }
 
-/// Controller tau = kp (theta_ref - theta) + kd (rate_ref - rate) \[+ tau_ref\].
+/// Parameters of a [`Loop`], at the joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopParameters {
+    /// Torque per error of the angle, N m/rad.
+    pub kp_nm_rad: f64,
+    /// Torque per error of the rate, N m s/rad.
+    pub kd_nm_s_rad: f64,
+    /// Torque per integral of the error of the angle, N m/(rad s); 0 for none.
+    pub ki_nm_rad_s: f64,
+    /// True if the torque of the tick is added.
+    pub feed_forward: bool,
+    /// Largest torque of either sign, N m.
+    pub torque_max_nm: f64,
+    /// Time from one sample to the next, s.
+    pub period_s: f64,
+}
+
+/// Torque that a [`Loop`] asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopTorque<N> {
+    /// Torque on the joint, N m, within the limit.
+    pub torque: N,
+    /// The limit acts: the loop wanted more.
+    pub limited: bool,
+}
+
+/// Controller tau = kp e + kd (rate_ref - rate) + ki (integral of e) \[+ tau_ref\], with e = theta_ref - theta, limited.
+///
+/// While the limit acts, the integral takes nothing that would drive the torque farther beyond it, and by itself it never
+/// grows beyond the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop<N> {
     kp: N,
     kd: N,
+    /// ki times the period.
+    ki: N,
     feed_forward: bool,
+    most: N,
     pi: N,
+    integral: N,
 }
 
 impl<N: Number> Loop<N> {
-    /// Controller with `kp` in N m/rad and `kd` in N m s/rad at the joint.
-    pub fn build(kp: f64, kd: f64, feed_forward: bool) -> Self {
+    /// Builds the controller, its integral at 0.
+    #[inline(always)]
+    pub fn build(p: &LoopParameters) -> Self {
         Self {
-            kp: N::from_f64(kp),
-            kd: N::from_f64(kd),
-            feed_forward,
+            kp: N::from_f64(p.kp_nm_rad),
+            kd: N::from_f64(p.kd_nm_s_rad),
+            ki: N::from_f64(p.ki_nm_rad_s * p.period_s),
+            feed_forward: p.feed_forward,
+            most: N::from_f64(p.torque_max_nm),
             pi: N::from_f64(core::f64::consts::PI),
+            integral: N::ZERO,
         }
+    }
+
+    /// Sets the integral to 0.
+    pub fn reset(&mut self) {
+        self.integral = N::ZERO;
     }
 
     /// Angle from the joint at `angle` to the reference, the short way round, rad. Both angles have to be
@@ -88,16 +130,35 @@ impl<N: Number> Loop<N> {
         }
     }
 
-    /// Torque for a joint measured at `angle` with `rate`.
+    /// Torque for a joint measured at `angle` with `rate`. An error that is not a number gives no torque.
     #[inline(always)]
-    pub fn torque(&self, reference: &Reference<N>, angle: N::Angle, rate: N) -> N {
+    pub fn torque(&mut self, reference: &Reference<N>, angle: N::Angle, rate: N) -> LoopTorque<N> {
         let error = self.error(reference, angle);
-        let torque = N::ab_plus_cd(self.kp, error, self.kd, reference.rate - rate);
+        let mut direct = N::ab_plus_cd(self.kp, error, self.kd, reference.rate - rate);
         if self.feed_forward {
-            torque + reference.torque
-        } else {
-            torque
+            direct += reference.torque;
         }
+        let gained = self.ki * error;
+        let wanted = direct + self.integral + gained;
+        let (torque, limited) = limit(wanted, self.most);
+        let winds_up = limited && (gained > N::ZERO) == (wanted > N::ZERO);
+        if !winds_up {
+            self.integral = limit(self.integral + gained, self.most).0;
+        }
+        LoopTorque { torque, limited }
+    }
+}
+
+/// Limits `x` to `most` of either sign; `true` if `x` was outside. Not a number becomes 0.
+#[inline(always)]
+fn limit<N: Number>(x: N, most: N) -> (N, bool) {
+    // Two comparisons for a value within, the usual case.
+    if x >= -most {
+        if x <= most { (x, false) } else { (most, true) }
+    } else if x < -most {
+        (-most, true)
+    } else {
+        (N::ZERO, true)
     }
 }
 
@@ -114,25 +175,74 @@ mod tests {
         }
     }
 
+    const PLAIN: LoopParameters = LoopParameters {
+        kp_nm_rad: 100.0,
+        kd_nm_s_rad: 4.0,
+        ki_nm_rad_s: 0.0,
+        feed_forward: false,
+        torque_max_nm: 50.0,
+        period_s: 1e-3,
+    };
+
     #[test]
     fn the_torque_pulls_towards_the_reference() {
-        let plain = Loop::<f64>::build(100.0, 4.0, false);
-        let fed = Loop::<f64>::build(100.0, 4.0, true);
+        let mut plain = Loop::<f64>::build(&PLAIN);
+        let mut fed = Loop::<f64>::build(&LoopParameters {
+            feed_forward: true,
+            ..PLAIN
+        });
         // 100 * 0.1 + 4 * (0.5 - 0.25)
-        let torque = plain.torque(&reference(1.1), 1.0, 0.25);
-        assert!((torque - 11.0).abs() < 1e-12);
-        assert!((fed.torque(&reference(1.1), 1.0, 0.25) - 11.25).abs() < 1e-12);
+        let found = plain.torque(&reference(1.1), 1.0, 0.25);
+        assert!((found.torque - 11.0).abs() < 1e-12 && !found.limited);
+        assert!((fed.torque(&reference(1.1), 1.0, 0.25).torque - 11.25).abs() < 1e-12);
     }
 
     #[test]
     fn the_way_is_the_short_one_across_half_a_turn() {
-        let inner = Loop::<f64>::build(1.0, 0.0, false);
+        let inner = Loop::<f64>::build(&PLAIN);
         assert!(
             (inner.error(&reference(3.1), -3.1) - (6.2 - core::f64::consts::TAU)).abs() < 1e-15
         );
         assert!(
             (inner.error(&reference(-3.1), 3.1) + (6.2 - core::f64::consts::TAU)).abs() < 1e-15
         );
+    }
+
+    #[test]
+    fn the_integral_takes_what_is_left_and_does_not_wind_up() {
+        let parameters = LoopParameters {
+            ki_nm_rad_s: 1000.0,
+            torque_max_nm: 20.0,
+            ..PLAIN
+        };
+        let mut inner = Loop::<f64>::build(&parameters);
+        let standing = |angle| Reference::standing(angle);
+        // An error of 10 mrad for 100 samples: 1 N m at once, and 1 N m more.
+        let mut last = 0.0;
+        for _ in 0..100 {
+            last = inner.torque(&standing(0.01), 0.0, 0.0).torque;
+        }
+        assert!((last - 2.0).abs() < 1e-9, "{last}");
+        // Far beyond the limit for a second, then at the reference: the integral is what it was.
+        for _ in 0..1000 {
+            let found = inner.torque(&standing(1.0), 0.0, 0.0);
+            assert!(found.limited && found.torque == 20.0);
+        }
+        let found = inner.torque(&standing(0.0), 0.0, 0.0);
+        assert!(
+            (found.torque - 1.0).abs() < 1e-9 && !found.limited,
+            "{found:?}"
+        );
+        // An error that is too small for the limit alone: the integral stops there.
+        for _ in 0..100_000 {
+            inner.torque(&standing(0.01), 0.0, 0.0);
+        }
+        assert!(inner.torque(&standing(0.0), 0.0, 0.0).torque <= 20.0);
+        inner.reset();
+        assert_eq!(inner.torque(&standing(0.0), 0.0, 0.0).torque, 0.0);
+        let lost = inner.torque(&standing(f64::NAN), 0.0, 0.0);
+        assert!(lost.torque == 0.0 && lost.limited);
+        assert!(inner.torque(&standing(0.01), 0.0, 0.0).torque.is_finite());
     }
 
     #[test]

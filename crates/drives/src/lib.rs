@@ -6,7 +6,7 @@
 //! | scene | module | once per tick | above the tick |
 //! |---|---|---|---|
 //! | `kind = "stepper"` | [`stepper`] | [`stepper::Steppers::apply`] | [`stepper::Slots::slot`], from a timer |
-//! | `kind = "bldc"` | [`bldc`] | [`bldc::Bldcs::apply`] | |
+//! | `kind = "bldc"` | [`bldc`] | [`bldc::Bldcs::measure`], [`bldc::Bldcs::apply`] | [`bldc::Loops::sample`], from a timer |
 //! | `kind = "can"` | [`can`] | [`can::CanDrives::measure`], [`can::CanDrives::apply`] | |
 //!
 //! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor panics. A drive that
@@ -16,7 +16,7 @@
 //! The arithmetic has no pin, no timer and no device:
 //!
 //! ```text
-//! tick::Motor ──> joint::Reference ──> joint::Loop ──> bldc::Bldc ──> current, duty
+//! tick::Motor ──> joint::Reference ──> joint::Loop ──> set value of the amplifier
 //!                        │               (torque)
 //!                        └──────────> stepper::StepMotor ──> stepper::Schedule ──> steps
 //! ```

@@ -57,9 +57,8 @@ pub(crate) fn build<'l, N: Countable>(
         return Ok(None);
     };
     let cans = [first, second, third];
-    let controller = scene.plant.as_ref().and_then(|plant| plant.controller);
-    let controller = controller.ok_or_else(|| Refusal::Scene {
-        key: "plant.controller".into(),
+    let controller = scene.controller.ok_or_else(|| Refusal::Scene {
+        key: "controller".into(),
         reason: "missing: drives on a bus close their loops with its gains".into(),
     })?;
     let bus = Parts {

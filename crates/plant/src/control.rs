@@ -3,9 +3,9 @@
 use crate::mechanics::Mechanics;
 use crate::motor::{MotorModel, Winding, wrapped};
 use crate::path::JobPath;
+use crate::power_stage::DriveLimit;
 use crate::refusal::Refusal;
 use crate::scalar::Differentiable;
-use trirrr_drives::bldc::DriveLimit;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_scene::{Controller, Scene};
 

@@ -3,6 +3,7 @@
 use crate::bus_drives;
 use crate::control::{Commands, Measured};
 use crate::joint_control::JointDrives;
+use crate::loop_drives::SimulatedLoops;
 use crate::refusal::Refusal;
 use crate::steppers::{self, SimulatedSteppers};
 use trirrr_core::number::Number;
@@ -39,8 +40,7 @@ pub(crate) trait SimulatedDrives<N: Number>: Send {
 /// # Errors
 /// [`Refusal::Scene`]: the scene does not say how often its steppers may step.
 pub(crate) fn samples_per_tick(scene: &Scene) -> Result<u32, Refusal> {
-    let controller = scene.plant.as_ref().and_then(|plant| plant.controller);
-    let sampled = match controller.map(|controller| controller.timing) {
+    let sampled = match scene.controller.map(|controller| controller.timing) {
         Some(Timing::Sampled { per_tick }) => per_tick,
         _ => 1,
     };
@@ -69,6 +69,9 @@ pub(crate) fn build<'l, N: Countable>(
     }
     if let Some(drives) = bus_drives::build(scene, per_tick, units, start)? {
         return Ok(drives);
+    }
+    if let Some(drives) = SimulatedLoops::build::<N>(scene, per_tick, units, start) {
+        return Ok(Box::new(drives));
     }
     Ok(match scene.number {
         NumberType::F64 => Box::new(JointDrives::<f64>::build(scene, per_tick, units)?),

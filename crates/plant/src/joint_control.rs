@@ -1,19 +1,17 @@
-//! Joint controllers as a drive runs them: the loop and the motor command of `trirrr-drives` at a
-//! rate above that of the ticks.
+//! Joint controllers with ideal sensors, at a rate above that of the ticks: of motors that are sources of torque, or that have an
+//! amplifier and no encoder.
 
 use crate::control::{Commands, Measured};
 use crate::drives::{SimulatedDrives, reference};
+use crate::power_stage::{DriveLimit, PowerStage};
 use crate::refusal::Refusal;
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
-use trirrr_drives::bldc::{Bldc, BldcParameters};
 use trirrr_drives::joint::{Loop, Reference};
-use trirrr_scene::{DriveKind, Scene};
+use trirrr_scene::Scene;
 use trirrr_service::Output;
 
 /// Drives of three motors that are driven by torque, in the number type `D`.
-///
-/// Duty is continuous: a scene describes no PWM timer.
 pub(crate) struct JointDrives<D: Number> {
     units: Units,
     /// Time from one sample to the next, s.
@@ -24,15 +22,8 @@ pub(crate) struct JointDrives<D: Number> {
 struct Joint<D: Number> {
     reference: Reference<D>,
     inner: Loop<D>,
-    stage: PowerStage<D>,
-}
-
-/// Power stage of a motor.
-enum PowerStage<D> {
-    /// Gives the torque as commanded.
-    Torque,
-    /// Gives a voltage, as a share of the supply in V.
-    Voltage { drive: Bldc<D>, supply_v: f64 },
+    /// None of a motor that gives the torque as commanded.
+    stage: Option<PowerStage>,
 }
 
 impl<D: Number> JointDrives<D> {
@@ -41,51 +32,27 @@ impl<D: Number> JointDrives<D> {
     /// # Errors
     /// [`Refusal::Scene`]: no controller.
     pub(crate) fn build(scene: &Scene, per_tick: u32, units: Units) -> Result<Self, Refusal> {
-        let controller = scene.plant.as_ref().and_then(|plant| plant.controller);
-        let controller = controller.ok_or_else(|| Refusal::Scene {
-            key: "plant.controller".into(),
+        let controller = scene.controller.ok_or_else(|| Refusal::Scene {
+            key: "controller".into(),
             reason: "missing: motors driven by torque need one".into(),
         })?;
         let rate_hz = scene.tick_rate_hz * f64::from(per_tick);
-        let joint = |leg: usize| Joint {
-            reference: Reference {
-                angle: D::angle_from_f64(0.0),
-                rate: D::ZERO,
-                acceleration: D::ZERO,
-                torque: D::ZERO,
-            },
-            inner: Loop::build(
-                controller.kp_nm_rad[leg],
-                controller.kd_nm_s_rad[leg],
-                controller.feed_forward,
-            ),
-            stage: stage(scene, leg),
+        let joint = |leg: usize| {
+            let drive = scene.drives.map(|drives| drives[leg]);
+            let stage = drive.and_then(|drive| PowerStage::of(&drive));
+            // More than any torque, and a number in any type.
+            let most = stage.map_or(1e30, |stage| stage.torque_max_nm());
+            Joint {
+                reference: Reference::standing(D::angle_from_f64(0.0)),
+                inner: Loop::build(&controller.of_joint(leg, most, rate_hz)),
+                stage,
+            }
         };
         Ok(Self {
             units,
             period: D::from_f64(1.0 / rate_hz),
             joints: [joint(0), joint(1), joint(2)],
         })
-    }
-}
-
-fn stage<D: Number>(scene: &Scene, leg: usize) -> PowerStage<D> {
-    let Some(drives) = &scene.drives else {
-        return PowerStage::Torque;
-    };
-    let DriveKind::Bldc(bldc) = drives[leg].kind else {
-        return PowerStage::Torque;
-    };
-    PowerStage::Voltage {
-        drive: Bldc::build(&BldcParameters {
-            gear_ratio: drives[leg].gear_ratio,
-            resistance_ohm: bldc.resistance_ohm,
-            torque_constant_nm_a: bldc.torque_constant_nm_a,
-            back_emf_constant_v_s_rad: bldc.back_emf_constant_v_s_rad,
-            supply_v: bldc.supply_v,
-            current_limit_a: bldc.current_limit_a,
-        }),
-        supply_v: bldc.supply_v,
     }
 }
 
@@ -101,18 +68,22 @@ impl<N: Number, D: Number> SimulatedDrives<N> for JointDrives<D> {
     fn sample(&mut self, slot: u32, measured: &[Measured; 3]) -> Commands {
         let mut commands = Commands::default();
         let elapsed = D::ratio(slot, 1) * self.period;
-        for (leg, joint) in self.joints.iter().enumerate() {
+        for (leg, joint) in self.joints.iter_mut().enumerate() {
             let reference = joint.reference.after(elapsed);
             commands.angle[leg] = D::angle_to_f64(reference.angle);
             let angle = D::angle_from_f64(measured[leg].angle);
             let rate = D::from_f64(measured[leg].rate);
-            let torque = joint.inner.torque(&reference, angle, rate);
+            let asked = joint.inner.torque(&reference, angle, rate);
+            let torque = asked.torque.to_f64();
+            commands.limited[leg] = asked.limited.then_some(DriveLimit::Current);
             commands.held[leg] = match &joint.stage {
-                PowerStage::Torque => torque.to_f64(),
-                PowerStage::Voltage { drive, supply_v } => {
-                    let command = drive.command(torque, rate);
-                    commands.limited[leg] = command.limited;
-                    command.duty.to_f64() * supply_v
+                None => torque,
+                Some(stage) => {
+                    let (voltage, limited) = stage.voltage(torque, measured[leg].rate);
+                    if limited {
+                        commands.limited[leg] = Some(DriveLimit::Voltage);
+                    }
+                    voltage
                 }
             };
         }

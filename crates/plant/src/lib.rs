@@ -14,6 +14,7 @@
 //! | [`watch`], `events` | instants at which the equations change or the run ends |
 //! | [`control`], [`path`] | continuous controller and its setpoints |
 //! | `drives`, `driven`, `joint_control`, `steppers`, `driver` | drives as on a board, between ticks and motors |
+//! | [`loop_drives`], [`power_stage`] | amplifiers and encoders around the loops of a board |
 //! | [`bus`], `bus_drives`, `bus_settings` | drives on a bus as state machines, and the wire |
 //! | `sampling` | measurements of the drives, and their commands |
 //! | [`run`], [`job`], [`outcome`], `ledger` | a whole run, and its energies |
@@ -38,6 +39,7 @@ mod joint_control;
 pub mod layout;
 mod ledger;
 pub mod leg;
+pub mod loop_drives;
 mod mass_matrix;
 pub mod mechanics;
 mod method;
@@ -46,6 +48,7 @@ pub mod motor;
 pub mod outcome;
 pub mod outputs;
 pub mod path;
+pub mod power_stage;
 pub mod refusal;
 pub mod run;
 mod sampling;

@@ -9,6 +9,7 @@ use crate::path::JobPath;
 use crate::refusal::Refusal;
 use crate::statistics::Statistics;
 use crate::watch::{self, Ending, Watch};
+use trirrr_core::machine::Parameters;
 use trirrr_scene::{Drive, Plant as Scenario, Scene, Transmission};
 
 /// Source of the motors' commands.
@@ -82,7 +83,11 @@ impl<const N: usize> Plant<N> {
     pub fn build(scene: &Scene, control: Control) -> Result<(Self, [f64; N]), Refusal> {
         assert_eq!(layout_of(scene), Self::LAYOUT, "state of another scene");
         assert_eq!(Self::LAYOUT.dimension(), N);
-        let parameters = &scene.parameters;
+        let scenario = scene.plant.as_ref();
+        let parameters = &heavier(
+            &scene.parameters,
+            scenario.map_or(1.0, |plant| plant.mass_factor),
+        );
         let mechanics = Mechanics::build(parameters, !Self::ELASTIC)?;
         let drive = |leg: usize| scene.drives.as_ref().map(|drives| &drives[leg]);
         let motors = [
@@ -90,7 +95,6 @@ impl<const N: usize> Plant<N> {
             MotorModel::build(drive(1))?,
             MotorModel::build(drive(2))?,
         ];
-        let scenario = scene.plant.as_ref();
         let friction = scenario.map(|plant| plant.friction).unwrap_or_default();
         let friction = [friction.motor, friction.elbow, friction.platform].map(|joint| {
             joint.map(|joint| Friction {
@@ -103,8 +107,16 @@ impl<const N: usize> Plant<N> {
             stiffness_nm_rad: 0.0,
             damping_nm_s_rad: 0.0,
         };
-        let counts = scenario.and_then(|plant| plant.encoder_counts_per_rev);
-        let gears = [0, 1, 2].map(|leg| drive(leg).map_or(1.0, |drive: &Drive| drive.gear_ratio));
+        let per_radian = |leg| {
+            // Amplifiers have the counters of a board.
+            let drive = drive(leg).filter(|drive: &&Drive| drive.can().is_some())?;
+            let counts = f64::from(drive.encoder_counts_per_rev?);
+            Some(drive.gear_ratio * counts / std::f64::consts::TAU)
+        };
+        let counts = match (per_radian(0), per_radian(1), per_radian(2)) {
+            (Some(first), Some(second), Some(third)) => Some([first, second, third]),
+            _ => None,
+        };
         let pose = scene.job.start;
         let q = [pose.position.x, pose.position.y, pose.angle];
         let legs = mechanics.configuration(None, q, [0.0; 3])?.legs;
@@ -136,8 +148,7 @@ impl<const N: usize> Plant<N> {
             control,
             path: JobPath::new(scene),
             held: [0.0; 3],
-            counts_per_radian: counts
-                .map(|counts| gears.map(|gear| gear * f64::from(counts) / std::f64::consts::TAU)),
+            counts_per_radian: counts,
             last_counts: None,
             start,
             near: start,
@@ -205,4 +216,18 @@ pub fn layout_of(scene: &Scene) -> Layout {
         elastic: transmission.is_some(),
         currents: scene.drives.is_some_and(|drives| drives.iter().any(bldc)),
     }
+}
+
+/// The machine with masses and inertias of links and platform `factor` times as large. Rotors stay.
+fn heavier(parameters: &Parameters, factor: f64) -> Parameters {
+    let mut heavier = *parameters;
+    for leg in &mut heavier.legs {
+        for link in [&mut leg.proximal, &mut leg.distal] {
+            link.mass_kg *= factor;
+            link.inertia_kgm2 *= factor;
+        }
+    }
+    heavier.platform.mass_kg *= factor;
+    heavier.platform.inertia_kgm2 *= factor;
+    heavier
 }

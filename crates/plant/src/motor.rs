@@ -166,6 +166,7 @@ mod tests {
             gear_ratio: 5.0,
             rotor_inertia_kgm2: 1e-5,
             reversed: false,
+            encoder_counts_per_rev: None,
             kind: DriveKind::Stepper(trirrr_scene::Stepper {
                 steps_per_rev: 200,
                 microsteps: 16,

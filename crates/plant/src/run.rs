@@ -74,7 +74,7 @@ impl<N: Number> PlantRun<'_, N> {
 /// # Errors
 /// The scene is refused.
 pub fn control_of(scene: &Scene) -> Result<Control, Refusal> {
-    if let Some(controller) = scene.plant.as_ref().and_then(|plant| plant.controller)
+    if let Some(controller) = scene.controller
         && controller.timing == Timing::Continuous
     {
         let continuous = Continuous::build(scene, controller)?;
@@ -140,8 +140,7 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
 
         let spectrum = Spectrum::of(&plant, 0.0, &y)?;
         let (method, reason) = choose(scene, &spectrum, rate, record_s);
-        let controller = scenario.and_then(|plant| plant.controller);
-        stability::check(&plant, &y, &spectrum, controller.as_ref(), end)?;
+        stability::check(&plant, &y, &spectrum, scene.controller.as_ref(), end)?;
         let warning = integrate::stability::warning(&spectrum, &method, plant.positions(), end);
         let unstable = warning.filter(|warning| matches!(warning, Warning::Unstable { .. }));
         let integrator = Integrator::new(&plant, method).map_err(|unfit| Refusal::Scene {

@@ -5,9 +5,9 @@ use crate::layout::ROTORS;
 use crate::leg::LegState;
 use crate::model::{Control, Plant};
 use crate::motor::{MotorModel, wrapped};
+use crate::power_stage::DriveLimit;
 use crate::refusal::Refusal;
 use crate::watch::{Cause, Ending};
-use trirrr_drives::bldc::DriveLimit;
 
 /// The plant at the instant of a sample.
 pub(crate) struct Sensed {

@@ -54,7 +54,7 @@ pub(crate) fn check<const N: usize>(
         _ => String::new(),
     };
     Err(Refusal::Scene {
-        key: "plant.controller.kp_nm_rad, kd_nm_s_rad".into(),
+        key: "controller.kp_nm_rad, kd_nm_s_rad".into(),
         reason: format!(
             "the loop{rate} is unstable at the start: deviations grow by a factor e every {:.3e} s",
             1.0 / growth

@@ -1,12 +1,15 @@
 //! The drives: what turns a motor's command into torque or motion.
 
+mod bldc;
 mod can;
 mod mit;
 
+pub use bldc::{Bldc, FaultInput};
 pub use can::{Can, CanProtocol, Knows};
 pub use mit::{Mit, MitAnswer};
 
 use crate::read::{Bound, Section};
+use bldc::read_bldc;
 use can::{check_node_ids, difference, read_can};
 
 /// The drive of one motor: a gear with a rotor behind it, and the electronics.
@@ -18,6 +21,8 @@ pub struct Drive {
     pub rotor_inertia_kgm2: f64,
     /// True if the joint turns clockwise where the drive thinks that it turns forward.
     pub reversed: bool,
+    /// Counts of the rotor's encoder per turn of the rotor, if it has one.
+    pub encoder_counts_per_rev: Option<u32>,
     /// Kind of the drive.
     pub kind: DriveKind,
 }
@@ -34,39 +39,12 @@ pub enum EnableLevel {
 /// The kinds of drive, with what each needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveKind {
-    /// A brushless motor in torque mode.
+    /// A motor whose current an amplifier controls, with the loops of position and rate on the board.
     Bldc(Bldc),
     /// A stepper on step and direction.
     Stepper(Stepper),
     /// A drive of its own on the CAN bus, commanded by position, velocity and torque.
     Can(Can),
-}
-
-impl DriveKind {
-    /// Returns true if the drives tell where their motors are.
-    pub fn measures(&self) -> bool {
-        matches!(self, Self::Can(_))
-    }
-}
-
-/// A brushless DC motor as a direct-current equivalent, before the gear.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bldc {
-    /// Winding resistance, ohm, positive.
-    pub resistance_ohm: f64,
-    /// Winding inductance, H, positive.
-    pub inductance_h: f64,
-    /// Torque per current, N m/A, positive.
-    pub torque_constant_nm_a: f64,
-    /// Back-EMF per rotor rate, V s/rad, positive; the torque constant where the scene leaves it
-    /// out, for in SI units an ideal motor has the two equal.
-    pub back_emf_constant_v_s_rad: f64,
-    /// Supply voltage, V, positive.
-    pub supply_v: f64,
-    /// Largest current of either sign, A, positive.
-    pub current_limit_a: f64,
-    /// The level at which the power stage is on; high where the scene leaves it out.
-    pub enable: EnableLevel,
 }
 
 /// A stepper motor and its driver.
@@ -101,6 +79,15 @@ impl Drive {
     /// Rotor inertia as the joint sees it, N^2 J_r, kg m^2.
     pub fn inertia_at_joint_kgm2(&self) -> f64 {
         self.gear_ratio * self.gear_ratio * self.rotor_inertia_kgm2
+    }
+
+    /// Returns true if the drive tells where its motor is.
+    pub fn measures(&self) -> bool {
+        match self.kind {
+            DriveKind::Can(_) => true,
+            DriveKind::Bldc(_) => self.encoder_counts_per_rev.is_some(),
+            DriveKind::Stepper(_) => false,
+        }
     }
 
     /// The drive on the CAN bus, where it is one.
@@ -166,10 +153,15 @@ fn read_drive(section: &Section, homes: bool) -> Option<Drive> {
             None
         }
     };
+    let encoder = match kind {
+        Some(DriveKind::Stepper(_)) => Some(None),
+        _ => read_encoder(section),
+    };
     let drive = Drive {
         gear_ratio: gear_ratio?,
         rotor_inertia_kgm2: rotor?,
         reversed: reversed?,
+        encoder_counts_per_rev: encoder?,
         kind: kind?,
     };
     if !drive.inertia_at_joint_kgm2().is_finite() {
@@ -182,27 +174,12 @@ fn read_drive(section: &Section, homes: bool) -> Option<Drive> {
     Some(drive)
 }
 
-fn read_bldc(section: &Section) -> Option<Bldc> {
-    let resistance = section.number("resistance_ohm", Bound::Positive);
-    let inductance = section.number("inductance_h", Bound::Positive);
-    let torque_constant = section.number("torque_constant_nm_a", Bound::Positive);
-    let back_emf = section.number_or(
-        "back_emf_constant_v_s_rad",
-        Bound::Positive,
-        torque_constant.unwrap_or(1.0),
-    );
-    let supply = section.number("supply_v", Bound::Positive);
-    let current_limit = section.number("current_limit_a", Bound::Positive);
-    let enable = read_enable(section, EnableLevel::High);
-    Some(Bldc {
-        resistance_ohm: resistance?,
-        inductance_h: inductance?,
-        torque_constant_nm_a: torque_constant?,
-        back_emf_constant_v_s_rad: back_emf?,
-        supply_v: supply?,
-        current_limit_a: current_limit?,
-        enable: enable?,
-    })
+fn read_encoder(section: &Section) -> Option<Option<u32>> {
+    let key = "encoder_counts_per_rev";
+    match section.has(key) {
+        true => section.integer(key, 4, 1 << 30).map(Some),
+        false => Some(None),
+    }
 }
 
 fn read_stepper(section: &Section) -> Option<Stepper> {
@@ -262,17 +239,18 @@ fn check_alike(sections: &[Section], drives: &[Drive; 3]) -> Option<()> {
     // One section for all three has nothing to disagree with.
     for (at, other) in sections.iter().skip(1).zip(others) {
         let differs = match (first.kind, other.kind) {
-            (DriveKind::Bldc(a), DriveKind::Bldc(b)) if a.enable != b.enable => {
-                Some(("enable", "one line switches all three"))
-            }
+            (DriveKind::Bldc(a), DriveKind::Bldc(b)) => bldc::difference(&a, &b),
             (DriveKind::Stepper(a), DriveKind::Stepper(b)) if a.enable != b.enable => {
                 Some(("enable", "one line switches all three"))
             }
             (DriveKind::Can(a), DriveKind::Can(b)) => difference(&a, &b),
-            (DriveKind::Bldc(_), DriveKind::Bldc(_))
-            | (DriveKind::Stepper(_), DriveKind::Stepper(_)) => None,
+            (DriveKind::Stepper(_), DriveKind::Stepper(_)) => None,
             _ => Some(("kind", "a board drives three of one kind")),
         };
+        let encoders = [first, other].map(|drive| drive.encoder_counts_per_rev.is_some());
+        let one = "all three have an encoder, or none";
+        let differs =
+            differs.or((encoders[0] != encoders[1]).then_some(("encoder_counts_per_rev", one)));
         if let Some((key, why)) = differs {
             at.refuse(key, format!("must be that of drive[1]: {why}"));
             return None;

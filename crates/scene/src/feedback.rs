@@ -66,7 +66,7 @@ pub(crate) fn read_feedback(
     if !measures {
         root.refuse(
             "feedback",
-            "needs drives that tell where they are: kind = \"can\"",
+            "needs drives that tell where they are: kind = \"can\", or \"bldc\" with encoder_counts_per_rev",
         );
         return None;
     }

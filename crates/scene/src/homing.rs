@@ -258,11 +258,18 @@ fn check(
                     );
                 }
             }
-            Some(DriveKind::Bldc(_)) => refuse(
-                "to",
-                "a [[drive]] of kind \"bldc\" gives torque and follows no angle: it cannot search"
-                    .into(),
-            ),
+            Some(DriveKind::Bldc(_)) => {
+                let counts = drives.and_then(|drives| drives[i].encoder_counts_per_rev);
+                if counts.is_none() {
+                    let reason = "a [[drive]] of kind \"bldc\" follows an angle, and so can search, only with \
+                                  encoder_counts_per_rev";
+                    refuse("to", reason.into());
+                } else if homing.contact == Contact::Unfelt {
+                    let reason = "a [[drive]] of kind \"bldc\" pushes against a stop with all its torque until \
+                                  something tells: take switches, or stall_detection = true";
+                    refuse("to", reason.into());
+                }
+            }
             // It follows an angle; whether it has to search is checked with its own keys.
             Some(DriveKind::Can(_)) | None => {}
         }

@@ -13,6 +13,7 @@
 
 pub mod cases;
 mod contact;
+mod controller;
 mod drive;
 mod duration;
 mod error;
@@ -44,8 +45,10 @@ mod tolerances;
 pub mod words;
 
 pub use contact::{Contact, ContactFriction};
+pub use controller::{Controller, Timing};
 pub use drive::{
-    Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, Knows, Mit, MitAnswer, PullOut, Stepper,
+    Bldc, Can, CanProtocol, Drive, DriveKind, EnableLevel, FaultInput, Knows, Mit, MitAnswer,
+    PullOut, Stepper,
 };
 pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
@@ -55,7 +58,7 @@ pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
 pub use planning::{PlannedJob, Unplanned, plan_job};
-pub use plant::{Controller, Friction, JointFriction, Method, Plant, Timing, Transmission};
+pub use plant::{Friction, JointFriction, Method, Plant, Transmission};
 pub use player::JobPlayer;
 pub use power::Power;
 pub use push::Push;

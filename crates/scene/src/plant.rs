@@ -1,6 +1,7 @@
-//! The plant: what of the real machine a simulation is to show besides its rigid bodies, how the
-//! motors are controlled, and how it is integrated.
+//! The plant: what of the real machine a simulation is to show besides its rigid bodies, and how it is
+//! integrated.
 
+use crate::controller::{Controller, Timing, refuse_continuous};
 use crate::drive::{Drive, DriveKind};
 use crate::push::{Push, read_push};
 use crate::read::{Bound, Place, Section};
@@ -16,16 +17,14 @@ pub struct Plant {
     pub record_s: f64,
     /// Following error of a joint at which the run ends, rad.
     pub following_error_rad: Option<f64>,
-    /// The controller of torque-driven motors.
-    pub controller: Option<Controller>,
     /// Friction in the joints.
     pub friction: JointFriction,
     /// Elastic transmission between rotor and joint, of each motor.
     pub transmission: Option<[Transmission; 3]>,
-    /// Counts of the rotor's encoder per turn of the rotor.
-    pub encoder_counts_per_rev: Option<u32>,
     /// Push on the platform.
     pub push: Option<Push>,
+    /// Masses and inertias of links and platform over those of the scene, which the torques are computed from.
+    pub mass_factor: f64,
 }
 
 /// Method of integration.
@@ -55,31 +54,6 @@ pub enum Method {
     RadauIia {
         /// Tolerance; the method's own where it is left out.
         tolerance: Option<f64>,
-    },
-}
-
-/// The joint controller: tau = kp (theta_ref - theta) + kd (rate_ref - rate) \[+ tau_ref\].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Controller {
-    /// When it acts.
-    pub timing: Timing,
-    /// Proportional gain at each joint, N m/rad.
-    pub kp_nm_rad: [f64; 3],
-    /// Derivative gain at each joint, N m s/rad.
-    pub kd_nm_s_rad: [f64; 3],
-    /// True if the controller adds the torque of the setpoint.
-    pub feed_forward: bool,
-}
-
-/// When a controller acts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Timing {
-    /// At every instant.
-    Continuous,
-    /// Sampled; its command is held until the next sample.
-    Sampled {
-        /// Samples in each tick; the samples' rate is the tick rate times this.
-        per_tick: u32,
     },
 }
 
@@ -114,16 +88,6 @@ pub struct Transmission {
     pub damping_nm_s_rad: f64,
 }
 
-impl Plant {
-    /// Rate of the joint controller's samples, Hz, at ticks of `tick_rate_hz`.
-    pub fn sample_rate_hz(&self, tick_rate_hz: f64) -> Option<f64> {
-        match self.controller?.timing {
-            Timing::Continuous => None,
-            Timing::Sampled { per_tick } => Some(tick_rate_hz * f64::from(per_tick)),
-        }
-    }
-}
-
 /// Plant and the places of its keys in the file, for the checks with the job.
 pub(crate) struct PlacedPlant {
     pub(crate) plant: Plant,
@@ -135,15 +99,13 @@ pub(crate) struct PlacedPlant {
 const STICK_RAD_S: f64 = 1e-3;
 /// Rows of the table are this far apart where the scene does not say, s.
 const RECORD_S: f64 = 1e-3;
-/// Fastest joint controller, Hz.
-const FASTEST_HZ: f64 = 1e6;
 
-/// Reads `[plant]`: `Some(None)` where there is none. `drives` and `tick_rate_hz` are `None` where
+/// Reads `[plant]`: `Some(None)` where there is none. `drives` and `controller` are `None` where
 /// they were refused.
 pub(crate) fn read_plant(
     root: &Section,
     drives: Option<Option<[Drive; 3]>>,
-    tick_rate_hz: Option<f64>,
+    controller: Option<Option<Controller>>,
 ) -> Option<Option<PlacedPlant>> {
     if !root.has("plant") {
         return Some(None);
@@ -153,28 +115,21 @@ pub(crate) fn read_plant(
     let settle_s = section.number_or("settle_s", Bound::NotNegative, 0.0);
     let record_s = section.number_or("record_s", Bound::Positive, RECORD_S);
     let following_error_rad = section.optional_number("following_error_rad", Bound::Positive);
-    let controller = read_controller(&section, tick_rate_hz);
     let friction = read_friction(&section);
     let transmission = read_transmission(&section, drives);
-    let counts = match section.has("encoder_counts_per_rev") {
-        true => section
-            .integer("encoder_counts_per_rev", 1, 1 << 30)
-            .map(Some),
-        false => Some(None),
-    };
     let push = read_push(&section);
+    let mass_factor = section.number_or("mass_factor", Bound::Within(0.01, 100.0), 1.0);
     let plant = Plant {
         method: method?,
         settle_s: settle_s?,
         record_s: record_s?,
         following_error_rad,
-        controller: controller?,
         friction: friction?,
         transmission: transmission?,
-        encoder_counts_per_rev: counts?,
         push: push?,
+        mass_factor: mass_factor?,
     };
-    check_drives(&section, root, &plant, drives?)?;
+    check_drives(root, controller?, drives?)?;
     Some(Some(PlacedPlant {
         plant,
         step: section.place_of("step_s"),
@@ -248,61 +203,6 @@ fn read_method(section: &Section) -> Option<Method> {
     })
 }
 
-fn read_controller(section: &Section, tick_rate_hz: Option<f64>) -> Option<Option<Controller>> {
-    if !section.has("controller") {
-        return Some(None);
-    }
-    let section = section.section("controller")?;
-    let gain = |key| {
-        section.has(key).then_some(()).or_else(|| {
-            section.refuse(key, "missing, expected a number, or three");
-            None
-        })?;
-        section.number_or_three(key, Bound::NotNegative)
-    };
-    let (kp, kd) = (gain("kp_nm_rad"), gain("kd_nm_s_rad"));
-    let feed_forward = match section.has("feed_forward") {
-        true => section.boolean("feed_forward"),
-        false => Some(true),
-    };
-    let sampled = match section.has("timing") {
-        true => section.choice("timing", &[("continuous", false), ("sampled", true)]),
-        false => Some(true),
-    };
-    let timing = match sampled {
-        Some(false) => Some(Timing::Continuous),
-        Some(true) => read_rate(&section, tick_rate_hz),
-        None => {
-            section.ignore_rest();
-            None
-        }
-    };
-    Some(Some(Controller {
-        timing: timing?,
-        kp_nm_rad: kp?,
-        kd_nm_s_rad: kd?,
-        feed_forward: feed_forward?,
-    }))
-}
-
-/// `rate_hz`, a whole multiple of the tick rate.
-fn read_rate(section: &Section, tick_rate_hz: Option<f64>) -> Option<Timing> {
-    if !section.has("rate_hz") {
-        return Some(Timing::Sampled { per_tick: 1 });
-    }
-    let rate = section.number("rate_hz", Bound::Within(1.0, FASTEST_HZ))?;
-    let ticks = tick_rate_hz?;
-    let per_tick = (rate / ticks).round();
-    if per_tick < 1.0 || (rate - per_tick * ticks).abs() > 1e-9 * rate {
-        let reason = format!("must be a whole multiple of tick_rate_hz = {ticks}");
-        section.refuse("rate_hz", reason);
-        return None;
-    }
-    Some(Timing::Sampled {
-        per_tick: per_tick as u32,
-    })
-}
-
 fn read_friction(section: &Section) -> Option<JointFriction> {
     if !section.has("friction") {
         return Some(JointFriction::default());
@@ -369,9 +269,8 @@ fn read_transmission(
 
 /// Checks that the plant can simulate the drives, and that they have the controller they need.
 fn check_drives(
-    section: &Section,
     root: &Section,
-    plant: &Plant,
+    controller: Option<Controller>,
     drives: Option<[Drive; 3]>,
 ) -> Option<()> {
     let kinds = drives.map(|drives| drives.map(|drive| drive.kind));
@@ -394,23 +293,17 @@ fn check_drives(
             }
         }
     }
-    match plant.controller {
+    match controller {
         None if by_torque => {
-            let reason = "missing, expected [plant.controller]: motors driven by torque need one";
-            section.refuse("controller", reason);
+            let reason = "missing, expected [controller]: a [plant] whose motors are driven by torque needs one";
+            root.refuse("controller", reason);
             None
         }
         Some(controller) if controller.timing == Timing::Continuous => {
             let Some(why) = sampled else {
                 return Some(());
             };
-            let place = Place {
-                value: None,
-                ..section.place_of("controller")
-            };
-            let reason =
-                format!("timing = \"continuous\": {why}, so that the controller has to be sampled");
-            section.refuse_at(&place, reason);
+            refuse_continuous(root, why);
             None
         }
         _ => Some(()),

@@ -1,6 +1,7 @@
 //! A scene as a whole.
 
 use crate::contact::{Contact, ContactNeeds, read_contact};
+use crate::controller::{Controller, read_controller};
 use crate::drive::{Drive, DriveKind, read_drives};
 use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
@@ -11,7 +12,7 @@ use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
 use crate::planning::plan_path;
-use crate::plant::{PlacedPlant, Plant, read_plant};
+use crate::plant::{Plant, read_plant};
 use crate::power::{Power, read_power, read_reactions};
 use crate::read::{Bound, Document, Place, Section, text_of, with_root};
 use crate::service::{Service, read_service};
@@ -73,6 +74,8 @@ pub struct Scene {
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
     pub job: Job,
+    /// Loops around motors that are driven by torque, if the scene describes them.
+    pub controller: Option<Controller>,
     /// Simulation of the real machine, if the scene describes one.
     pub plant: Option<Plant>,
     /// Tolerances of the machine, if the scene gives any.
@@ -236,9 +239,7 @@ fn read_scene(
     let limits = read_limits(root);
     let power = read_power(root, rate);
     let reactions = read_reactions(root);
-    let measures = drives
-        .flatten()
-        .is_some_and(|[drive, ..]| drive.kind.measures());
+    let measures = drives.flatten().is_some_and(|[drive, ..]| drive.measures());
     let feedback = read_feedback(root, rate, measures);
     let needs = ContactNeeds {
         rate,
@@ -249,13 +250,14 @@ fn read_scene(
     let of_contact = reactions.map(|(_, contact)| contact);
     let contact = read_contact(root, &needs, of_contact);
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
-    let plant = read_plant(root, drives, rate);
+    let controller = read_controller(root, rate);
+    let plant = read_plant(root, drives, controller);
     if torque == Some(false) {
         refuse_torques(
             root,
             limits.as_ref(),
             drives.flatten().as_ref(),
-            plant.as_ref(),
+            controller.flatten().as_ref(),
         );
     }
     let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
@@ -279,6 +281,7 @@ fn read_scene(
         contact: contact?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
+        controller: controller?,
         plant: None,
         tolerances: tolerances?,
     };
@@ -325,7 +328,7 @@ fn refuse_torques(
     root: &Section,
     limits: Option<&Limits>,
     drives: Option<&[Drive; 3]>,
-    plant: Option<&Option<PlacedPlant>>,
+    controller: Option<&Controller>,
 ) {
     let limited = limits.map_or([false; 2], |limits| {
         [limits.torque_nm.is_some(), limits.power_w.is_some()]
@@ -334,17 +337,14 @@ fn refuse_torques(
         let is_bldc = |drive: &Drive| matches!(drive.kind, DriveKind::Bldc(_));
         drives.iter().any(is_bldc)
     });
-    let feed_forward = plant
-        .and_then(Option::as_ref)
-        .and_then(|placed| placed.plant.controller.as_ref())
-        .is_some_and(|controller| controller.feed_forward);
+    let feed_forward = controller.is_some_and(|controller| controller.feed_forward);
     for (asks, what) in [
         (limited[0], "[limits] torque_nm"),
         (limited[1], "[limits] power_w"),
         (bldc, "a [[drive]] of kind \"bldc\""),
         (
             feed_forward,
-            "[plant.controller] feed_forward, which is true unless it says false,",
+            "[controller] feed_forward, which is true unless it says false,",
         ),
     ] {
         if asks {

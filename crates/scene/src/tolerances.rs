@@ -164,17 +164,16 @@ fn check(section: &Section, tolerances: &Tolerances, parameters: &Parameters) ->
 }
 
 impl Scene {
-    /// Half a step of the angle of each motor, rad: half a microstep of a stepper, half a count of the encoders that a
-    /// `[plant]` has, both behind the gear. 0 where the scene gives neither.
+    /// Half a step of the angle of each motor, rad: half a microstep of a stepper, half a count of an
+    /// encoder, both behind the gear. 0 where the scene gives neither.
     pub fn motor_resolution_rad(&self) -> [f64; 3] {
-        let encoder = self
-            .plant
-            .as_ref()
-            .and_then(|plant| plant.encoder_counts_per_rev);
         [0, 1, 2].map(|motor| {
             let drive = self.drives.map(|drives| drives[motor]);
             let gear = drive.map_or(1.0, |drive| drive.gear_ratio);
-            let steps = match (drive.map(|drive| drive.kind), encoder) {
+            let steps = match (
+                drive.map(|drive| drive.kind),
+                drive.and_then(|drive| drive.encoder_counts_per_rev),
+            ) {
                 (Some(DriveKind::Stepper(stepper)), _) => {
                     f64::from(stepper.steps_per_rev) * f64::from(stepper.microsteps)
                 }

@@ -229,10 +229,18 @@ fn drives_that_cannot_search_are_refused() {
     let bldc = "kind = \"bldc\"\nresistance_ohm = 1\ninductance_h = 0.001\ntorque_constant_nm_a = 0.1\nsupply_v = 24\ncurrent_limit_a = 2\n";
     let text = edit(&edit(HOMED, drive, 1, bldc), "torque = false\n", 1, "");
     let found = problems(&text);
-    let met = found
-        .iter()
-        .any(|problem| problem.key == "homing.to" && problem.reason.contains("follows no angle"));
+    let met = found.iter().any(|problem| {
+        problem.key == "homing.to" && problem.reason.contains("only with encoder_counts")
+    });
     assert!(met, "{found:?}");
+    // With an encoder it searches for a switch.
+    let counted = edit(
+        &text,
+        "current_limit_a",
+        1,
+        "encoder_counts_per_rev = 4096\ncurrent_limit_a",
+    );
+    assert!(Scene::parse(&counted, "counted.toml").is_ok());
     let slow = edit(
         HOMED,
         "step_rate_limit_hz = 40000.0",

@@ -267,22 +267,32 @@ fn plants() {
             "plant.method", Some("\"leapfrog\""), "must be one of \"auto\", \"semi-implicit-euler\""),
         case(("settle_s = 0.2", 1, "tolerance = 1"),
             "plant.tolerance", Some("1"), "must be from 0.00000000000001 to 0.1"),
-        case(("settle_s = 0.2", 1, "encoder_counts_per_rev = 1.5"),
-            "plant.encoder_counts_per_rev", Some("1.5"), "must be a whole number"),
+        case(("settle_s = 0.2", 1, "mass_factor = 0"),
+            "plant.mass_factor", Some("0"), "must be from 0.01 to 100"),
+        case(("gear_ratio", 1, "encoder_counts_per_rev = 1.5\ngear_ratio"),
+            "drive[1].encoder_counts_per_rev", Some("1.5"), "must be from 4 to"),
+        case(("gear_ratio", 1, "command_duty = [0.5, 0.5]\ngear_ratio"),
+            "drive[1].command_duty", Some("[0.5, 0.5]"), "both ends are the same"),
+        case(("gear_ratio", 1, "full_scale_a = 1.0\ngear_ratio"),
+            "drive[1].full_scale_a", Some("1.0"), "current_limit_a is 20"),
+        case(("gear_ratio", 1, "command_hz = 10\ngear_ratio"),
+            "drive[1].command_hz", Some("10"), "must be from 50 to 100000"),
+        case(("timing = \"continuous\"", 1, "timing = \"continuous\"\nki_nm_rad_s = 3"),
+            "controller.ki_nm_rad_s", Some("3"), "must be 0 with timing"),
         case(("settle_s = 0.2", 1, "following_error_rad = 0"),
             "plant.following_error_rad", Some("0"), "must be greater than 0 (rad)"),
         case(("kp_nm_rad = 2000.0", 1, "kp_nm_rad = -1"),
-            "plant.controller.kp_nm_rad", Some("-1"), "must not be negative (N m/rad)"),
+            "controller.kp_nm_rad", Some("-1"), "must not be negative (N m/rad)"),
         case(("kd_nm_s_rad = 5.0\n", 1, ""),
-            "plant.controller.kd_nm_s_rad", None, "missing, expected a number, or three"),
+            "controller.kd_nm_s_rad", None, "missing, expected a number, or three"),
         case(("feed_forward = false", 1, "feed_forward = 0"),
-            "plant.controller.feed_forward", Some("0"), "expected true or false, found a number"),
+            "controller.feed_forward", Some("0"), "expected true or false, found a number"),
         case(("timing = \"continuous\"", 1, "timing = \"sometimes\""),
-            "plant.controller.timing", Some("\"sometimes\""), "must be one of \"continuous\", \"sampled\""),
+            "controller.timing", Some("\"sometimes\""), "must be one of \"continuous\", \"sampled\""),
         case(("timing = \"continuous\"", 1, "rate_hz = 1500"),
-            "plant.controller.rate_hz", Some("1500"), "a whole multiple of tick_rate_hz = 1000"),
+            "controller.rate_hz", Some("1500"), "a whole multiple of tick_rate_hz = 1000"),
         case(("timing = \"continuous\"", 1, "timing = \"continuous\"\nrate_hz = 1000"),
-            "plant.controller.rate_hz", Some("1000"), "unknown key"),
+            "controller.rate_hz", Some("1000"), "unknown key"),
         case(("[job]", 1, "[plant.friction]\nelbow = { coulomb_nm = 1, stick_rad_s = 0 }\n[job]"),
             "plant.friction.elbow.stick_rad_s", Some("0"), "must be greater than 0 (rad/s)"),
         case(("[job]", 1, "[plant.transmission]\nstiffness_nm_rad = 0\n[job]"),
@@ -293,7 +303,7 @@ fn plants() {
     let transmission = edit(PLANT, "[job]", 1, "[plant.transmission]\nstiffness_nm_rad = 1e4\n[job]");
     for (base, from, to, key, reason) in [
         (&transmission, "rotor_inertia_kgm2 = 1e-5", "", "plant.transmission", "needs a rotor to turn against"),
-        (&edit(PLANT, "[plant.controller]", 1, "[other]"), "", "", "plant.controller", "motors driven by torque need one"),
+        (&edit(PLANT, "[controller]", 1, "[other]"), "", "", "controller", "driven by torque needs one"),
     ] {
         let text = if from.is_empty() { base.clone() } else { edit(base, from, 1, to) };
         let found = problems(&text);
@@ -303,9 +313,9 @@ fn plants() {
     let start = PLANT.find("[[drive]]").unwrap();
     let end = PLANT.find("[plant]").unwrap();
     for (drive, key, reason) in [
-        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = ", "plant.controller", "computes in samples"),
+        ("kind = \"can\"\nprotocol = \"odrive\"\nnode_id = ", "controller", "computes in samples"),
         ("kind = \"stepper\"\nsteps_per_rev = 200\nmicrosteps = ", "drive", "needs the holding_torque_nm"),
-        ("kind = \"stepper\"\nholding_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ", "plant.controller", "has to be sampled"),
+        ("kind = \"stepper\"\nholding_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ", "controller", "has to be sampled"),
         ("kind = \"stepper\"\nholding_torque_nm = 1\npull_out_rate_rad_s = 9\npull_out_torque_nm = 1\nsteps_per_rev = 200\nmicrosteps = ",
             "drive[1].pull_out_torque_nm", "must be less than holding_torque_nm"),
     ] {
@@ -331,12 +341,13 @@ fn torques_that_are_left_out_and_asked_for() {
         "[limits] torque_nm needs the torques that this leaves out",
         "[limits] power_w needs the torques that this leaves out",
         "a [[drive]] of kind \"bldc\" needs the torques that this leaves out",
+        "[controller] feed_forward, which is true unless it says false, needs the torques that this leaves out",
     ]);
     let plant = include_str!("../../../scenes/plant-thesis.toml");
     let found = problems(&edit(plant, "tick_rate_hz", 1, none));
     assert_eq!(found.len(), 2, "{found:#?}");
     assert!(found[0].reason.starts_with("a [[drive]] of kind \"bldc\""), "{found:#?}");
-    assert!(found[1].reason.starts_with("[plant.controller] feed_forward"), "{found:#?}");
+    assert!(found[1].reason.starts_with("[controller] feed_forward"), "{found:#?}");
 }
 
 /// A table of tolerances at the end of the thesis scene.

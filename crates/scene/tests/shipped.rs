@@ -253,19 +253,18 @@ fn tolerances_are_read_and_a_step_of_the_drive_is_known() {
     for motor in plotter.motor_resolution_rad() {
         assert!((motor - half).abs() < 1e-18, "{motor}");
     }
+    assert_eq!(
+        shipped("thesis").motor_resolution_rad(),
+        [0.0; 3],
+        "no encoder is described"
+    );
     let vertical = shipped("vertical");
     let tolerances = vertical.tolerances.expect("tolerances");
     assert_eq!(tolerances.platform.mass_fraction, 0.01);
     assert_eq!((tolerances.force_n, tolerances.torque_nm), (0.2, 0.005));
-    assert_eq!(
-        vertical.motor_resolution_rad(),
-        [0.0; 3],
-        "no encoder is described"
-    );
-    let encoder = shipped("plant-vertical");
-    let (drives, plant) = (encoder.drives.unwrap(), encoder.plant.as_ref().unwrap());
-    let counts = f64::from(plant.encoder_counts_per_rev.unwrap()) * drives[0].gear_ratio;
+    let drives = vertical.drives.unwrap();
+    let counts = f64::from(drives[0].encoder_counts_per_rev.unwrap()) * drives[0].gear_ratio;
     let half = std::f64::consts::PI / counts;
-    assert!((encoder.motor_resolution_rad()[0] - half).abs() < 1e-18);
+    assert!((vertical.motor_resolution_rad()[0] - half).abs() < 1e-18);
     assert_eq!(shipped("thesis").tolerances, None);
 }

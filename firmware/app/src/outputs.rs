@@ -7,10 +7,13 @@ use crate::service::{Output, Readings};
 use embedded_hal::digital::OutputPin;
 use trirrr_drives::Failure;
 #[cfg(not(feedback))]
+use trirrr_drives::stepper::Steppers;
+#[cfg(feedback)]
 use {
-    embedded_hal::pwm::SetDutyCycle,
-    trirrr_drives::bldc::{BldcMotor, Bldcs},
-    trirrr_drives::stepper::Steppers,
+    core::ops::Deref,
+    trirrr_drives::ObeyingDrives,
+    trirrr_drives::bldc::{Bldcs, LoopLine},
+    trirrr_drives::can::{Bus, CanDrives, Protocol},
 };
 
 /// Sink of a tick's output: the drives of a board.
@@ -52,8 +55,8 @@ impl Outputs for NoOutputs {
     }
 }
 
-/// Work between two ticks of a scene without steppers: none.
-pub type NoStepTimer = ();
+/// Work between two ticks of a scene whose drives need none.
+pub type NoDriveTimer = ();
 
 // `inline`: compiled for speed in the board's crate.
 
@@ -75,11 +78,78 @@ impl Outputs for Steppers<'_, Scalar> {
     }
 }
 
-#[cfg(not(feedback))]
-impl<W: SetDutyCycle, D: OutputPin, E: OutputPin> Outputs for Bldcs<BldcMotor<Scalar, W, D>, E> {
+#[cfg(feedback)]
+impl<L: Deref<Target = LoopLine>> Outputs for Bldcs<L> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        Bldcs::measure(self)
+    }
+
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        Bldcs::apply(self, output)
+        Bldcs::apply(self, output);
+        Ok(())
+    }
+
+    #[inline]
+    fn shift(&mut self, by: [Angle; 3]) {
+        Bldcs::shift::<Scalar>(self, by);
+    }
+}
+
+#[cfg(feedback)]
+impl<P: Protocol, B: Bus> Outputs for CanDrives<Scalar, P, B> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        CanDrives::measure(self)
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        CanDrives::apply(self, output)
+    }
+
+    #[inline]
+    fn shift(&mut self, by: [Angle; 3]) {
+        CanDrives::shift(self, by);
+    }
+}
+
+/// Drives of a board, or of an emulated one, which has neither bus nor encoders.
+#[cfg(feedback)]
+pub enum OrEmulated<D> {
+    /// Those of the board.
+    Real(D),
+    /// Those of an emulated board.
+    Emulated(ObeyingDrives<Scalar>),
+}
+
+#[cfg(feedback)]
+impl<D: Outputs> Outputs for OrEmulated<D> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        match self {
+            Self::Real(drives) => drives.measure(),
+            Self::Emulated(drives) => drives.measure(),
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        match self {
+            Self::Real(drives) => drives.apply(output),
+            Self::Emulated(drives) => {
+                drives.apply(output);
+                Ok(())
+            }
+        }
+    }
+
+    fn shift(&mut self, by: [Angle; 3]) {
+        match self {
+            Self::Real(drives) => drives.shift(by),
+            Self::Emulated(drives) => drives.shift(by),
+        }
     }
 }
 

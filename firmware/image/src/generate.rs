@@ -65,7 +65,7 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
 
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
-    let drives = drive(&scene, scalar, &units(&scene, scalar)?)
+    let drives = drive(&scene, &units(&scene, scalar)?)
         .map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
     print_kinds(&scene);

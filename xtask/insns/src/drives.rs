@@ -93,12 +93,16 @@ mod stepper {
 #[cfg(drive = "bldc")]
 mod bldc {
     use super::{Angle, Infallible, Ordering, Pin, REGISTER, Scalar};
-    use crate::scene::drive::{MOTORS, REVERSED};
+    use crate::scene::drive::{MOTORS, PER_TICK, UNITS};
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-    use trirrr_drives::bldc::{Bldc, BldcMotor, Bldcs};
-    use trirrr_drives::{Active, Enable};
+    use trirrr_drives::bldc::{Bldcs, LoopLine, Loops};
+    use trirrr_drives::{Active, Enable, Failure};
+    use trirrr_service::Output;
 
-    /// A PWM output of 4,200 counts.
+    #[used]
+    static LINE: LoopLine = LoopLine::new();
+
+    /// A PWM output of 16,800 counts.
     pub struct Pwm;
 
     impl ErrorType for Pwm {
@@ -107,7 +111,7 @@ mod bldc {
 
     impl SetDutyCycle for Pwm {
         fn max_duty_cycle(&self) -> u16 {
-            4200
+            16_800
         }
 
         #[inline(always)]
@@ -117,20 +121,49 @@ mod bldc {
         }
     }
 
-    /// Brushless motors.
-    pub type BldcDrives = Bldcs<BldcMotor<Scalar, Pwm, Pin>, Pin>;
+    /// Loops that are called between ticks.
+    pub type SceneSlots = Loops<&'static LoopLine, Pwm, Pin>;
 
-    /// Motors that are off.
-    pub fn build(_: [Angle; 3]) -> BldcDrives {
-        let [a, b, c] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
-        let [r1, r2, r3] = REVERSED;
-        let motors = [
-            BldcMotor::new(a, Pwm, Pin, r1),
-            BldcMotor::new(b, Pwm, Pin, r2),
-            BldcMotor::new(c, Pwm, Pin, r3),
-        ];
+    /// Amplifiers and encoders, with their loops.
+    pub struct LoopedDrives {
+        tick: Bldcs<&'static LoopLine>,
+        loops: SceneSlots,
+    }
+
+    /// Motors that are off, with their joints at `angles`.
+    pub fn build(angles: [Angle; 3]) -> LoopedDrives {
         let Ok(enable) = Enable::new(Pin, Active::High);
-        Bldcs::new(motors, enable)
+        LoopedDrives {
+            tick: Bldcs::new::<Scalar>(&LINE, UNITS, angles),
+            loops: Loops::new(&LINE, &MOTORS, [Pwm, Pwm, Pwm], enable, PER_TICK),
+        }
+    }
+
+    /// One sample of the loops.
+    #[inline(never)]
+    pub fn slot(loops: &mut SceneSlots) {
+        let counter = REGISTER.load(Ordering::Relaxed) as u16;
+        loops.sample([counter; 3], [counter == u16::MAX; 3]);
+    }
+
+    impl LoopedDrives {
+        /// Work of a tick for the drives, and one sample of the loops.
+        #[inline(always)]
+        pub fn apply(&mut self, output: &Output<Scalar>) -> Result<(), Failure<Scalar>> {
+            for reading in self.tick.measure::<Scalar>() {
+                REGISTER.store(reading.error, Ordering::Relaxed);
+            }
+            self.tick.apply(output);
+            slot(&mut self.loops);
+            Ok(())
+        }
+
+        /// Follows a new zero of the joint angles.
+        #[cfg(homing)]
+        #[inline(always)]
+        pub fn shift(&mut self, by: [Angle; 3]) {
+            self.tick.shift::<Scalar>(by);
+        }
     }
 }
 
@@ -291,7 +324,7 @@ mod can {
 }
 
 #[cfg(drive = "bldc")]
-pub use bldc::{BldcDrives as Drives, build};
+pub use bldc::{LoopedDrives as Drives, SceneSlots, build, slot};
 #[cfg(any(drive = "odrive", drive = "mit"))]
 pub use can::{HeardDrives as Drives, build};
 #[cfg(any(drive = "none", drive = "moteus"))]

@@ -22,8 +22,13 @@ use trirrr_scene::Scene;
 use trirrr_service::Contact;
 
 /// Most instructions that a tick may take on the board in f32, for service and drives. The count
-/// runs from when the tick was due until its outputs stood.
-const TICK_CEILING: f64 = 2000.0;
+/// runs from when the tick was due until its outputs stood. A tick that is due while the background masks interrupts, to hand
+/// something over, begins up to some hundred instructions later: that depends on when the host's bytes come, and differs from run to
+/// run. `cargo xtask insns` has the exact counts and their ceilings.
+const TICK_CEILING: f64 = 2400.0;
+
+/// Scene that a plant simulates: the image holds the very loops.
+const SIMULATED: &str = "plant-thesis";
 
 /// The scene whose jobs are played over a bad line, and left in the middle: 1000 ticks per second,
 /// a job of some seconds.
@@ -107,11 +112,15 @@ impl fmt::Display for Built {
 
 fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
     let mut played = Vec::new();
-    for scene in repository::scenes_named(&arguments.scenes)? {
+    let mut scenes = repository::scenes_named(&arguments.scenes)?;
+    if arguments.scenes.is_empty() {
+        scenes.extend(repository::scenes_named(&[SIMULATED.to_owned()])?);
+    }
+    for scene in scenes {
         let read = Scene::read(&scene.path)?;
         let own = of_scene(read.number);
         let mut scalars = vec![own];
-        if arguments.scenes.is_empty() && own != "fixed" {
+        if arguments.scenes.is_empty() && own != "fixed" && scene.name != SIMULATED {
             scalars.push("fixed");
         }
         let contact = read.homing.map(|homing| homing.contact);

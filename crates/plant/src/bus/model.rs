@@ -3,7 +3,7 @@
 use super::frame::BusFrame;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use trirrr_drives::joint::{Loop, Reference};
+use trirrr_drives::joint::{Loop, LoopParameters, Reference};
 
 /// A drive on the bus, as a state machine.
 pub trait DriveModel<const LONGEST: usize> {
@@ -179,8 +179,16 @@ impl Servo {
             acceleration: 0.0,
             torque: target.torque * self.gear,
         };
-        let inner = Loop::<f64>::build(kp, kd, true);
-        self.torque = inner.torque(&reference, 0.0, velocity * per_turn);
+        let mut inner = Loop::<f64>::build(&LoopParameters {
+            kp_nm_rad: kp,
+            kd_nm_s_rad: kd,
+            ki_nm_rad_s: 0.0,
+            feed_forward: true,
+            // Its current loop is no part of the model.
+            torque_max_nm: f64::MAX,
+            period_s: 0.0,
+        });
+        self.torque = inner.torque(&reference, 0.0, velocity * per_turn).torque;
         self.torque
     }
 

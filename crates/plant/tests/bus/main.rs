@@ -2,6 +2,7 @@
 
 mod bench;
 mod faults;
+mod loops;
 mod sequence;
 mod service;
 mod traffic;

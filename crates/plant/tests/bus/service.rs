@@ -14,9 +14,9 @@ use trirrr_service::{
 
 type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
 
-const HOME: [f64; 3] = [0.21, 0.22, 0.157];
+pub(crate) const HOME: [f64; 3] = [0.21, 0.22, 0.157];
 
-fn angles_at([x, y, alpha]: [f64; 3]) -> Option<[f64; 3]> {
+pub(crate) fn angles_at([x, y, alpha]: [f64; 3]) -> Option<[f64; 3]> {
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let position = geometry.position(&Pose::from_f64(x, y, alpha)).ok()?;
     Some(geometry.motor_angles(&position))

@@ -77,8 +77,7 @@ fn accelerations_take_the_torques_that_caused_them() {
 #[test]
 fn inverse_dynamics_of_its_own_motion_gives_back_its_torques() {
     let scene = shipped("plant-reference");
-    let controller = scene.plant.as_ref().and_then(|plant| plant.controller);
-    let continuous = Continuous::build(&scene, controller.unwrap()).unwrap();
+    let continuous = Continuous::build(&scene, scene.controller.unwrap()).unwrap();
     let control = Control::Continuous(Box::new(continuous));
     let (mut plant, mut y) = Plant::<11>::build(&scene, control).unwrap();
     let core = pipeline::build::<f64>(&scene.parameters).unwrap();

@@ -4,6 +4,7 @@ mod bus;
 mod dynamics;
 mod ends;
 mod energy;
+mod loops;
 mod methods;
 mod reference;
 mod scenes;

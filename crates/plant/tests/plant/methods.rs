@@ -13,12 +13,7 @@ const N: usize = 11;
 fn plant() -> (Plant<N>, [f64; N]) {
     let text = include_str!("../../../../scenes/plant-reference.toml");
     let scene = Scene::parse(text, "plant-reference.toml").unwrap();
-    let controller = scene
-        .plant
-        .as_ref()
-        .and_then(|plant| plant.controller)
-        .unwrap();
-    let continuous = Continuous::build(&scene, controller).unwrap();
+    let continuous = Continuous::build(&scene, scene.controller.unwrap()).unwrap();
     Plant::build(&scene, Control::Continuous(Box::new(continuous))).unwrap()
 }
 

@@ -103,9 +103,9 @@ fn a_fold_between_two_samples_is_located() {
 fn narrow_stick_regions_run_and_agree() {
     let pose = |stick: &str| {
         let friction = format!(
-            "[plant.friction]\nmotor = {{ coulomb_nm = 0.5, stick_rad_s = {stick} }}\n\n[plant.controller]"
+            "[plant.friction]\nmotor = {{ coulomb_nm = 0.5, stick_rad_s = {stick} }}\n\n[controller]"
         );
-        let (outcome, rows) = run(&reference(&[("[plant.controller]", &friction)]));
+        let (outcome, rows) = run(&reference(&[("[controller]", &friction)]));
         assert_eq!(outcome.end, PlantEnd::Complete);
         assert!(
             outcome.balance.error().abs() < 1e-10,

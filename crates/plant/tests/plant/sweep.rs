@@ -110,7 +110,7 @@ fn scene(random: &mut Draws) -> Option<Scene> {
     };
     write!(
         text,
-        "[plant.controller]\n{timing}\nkp_nm_rad = {kp:?}\nkd_nm_s_rad = {kd:?}\n\
+        "[controller]\n{timing}\nkp_nm_rad = {kp:?}\nkd_nm_s_rad = {kd:?}\n\
          feed_forward = false\n"
     )
     .unwrap();

@@ -51,6 +51,13 @@ impl<'d> Section<'d, '_> {
         self.array(key, Bound::Finite, &expected)
     }
 
+    /// Array of `COUNT` numbers that must be there.
+    pub fn numbers<const COUNT: usize>(&self, key: &'d str, bound: Bound) -> Option<[f64; COUNT]> {
+        let expected = format!("{COUNT} numbers");
+        self.demand(key, &expected)?;
+        self.array(key, bound, &expected)
+    }
+
     /// One number that holds for all three, or an array of three; `None` if left out or refused.
     pub fn number_or_three(&self, key: &'d str, bound: Bound) -> Option<[f64; 3]> {
         let value = self.value(key)?;

@@ -24,7 +24,7 @@ mod switches;
 #[rtic::app(device = rp2040_hal::pac, peripherals = true)]
 mod app {
     use super::clock::{self, CORE_HZ};
-    use super::drives::{self, Drives, StepTimer};
+    use super::drives::{self, DriveTimer, Drives};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -66,7 +66,7 @@ mod app {
         receiver: Reader<UART0, LinePins>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
-        slot: StepTimer,
+        slot: DriveTimer,
         background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
         watchdog: Watchdog,
     }

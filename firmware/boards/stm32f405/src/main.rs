@@ -3,7 +3,7 @@
 //! | priority | interrupt | task |
 //! |---|---|---|
 //! | highest | CAN1_RX0 | a frame from a drive into its queue, in images for drives on the bus; not a task |
-//! | 4 | TIM7 | a slot of the step pulses, in images for steppers |
+//! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
 //! | 3 | USART2 | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
@@ -31,7 +31,7 @@ mod app {
     use super::dividers::set_bauds;
     #[cfg(any(drive = "odrive", drive = "mit"))]
     use super::drives::Inbox;
-    use super::drives::{self, Drives, StepTimer};
+    use super::drives::{self, DriveTimer, Drives};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -58,7 +58,7 @@ mod app {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
-        slot: StepTimer,
+        timer: DriveTimer,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
     }
@@ -104,21 +104,30 @@ mod app {
         };
         let (foreground, background) = trirrr_app::build(channels, board);
         let parts = drives::DriveParts {
+            pa0: a.pa0,
+            pa1: a.pa1,
+            pa8: a.pa8,
+            pa9: a.pa9,
+            pb6: b.pb6,
+            pb7: b.pb7,
             pb8: b.pb8,
             pb9: b.pb9,
             pb12: b.pb12,
             port_c: device.GPIOC,
+            tim1: device.TIM1,
             tim3: device.TIM3,
+            tim4: device.TIM4,
+            tim5: device.TIM5,
             tim7: device.TIM7,
             can1: device.CAN1,
             clocks,
-            #[cfg(any(drive = "odrive", drive = "mit"))]
+            #[cfg(feedback)]
             clock,
             #[cfg(any(drive = "odrive", drive = "mit"))]
             inbox,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
-        let (outputs, slot) = drives::build(parts, &mut rcc);
+        let (outputs, timer) = drives::build(parts, &mut rcc);
         #[cfg(brake)]
         let outputs = trirrr_app::outputs::Braked::new(outputs, b.pb0.into_push_pull_output());
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
@@ -131,18 +140,19 @@ mod app {
             receiver,
             received,
             tick: Tick::new(foreground, &board, inputs, outputs, clock),
-            slot,
+            timer,
             background: Background::new(background, bytes, line, log),
             watchdog,
         };
         (Shared {}, local)
     }
 
-    /// One slot of the steppers. Above all else: the time of a pulse is its value.
-    #[cfg(drive = "stepper")]
-    #[task(binds = TIM7, priority = 4, local = [slot])]
+    /// A slot of the steppers, or a sample of the loops. Above all else: the time of a pulse is its value, and so is that of
+    /// a rate.
+    #[cfg(any(drive = "stepper", drive = "bldc"))]
+    #[task(binds = TIM7, priority = 4, local = [timer])]
     fn slot(context: slot::Context) {
-        context.local.slot.run();
+        context.local.timer.run();
     }
 
     /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at

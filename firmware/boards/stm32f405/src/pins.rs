@@ -47,6 +47,24 @@ impl OutputPin for OutputC {
     }
 }
 
+/// Input of port C.
+pub(crate) struct InputC(u16);
+
+impl<const N: u8> From<Pin<'C', N, Input>> for InputC {
+    fn from(_: Pin<'C', N, Input>) -> Self {
+        Self(const { 1 << N })
+    }
+}
+
+impl InputC {
+    #[inline(always)]
+    pub(super) fn is_high(&self) -> bool {
+        // SAFETY: reading changes nothing.
+        let levels = unsafe { (*GPIOC::ptr()).idr().read().bits() };
+        levels & u32::from(self.0) != 0
+    }
+}
+
 /// Input of port B.
 pub(crate) struct InputB(u16);
 

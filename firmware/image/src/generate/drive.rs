@@ -1,13 +1,12 @@
 //! The drives of a scene as constants, in the units of its image.
 
+mod bldc;
 mod can;
 
-use super::FIXED;
+use bldc::bldcs;
 use can::cans;
 use std::fmt::{self, Write};
-use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_core::units::Units;
-use trirrr_drives::bldc::{Bldc, BldcParameters};
 use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_scene::{CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
@@ -62,7 +61,7 @@ pub fn kind(scene: &Scene) -> &'static str {
 ///
 /// # Errors
 /// What an image for a board needs and the scene does not say, or what no board does.
-pub fn drive(scene: &Scene, scalar: &str, units: &Units) -> Result<String, DriveError> {
+pub fn drive(scene: &Scene, units: &Units) -> Result<String, DriveError> {
     let Some(drives) = &scene.drives else {
         return Ok(String::new());
     };
@@ -83,11 +82,8 @@ pub fn drive(scene: &Scene, scalar: &str, units: &Units) -> Result<String, Drive
             ));
         }
         DriveKind::Bldc(bldc) => {
-            line(format_args!("{}", bldcs(drives, scalar, units)?));
+            line(format_args!("{}", bldcs(scene, drives, &bldc, units)?));
             line(format_args!("{}", enable(bldc.enable)));
-            line(format_args!(
-                "pub const REVERSED: [bool; 3] = {reversed:?};"
-            ));
         }
         DriveKind::Can(can) => {
             line(format_args!("{}", cans(scene, drives, &can, units)?));
@@ -165,43 +161,6 @@ fn most_per_tick(index: usize, stepper: &Stepper, tick_rate_hz: f64) -> Result<u
     Ok(most as u32)
 }
 
-fn bldcs(drives: &[Drive; 3], scalar: &str, units: &Units) -> Result<String, DriveError> {
-    let mut motors = Vec::new();
-    for (index, drive) in drives.iter().enumerate() {
-        let DriveKind::Bldc(bldc) = drive.kind else {
-            return refuse(index, "kind", "must be that of drive[1]");
-        };
-        // In the units of the image: torque per ampere, and volt per rate.
-        let parameters = BldcParameters {
-            gear_ratio: drive.gear_ratio,
-            resistance_ohm: bldc.resistance_ohm,
-            torque_constant_nm_a: bldc.torque_constant_nm_a / units.torque_nm(),
-            back_emf_constant_v_s_rad: bldc.back_emf_constant_v_s_rad * units.rate_rad_s(),
-            supply_v: bldc.supply_v,
-            current_limit_a: bldc.current_limit_a,
-        };
-        if scalar == FIXED {
-            for (what, value) in Bldc::<f64>::build(&parameters).coefficients() {
-                if !Fixed::from_f64(value).is_finite() {
-                    return refuse(
-                        index,
-                        "kind",
-                        format!(
-                            "{what} is {value:.3e} in the units of the image, more than fixed \
-                             point holds: take number = \"f32\""
-                        ),
-                    );
-                }
-            }
-        }
-        motors.push(format!("trirrr_drives::bldc::{parameters:?}"));
-    }
-    Ok(format!(
-        "pub const MOTORS: [trirrr_drives::bldc::BldcParameters; 3] = [{}];",
-        motors.join(", ")
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,7 +191,7 @@ mod tests {
     #[test]
     fn no_drive_no_code() {
         let scene = with("");
-        assert_eq!(drive(&scene, "f32", &Units::SI), Ok(String::new()));
+        assert_eq!(drive(&scene, &Units::SI), Ok(String::new()));
         assert_eq!(kind(&scene), "none");
     }
 
@@ -241,7 +200,7 @@ mod tests {
         let scene = with(&format!(
             "{STEPPER}gear_ratio = 5.18\nstep_rate_limit_hz = 20050.0\nreversed = true"
         ));
-        let text = drive(&scene, "f32", &Units::SI).expect("good");
+        let text = drive(&scene, &Units::SI).expect("good");
         for part in [
             "StepsPerTurn::new(3200, 5.18)",
             "MOST_PER_TICK: [u32; 3] = [200, 200, 200];",
@@ -273,7 +232,7 @@ mod tests {
                 "more than 2147483647 microsteps",
             ),
         ] {
-            let error = drive(&with(&drives), "f32", &Units::SI).expect_err("refused");
+            let error = drive(&with(&drives), &Units::SI).expect_err("refused");
             assert_eq!(error.key, key);
             assert!(error.reason.contains(reason), "{error}");
         }
@@ -283,7 +242,7 @@ mod tests {
     fn a_bus_that_is_too_slow_is_refused() {
         // 3 * 135 bits * 100 Hz are 40,500 bits per second, what the drives say 44,550 more: 68 % of the slowest.
         let scene = with(&cans("odrive", "bit_rate_hz = 125000"));
-        let text = drive(&scene, "f32", &Units::SI).expect("good");
+        let text = drive(&scene, &Units::SI).expect("good");
         for part in [
             "NODES: [u8; 3] = [1, 2, 3];",
             "PROTOCOL: Protocol = trirrr_drives::can::Odrive;",
@@ -296,7 +255,7 @@ mod tests {
         }
         assert_eq!(kind(&scene), "odrive");
         let chatty = with(&cans("odrive", "bit_rate_hz = 125000\nmessages_hz = 400"));
-        let error = drive(&chatty, "f32", &Units::SI).expect_err("162 %");
+        let error = drive(&chatty, &Units::SI).expect_err("162 %");
         assert!(
             error.to_string().contains("take 162 % of 125000"),
             "{error}"
@@ -304,7 +263,7 @@ mod tests {
         // Each command of the MIT mode is answered: 6 * 135 * 100 are 65 %.
         let more = "model = \"dm4310\"\nkp_nm_rad = 50.0\nkd_nm_s_rad = 1.0\nbit_rate_hz = 125000";
         let mut mit = with(&cans("mit", more));
-        let text = drive(&mit, "f32", &Units::SI).expect("good");
+        let text = drive(&mit, &Units::SI).expect("good");
         assert!(
             text.contains("kp: 50.0, kd: 1.0, answer: trirrr_drives::can::Answer::Damiao"),
             "{text}"
@@ -312,13 +271,13 @@ mod tests {
         assert!(text.contains("FILTERS: [(u16, u16); 3] = [(0, 2047), (0, 2047), (0, 2047)];"));
         assert_eq!(kind(&mit), "mit");
         mit.tick_rate_hz = 200.0;
-        assert!(drive(&mit, "f32", &Units::SI).is_err());
+        assert!(drive(&mit, &Units::SI).is_err());
     }
 
     #[test]
     fn limits_beyond_a_frame_are_refused() {
         let refused = |text: &str| {
-            let error = drive(&with(text), "f32", &Units::SI).expect_err("refused");
+            let error = drive(&with(text), &Units::SI).expect_err("refused");
             error.to_string()
         };
         // 32.767 turns per second behind a gear of 30 are 6.863 rad/s.
@@ -339,35 +298,69 @@ mod tests {
         );
     }
 
+    const BLDC: &str = "[[drive]]\nkind = \"bldc\"\nresistance_ohm = 0.5\ninductance_h = 1e-4\n\
+                        torque_constant_nm_a = 0.06\nsupply_v = 24.0\ncurrent_limit_a = 8.0\n\
+                        gear_ratio = 4.0\n";
+    const CONTROLLER: &str = "[controller]\nrate_hz = 5000\nkp_nm_rad = 200.0\nkd_nm_s_rad = 3.0\n";
+
     #[test]
-    fn torque_and_rate_are_in_the_units_of_the_image() {
-        let scene = with(
-            "[[drive]]\nkind = \"bldc\"\nresistance_ohm = 0.5\ninductance_h = 1e-4\n\
-             torque_constant_nm_a = 0.06\nsupply_v = 24.0\ncurrent_limit_a = 8.0\n\
-             gear_ratio = 4.0",
-        );
+    fn loops_are_in_si_units_and_the_tick_in_its_own() {
+        let scene = with(&format!(
+            "{BLDC}encoder_counts_per_rev = 4096\nreversed = true\n{CONTROLLER}"
+        ));
         let units = Units {
             length: -2,
-            time: -1,
-            mass: 1,
+            mass: 0,
+            time: -3,
         };
-        // 2^(-2*2 + 1*2 + 1) = 1/2 N m and 2 rad/s.
-        let text = drive(&scene, "f32", &units).expect("good");
+        let text = drive(&scene, &units).expect("good");
+        // 4 * 0.06 * 8 N m at the limit, and at full scale; 2^3 rad/s in a unit of the rate.
         for part in [
-            "torque_constant_nm_a: 0.12",
-            "back_emf_constant_v_s_rad: 0.12",
-            "ENABLE_HIGH: bool = true;",
+            "full_scale_nm: 1.92",
+            "torque_max_nm: 1.92",
+            "duty: [0.1, 0.9]",
+            "kp_nm_rad: 200.0",
+            "period_s: 0.0002",
+            "rate_rad_s: 8.0",
+            "PER_TICK: u32 = 50;",
+            "LOOP_HZ: u32 = 5000;",
+            "COMMAND_HZ: u32 = 5000;",
+            "FAILED_HIGH: Option<bool> = Some(false);",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        // In fixed point 1 / (4 * 0.06 * 8) = 0.52 per N m; per 16 N m it is 8.3.
-        assert!(drive(&scene, FIXED, &units).is_ok());
-        let large = Units {
-            length: 2,
-            time: 0,
-            mass: 0,
-        };
-        let error = drive(&scene, FIXED, &large).expect_err("beyond the format");
-        assert_eq!(error.key, "drive[1].kind");
+        // 2^64 / (4096 * 4) a count, backward.
+        let per_count = (1u64 << 50).wrapping_neg();
+        assert!(text.contains(&format!("per_count: {per_count}")), "{text}");
+        assert_eq!(kind(&scene), "bldc");
+    }
+
+    #[test]
+    fn loops_that_no_board_runs_are_refused_with_their_key() {
+        let counted = format!("{BLDC}encoder_counts_per_rev = 4096\n");
+        for (drives, key, reason) in [
+            (
+                format!("{BLDC}{CONTROLLER}"),
+                "drive[1].encoder_counts_per_rev",
+                "missing",
+            ),
+            (counted.clone(), "controller", "missing"),
+            (
+                format!(
+                    "{counted}[controller]\ntiming = \"continuous\"\nkp_nm_rad = 1\nkd_nm_s_rad = 1\n"
+                ),
+                "controller.timing",
+                "samples",
+            ),
+            (
+                counted + &CONTROLLER.replace("5000", "30000"),
+                "controller.rate_hz",
+                "at most 20000",
+            ),
+        ] {
+            let error = drive(&with(&drives), &Units::SI).expect_err("refused");
+            assert_eq!(error.key, key);
+            assert!(error.reason.contains(reason), "{error}");
+        }
     }
 }

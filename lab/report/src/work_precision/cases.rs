@@ -25,10 +25,10 @@ const KD: &str = "kd_nm_s_rad = 5.0";
 const FEED_FORWARD: &str = "feed_forward = false";
 const FED: &str = "feed_forward = true";
 const ROTOR: &str = "rotor_inertia_kgm2 = 1e-5";
-const CONTROLLER: &str = "[plant.controller]";
+const CONTROLLER: &str = "[controller]";
 /// Allows moves close to singularities.
 const NEAR: &str =
-    "[limits]\nparallel_distance_min = 1e-4\nserial_distance_min = 1e-4\n\n[plant.controller]";
+    "[limits]\nparallel_distance_min = 1e-4\nserial_distance_min = 1e-4\n\n[controller]";
 const MASS: &str = "mass_kg = 0.5\ninertia_kgm2 = 0.0025000000000000005";
 
 /// All cases.
@@ -64,7 +64,7 @@ pub const CASES: [Case; 10] = [
             (ROTOR, "rotor_inertia_kgm2 = 1e-8"),
             (
                 CONTROLLER,
-                "[plant.transmission]\nstiffness_nm_rad = 1e4\n\n[plant.controller]",
+                "[plant.transmission]\nstiffness_nm_rad = 1e4\n\n[controller]",
             ),
         ],
         job: None,
@@ -74,7 +74,7 @@ pub const CASES: [Case; 10] = [
         what: "0.5 N m of Coulomb friction at the motors, 1 mm in 1 s",
         changes: &[(
             CONTROLLER,
-            "[plant.friction]\nmotor = { coulomb_nm = 0.5 }\n\n[plant.controller]",
+            "[plant.friction]\nmotor = { coulomb_nm = 0.5 }\n\n[controller]",
         )],
         job: Some(
             "start = { x_m = 0.25, y_m = 0.25, alpha_rad = 0.15 }\n\n\

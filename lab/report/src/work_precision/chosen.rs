@@ -36,11 +36,7 @@ pub(super) fn table() -> Result<Table, ReportError> {
 
 fn sampled(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    if let Some(controller) = scene
-        .plant
-        .as_mut()
-        .and_then(|plant| plant.controller.as_mut())
-    {
+    if let Some(controller) = &mut scene.controller {
         controller.timing = Timing::Sampled { per_tick: PER_TICK };
     }
     scene

@@ -12,9 +12,9 @@ mod none;
 mod stepper;
 
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{StepTimer, StepperDrives as Drives, build};
+pub(super) use stepper::{DriveTimer, StepperDrives as Drives, build};
 #[cfg(not(drive = "stepper"))]
-pub(super) use trirrr_app::outputs::NoStepTimer as StepTimer;
+pub(super) use trirrr_app::outputs::NoDriveTimer as DriveTimer;
 #[cfg(drive = "none")]
 pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
 

@@ -1,29 +1,63 @@
-//! Brushless motors, with PWM from TIM3.
+//! Amplifiers and encoders: set values from TIM3, counters in TIM1, TIM4 and TIM5, loops called by TIM7.
 
 use super::DriveParts;
-use crate::dividers::set_pwm;
-use crate::pins::OutputC;
-use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
-use stm32f4xx_hal::pac::TIM3;
+use crate::dividers::{self, set_pwm};
+use crate::pins::InputC;
+use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState, Pull};
+use stm32f4xx_hal::hal_02::Qei as _;
+use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4, TIM5, TIM7};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::qei::Qei;
+use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
 use stm32f4xx_hal::timer::ErasedChannel;
+use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
-use trirrr_app::scene::drive::{ENABLE_HIGH, MOTORS, REVERSED};
-use trirrr_drives::bldc::{Bldc, BldcMotor, Bldcs};
-use trirrr_drives::{Active, Enable};
+use trirrr_app::scene::drive::{
+    COMMAND_HZ, ENABLE_HIGH, FAILED_HIGH, LOOP_HZ, MOTORS, PER_TICK, UNITS,
+};
+use trirrr_drives::bldc::{Bldcs, LoopLine, Loops};
+use trirrr_drives::{Active, Enable, ObeyingDrives};
+use trirrr_protocol::message::Clock;
 
-/// PWM, Hz: above hearing, and 4,200 counts of duty at 168 MHz.
-const PWM_HZ: u32 = 20_000;
+/// Least cycles of the core between two samples, some three times those of a sample: fewer would starve the tick.
+const LEAST_CYCLES: u32 = 3000;
 
-/// Drives, as the tick sees them: channels of TIM3, directions on port C.
-pub(crate) type BldcDrives =
-    Bldcs<BldcMotor<Scalar, ErasedChannel<TIM3>, OutputC>, Pin<'B', 12, Out>>;
+/// From the tick to the loops.
+static LINE: LoopLine = LoopLine::new();
 
-/// Builds the power stages, off.
+/// Drives, as the tick sees them.
+pub(crate) type BldcDrives = OrEmulated<Bldcs<&'static LoopLine>>;
+
+/// Timer that calls the loops, with what they read.
+pub(crate) struct DriveTimer {
+    loops: Loops<&'static LoopLine, ErasedChannel<TIM3>, Pin<'B', 12, Out>>,
+    encoders: (Qei<TIM1>, Qei<TIM4>, Qei<TIM5>),
+    failures: [InputC; 3],
+    timer: TIM7,
+}
+
+impl DriveTimer {
+    /// Runs one sample.
+    #[inline(always)]
+    pub(crate) fn run(&mut self) {
+        // First: the write has to reach the timer before the interrupt returns.
+        dividers::clear(&self.timer);
+        let (first, second, third) = &self.encoders;
+        // The third counts in 32 bits.
+        let counters = [first.count(), second.count(), third.count() as u16];
+        let failed = match FAILED_HIGH {
+            Some(high) => self.failures.each_ref().map(|pin| pin.is_high() == high),
+            None => [false; 3],
+        };
+        self.loops.sample(counters, failed);
+    }
+}
+
+/// Builds the loops, off, and starts their samples if the core is fast enough. Without samples the drives are silent, and the
+/// machine is not enabled.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, ()) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, DriveTimer) {
     let c = parts.port_c.split(rcc);
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
@@ -32,27 +66,56 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, ()) {
     let enable = parts.pb12.into_push_pull_output_in_state(off);
     let Ok(enable) = Enable::new(enable, active);
 
-    let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(PWM_HZ.Hz(), rcc);
-    set_pwm(parts.clocks.timers, PWM_HZ);
-    let mut pwm = [
+    let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(COMMAND_HZ.Hz(), rcc);
+    set_pwm(parts.clocks.timers, COMMAND_HZ);
+    let pwm = [
         pwm_1.with(c.pc6).erase(),
         pwm_2.with(c.pc7).erase(),
         pwm_3.with(c.pc8).erase(),
     ];
-    for channel in &mut pwm {
-        channel.set_duty(0);
+    // Sets the duties of no current before the outputs start.
+    let mut loops = Loops::new(&LINE, &MOTORS, pwm, enable, PER_TICK);
+    for channel in loops.outputs() {
         channel.enable();
     }
-    let [pwm_1, pwm_2, pwm_3] = pwm;
-    let [m1, m2, m3] = const { MOTORS }.each_ref().map(Bldc::<Scalar>::build);
-    let [r1, r2, r3] = REVERSED;
-    let direction_1 = c.pc3.into_push_pull_output().into();
-    let direction_2 = c.pc4.into_push_pull_output().into();
-    let direction_3 = c.pc5.into_push_pull_output().into();
-    let motors = [
-        BldcMotor::new(m1, pwm_1, direction_1, r1),
-        BldcMotor::new(m2, pwm_2, direction_2, r2),
-        BldcMotor::new(m3, pwm_3, direction_3, r3),
+    let pull = match FAILED_HIGH {
+        Some(true) => Pull::Up,
+        Some(false) => Pull::Down,
+        None => Pull::None,
+    };
+    let failures = [
+        c.pc0.into_pull_down_input().internal_resistor(pull).into(),
+        c.pc1.into_pull_down_input().internal_resistor(pull).into(),
+        c.pc2.into_pull_down_input().internal_resistor(pull).into(),
     ];
-    (Bldcs::new(motors, enable), ())
+    let encoders = (
+        Qei::new(parts.tim1, (parts.pa8, parts.pa9), rcc),
+        Qei::new(parts.tim4, (parts.pb6, parts.pb7), rcc),
+        Qei::new(parts.tim5, (parts.pa0, parts.pa1), rcc),
+    );
+
+    let (timer, clocks) = (parts.tim7, parts.clocks);
+    TIM7::enable(rcc);
+    TIM7::reset(rcc);
+    let timer = DriveTimer {
+        loops,
+        encoders,
+        failures,
+        timer,
+    };
+    if parts.clock == Clock::Emulated {
+        let drives = ObeyingDrives::new(parts.angles);
+        return (OrEmulated::Emulated(drives), timer);
+    }
+    if clocks.core / LOOP_HZ >= LEAST_CYCLES {
+        dividers::start(&timer.timer, clocks.timers, LOOP_HZ);
+    } else {
+        defmt::error!(
+            "{=u32} samples of the loops per second are too many for {=u32} Hz",
+            LOOP_HZ,
+            clocks.core
+        );
+    }
+    let drives = Bldcs::new::<Scalar>(&LINE, UNITS, parts.angles);
+    (OrEmulated::Real(drives), timer)
 }

@@ -1,58 +1,19 @@
 //! Drives on the CAN bus: CAN1 carries a frame to each of them in a tick, and an interrupt takes every frame from them.
 
 use super::controller::{Controller, LOST};
-use super::{DriveParts, StepTimer};
+use super::{DriveParts, DriveTimer};
 use core::sync::atomic::Ordering;
 use heapless::spsc::Queue;
 use stm32f4xx_hal::rcc::Rcc;
-use trirrr_app::inputs::Angle;
-use trirrr_app::outputs::Outputs;
+use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{BIT_RATE_HZ, FILTERS, HEARD, NODES, PROTOCOL, Protocol, ROTORS};
-use trirrr_app::{Output, Readings};
+use trirrr_drives::ObeyingDrives;
 use trirrr_drives::can::{BitTiming, CanDrives, ClassicFrame};
-use trirrr_drives::{Failure, ObeyingDrives};
 use trirrr_protocol::message::Clock;
 
 /// Drives, as the tick sees them.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one of them, for as long as the board runs"
-)]
-pub(crate) enum BusDrives {
-    /// On their bus.
-    Real(CanDrives<Scalar, Protocol, Controller>),
-    /// Of an emulated board, which has no bus.
-    Emulated(ObeyingDrives<Scalar>),
-}
-
-impl Outputs for BusDrives {
-    #[inline(always)]
-    fn measure(&mut self) -> Readings {
-        match self {
-            Self::Real(drives) => drives.measure(),
-            Self::Emulated(drives) => drives.measure(),
-        }
-    }
-
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        match self {
-            Self::Real(drives) => drives.apply(output),
-            Self::Emulated(drives) => {
-                drives.apply(output);
-                Ok(())
-            }
-        }
-    }
-
-    fn shift(&mut self, by: [Angle; 3]) {
-        match self {
-            Self::Real(drives) => drives.shift(by),
-            Self::Emulated(drives) => drives.shift(by),
-        }
-    }
-}
+pub(crate) type BusDrives = OrEmulated<CanDrives<Scalar, Protocol, Controller>>;
 
 /// Queue of the frames that came in: a tick's, and the place that stays empty.
 pub(crate) type Inbox = Queue<ClassicFrame, { HEARD as usize + 1 }>;
@@ -61,7 +22,7 @@ pub(crate) type Inbox = Queue<ClassicFrame, { HEARD as usize + 1 }>;
 /// would be too long or too short.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, StepTimer) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, DriveTimer) {
     let _ = (
         parts.pb8.into_alternate::<9>().internal_pull_up(true),
         parts.pb9.into_alternate::<9>(),
@@ -72,11 +33,11 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, StepTimer) 
         _ => None,
     };
     if parts.clock == Clock::Emulated {
-        return (BusDrives::Emulated(ObeyingDrives::new(parts.angles)), ());
+        return (OrEmulated::Emulated(ObeyingDrives::new(parts.angles)), ());
     }
     let controller = Controller::start(parts.can1, rcc, timing, &FILTERS, frames, inbox);
     let drives = CanDrives::new(PROTOCOL, controller, NODES, ROTORS, parts.angles, HEARD);
-    (BusDrives::Real(drives), ())
+    (OrEmulated::Real(drives), ())
 }
 
 /// Logs frames that were lost since the last call, which the queue has room for.

@@ -3,10 +3,10 @@
 //! | drive | pins | peripherals |
 //! |---|---|---|
 //! | stepper | step PC0 to PC2, direction PC3 to PC5, enable PB12 | TIM7: a slot |
-//! | bldc | PWM PC6 to PC8, direction PC3 to PC5, enable PB12 | TIM3: PWM at 20 kHz |
+//! | bldc | set value PC6 to PC8, failure PC0 to PC2, enable PB12; encoders PA8 and PA9, PB6 and PB7, PA0 and PA1 | TIM3: PWM; TIM1, TIM4, TIM5: counters; TIM7: a sample |
 //! | can | PB8 receive, PB9 transmit | CAN1: an interrupt for each frame |
 //!
-//! Motors 1 to 3 have the pins in this order. All timers are on APB1. An image holds the drive that its scene
+//! Motors 1 to 3 have the pins in this order. All timers but TIM1 are on APB1. An image holds the drive that its scene
 //! names, or none.
 
 #[cfg(drive = "bldc")]
@@ -21,13 +21,13 @@ mod none;
 mod stepper;
 
 #[cfg(drive = "bldc")]
-pub(super) use bldc::{BldcDrives as Drives, build};
+pub(super) use bldc::{BldcDrives as Drives, DriveTimer, build};
 #[cfg(any(drive = "odrive", drive = "mit"))]
 pub(super) use can::{BusDrives as Drives, Inbox, build, report};
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{CheckedSteppers as Drives, StepTimer, build};
-#[cfg(not(drive = "stepper"))]
-pub(super) use trirrr_app::outputs::NoStepTimer as StepTimer;
+pub(super) use stepper::{CheckedSteppers as Drives, DriveTimer, build};
+#[cfg(not(any(drive = "stepper", drive = "bldc")))]
+pub(super) use trirrr_app::outputs::NoDriveTimer as DriveTimer;
 #[cfg(drive = "none")]
 pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
 
@@ -38,27 +38,37 @@ compile_error!(
 );
 
 use crate::clock::Clocks;
-use stm32f4xx_hal::gpio::gpiob::{PB8, PB9, PB12};
-use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM3, TIM7};
+use stm32f4xx_hal::gpio::gpioa::{PA0, PA1, PA8, PA9};
+use stm32f4xx_hal::gpio::gpiob::{PB6, PB7, PB8, PB9, PB12};
+use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM1, TIM3, TIM4, TIM5, TIM7};
 use trirrr_app::inputs::Angle;
-#[cfg(any(drive = "odrive", drive = "mit"))]
+#[cfg(feedback)]
 use trirrr_protocol::message::Clock;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
 pub(super) struct DriveParts {
+    pub(super) pa0: PA0,
+    pub(super) pa1: PA1,
+    pub(super) pa8: PA8,
+    pub(super) pa9: PA9,
+    pub(super) pb6: PB6,
+    pub(super) pb7: PB7,
     pub(super) pb8: PB8,
     pub(super) pb9: PB9,
     pub(super) pb12: PB12,
     pub(super) port_c: GPIOC,
+    pub(super) tim1: TIM1,
     pub(super) tim3: TIM3,
+    pub(super) tim4: TIM4,
+    pub(super) tim5: TIM5,
     pub(super) tim7: TIM7,
     pub(super) can1: CAN1,
     /// Rates of the clocks.
     pub(super) clocks: Clocks,
     /// Source of the clocks.
-    #[cfg(any(drive = "odrive", drive = "mit"))]
+    #[cfg(feedback)]
     pub(super) clock: Clock,
     /// Queue of the frames that came in.
     #[cfg(any(drive = "odrive", drive = "mit"))]

@@ -4,13 +4,13 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
-#[cfg(drive = "stepper")]
+#[cfg(any(drive = "stepper", drive = "bldc"))]
 use trirrr_insns::drives::{SceneSlots, slot};
 use trirrr_insns::service::{Ticking, tick};
 
 static mut TICKING: MaybeUninit<Ticking> = MaybeUninit::uninit();
 
-#[cfg(drive = "stepper")]
+#[cfg(any(drive = "stepper", drive = "bldc"))]
 static mut SLOTS: MaybeUninit<SceneSlots> = MaybeUninit::uninit();
 
 /// Entry point: what would be called once per tick, and between ticks.
@@ -22,7 +22,7 @@ extern "C" fn start() {
     // SAFETY: the image is never run. Were it run, whoever starts it would have to fill it in
     // before; it is aligned, lives for ever, and nothing else refers to it.
     unsafe { tick(&mut *ticking) }
-    #[cfg(drive = "stepper")]
+    #[cfg(any(drive = "stepper", drive = "bldc"))]
     {
         let slots = black_box((&raw mut SLOTS).cast::<SceneSlots>());
         // SAFETY: the same.

@@ -1,0 +1,235 @@
+//! A service on amplifiers and encoders, with the loops of a board: enabled wherever the machine stands, and safe when a part
+//! of it fails.
+
+use crate::bench::wrapped;
+use crate::faults::Random;
+use crate::service::{HOME, angles_at};
+use std::f64::consts::TAU;
+use trirrr_core::limits::LimitParameters;
+use trirrr_core::machine::{Geometry, example};
+use trirrr_core::model::Dynamic;
+use trirrr_core::setpoint::Pose;
+use trirrr_core::units::Units;
+use trirrr_plant::loop_drives::SimulatedLoops;
+use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
+use trirrr_scene::Scene;
+use trirrr_service::{
+    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, Settings, WithFeedback,
+};
+
+type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
+
+const TICK_RATE_HZ: f64 = 500.0;
+const PER_TICK: u32 = 10;
+const COUNTS_PER_TURN: f64 = 4096.0 * 10.0;
+const WINDOW_TICKS: u16 = 5;
+/// Inertia of a joint, kg m^2, friction, N m s/rad, and the load on it, N m.
+const INERTIA: f64 = 0.02;
+const VISCOUS: f64 = 0.02;
+const LOAD: f64 = 0.3;
+
+/// The machine of the example on amplifiers with encoders.
+fn scene() -> Scene {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenes/plant-thesis.toml"
+    );
+    let text = std::fs::read_to_string(path).unwrap();
+    let edits = [
+        ("tick_rate_hz = 100", "tick_rate_hz = 500"),
+        ("rate_hz = 10000", "rate_hz = 5000"),
+        (
+            "encoder_counts_per_rev = 16384",
+            "encoder_counts_per_rev = 4096",
+        ),
+        ("kp_nm_rad = 2000.0", "kp_nm_rad = 500.0"),
+    ];
+    let text = edits.iter().fold(text, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    Scene::parse(&text, "loops.toml").unwrap()
+}
+
+/// Fault of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// The amplifier fails, and tells.
+    Failed,
+    /// It gives no current, and does not tell.
+    Dead,
+    /// The encoder does not count any more.
+    Stuck,
+    /// It has lost counts.
+    Slipped(i32),
+}
+
+/// End of a run.
+struct Ended {
+    /// Largest difference between a command while enabling and where the joints stood, rad.
+    step: f64,
+    state: State,
+    fault: Option<(FaultCode, u32)>,
+    not_enabled: Option<NotEnabled<f64>>,
+    /// Largest torque of an amplifier while the state said that they are off.
+    off_torque: f64,
+    /// Largest way of a joint from where it stood, rad.
+    farthest: f64,
+}
+
+/// Enables a machine at `pose` in tick 20, and spoils motor `leg` by `part` in tick `at`.
+fn play(pose: [f64; 3], at: u32, leg: usize, part: Option<Part>, ticks: u32) -> Ended {
+    let stood = angles_at(pose).unwrap();
+    let home = Pose::from_f64(HOME[0], HOME[1], HOME[2]);
+    let parameters = FeedbackParameters {
+        timeout_ticks: 20,
+        enable_ticks: 200,
+        still_rad: 2e-3,
+        standing_rad: 0.01,
+        moving_rad: 0.1,
+        window_ticks: WINDOW_TICKS,
+    };
+    let geometry = Geometry::<f64>::build(&example()).unwrap();
+    let coefficients =
+        FeedbackCoefficients::build(&parameters, &example(), &geometry, home).unwrap();
+    let measuring: Measuring<'_> = WithFeedback {
+        scene: Adjustable::new(example(), LimitParameters::default()),
+        feedback: Some(&coefficients),
+    };
+    let mut channels = Box::new(Channels::<Measuring<'_>, 8, 8>::new());
+    let mut service = channels
+        .service(measuring, home, Settings::at(TICK_RATE_HZ))
+        .unwrap();
+    let mut loops = SimulatedLoops::build::<f64>(&scene(), PER_TICK, Units::SI, stood).unwrap();
+    let (mut joints, mut rates) = (stood, [0.0; 3]);
+    let mut ended = Ended {
+        step: 0.0,
+        state: State::Disabled,
+        fault: None,
+        not_enabled: None,
+        off_torque: 0.0,
+        farthest: 0.0,
+    };
+    let period = 1.0 / (TICK_RATE_HZ * f64::from(PER_TICK));
+    for tick in 0..ticks {
+        if tick == 20 {
+            assert_eq!(service.submit(&Command::Enable), Reply::Done);
+        }
+        if let Some(part) = part.filter(|_| tick == at) {
+            let faults = &mut loops.faults[leg];
+            match part {
+                Part::Failed => faults.failed = true,
+                Part::Dead => faults.dead = true,
+                Part::Stuck => faults.stuck = true,
+                Part::Slipped(counts) => faults.slipped = counts,
+            }
+        }
+        let readings = loops.measure();
+        service.hear(readings);
+        let output = *service.tick();
+        if output.is_on() && ended.fault.is_none() && part.is_none() {
+            for (motor, joint) in output.motors.iter().zip(stood) {
+                ended.step = ended.step.max(wrapped(motor.angle - joint).abs());
+            }
+        }
+        loops.apply(&output);
+        for _ in 0..PER_TICK {
+            let torques = loops.step(joints);
+            for i in 0..3 {
+                // A brake holds what is off; a load pulls at what is not.
+                if !output.is_on() {
+                    rates[i] = 0.0;
+                    ended.off_torque = ended.off_torque.max(torques[i].abs());
+                    continue;
+                }
+                let load = LOAD - VISCOUS * rates[i];
+                rates[i] += (torques[i] + load) / INERTIA * period;
+                joints[i] += rates[i] * period;
+                ended.farthest = ended.farthest.max((joints[i] - stood[i]).abs());
+            }
+        }
+        while service.step() {}
+        while service.poll().is_some() {}
+        if let Some(fault) = service.status().fault
+            && ended.fault.is_none()
+        {
+            ended.fault = Some((fault.code, tick));
+        }
+    }
+    ended.not_enabled = service.status().not_enabled;
+    ended.state = service.state();
+    ended
+}
+
+/// Anywhere in the workspace whose angles the encoders know: the first command is where the joints are.
+#[test]
+fn a_machine_is_enabled_where_it_stands_within_a_count() {
+    for pose in [HOME, [0.25, 0.26, 0.3], [0.27, 0.2, -0.2]] {
+        let ended = play(pose, 0, 0, None, 300);
+        assert_eq!((ended.state, ended.fault.is_none()), (State::Idle, true));
+        assert!(
+            ended.step <= TAU / COUNTS_PER_TURN,
+            "{pose:?}: {:e}",
+            ended.step
+        );
+        assert_eq!(ended.off_torque, 0.0);
+        // 0.3 N m over 500 N m/rad.
+        assert!(ended.farthest < 3e-3, "{}", ended.farthest);
+    }
+}
+
+#[test]
+fn an_amplifier_that_has_failed_is_not_enabled() {
+    let ended = play(HOME, 5, 1, Some(Part::Failed), 300);
+    assert_eq!(ended.state, State::Disabled);
+    assert!(
+        matches!(
+            ended.not_enabled,
+            Some(NotEnabled::Drive {
+                motor: 1,
+                error: 1,
+                ..
+            })
+        ),
+        "{:?}",
+        ended.not_enabled
+    );
+    assert_eq!(ended.off_torque, 0.0);
+}
+
+/// A part that fails at any time while the machine stands under load: the right fault, in its time, with the amplifiers off.
+#[test]
+fn parts_that_fail_are_faults() {
+    let mut random = Random(5);
+    for case in 0..60 {
+        let (at, leg) = (60 + random.below(60), random.below(3) as usize);
+        let part = match random.below(4) {
+            0 => Part::Failed,
+            1 => Part::Dead,
+            2 => Part::Stuck,
+            // More than 0.01 rad, which the loop sees as an error and turns away.
+            _ => Part::Slipped([-1, 1][case % 2] * (200 + random.below(2000) as i32)),
+        };
+        let ended = play(HOME, at, leg, Some(part), 320);
+        let context = format!("{part:?} of {leg} in tick {at}: {:?}", ended.fault);
+        let (code, tick) = match ended.fault {
+            Some(fault) => fault,
+            // A loop that stands still finds no error with an encoder that stands still, either.
+            None if part == Part::Stuck => continue,
+            None => panic!("{context}"),
+        };
+        assert_eq!(ended.state, State::Fault, "{context}");
+        match part {
+            Part::Failed => {
+                assert_eq!(code, FaultCode::Drive(DriveFault::Reported), "{context}");
+                assert!(tick - at <= 2, "{context}");
+            }
+            _ => {
+                assert_eq!(code, FaultCode::FollowingError, "{context}");
+                // 0.3 N m turn 0.02 kg m^2 by 0.01 rad within 37 ms.
+                assert!(tick - at <= 20 + u32::from(WINDOW_TICKS), "{context}");
+            }
+        }
+        assert_eq!(ended.off_torque, 0.0, "{context}");
+    }
+}
