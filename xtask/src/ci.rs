@@ -186,7 +186,7 @@ fn figures() -> [Step; 4] {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> [Step; 6] {
+fn programs() -> [Step; 5] {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -199,21 +199,6 @@ fn programs() -> [Step; 6] {
     let board = [["xtask", "emulate"].as_slice(), &parts].concat();
     [
         Step::new("the host programs", Programs::builder()),
-        // Slow unless optimised; shares its libraries with the host programs.
-        Step::cargo(
-            "the study of integrators",
-            &[
-                "test",
-                "--quiet",
-                "--release",
-                "--package",
-                "trirrr-report",
-                "--test",
-                "report",
-                "--",
-                "--ignored",
-            ],
-        ),
         simulator("a scene run", &run, "thesis"),
         simulator("a batch evaluation", &eval, "extreme.csv"),
         Step::cargo("the Python client", &["xtask", "client"]),

@@ -69,6 +69,19 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo(
+            "the study of integrators",
+            &[
+                "test",
+                "--release",
+                "--package",
+                "trirrr-report",
+                "--test",
+                "report",
+                "--",
+                "--ignored",
+            ],
+        ),
         Step::on_host(
             "reader and machine near limits",
             "test",
