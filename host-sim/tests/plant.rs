@@ -131,7 +131,7 @@ fn columns<const N: usize>(folder: &Path, table: &str, names: [&str; N]) -> Vec<
     rows.collect()
 }
 
-const PUSH: &str = "[plant.push]\nat_s = 0.4\nduration_s = 0.3\nforce_n = [6.0, 0.0]\n\n[plant.controller]\nrate_hz";
+const PUSH: &str = "[plant.push]\nat_s = 0.4\nduration_s = 0.3\nforce_n = [6.0, 0.0]\n\n[controller]\nrate_hz";
 
 /// Drives on a bus are heard by the service; what they measure is where the plant is.
 #[test]
@@ -139,7 +139,7 @@ fn measured_poses_are_those_of_the_plant() {
     let folder = tempfile::tempdir().unwrap();
     // Felt, but not beyond the threshold.
     let edits = [
-        ("[plant.controller]\nrate_hz", PUSH),
+        ("[controller]\nrate_hz", PUSH),
         ("force_n = 3.0", "force_n = 30.0"),
     ];
     let output = run(&edited(&text("plant-odrive"), &edits), folder.path());
@@ -181,7 +181,7 @@ fn a_push_is_a_contact() {
         let folder = tempfile::tempdir().unwrap();
         let limits = format!("{category}[limits]\n");
         let edits = [
-            ("[plant.controller]\nrate_hz", PUSH),
+            ("[controller]\nrate_hz", PUSH),
             ("[limits]\n", limits.as_str()),
         ];
         let output = run(&edited(&text("plant-odrive"), &edits), folder.path());
