@@ -131,7 +131,8 @@ fn columns<const N: usize>(folder: &Path, table: &str, names: [&str; N]) -> Vec<
     rows.collect()
 }
 
-const PUSH: &str = "[plant.push]\nat_s = 0.4\nduration_s = 0.3\nforce_n = [6.0, 0.0]\n\n[controller]\nrate_hz";
+const PUSH: &str =
+    "[plant.push]\nat_s = 0.4\nduration_s = 0.3\nforce_n = [6.0, 0.0]\n\n[controller]\nrate_hz";
 
 /// Drives on a bus are heard by the service; what they measure is where the plant is.
 #[test]

@@ -121,13 +121,16 @@ impl<N: Transmit> DriveSamples<N> {
     /// A machine that the scene's reader would have refused.
     pub fn new(scene: &Scene, units: Units, every: u16) -> Result<Option<Self>, BuildError> {
         let drives = scene.drives.as_ref();
-        let Some(can) = drives.and_then(|[drive, ..]| drive.can()) else {
+        let Some(drive) = drives
+            .map(|[drive, ..]| drive)
+            .filter(|drive| drive.measures())
+        else {
             return Ok(None);
         };
         let geometry = Geometry::<f64>::build(&scene.parameters)?;
         let contact = scene
             .contact
-            .unwrap_or_else(|| Contact::estimating(scene.tick_rate_hz, &can));
+            .unwrap_or_else(|| Contact::estimating(scene.tick_rate_hz, drive));
         let mut parameters = contact.parameters(scene.tick_rate_hz);
         let every = every.max(1);
         // The observer takes a sample for a tick.

@@ -241,7 +241,7 @@ impl<N: Countable, P: Protocol, const LONGEST: usize> SimulatedBus<N, P, LONGEST
 }
 
 /// Motor that stands at `angle`.
-fn standing<N: Number>(angle: N::Angle) -> Motor<N> {
+pub(crate) fn standing<N: Number>(angle: N::Angle) -> Motor<N> {
     Motor {
         angle,
         rate: N::ZERO,

@@ -70,7 +70,8 @@ pub(crate) fn build<'l, N: Countable>(
     if let Some(drives) = bus_drives::build(scene, per_tick, units, start)? {
         return Ok(drives);
     }
-    if let Some(drives) = SimulatedLoops::build::<N>(scene, per_tick, units, start) {
+    if let Some(mut drives) = SimulatedLoops::build::<N>(scene, per_tick, units, start) {
+        drives.enable::<N>();
         return Ok(Box::new(drives));
     }
     Ok(match scene.number {

@@ -1,6 +1,6 @@
 //! `[contact]`: detection of forces at the tool.
 
-use crate::drive::{Can, CanProtocol};
+use crate::drive::{CanProtocol, Drive, DriveKind};
 use crate::read::{Bound, Section};
 use crate::scene::NumberType;
 use trirrr_service::{ContactParameters, StopCategory};
@@ -59,14 +59,14 @@ impl Default for ContactFriction {
 
 impl Contact {
     /// Returns the detection that only estimates: the observer of a scene without `[contact]`.
-    pub fn estimating(tick_rate_hz: f64, can: &Can) -> Self {
+    pub fn estimating(tick_rate_hz: f64, drive: &Drive) -> Self {
         Self {
             force_n: f64::MAX.sqrt(),
             torque_nm: f64::MAX,
             bandwidth_hz: default_bandwidth(tick_rate_hz),
             confirm_ticks: CONFIRM_TICKS.0 as u16,
             friction: ContactFriction::default(),
-            told: told(can),
+            told: told(drive),
             reaction: StopCategory::StopThenOff,
         }
     }
@@ -90,12 +90,15 @@ impl Contact {
     }
 }
 
-/// Ticks by which a drive answers late, and the part of a tick after which it tells its motion: an ODrive at any time, the
-/// others in answer to the next command, before they follow it.
-fn told(can: &Can) -> (u16, f64) {
-    match can.protocol {
-        CanProtocol::Odrive => (0, 0.5),
-        CanProtocol::Moteus | CanProtocol::Mit(_) => (1, 1.0),
+/// Ticks by which a drive answers late, and the part of a tick after which it tells its motion: an ODrive at any time, other
+/// drives on the bus in answer to the next command, before they follow it, a loop on the board at the end of the tick.
+fn told(drive: &Drive) -> (u16, f64) {
+    match drive.kind {
+        DriveKind::Can(can) => match can.protocol {
+            CanProtocol::Odrive => (0, 0.5),
+            CanProtocol::Moteus | CanProtocol::Mit(_) => (1, 1.0),
+        },
+        DriveKind::Bldc(_) | DriveKind::Stepper(_) => (0, 1.0),
     }
 }
 
@@ -114,7 +117,7 @@ pub(crate) struct ContactNeeds {
     pub(crate) number: Option<NumberType>,
     pub(crate) torque: Option<bool>,
     /// A drive that tells where it is, and its torque.
-    pub(crate) can: Option<Can>,
+    pub(crate) drive: Option<Drive>,
 }
 
 impl ContactNeeds {
@@ -167,10 +170,10 @@ pub(crate) fn read_contact(
         false => Some(default),
     };
     let friction = read_friction(&section);
-    let Some(can) = &needs.can else {
+    let Some(drive) = &needs.drive else {
         root.refuse(
             "contact",
-            "needs drives that tell their torque: kind = \"can\"",
+            "needs drives that tell their torque: kind = \"can\", or \"bldc\" with encoder_counts_per_rev",
         );
         return None;
     };
@@ -184,7 +187,7 @@ pub(crate) fn read_contact(
         bandwidth_hz: bandwidth?,
         confirm_ticks: confirm? as u16,
         friction: friction?,
-        told: told(can),
+        told: told(drive),
         reaction: reaction?.unwrap_or(StopCategory::StopThenOff),
     }))
 }

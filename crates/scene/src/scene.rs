@@ -245,7 +245,10 @@ fn read_scene(
         rate,
         number,
         torque,
-        can: drives.flatten().and_then(|[drive, ..]| drive.can()),
+        drive: drives
+            .flatten()
+            .map(|[drive, ..]| drive)
+            .filter(Drive::measures),
     };
     let of_contact = reactions.map(|(_, contact)| contact);
     let contact = read_contact(root, &needs, of_contact);
