@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 /// a reference.
 #[derive(Debug)]
 pub struct LoopLine {
-    places: [Place; 2],
+    places: [ReferencePlace; 2],
     /// Counts the ticks that gave references. Its last bit is the place to be read.
     round: AtomicU32,
     on: AtomicBool,
@@ -21,7 +21,7 @@ pub struct LoopLine {
 
 /// References of three joints: angles in 2^-32 of a turn from count 0, the rest as the bits of binary32.
 #[derive(Debug)]
-struct Place([[AtomicU32; 3]; 4]);
+struct ReferencePlace([[AtomicU32; 3]; 4]);
 
 /// Reference of a joint, its angle counted from count 0 of its encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,7 +55,7 @@ impl LoopLine {
     /// Off, with nothing measured.
     pub const fn new() -> Self {
         Self {
-            places: [const { Place([const { [const { AtomicU32::new(0) }; 3] }; 4]) }; 2],
+            places: [const { ReferencePlace([const { [const { AtomicU32::new(0) }; 3] }; 4]) }; 2],
             round: AtomicU32::new(0),
             on: AtomicBool::new(false),
             sample: AtomicU32::new(0),
@@ -70,7 +70,8 @@ impl LoopLine {
     pub(super) fn give(&self, references: &[Counted; 3]) {
         let next = self.round.load(Ordering::Relaxed).wrapping_add(1);
         let [even, odd] = &self.places;
-        let Place([turns, rates, accelerations, torques]) = if next & 1 == 0 { even } else { odd };
+        let ReferencePlace([turns, rates, accelerations, torques]) =
+            if next & 1 == 0 { even } else { odd };
         put(turns, references.each_ref().map(|each| each.turn));
         put(rates, references.each_ref().map(|each| each.rate.to_bits()));
         put(
@@ -107,7 +108,8 @@ impl LoopLine {
     #[inline(always)]
     pub(super) fn references(&self, round: u32) -> [Counted; 3] {
         let [even, odd] = &self.places;
-        let Place([turns, rates, accelerations, torques]) = if round & 1 == 0 { even } else { odd };
+        let ReferencePlace([turns, rates, accelerations, torques]) =
+            if round & 1 == 0 { even } else { odd };
         let (turns, rates) = (get(turns), get(rates));
         let (accelerations, torques) = (get(accelerations), get(torques));
         let of = |[turn, rate, acceleration, torque]: [u32; 4]| Counted {

@@ -31,7 +31,7 @@ pub struct LoopMotor {
 
 /// Motor, its output and the state of its loop.
 #[derive(Debug)]
-struct Joint<W> {
+struct LoopJoint<W> {
     encoder: Encoder,
     inner: Loop<f32>,
     amplifier: Amplifier,
@@ -43,7 +43,7 @@ struct Joint<W> {
 #[derive(Debug)]
 pub struct Loops<L, W, E> {
     line: L,
-    joints: [Joint<W>; 3],
+    joints: [LoopJoint<W>; 3],
     enable: Enable<E>,
     /// Samples in a tick.
     per_tick: u32,
@@ -74,7 +74,7 @@ where
         let [first, second, third] = motors;
         let period_s = first.controller.period_s as f32;
         let [pwm_1, pwm_2, pwm_3] = pwm;
-        let joint = |motor: &LoopMotor, pwm: W| Joint {
+        let joint = |motor: &LoopMotor, pwm: W| LoopJoint {
             encoder: Encoder::new(motor.encoder, motor.encoder_bandwidth_rad_s, period_s),
             inner: Loop::build(&motor.controller),
             amplifier: Amplifier::build(&motor.amplifier, pwm.max_duty_cycle()),

@@ -237,7 +237,7 @@ pub(crate) fn steppers(holding: f64) -> Scene {
             "[controller]",
             "[plant.friction]\nmotor = { viscous_nm_s_rad = 0.01 }\n[controller]",
         ),
-        ("step_s = 1e-4", "step_s = 2e-5"),
+        ("[plant]\n", "[plant]\nmethod = \"rk4\"\nstep_s = 2e-5\n"),
     ];
     parse(&edited(&text, &edits))
 }

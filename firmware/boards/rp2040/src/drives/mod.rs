@@ -12,7 +12,7 @@ mod none;
 mod stepper;
 
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{DriveTimer, StepperDrives as Drives, build};
+pub(super) use stepper::{SlotTimer as DriveTimer, StepperDrives as Drives, build};
 #[cfg(not(drive = "stepper"))]
 pub(super) use trirrr_app::outputs::NoDriveTimer as DriveTimer;
 #[cfg(drive = "none")]

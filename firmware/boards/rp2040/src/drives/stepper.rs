@@ -39,12 +39,12 @@ pub(crate) type StepperDrives = Steppers<'static, Scalar>;
 type OutPin = Pin<DynPinId, FunctionSioOutput, PullDown>;
 
 /// Timer that calls the slots.
-pub(crate) struct DriveTimer {
+pub(crate) struct SlotTimer {
     slots: Slots<'static, OutPin, OutPin, OutPin>,
     timer: Slice<Pwm7, FreeRunning>,
 }
 
-impl DriveTimer {
+impl SlotTimer {
     /// Runs one slot.
     #[inline(always)]
     pub(crate) fn run(&mut self) {
@@ -56,7 +56,7 @@ impl DriveTimer {
 /// Builds the drives, off, and starts the slots.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts) -> (StepperDrives, DriveTimer) {
+pub(crate) fn build(parts: DriveParts) -> (StepperDrives, SlotTimer) {
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
         false => (Active::Low, PinState::High),
@@ -97,5 +97,5 @@ pub(crate) fn build(parts: DriveParts) -> (StepperDrives, DriveTimer) {
     timer.enable_interrupt();
     timer.enable();
     let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
-    (steppers, DriveTimer { slots, timer })
+    (steppers, SlotTimer { slots, timer })
 }

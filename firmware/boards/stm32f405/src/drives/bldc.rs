@@ -29,14 +29,14 @@ static LINE: LoopLine = LoopLine::new();
 pub(crate) type BldcDrives = OrEmulated<Bldcs<&'static LoopLine>>;
 
 /// Timer that calls the loops, with what they read.
-pub(crate) struct DriveTimer {
+pub(crate) struct SampleTimer {
     loops: Loops<&'static LoopLine, ErasedChannel<TIM3>, Pin<'B', 12, Out>>,
     encoders: (Qei<TIM1>, Qei<TIM4>, Qei<TIM5>),
     failures: [InputC; 3],
     timer: TIM7,
 }
 
-impl DriveTimer {
+impl SampleTimer {
     /// Runs one sample.
     #[inline(always)]
     pub(crate) fn run(&mut self) {
@@ -57,7 +57,7 @@ impl DriveTimer {
 /// machine is not enabled.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, DriveTimer) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTimer) {
     let c = parts.port_c.split(rcc);
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
@@ -97,7 +97,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, DriveTimer
     let (timer, clocks) = (parts.tim7, parts.clocks);
     TIM7::enable(rcc);
     TIM7::reset(rcc);
-    let timer = DriveTimer {
+    let timer = SampleTimer {
         loops,
         encoders,
         failures,

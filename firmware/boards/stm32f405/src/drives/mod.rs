@@ -21,11 +21,11 @@ mod none;
 mod stepper;
 
 #[cfg(drive = "bldc")]
-pub(super) use bldc::{BldcDrives as Drives, DriveTimer, build};
+pub(super) use bldc::{BldcDrives as Drives, SampleTimer as DriveTimer, build};
 #[cfg(any(drive = "odrive", drive = "mit"))]
 pub(super) use can::{BusDrives as Drives, Inbox, build, report};
 #[cfg(drive = "stepper")]
-pub(super) use stepper::{CheckedSteppers as Drives, DriveTimer, build};
+pub(super) use stepper::{CheckedSteppers as Drives, SlotTimer as DriveTimer, build};
 #[cfg(not(any(drive = "stepper", drive = "bldc")))]
 pub(super) use trirrr_app::outputs::NoDriveTimer as DriveTimer;
 #[cfg(drive = "none")]

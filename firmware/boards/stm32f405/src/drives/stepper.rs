@@ -58,12 +58,12 @@ fn too_slow() -> Failure<Scalar> {
 }
 
 /// Timer that calls the slots.
-pub(crate) struct DriveTimer {
+pub(crate) struct SlotTimer {
     slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
     timer: TIM7,
 }
 
-impl DriveTimer {
+impl SlotTimer {
     /// Runs one slot.
     #[inline(always)]
     pub(crate) fn run(&mut self) {
@@ -76,7 +76,7 @@ impl DriveTimer {
 /// Builds the drives, off, and starts the slots if the core is fast enough.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
-pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, DriveTimer) {
+pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotTimer) {
     let c = parts.port_c.split(rcc);
     let (active, off) = match ENABLE_HIGH {
         true => (Active::High, PinState::Low),
@@ -120,6 +120,6 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, Drive
     let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
     (
         CheckedSteppers { steppers, runs },
-        DriveTimer { slots, timer },
+        SlotTimer { slots, timer },
     )
 }
