@@ -32,7 +32,7 @@ use std::path::Path;
 use trirrr_scene::Scene;
 
 /// Ceilings that no change may exceed, cycles.
-const CEILINGS: [Ceiling; 10] = [
+const CEILINGS: [Ceiling; 14] = [
     Ceiling::new("m4f f32 thesis tick ram", "max", 1100.0),
     Ceiling::new("m4f f32 thesis tick flash", "max", 1250.0),
     Ceiling::new("m4f f32 thesis-links tick ram", "max", 1310.0),
@@ -42,9 +42,14 @@ const CEILINGS: [Ceiling; 10] = [
     // Of the service with a sample in each tick, with holds and homing.
     Ceiling::new("m4f f32 * service ram", "max", 3400.0),
     Ceiling::new("m4f f32 * service flash", "max", 4000.0),
-    // Its drives are heard and watched, six frames in a tick, beside the commands to them.
-    Ceiling::new("m4f f32 odrive service ram", "max", 4200.0),
-    Ceiling::new("m4f f32 odrive service flash", "max", 5000.0),
+    // Its drives are heard, six frames in a tick, watched in the service, and commanded.
+    Ceiling::new("m4f f32 odrive service ram", "max", 5400.0),
+    Ceiling::new("m4f f32 odrive service flash", "max", 6400.0),
+    // Their encoders are read for the service, and one sample of the loops is counted with the tick.
+    Ceiling::new("m4f f32 bldc-massless service ram", "max", 4500.0),
+    Ceiling::new("m4f f32 bldc-massless service flash", "max", 5400.0),
+    Ceiling::new("m4f f32 vertical service ram", "max", 4500.0),
+    Ceiling::new("m4f f32 vertical service flash", "max", 5400.0),
 ];
 
 /// Modelled cycles of one piece of work on one board, with the setpoint in the tick.
