@@ -3,7 +3,7 @@
 use crate::inputs::Angle;
 use crate::scene::Scalar;
 use crate::service::{Output, Readings};
-#[cfg(any(brake, not(feedback)))]
+#[cfg(brake)]
 use embedded_hal::digital::OutputPin;
 use trirrr_drives::Failure;
 #[cfg(not(feedback))]
