@@ -70,11 +70,11 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
     for part in [
         "tolerances  whole job in",
         "distal length             +- 5.000e-5 m",
-        "motor angle               +- 0.0004500 rad",
+        "motor angle               +- 0.0004713 rad",
         "tool off  at most",
         " um at t = ",
         " mrad at t = ",
-        "leg 2 motor angle + 0.0004500 rad",
+        "leg 2 motor angle + 0.0004713 rad",
         "others, sum of the sizes",
         "torque at most",
         "most of its band by ",
