@@ -140,7 +140,10 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
         rows[0].join(","),
         "parameter,unit,half_width,dx,dy,dalpha,along,tau1,tau2,tau3"
     );
-    assert_eq!(rows[1][..3], ["leg 2 motor angle", "rad", "0.00045"]);
+    assert_eq!(
+        rows[1][..3],
+        ["leg 2 motor angle", "rad", "0.00047130528872063387"]
+    );
     let field = |row: &[&str], column: usize| -> f64 { row[column].parse().expect("a number") };
     let size = |row: &[&str]| field(row, 6).abs();
     assert!(
