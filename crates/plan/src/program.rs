@@ -231,7 +231,7 @@ pub(crate) fn acting<B: Arithmetic>(cell: &Cell<B>, y: B, z: B) -> Option<Limite
     nearest.map(|(_, what)| what)
 }
 
-/// What the rows of a cell have in common, for x up to a greatest one.
+/// Part that the rows of a cell have in common, for x up to a greatest one.
 struct RowTerms<B> {
     /// 1 / (2 length): a over z - y.
     per_length: B,

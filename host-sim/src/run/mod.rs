@@ -89,7 +89,7 @@ pub struct RunReport {
     pub scalar: NumberType,
     /// Written files.
     pub files: Vec<PathBuf>,
-    /// What the drives told, if they were simulated and tell something.
+    /// Records of the drives, if they were simulated and tell something.
     pub drives: Option<RecordedDrives>,
     /// Result of the plant, if the scene has one.
     pub plant: Option<Simulated>,
@@ -279,7 +279,7 @@ struct Recording<'a, N: ServiceNumber> {
     plant: Option<PlantRecorder<'a, N>>,
 }
 
-/// What is left to be ended: records, samples of the drives, plant.
+/// Parts that are left to be ended: records, samples of the drives, plant.
 type Recorders<'a, N> = (
     Recorder,
     Option<DriveRecorder<N>>,

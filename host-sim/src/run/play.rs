@@ -38,7 +38,7 @@ impl<'p, 'l, N: ServiceNumber> ClosedLoop<'p, 'l, N> {
         }
     }
 
-    /// What the drives tell before a tick.
+    /// Returns the readings of the drives before a tick.
     fn measure(&mut self, part: JobPart) -> Readings<N> {
         let of_plant = match part {
             JobPart::Before => None,
@@ -55,7 +55,7 @@ impl<'p, 'l, N: ServiceNumber> ClosedLoop<'p, 'l, N> {
     }
 }
 
-/// What a tick played, and what the drives had told before.
+/// Result of a tick, and the readings of the drives before it.
 pub(super) type SentTick<N> = (PlayedTick<N>, Option<Readings<N>>);
 
 /// Plays the job of `runner` and sends each tick, from the first of the path on. With a `rate_hz`,

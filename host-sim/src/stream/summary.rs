@@ -27,7 +27,7 @@ pub(super) struct Summary<'a> {
     pub(super) item: &'a str,
     pub(super) every: u16,
     pub(super) recorded: &'a Recorded,
-    /// What the drives told, if they tell something.
+    /// Records of the drives, if they tell something.
     pub(super) drives: Option<&'a DrivePeaks>,
     pub(super) missing: u64,
     pub(super) differing: u64,

@@ -47,7 +47,7 @@ impl Amplifier {
     }
 }
 
-/// Fraction of `torque` that a set value of `counts` of an output of `full` counts asks for: for simulated amplifiers.
+/// Torque at the joint, N m, that a set value of `counts` of an output of `full` counts asks for: for simulated amplifiers.
 pub fn torque_of(p: &AmplifierParameters, counts: u16, full: u16) -> f64 {
     let amplifier = Amplifier::build(p, full);
     let counts = f64::from(counts) - f64::from(amplifier.centre);

@@ -5,6 +5,62 @@
 //! [`WithHoming`] adds homing to either, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
+/// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
+/// homing, feedback and contacts.
+macro_rules! inner_scene {
+    () => {
+        type N = N;
+        type Model = S::Model;
+        type Slot = S::Slot;
+        type Replacement = S::Replacement;
+        type Curves = S::Curves;
+        type Planner = S::Planner;
+        type Part = S::Part;
+        type Coefficients = S::Coefficients;
+
+        fn coefficients(
+            &self,
+            settings: &$crate::settings::Settings<N>,
+        ) -> Result<S::Coefficients, trirrr_core::machine::BuildError> {
+            self.scene.coefficients(settings)
+        }
+
+        fn part(
+            &self,
+            name: trirrr_protocol::message::scene::SectionName,
+            units: &trirrr_core::units::Units,
+        ) -> Option<S::Part> {
+            self.scene.part(name, units)
+        }
+
+        #[inline(always)]
+        fn changed(
+            &self,
+            section: &trirrr_protocol::message::scene::Section,
+            units: &trirrr_core::units::Units,
+        ) -> Result<
+            (
+                trirrr_core::machine::Parameters,
+                trirrr_core::limits::LimitParameters,
+            ),
+            trirrr_protocol::message::Refusal<N>,
+        > {
+            self.scene.changed(section, units)
+        }
+
+        fn adopt(
+            &mut self,
+            parameters: trirrr_core::machine::Parameters,
+            limits: trirrr_core::limits::LimitParameters,
+            built: $crate::coefficients::Coefficients<S::Model>,
+            kept: &mut S::Coefficients,
+        ) {
+            self.scene.adopt(parameters, limits, built, kept);
+        }
+    };
+}
+use inner_scene;
+
 mod adjustable;
 mod compiled;
 mod contact;
