@@ -316,7 +316,7 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
 /// holds, so the job has begun.
 #[test]
 fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
-    let mut scene = Scene::read(scene_file("engraving.toml")).unwrap();
+    let mut scene = Scene::read(scene_file("chained.toml")).unwrap();
     // There and back, again and again: more than wait.
     let mut there = scene.job.moves[0];
     (there.start_velocity, there.end_velocity) = ([0.0; 3].into(), [0.0; 3].into());

@@ -1,5 +1,5 @@
-//! Millions of ticks through the service in one run: the engraving job and the way back, over and
-//! over, held and resumed in between. Every tick is where whole numbers say it is.
+//! Millions of ticks through the service in one run: the job of chained moves and the way back, over
+//! and over, held and resumed in between. Every tick is where whole numbers say it is.
 
 use trirrr_client::local::{self, LocalService};
 use trirrr_core::setpoint::Setpoint;
@@ -16,9 +16,9 @@ const ASK_EVERY: u64 = 100;
 /// Ticks of the way back.
 const BACK: u32 = 2000;
 
-/// The engraving scene, with a move from where its job ends to where it starts.
+/// The scene of chained moves, with a move from where its job ends to where it starts.
 fn there_and_back() -> Scene {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/chained.toml");
     let mut scene = Scene::read(file).unwrap();
     let last = *scene.job.moves.last().unwrap();
     scene.job.moves.push(scene::JobMove {

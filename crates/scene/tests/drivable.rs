@@ -144,7 +144,7 @@ fn shipped_jobs_evaluate_at_every_tick() {
         THESIS,
         include_str!("../../../scenes/thesis-links.toml"),
         include_str!("../../../scenes/vertical.toml"),
-        include_str!("../../../scenes/engraving.toml"),
+        include_str!("../../../scenes/chained.toml"),
     ] {
         let scene = Scene::parse(text, "shipped.toml").unwrap();
         let in_f64 = Tick::<Dynamic<f64>>::build(&scene.parameters).unwrap();

@@ -21,7 +21,7 @@ use trirrr_scene::{JobPlayer, Scene, units_of_scene, units_of_setpoints};
 /// A machine that may have anything: what it has not is zero.
 type Any<N> = Tick<Dynamic<N, Offset<N>, Massive<N, InPlane<N>>>>;
 
-const SCENES: [&str; 4] = ["thesis", "thesis-links", "vertical", "engraving"];
+const SCENES: [&str; 4] = ["thesis", "thesis-links", "vertical", "chained"];
 
 fn scene(name: &str) -> Scene {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");

@@ -7,7 +7,7 @@ const SCENES: [&str; 4] = [
     include_str!("../../../scenes/thesis.toml"),
     include_str!("../../../scenes/thesis-links.toml"),
     include_str!("../../../scenes/vertical.toml"),
-    include_str!("../../../scenes/engraving.toml"),
+    include_str!("../../../scenes/chained.toml"),
 ];
 
 /// What a value is replaced with.

@@ -2,11 +2,11 @@
 
 use trirrr_scene::{Scene, SceneError};
 
-const OUTLINE: &str = include_str!("../../../scenes/paths/outline.toml");
+const ENGRAVING: &str = include_str!("../../../scenes/engraving.toml");
 
-/// The outline's machine with another job.
+/// The machine of the engraving with another job.
 fn with_job(job: &str) -> Result<Scene, SceneError> {
-    let (machine, _) = OUTLINE.split_once("[job]").expect("a job");
+    let (machine, _) = ENGRAVING.split_once("[job]").expect("a job");
     let start = "start = { x_m = 0.25, y_m = 0.245, alpha_rad = 0.4 }\n";
     Scene::parse(&format!("{machine}[job]\n{start}{job}"), "path.toml")
 }
@@ -18,8 +18,8 @@ fn refusal(job: &str) -> String {
 #[test]
 fn the_shipped_path_is_planned_in_every_number_type() {
     for number in ["f64", "f32", "fixed", "micromath"] {
-        let text = OUTLINE.replace("number = \"f32\"", &format!("number = \"{number}\""));
-        let scene = Scene::parse(&text, "outline.toml").unwrap_or_else(|error| panic!("{error}"));
+        let text = ENGRAVING.replace("number = \"f32\"", &format!("number = \"{number}\""));
+        let scene = Scene::parse(&text, "engraving.toml").unwrap_or_else(|error| panic!("{error}"));
         let path = scene.job.path.as_ref().expect("a path");
         assert_eq!(path.tools.len(), 12, "{number}");
         // Eleven times the least of its length over its feed, and less than half as much again.

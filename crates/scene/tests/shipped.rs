@@ -35,7 +35,7 @@ fn all() -> Vec<Scene> {
 fn every_scene_is_accepted_and_named_after_its_file() {
     let mut names: Vec<String> = all().into_iter().map(|scene| scene.name).collect();
     names.sort();
-    for name in ["engraving", "thesis", "thesis-links", "vertical"] {
+    for name in ["chained", "engraving", "plotter", "thesis", "thesis-links", "vertical"] {
         assert!(
             names.iter().any(|other| other == name),
             "{name} of {names:?}"
@@ -121,8 +121,8 @@ fn the_vertical_scene_uses_what_it_says() {
 }
 
 #[test]
-fn the_engraving_keeps_its_speed_around_the_outline_and_the_circle() {
-    let scene = shipped("engraving");
+fn the_chain_keeps_its_speed_around_the_outline_and_the_circle() {
+    let scene = shipped("chained");
     let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
     let stops = |index: &usize| scene.job.moves[*index].end_velocity == Vector3::zeros();
     let stops: Vec<usize> = (0..scene.job.moves.len()).filter(stops).collect();
@@ -152,8 +152,8 @@ fn the_engraving_keeps_its_speed_around_the_outline_and_the_circle() {
 }
 
 #[test]
-fn the_laser_is_on_where_the_engraving_keeps_its_speed_and_nowhere_else() {
-    let scene = shipped("engraving");
+fn the_laser_is_on_where_the_chain_keeps_its_speed_and_nowhere_else() {
+    let scene = shipped("chained");
     let last = scene.job.moves.len() - 1;
     for (index, each) in scene.job.moves.iter().enumerate() {
         // Run-ins, run-outs and the way across.

@@ -7,7 +7,7 @@ use crate::proxy;
 /// meanwhile, and the stream finds it where it is.
 #[test]
 fn a_line_that_is_cut_costs_samples_and_nothing_else() {
-    let folder = scene("engraving", &[]);
+    let folder = scene("chained", &[]);
     let device = Device::start(&folder, &["--speed", "2"]);
     // Somewhere in the first half of some 8000 samples of 90 bytes and more.
     let port = proxy::cut_once(&device.address, 200_000);

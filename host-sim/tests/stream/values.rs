@@ -11,7 +11,7 @@ fn telemetry_is_the_ticks_of_the_run() {
         ("thesis", 1, &[] as &[_]),
         ("thesis", 1, fixed),
         ("vertical", 5, &[]),
-        ("engraving", 22, &[]),
+        ("chained", 22, &[]),
     ];
     for (name, moves, edits) in cases {
         let folder = scene(name, edits);
@@ -57,7 +57,7 @@ fn a_sample_every_few_ticks_is_every_few_ticks_of_the_run() {
 /// The tool's power is that of the scene at full speed, in proportion below, and 0 without.
 #[test]
 fn the_laser_follows_the_speed() {
-    let folder = scene("engraving", &[]);
+    let folder = scene("chained", &[]);
     let table = run(&folder);
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|other| *other == name).unwrap();

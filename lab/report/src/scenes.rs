@@ -16,8 +16,8 @@ const SHIPPED: [(&str, &str); 4] = [
         include_str!("../../../scenes/vertical.toml"),
     ),
     (
-        "engraving.toml",
-        include_str!("../../../scenes/engraving.toml"),
+        "chained.toml",
+        include_str!("../../../scenes/chained.toml"),
     ),
 ];
 

@@ -12,7 +12,7 @@ use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
 
 /// The scene of the images that fail.
-const SCENE: &str = "engraving";
+const SCENE: &str = "chained";
 
 /// Failures that an image can be made to cause, and what the board has to say of each.
 const FAILURES: [(&str, &[&str]); 4] = [

@@ -33,7 +33,7 @@ fn states(scene: &Scene) -> impl Iterator<Item = ([f64; 8], [f64; 3])> + '_ {
 
 #[test]
 fn accelerations_take_the_torques_that_caused_them() {
-    for name in ["thesis", "thesis-links", "vertical", "engraving"] {
+    for name in ["thesis", "thesis-links", "vertical", "chained"] {
         let scene = without_drives(name);
         let core = pipeline::build::<f64>(&scene.parameters).unwrap();
         let mut worst = (0.0_f64, 0.0_f64);

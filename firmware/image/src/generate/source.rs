@@ -301,6 +301,6 @@ mod tests {
              to: [0.28, 0.28, {to:?}], ticks: 100 }},\n"
         );
         assert!(text.contains(&line), "{line}{text}");
-        assert!(shipped("engraving.toml").contains("trirrr_image::Move::Hermite {"));
+        assert!(shipped("chained.toml").contains("trirrr_image::Move::Hermite {"));
     }
 }
