@@ -8,7 +8,7 @@ from trirrr import words
 from trirrr.exchange import Exchange, Refused
 from trirrr.jobs import Job, Step
 from trirrr.messages import (
-    Acting, Bounded, Command, DriveFault, Fault, FaultCode, LeastDuration, Refusal, State, Violation,
+    Acting, Bounded, Command, DriveFault, Fault, FaultCode, LeastDuration, Pose, Refusal, State, Violation,
 )
 from trirrr.stream import JobFailed, Stream
 
@@ -45,9 +45,9 @@ class Machine:
         self.pauses.append(seconds)
 
 
-def stream(machine: Machine) -> Stream:
+def stream(machine: Machine, **more) -> Stream:
     """A job of 10 mm in 1 s, on this machine."""
-    step = Step((0.2, 0.2, 0.1), (0.21, 0.2, 0.1), (0.0,) * 3, (0.0,) * 3, 1.0)
+    step = Step((0.2, 0.2, 0.1), (0.21, 0.2, 0.1), (0.0,) * 3, (0.0,) * 3, 1.0, **more)
     stream = Stream(lambda: None, Job([step]), lambda message: None)
     stream.exchange = machine
     stream._moves = stream._job.moves(IDENTITY)
@@ -121,6 +121,20 @@ class Recovering(unittest.TestCase):
         machine = Machine(*[status(state) for state in ("Idle", "Recovering", "Idle")])
         recover(machine)
         self.assertEqual(machine.heard, ["Recover"])
+
+    def test_a_quintic_starts_where_a_cubic_does(self):
+        machine = Machine(*[status(state) for state in ("Idle", "Recovering", "Idle")])
+        stream(machine, accelerations=((0.0,) * 3, (0.0,) * 3)).recover(2.0, 0.05)
+        self.assertEqual(machine.last.content.to.x, 0.4)
+
+    def test_a_machine_beside_the_start_of_a_quintic_is_moved_there(self):
+        # 0.1 mm away, in units of 0.5 m.
+        end = SimpleNamespace(pose=Pose(0.4002, 0.4, 0.1))
+        beside = SimpleNamespace(state=State.Idle(), end=end, next=0, done=0)
+        machine = Machine(beside, status("Recovering"), status("Idle"))
+        stream(machine, accelerations=((0.0,) * 3, (0.0,) * 3)).approach(0.05)
+        self.assertEqual(machine.heard, ["Recover"])
+        self.assertEqual(machine.last.content.to, Pose(0.4, 0.4, 0.1))
 
     def test_a_machine_that_is_being_stopped_is_waited_for(self):
         machine = Machine(*[status(state) for state in ("Stopping", "Stopping", "Idle", "Recovering", "Idle")])

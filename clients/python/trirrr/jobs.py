@@ -107,6 +107,11 @@ class Job:
         return [move(number, step) for number, step in enumerate(self.steps)]
 
 
+def common(move: Any) -> Move:
+    """The part of ``move`` that a quintic has in common with a cubic."""
+    return getattr(move, "common", move)
+
+
 def offer(move: Any, number: int) -> Any:
     """The command that offers ``move`` under ``number``."""
     if hasattr(move, "common"):

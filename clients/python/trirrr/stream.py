@@ -9,7 +9,7 @@ from typing import Any
 
 from . import words
 from .exchange import Exchange, Refused, Silent
-from .jobs import Job, offer
+from .jobs import Job, common, offer
 from .messages import NUMBERS, Command, Recovery
 from .ports import Port, PortError
 from .postcard import Value
@@ -156,7 +156,7 @@ class Stream:
             self._raise_off(status)
         if status.state.name in ("Idle", "Cleared"):
             ticks = max(1, round(seconds * self.exchange.identity.tick_rate_hz))
-            self._insist(Command.Recover(Recovery(to=self._moves[0].from_, ticks=ticks)), pause)
+            self._insist(Command.Recover(Recovery(to=common(self._moves[0]).from_, ticks=ticks)), pause)
             self._wait_for_idle("the recovery", pause)
 
     def home(self, pause: float) -> None:
@@ -173,7 +173,7 @@ class Stream:
         """Moves a machine that stands beside the start of the job to it: one that was measured stands nowhere exactly.
         From farther away it is left where it is."""
         status = self.exchange.ask(Command.Status())
-        identity, start = self.exchange.identity, self._moves[0].from_
+        identity, start = self.exchange.identity, common(self._moves[0]).from_
         stands = status.end.pose if status.end is not None else start
         if stands == start or status.state.name != "Idle" or status.next != status.done:
             return
@@ -260,7 +260,7 @@ class Stream:
             index = (status.refused.number - self._base) % _MODULUS
             if index < len(self._moves):
                 self._command(Command.Stop())
-                ticks = self._moves[index].ticks
+                ticks = common(self._moves[index]).ticks
                 why = words.violation(status.refused.violation, ticks, self.exchange.identity)
                 raise JobFailed(f"move {index + 1} is not admitted: {why}")
         taken = (status.next - self._base) % _MODULUS
