@@ -2,7 +2,7 @@
 
 use super::Built;
 use super::board::Board;
-use crate::client::{self, rounding};
+use crate::client::{self, planned_moves, rounding};
 use crate::programs::Programs;
 use crate::qemu;
 use crate::repository::{root, target_directory};
@@ -10,7 +10,6 @@ use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
-use trirrr_scene::Scene;
 
 /// Far beyond what any of them needs: a job of some seconds on a board that is several times slower
 /// than silicon.
@@ -119,18 +118,6 @@ impl Clients {
         Ok(out.join("ticks.csv"))
     }
 
-    /// The table of moves that `trirrr plan` writes, if the job is a path: the Python client does not plan.
-    fn planned_moves(&self, built: &Built) -> Result<Option<PathBuf>> {
-        if Scene::read(&built.scene.path)?.job.path.is_none() {
-            return Ok(None);
-        }
-        let out = folder(built, "plan");
-        let mut command = Command::new(&self.0.trirrr);
-        command.arg("plan").arg(&built.scene.path).arg("--out");
-        output(command.arg(&out))?;
-        Ok(Some(out.join("moves.csv")))
-    }
-
     /// The job with `client`, whose table has to be the `expected` one. Without one the board's homing
     /// fails, and the client has to say so.
     pub(super) fn follow(
@@ -154,10 +141,11 @@ impl Clients {
         };
         let out = folder(built, name);
         command.arg(&built.scene.path);
-        if client == JobClient::Python
-            && let Some(moves) = self.planned_moves(built)?
-        {
-            command.arg("--moves").arg(moves);
+        if client == JobClient::Python {
+            let scene = &built.scene.path;
+            if let Some(moves) = planned_moves(&self.0.trirrr, scene, &folder(built, "plan"))? {
+                command.arg("--moves").arg(moves);
+            }
         }
         command.args(["--port", board.address(), "--scalar", built.scalar, "--out"]);
         let ended = output(command.arg(&out));

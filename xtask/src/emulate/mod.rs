@@ -32,7 +32,7 @@ const SIMULATED: &str = "plant-thesis";
 
 /// The scene whose jobs are played over a bad line, and left in the middle: 1000 ticks per second,
 /// a job of some seconds.
-const LINE_SCENE: &str = "engraving";
+const LINE_SCENE: &str = "chained";
 
 #[derive(clap::Args)]
 pub(crate) struct EmulateArgs {
@@ -120,7 +120,9 @@ fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         let read = Scene::read(&scene.path)?;
         let own = of_scene(read.number);
         let mut scalars = vec![own];
-        if arguments.scenes.is_empty() && own != "fixed" && scene.name != SIMULATED {
+        // A plan uses the limits fully, and is proven in the scene's own number type: rounded otherwise, it is refused.
+        let may_be_fixed = read.job.path.is_none() && scene.name != SIMULATED;
+        if arguments.scenes.is_empty() && own != "fixed" && may_be_fixed {
             scalars.push("fixed");
         }
         let contact = read.homing.map(|homing| homing.contact);
