@@ -2,21 +2,22 @@
 //!
 //! The client plays a scene's job on the device and records its telemetry; the table it writes has to be
 //! the one that `trirrr run` writes: what the machine sent, in the bits; what the client computes
-//! itself, to its rounding.
+//! itself, to its rounding. The client does not plan: of a job along a path it plays the moves that `trirrr plan` writes.
 
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use trirrr_scene::Scene;
 
 /// Scenes that are played, how much faster than in real time, and their number type.
 const SCENES: [(&str, &str, &str); 4] = [
     ("thesis", "2", "f64"),
-    ("engraving", "4", "f32"),
-    // Homed first, to switches and to hard stops.
+    ("chained", "4", "f32"),
+    // Homed first, to switches and to hard stops that nothing feels. The second one's job is a path.
     ("pick-home", "5", "fixed"),
     ("plotter", "5", "f32"),
 ];
@@ -66,11 +67,13 @@ pub(crate) fn run() -> Result<()> {
             .args(["--fast", "--out"])
             .arg(out.join("run"));
         succeed(simulated.stdout(Stdio::null()), "trirrr run")?;
+        let moves = planned_moves(&trirrr, &scene, &out.join("plan"))?;
         let device = Device::start(&trirrr, &scene, speed, &[])?;
-        succeed(
-            &mut client(&scene, &device, &out.join("streamed")),
-            "the client",
-        )?;
+        let mut client = client(&scene, &device, &out.join("streamed"));
+        if let Some(moves) = moves {
+            client.arg("--moves").arg(moves);
+        }
+        succeed(&mut client, "the client")?;
         drop(device);
         let [expected, found] = ["run", "streamed"].map(|run| out.join(run).join("ticks.csv"));
         compare(&expected, &found, rounding(scalar)).with_context(|| format!("scene {name}"))?;
@@ -81,6 +84,17 @@ pub(crate) fn run() -> Result<()> {
         );
     }
     in_vain(&trirrr)
+}
+
+/// The table of moves that `trirrr plan` writes into `out`, if the job of `scene` is a path.
+pub(crate) fn planned_moves(trirrr: &Path, scene: &Path, out: &Path) -> Result<Option<PathBuf>> {
+    if Scene::read(scene)?.job.path.is_none() {
+        return Ok(None);
+    }
+    let mut plan = Command::new(trirrr);
+    plan.arg("plan").arg(scene).arg("--out").arg(out);
+    succeed(plan.stdout(Stdio::null()), "trirrr plan")?;
+    Ok(Some(out.join("moves.csv")))
 }
 
 /// The client, to play `scene` on `device`.

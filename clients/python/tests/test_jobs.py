@@ -26,7 +26,7 @@ class JobAlongAPath(unittest.TestCase):
         Path(self.table).write_text(TABLE)
 
     def test_the_table_is_played_beside_its_scene(self):
-        scene = str(SCENES / "paths/square.toml")
+        scene = str(SCENES / "plotter.toml")
         job = jobs.read(scene, self.table)
         self.assertEqual(job.scene, jobs.scene_key(Path(scene).read_bytes()))
         self.assertEqual((job.number, job.torque, len(job.legs)), ("f32", False, 3))
@@ -34,7 +34,7 @@ class JobAlongAPath(unittest.TestCase):
 
     def test_what_does_not_go_together_is_refused(self):
         for path, moves, reason in [
-            (str(SCENES / "paths/square.toml"), None, "--moves"),
+            (str(SCENES / "plotter.toml"), None, "--moves"),
             (str(SCENES / "thesis.toml"), self.table, "moves of its own"),
             (self.table, self.table, "goes with a scene"),
         ]:

@@ -1,8 +1,8 @@
 //! Streams the job of a scene to a board, or to `trirrr device` in another terminal.
 //!
 //! ```sh
-//! cargo run --release -- device scenes/engraving.toml
-//! cargo run -p trirrr-client --example stream_to_board -- scenes/engraving.toml tcp:127.0.0.1:7333
+//! cargo run --release -- device scenes/thesis.toml
+//! cargo run -p trirrr-client --example stream_to_board -- scenes/thesis.toml tcp:127.0.0.1:7333
 //! ```
 //! A board is `/dev/ttyUSB0` in place of the TCP address.
 

@@ -302,5 +302,6 @@ mod tests {
         );
         assert!(text.contains(&line), "{line}{text}");
         assert!(shipped("chained.toml").contains("trirrr_image::Move::Hermite {"));
+        assert!(shipped("engraving.toml").contains("trirrr_image::Move::Quintic {"));
     }
 }
