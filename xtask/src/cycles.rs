@@ -32,7 +32,7 @@ use std::path::Path;
 use trirrr_scene::Scene;
 
 /// Ceilings that no change may exceed, cycles.
-const CEILINGS: [Ceiling; 14] = [
+const CEILINGS: [Ceiling; 18] = [
     Ceiling::new("m4f f32 thesis tick ram", "max", 1100.0),
     Ceiling::new("m4f f32 thesis tick flash", "max", 1250.0),
     Ceiling::new("m4f f32 thesis-links tick ram", "max", 1310.0),
@@ -50,6 +50,11 @@ const CEILINGS: [Ceiling; 14] = [
     Ceiling::new("m4f f32 bldc-massless service flash", "max", 5400.0),
     Ceiling::new("m4f f32 vertical service ram", "max", 4500.0),
     Ceiling::new("m4f f32 vertical service flash", "max", 5400.0),
+    // Their jobs are planned. The tick in which a move begins takes more numbers over, and a setpoint is that of a quintic.
+    Ceiling::new("m4f f32 engraving service ram", "max", 4200.0),
+    Ceiling::new("m4f f32 engraving service flash", "max", 5200.0),
+    Ceiling::new("m4f f32 plotter service ram", "max", 4200.0),
+    Ceiling::new("m4f f32 plotter service flash", "max", 5200.0),
 ];
 
 /// Modelled cycles of one piece of work on one board, with the setpoint in the tick.
