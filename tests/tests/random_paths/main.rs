@@ -182,7 +182,7 @@ fn given_up(seed: u64, paths: usize, of: impl Fn(&Scene) -> bool) -> Vec<usize> 
                 assert!(windowed.deviation <= 1.0, "{seed}/{index}: {windowed:?}");
             }
             Err(reason) => {
-                println!("{seed}/{index}: {reason}");
+                println!("{seed}/{index}, {:?}: {reason}", scene.number);
                 given_up.push(index);
             }
         }
