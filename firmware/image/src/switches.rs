@@ -59,6 +59,7 @@ mod tests {
             acceleration_rad_s2: 2.0,
             back_off_rad: 0.1,
             travel_max_rad: 1.0,
+            stall_torque_nm: 0.0,
             stage: 0,
         };
         let parameters = HomingParameters {

@@ -164,6 +164,8 @@ fn jobs_of(
     let built = Built::new(scene, scalar)?;
     let mut rows = Vec::new();
     let built = match contact {
+        // The emulated drives obey: a motor presses against nothing.
+        Some(Contact::Torque) => bail!("{scene}: an emulated stop has no torque"),
         None | Some(Contact::Unfelt) => built,
         Some(Contact::Switch | Contact::Stall) => {
             // In an emulator its inputs stay low.

@@ -51,6 +51,8 @@ pub struct HomingAxis<N: Number> {
     pub(crate) search: N,
     /// and of the second approach.
     pub(crate) latch: N,
+    /// Torque from which on it presses against a stop, towards the reference.
+    pub(crate) stall_torque: N,
     /// Acceleration, positive,
     pub(crate) acceleration: N,
     /// and the change of the rate in a tick.
@@ -66,6 +68,7 @@ to_source!([N: Number] HomingAxis [N] in trirrr_service {
     travel: N,
     search: N,
     latch: N,
+    stall_torque: N,
     acceleration: N,
     slope: N,
 });
@@ -114,6 +117,7 @@ impl<N: Number> HomingAxis<N> {
             travel: N::from_f64(motor.travel_max_rad),
             search: N::from_f64(sign * motor.search_rate_rad_s),
             latch: N::from_f64(sign * motor.latch_rate_rad_s),
+            stall_torque: N::from_f64(sign * motor.stall_torque_nm),
             acceleration: N::from_f64(motor.acceleration_rad_s2),
             slope: N::from_f64(motor.acceleration_rad_s2 * period),
         }

@@ -11,11 +11,13 @@ pub enum Contact {
     Switch,
     /// A hard stop, and its drive says that it stalls.
     Stall,
+    /// A hard stop, and the torque of its drive, which tells it, rises.
+    Torque,
     /// A hard stop, and nobody says anything: after the largest travel it is there.
     Unfelt,
 }
 
-to_source!(pub Contact in trirrr_service: Switch, Stall, Unfelt);
+to_source!(pub Contact in trirrr_service: Switch, Stall, Torque, Unfelt);
 
 /// Homing of one motor. Angles in rad, rates and accelerations in the machine's unit of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +36,9 @@ pub struct HomingMotor {
     pub back_off_rad: f64,
     /// Largest angle that the motor may search over, positive.
     pub travel_max_rad: f64,
+    /// Torque towards a hard stop from which on the motor is taken to press against it, N m at the joint, positive; any with
+    /// another [contact](Contact).
+    pub stall_torque_nm: f64,
     /// Stages follow one another from 0 to 2; motors of the same one move together.
     pub stage: u8,
 }
@@ -136,7 +141,7 @@ impl HomingMotor {
             Contact::Switch => {
                 rate * rate / (2.0 * self.acceleration_rad_s2) + wait * rate * period
             }
-            Contact::Stall | Contact::Unfelt => 0.0,
+            Contact::Stall | Contact::Torque | Contact::Unfelt => 0.0,
         }
     }
 
