@@ -88,7 +88,7 @@ pub(crate) fn read_homing(
     let section = root.section("homing")?;
     let contact = read_contact(&section);
     let has_inputs = !matches!(contact, Some(Contact::Unfelt | Contact::Torque));
-    let active_high = match section.has("active") && has_inputs {
+    let active_high = match has_inputs && section.has("active") {
         true => section.choice("active", &[("high", true), ("low", false)]),
         false => Some(true),
     };
