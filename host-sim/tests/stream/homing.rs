@@ -106,7 +106,7 @@ fn hard_stops_are_felt_by_the_torque() {
     let homing = "[homing]\nto = \"hard-stops\"\nstall_torque_nm = 0.2\nangle_rad = [0.376, -2.196, 2.38]\n\
                   direction = [1, -1, -1]\nsearch_rate_rad_s = 0.4\nlatch_rate_rad_s = 0.05\n\
                   acceleration_rad_s2 = 4.0\nback_off_rad = 0.05\ntravel_max_rad = 0.8\n\n[job]";
-    let folder = scene("bldc-massless", &[("[job]", homing)]);
+    let folder = scene("plant-thesis", &[("[job]", homing)]);
     let whole = run(&folder);
     for offset in [["0.2", "-0.15", "0.1"], ["-0.1", "0.02", "-0.2"]] {
         let more = [&["--speed", "5", "--offset-rad"][..], &offset].concat();
