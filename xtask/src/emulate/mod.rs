@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::repository::{self, SceneFile};
 use crate::symbols;
 use crate::table::table;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use board::Board;
 use clap::ValueEnum;
 use clients::{Clients, HomingInputs, JobClient};
@@ -38,6 +38,9 @@ const LINE_SCENE: &str = "engraving";
 pub(crate) struct EmulateArgs {
     /// Scenes, by name or file; all that are for a board without
     scenes: Vec<String>,
+    /// Play each scene in fixed point, too, besides its own number type
+    #[arg(long)]
+    fixed: bool,
     /// Part to run; repeat for more
     #[arg(long, value_enum, default_values_t = [EmulationPart::Jobs])]
     part: Vec<EmulationPart>,
@@ -120,7 +123,7 @@ fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         let read = Scene::read(&scene.path)?;
         let own = of_scene(read.number);
         let mut scalars = vec![own];
-        if arguments.scenes.is_empty() && own != "fixed" && scene.name != SIMULATED {
+        if arguments.fixed && own != "fixed" && scene.name != SIMULATED {
             scalars.push("fixed");
         }
         let contact = read.homing.map(|homing| homing.contact);
@@ -165,7 +168,7 @@ fn jobs_of(
     let mut rows = Vec::new();
     let built = match contact {
         // The emulated drives obey: a motor presses against nothing.
-        Some(Contact::Torque) => bail!("{scene}: an emulated stop has no torque"),
+        Some(Contact::Torque) => bail!("{}: an emulated stop has no torque", scene.name),
         None | Some(Contact::Unfelt) => built,
         Some(Contact::Switch | Contact::Stall) => {
             // In an emulator its inputs stay low.
