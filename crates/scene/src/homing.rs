@@ -24,6 +24,8 @@ pub struct Homing {
     pub motors: [HomingMotor; 3],
     /// An input has to be the same for so many ticks, from 1.
     pub debounce_ticks: u16,
+    /// A drive that signals a stall while its motor moves is a fault.
+    pub stall_is_fault: bool,
 }
 
 /// Homing and where it stands in the file, for what is checked later.
@@ -55,6 +57,7 @@ impl Homing {
             contact: self.contact,
             motors,
             debounce_ticks: self.debounce_ticks,
+            stall_is_fault: self.stall_is_fault,
             start: [in_units.position.x, in_units.position.y, in_units.angle],
             times: HomingTimes::new(
                 self.contact,
@@ -94,11 +97,16 @@ pub(crate) fn read_homing(
     };
     let motors = read_motors(&section, contact);
     let debounce_ticks = read_debounce(&section, rate);
+    let stall_is_fault = match contact == Some(Contact::Stall) && section.has("stall_fault") {
+        true => section.boolean("stall_fault"),
+        false => Some(false),
+    };
     let homing = Homing {
         contact: contact?,
         active_high: active_high?,
         motors: motors?,
         debounce_ticks: debounce_ticks?,
+        stall_is_fault: stall_is_fault?,
     };
     check(&section, &homing, rate?, limits, drives)?;
     Some(Some(PlacedHoming {

@@ -103,6 +103,10 @@ fn hard_stops_are_read() {
         (homing.contact, homing.active_high),
         (Contact::Stall, false)
     );
+    assert!(!homing.stall_is_fault);
+    let watched = edit(&felt, "active = \"low\"", 1, "stall_fault = true");
+    let homing = Scene::parse(&watched, "watched.toml").expect("it can be homed");
+    assert!(homing.homing.expect("the table").stall_is_fault);
 }
 
 /// A scene whose drives tell their torque, homed to hard stops that the torque tells.
@@ -269,6 +273,12 @@ fn what_cannot_be_homed_is_refused() {
             "back_off_rad = 0.05\nsequence = 1.5",
             "homing.sequence",
             "must be whole numbers",
+        ),
+        (
+            "back_off_rad = 0.05",
+            "back_off_rad = 0.05\nstall_fault = true",
+            "homing.stall_fault",
+            "unknown key",
         ),
         (
             "back_off_rad = 0.05",

@@ -67,6 +67,7 @@ mod tests {
             // The last beyond half a turn from where it is counted.
             motors: [motor(0.4, true), motor(-0.4, false), motor(-3.1, true)],
             debounce_ticks: 3,
+            stall_is_fault: false,
             start: [0.0; 3],
             times: HomingTimes::default(),
         };

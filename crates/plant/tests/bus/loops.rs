@@ -264,6 +264,7 @@ fn home(offset: [f64; 3]) -> ([f64; 3], f64) {
         contact: Contact::Torque,
         motors,
         debounce_ticks,
+        stall_is_fault: false,
         start: HOME,
         times: HomingTimes::new(
             Contact::Torque,

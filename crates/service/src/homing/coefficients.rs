@@ -13,6 +13,8 @@ pub struct HomingCoefficients<N: Number> {
     pub(crate) contact: Contact,
     /// An input has to be the same for so many ticks.
     pub(crate) debounce_ticks: u16,
+    /// A stall outside homing is a fault.
+    pub(crate) stall_is_fault: bool,
     /// Length of a tick.
     pub(crate) period: N::Factor,
     /// Durations of the parts.
@@ -26,6 +28,7 @@ pub struct HomingCoefficients<N: Number> {
 to_source!([N: Number] HomingCoefficients [N] in trirrr_service {
     contact: Contact,
     debounce_ticks: u16,
+    stall_is_fault: bool,
     period: N::Factor,
     times: HomingTimes,
     axes: [HomingAxis<N>; 3],
@@ -80,6 +83,7 @@ impl<N: Number> HomingCoefficients<N> {
         Self {
             contact: parameters.contact,
             debounce_ticks: parameters.debounce_ticks,
+            stall_is_fault: parameters.stall_is_fault,
             period: N::factor_from_f64(period),
             times: parameters.times,
             axes: parameters

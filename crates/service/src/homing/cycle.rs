@@ -143,6 +143,17 @@ impl<'a, N: Number> Cycle<'a, N> {
         }
     }
 
+    pub(super) fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
+        if !self.coefficients.stall_is_fault || self.is_under_way() {
+            return None;
+        }
+        let mut all = self.searches.iter().zip(motors);
+        let stalls = |(search, motor): (&Search<N>, &Motor<N>)| {
+            search.input.is_closed() && motor.rate != N::ZERO
+        };
+        all.position(stalls).map(|motor| motor as u8)
+    }
+
     pub(super) fn begin(&mut self) {
         let stages = self.coefficients.axes.iter().map(|axis| axis.stage);
         self.enter_stage(stages.min().unwrap_or(0));

@@ -49,6 +49,9 @@ pub trait Homing<N: Number>: Send {
         readings: Option<&Readings<N>>,
     );
 
+    /// Returns the first of the `motors` that its drive says to stall while it moves, if that is a fault.
+    fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8>;
+
     /// Starts looking.
     fn begin(&mut self);
 
@@ -117,6 +120,11 @@ impl<N: Number> Homing<N> for NoHoming {
     #[inline(always)]
     fn listen(&mut self, (): (), _: &[Motor<N>; 3], _: Option<&Readings<N>>) {}
 
+    #[inline(always)]
+    fn stalled(&self, _: &[Motor<N>; 3]) -> Option<u8> {
+        None
+    }
+
     fn begin(&mut self) {}
 
     fn stop(&mut self) {}
@@ -157,6 +165,10 @@ impl<N: Number> Homing<N> for Option<Cycle<'_, N>> {
         if let Some(cycle) = self {
             cycle.listen(inputs, motors, readings);
         }
+    }
+
+    fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
+        self.as_ref()?.stalled(motors)
     }
 
     fn begin(&mut self) {

@@ -52,6 +52,8 @@ pub struct HomingParameters {
     pub motors: [HomingMotor; 3],
     /// An input has to be the same for so many ticks; positive.
     pub debounce_ticks: u16,
+    /// A drive that signals a stall while its motor moves is a fault, at any time; with [`Contact::Stall`].
+    pub stall_is_fault: bool,
     /// Pose that homing leads to: x, y in the machine's unit of length, alpha in rad.
     pub start: [f64; 3],
     /// Durations of the parts of homing.

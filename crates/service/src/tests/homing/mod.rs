@@ -45,6 +45,7 @@ pub(super) fn parameters(contact: Contact) -> HomingParameters {
         contact,
         motors: [motor(a, true), motor(b, false), motor(c, true)],
         debounce_ticks: 3,
+        stall_is_fault: false,
         start: [pose.position.x, pose.position.y, pose.angle],
         times: HomingTimes::default(),
     })

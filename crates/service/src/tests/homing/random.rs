@@ -52,6 +52,7 @@ fn machine<N: ServiceNumber>(
         contact,
         motors: motors.map(|(motor, _)| motor),
         debounce_ticks,
+        stall_is_fault: false,
         start: [pose.position.x, pose.position.y, pose.angle],
         times: HomingTimes::default(),
     };
