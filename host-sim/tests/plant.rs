@@ -178,12 +178,19 @@ fn measured_poses_are_those_of_the_plant() {
 /// A push of 6 N against a threshold of 3 N: a fault soon after, and a machine that comes to rest as its scene says.
 #[test]
 fn a_push_is_a_contact() {
-    for (category, rests) in [("", 0.1), ("[faults]\ncontact = 0\n\n", 0.0)] {
+    let back = "retreat_s = 0.1\n";
+    for (category, retreat, rests) in [
+        ("", "", 0.1),
+        ("[faults]\ncontact = 0\n\n", "", 0.0),
+        // The stop, and as much back, by 0.1 s of the path at half of normal speed.
+        ("", back, 0.34),
+    ] {
         let folder = tempfile::tempdir().unwrap();
         let limits = format!("{category}[limits]\n");
         let edits = [
             ("[controller]\nrate_hz", PUSH),
             ("[limits]\n", limits.as_str()),
+            (back, retreat),
         ];
         let output = run(&edited(&text("plant-odrive"), &edits), folder.path());
         assert_eq!(output.status.code(), Some(1));
@@ -193,7 +200,13 @@ fn a_push_is_a_contact() {
         let [end, _] = ticks[ticks.len() - 1];
         assert!(
             (0.4 + rests..0.44 + rests).contains(&end),
-            "{category}: {end} s"
+            "{category}{retreat}: {end} s"
         );
+        let least = ticks.iter().fold(0.0, |least: f64, [_, vx]| least.min(*vx));
+        // Half of the speed at the push, 0.1 m/s.
+        match retreat.is_empty() {
+            true => assert_eq!(least, 0.0),
+            false => assert!((-0.053..-0.045).contains(&least), "{least} m/s"),
+        }
     }
 }

@@ -24,6 +24,14 @@ pub struct Case {
     pub size: f64,
 }
 
+/// Part of `cases` that a build without optimisation takes: all of them are for `cargo xtask nightly`, which optimises.
+pub const fn share(cases: u32) -> u32 {
+    match cfg!(debug_assertions) {
+        true => cases / 3,
+        false => cases,
+    }
+}
+
 /// Runs `test` on `cases` values of `strategy`, always the same ones.
 ///
 /// # Panics

@@ -34,6 +34,11 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
+            "properties and admission at full length",
+            "test",
+            &["--release", "--test", "properties", "--test", "admission"],
+        ),
+        Step::on_host(
             "ten thousand random paths",
             "test",
             &[
@@ -68,6 +73,10 @@ fn steps() -> Result<Vec<Step>> {
                 "--ignored",
                 "--nocapture",
             ],
+        ),
+        Step::cargo(
+            "emulated boards in fixed point",
+            &["xtask", "emulate", "--fixed"],
         ),
         Step::cargo(
             "the study of integrators",

@@ -133,6 +133,7 @@ DriveFault = Enum(
     Reported=None,
     Silent=None,
     NotOn=None,
+    Stalled=None,
 )
 
 FaultCode = Enum(

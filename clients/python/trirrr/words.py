@@ -53,6 +53,7 @@ _DRIVE = {
     "Reported": "drive {number} reports its code {value:.4g}",
     "Silent": "drive {number} was silent for {value:.4g} of its timeout",
     "NotOn": "drive {number} is not on, though it should be",
+    "Stalled": "drive {number} signals that its motor stalls",
 }
 
 

@@ -14,8 +14,8 @@ use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
     Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
-    HomingCoefficients, Output, Played, Readings, Service, ServiceError, ServiceNumber, Settings,
-    WithContact, WithFeedback, WithHoming,
+    HomingCoefficients, Output, Played, Readings, Retreats, Service, ServiceError, ServiceNumber,
+    Settings, WithContact, WithFeedback, WithHoming,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -220,6 +220,7 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
         let scene = WithContact {
             scene,
             contact: described.contact.as_ref(),
+            retreat: Retreats,
         };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());

@@ -17,6 +17,9 @@ const SLIDING_RAD_S: f64 = 0.05;
 /// Time from one model of the pose to the next, s: at 1 m/s the platform moves by 10 mm.
 const MODEL_S: f64 = 0.01;
 
+/// Longest way back, in time of the path, s.
+const LONGEST_RETREAT_S: f64 = 10.0;
+
 /// Detection of forces at the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -34,6 +37,8 @@ pub struct Contact {
     pub told: (u16, f64),
     /// Stop at a contact.
     pub reaction: StopCategory,
+    /// Time of the path by which the machine goes back after the stop, s; 0 for none.
+    pub retreat_s: f64,
 }
 
 /// Friction of the motors, at the joints.
@@ -68,6 +73,7 @@ impl Contact {
             friction: ContactFriction::default(),
             told: told(drive),
             reaction: StopCategory::StopThenOff,
+            retreat_s: 0.0,
         }
     }
 
@@ -86,6 +92,7 @@ impl Contact {
             late_ticks: self.told.0,
             told_after: self.told.1,
             reaction: self.reaction,
+            retreat_ticks: (self.retreat_s * tick_rate_hz).round() as u32,
         }
     }
 }
@@ -170,6 +177,7 @@ pub(crate) fn read_contact(
         false => Some(default),
     };
     let friction = read_friction(&section);
+    let retreat = read_retreat(&section, reaction);
     let Some(drive) = &needs.drive else {
         root.refuse(
             "contact",
@@ -189,7 +197,23 @@ pub(crate) fn read_contact(
         friction: friction?,
         told: told(drive),
         reaction: reaction?.unwrap_or(StopCategory::StopThenOff),
+        retreat_s: retreat?,
     }))
+}
+
+/// Reads `retreat_s`, 0 without the key. A machine whose drives go off at once goes nowhere.
+fn read_retreat(section: &Section, reaction: Option<Option<StopCategory>>) -> Option<f64> {
+    let key = "retreat_s";
+    if !section.has(key) {
+        return Some(0.0);
+    }
+    let seconds = section.number(key, Bound::Within(0.0, LONGEST_RETREAT_S))?;
+    if reaction == Some(Some(StopCategory::Off)) && seconds > 0.0 {
+        let reason = "the drives go off at once with [faults] contact = 0: take 1 or 2";
+        section.refuse(key, reason);
+        return None;
+    }
+    Some(seconds)
 }
 
 fn read_friction(section: &Section) -> Option<ContactFriction> {

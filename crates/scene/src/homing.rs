@@ -24,6 +24,8 @@ pub struct Homing {
     pub motors: [HomingMotor; 3],
     /// An input has to be the same for so many ticks, from 1.
     pub debounce_ticks: u16,
+    /// A drive that signals a stall while its motor moves is a fault.
+    pub stall_is_fault: bool,
 }
 
 /// Homing and where it stands in the file, for what is checked later.
@@ -45,6 +47,7 @@ impl Homing {
         let angles = geometry.motor_angles(&geometry.position(&start)?);
         let motors = self.motors.map(|motor| HomingMotor {
             search_rate_rad_s: motor.search_rate_rad_s / units.rate_rad_s(),
+            stall_torque_nm: motor.stall_torque_nm / units.torque_nm(),
             latch_rate_rad_s: motor.latch_rate_rad_s / units.rate_rad_s(),
             acceleration_rad_s2: motor.acceleration_rad_s2 / units.acceleration_rad_s2(),
             ..motor
@@ -54,6 +57,7 @@ impl Homing {
             contact: self.contact,
             motors,
             debounce_ticks: self.debounce_ticks,
+            stall_is_fault: self.stall_is_fault,
             start: [in_units.position.x, in_units.position.y, in_units.angle],
             times: HomingTimes::new(
                 self.contact,
@@ -86,17 +90,23 @@ pub(crate) fn read_homing(
     }
     let section = root.section("homing")?;
     let contact = read_contact(&section);
-    let active_high = match section.has("active") && contact != Some(Contact::Unfelt) {
+    let has_inputs = !matches!(contact, Some(Contact::Unfelt | Contact::Torque));
+    let active_high = match has_inputs && section.has("active") {
         true => section.choice("active", &[("high", true), ("low", false)]),
         false => Some(true),
     };
     let motors = read_motors(&section, contact);
     let debounce_ticks = read_debounce(&section, rate);
+    let stall_is_fault = match contact == Some(Contact::Stall) && section.has("stall_fault") {
+        true => section.boolean("stall_fault"),
+        false => Some(false),
+    };
     let homing = Homing {
         contact: contact?,
         active_high: active_high?,
         motors: motors?,
         debounce_ticks: debounce_ticks?,
+        stall_is_fault: stall_is_fault?,
     };
     check(&section, &homing, rate?, limits, drives)?;
     Some(Some(PlacedHoming {
@@ -110,6 +120,14 @@ fn read_contact(section: &Section) -> Option<Contact> {
     let names = [("switches", To::Switches), ("hard-stops", To::HardStops)];
     match section.choice("to", &names) {
         Some(To::Switches) => Some(Contact::Switch),
+        Some(To::HardStops) if section.has("stall_torque_nm") => {
+            if section.has("stall_detection") {
+                let reason = "goes without stall_torque_nm: either the drive says that it stalls, or its torque does";
+                section.refuse("stall_detection", reason);
+                return None;
+            }
+            Some(Contact::Torque)
+        }
         Some(To::HardStops) => match section.boolean("stall_detection")? {
             true => Some(Contact::Stall),
             false => Some(Contact::Unfelt),
@@ -159,6 +177,10 @@ fn read_motors(section: &Section, contact: Option<Contact>) -> Option<[HomingMot
         _ => each(section, "latch_rate_rad_s", Bound::Positive),
     };
     let acceleration = each(section, "acceleration_rad_s2", Bound::Positive);
+    let stall_torque = match contact {
+        Some(Contact::Torque) => each(section, "stall_torque_nm", Bound::Positive),
+        _ => Some([0.0; 3]),
+    };
     let back_off = each(section, "back_off_rad", Bound::Positive);
     let travel = each(section, "travel_max_rad", Bound::Within(0.0, PI));
     let sequence = match section.has("sequence") {
@@ -175,7 +197,7 @@ fn read_motors(section: &Section, contact: Option<Contact>) -> Option<[HomingMot
     };
     let (angle, direction, search, latch) = (angle?, direction?, search?, latch?);
     let (acceleration, back_off) = (acceleration?, back_off?);
-    let (travel, sequence) = (travel?, sequence?);
+    let (travel, sequence, stall_torque) = (travel?, sequence?, stall_torque?);
     Some([0, 1, 2].map(|i| HomingMotor {
         angle_rad: angle[i],
         positive: direction[i] > 0.0,
@@ -184,6 +206,7 @@ fn read_motors(section: &Section, contact: Option<Contact>) -> Option<[HomingMot
         acceleration_rad_s2: acceleration[i],
         back_off_rad: back_off[i],
         travel_max_rad: travel[i],
+        stall_torque_nm: stall_torque[i],
         stage: sequence[i] as u8 - 1,
     }))
 }
@@ -201,6 +224,11 @@ fn check(
         section.refuse(key, reason);
         good = false;
     };
+    let tells = drives.is_some_and(|drives| drives.iter().all(Drive::measures));
+    if homing.contact == Contact::Torque && !tells {
+        let reason = "needs drives that tell their torque: kind = \"can\", or \"bldc\" with encoder_counts_per_rev";
+        refuse("stall_torque_nm", reason.into());
+    }
     for (i, motor) in homing.motors.iter().enumerate() {
         let (number, search) = (i + 1, motor.search_rate_rad_s);
         if motor.latch_rate_rad_s > search {
@@ -258,7 +286,15 @@ fn check(
                     );
                 }
             }
-            Some(DriveKind::Bldc(_)) => {
+            Some(DriveKind::Bldc(bldc)) => {
+                let gear = drives.map_or(1.0, |drives| drives[i].gear_ratio);
+                let most = gear * bldc.torque_constant_nm_a * bldc.current_limit_a;
+                if homing.contact == Contact::Torque && motor.stall_torque_nm >= most {
+                    let reason = format!(
+                        "motor {number} never gives that: its current limit makes {most:?} N m at the joint"
+                    );
+                    refuse("stall_torque_nm", reason);
+                }
                 let counts = drives.and_then(|drives| drives[i].encoder_counts_per_rev);
                 if counts.is_none() {
                     let reason = "a [[drive]] of kind \"bldc\" follows an angle, and so can search, only with \
@@ -266,7 +302,7 @@ fn check(
                     refuse("to", reason.into());
                 } else if homing.contact == Contact::Unfelt {
                     let reason = "a [[drive]] of kind \"bldc\" pushes against a stop with all its torque until \
-                                  something tells: take switches, or stall_detection = true";
+                                  something tells: take switches, or stall_torque_nm";
                     refuse("to", reason.into());
                 }
             }

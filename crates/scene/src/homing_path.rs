@@ -90,7 +90,7 @@ impl Chain<'_> {
                     Contact::Switch => {
                         motor.overrun_rad(homing.contact, homing.debounce_ticks, 1.0 / rate)
                     }
-                    Contact::Stall | Contact::Unfelt => 0.0,
+                    Contact::Stall | Contact::Torque | Contact::Unfelt => 0.0,
                 };
                 ways[i] = sign * (way + overrun);
                 back[i] = -sign * (motor.back_off_rad + overrun);

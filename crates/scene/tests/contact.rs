@@ -39,6 +39,9 @@ fn a_detection_is_read() {
     assert_eq!((least.bandwidth_hz, least.confirm_ticks), (20.0, 2));
     assert_eq!(least.friction.coulomb_nm, [0.0; 3]);
     assert_eq!(least.reaction, StopCategory::StopThenOff);
+    assert_eq!(least.parameters(500.0).retreat_ticks, 0);
+    let back = read("[contact]\nforce_n = 3\ntorque_nm = 0.1\nretreat_s = 0.2\n");
+    assert_eq!(back.parameters(500.0).retreat_ticks, 100);
     let all = read(
         "[faults]\ncontact = 2\n[contact]\nforce_n = 3\ntorque_nm = 0.1\nbandwidth_hz = 50\nconfirm_ticks = 5\n\
          [contact.friction]\ncoulomb_nm = [0.1, 0.2, 0.3]\nviscous_nm_s_rad = 0.01\nsliding_rad_s = 0.1\n",
@@ -111,6 +114,18 @@ fn what_cannot_be_detected_is_refused() {
             "[contact]\nforce_n = 3\ntorque_nm = 0.1\nmoment_nm = 1\n",
             "contact.moment_nm",
             "unknown key",
+        ),
+        (
+            ODRIVE,
+            "[contact]\nforce_n = 3\ntorque_nm = 0.1\nretreat_s = -0.1\n",
+            "contact.retreat_s",
+            "must be from 0 to 10",
+        ),
+        (
+            ODRIVE,
+            "[faults]\ncontact = 0\n[contact]\nforce_n = 3\ntorque_nm = 0.1\nretreat_s = 0.1\n",
+            "contact.retreat_s",
+            "the drives go off at once",
         ),
         (
             ODRIVE,

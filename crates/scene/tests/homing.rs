@@ -103,6 +103,89 @@ fn hard_stops_are_read() {
         (homing.contact, homing.active_high),
         (Contact::Stall, false)
     );
+    assert!(!homing.stall_is_fault);
+    let watched = edit(&felt, "active = \"low\"", 1, "stall_fault = true");
+    let homing = Scene::parse(&watched, "watched.toml").expect("it can be homed");
+    assert!(homing.homing.expect("the table").stall_is_fault);
+}
+
+/// A scene whose drives tell their torque, homed to hard stops that the torque tells.
+fn pressed(stall: &str) -> String {
+    let drive = "kind = \"stepper\"\ngear_ratio = 5.0\nsteps_per_rev = 200\nmicrosteps = 16\nstep_rate_limit_hz = 40000.0\n";
+    let bldc = "kind = \"bldc\"\ngear_ratio = 5.0\nencoder_counts_per_rev = 4096\nresistance_ohm = 1\n\
+                inductance_h = 0.001\ntorque_constant_nm_a = 0.1\nsupply_v = 24\ncurrent_limit_a = 2\n";
+    let text = edit(&edit(HOMED, drive, 1, bldc), "torque = false\n", 1, "");
+    edit(
+        &text,
+        "\"switches\"",
+        1,
+        &format!("\"hard-stops\"\n{stall}"),
+    )
+}
+
+#[test]
+fn hard_stops_that_the_torque_tells_are_read() {
+    let scene = Scene::parse(
+        &pressed("stall_torque_nm = [0.2, 0.3, 0.4]"),
+        "pressed.toml",
+    );
+    let homing = scene.expect("it can be homed").homing.expect("the table");
+    assert_eq!(homing.contact, Contact::Torque);
+    let torques = homing.motors.map(|motor| motor.stall_torque_nm);
+    assert_eq!(torques, [0.2, 0.3, 0.4]);
+    for (text, key, reason) in [
+        (
+            pressed("stall_torque_nm = 0.2\nstall_detection = true"),
+            "homing.stall_detection",
+            "goes without stall_torque_nm",
+        ),
+        (
+            pressed("stall_torque_nm = [0.2, 1.5, 0.2]"),
+            "homing.stall_torque_nm",
+            "motor 2 never gives that: its current limit makes 1.0 N m",
+        ),
+        (
+            pressed("stall_torque_nm = 0"),
+            "homing.stall_torque_nm",
+            "must be greater than 0 (N m)",
+        ),
+        (
+            pressed("stall_torque_nm = 0.2\nactive = \"low\""),
+            "homing.active",
+            "unknown key",
+        ),
+        (
+            pressed("stall_detection = false"),
+            "homing.to",
+            "take switches, or stall_torque_nm",
+        ),
+        (
+            edit(
+                HOMED,
+                "\"switches\"",
+                1,
+                "\"hard-stops\"\nstall_torque_nm = 0.2",
+            ),
+            "homing.stall_torque_nm",
+            "needs drives that tell their torque",
+        ),
+        (
+            edit(
+                HOMED,
+                "\"switches\"",
+                1,
+                "\"switches\"\nstall_torque_nm = 0.2",
+            ),
+            "homing.stall_torque_nm",
+            "unknown key",
+        ),
+    ] {
+        let found = problems(&text);
+        let met = found
+            .iter()
+            .any(|problem| problem.key == key && problem.reason.contains(reason));
+        assert!(met, "{key}: {reason} is not in {found:?}");
+    }
 }
 
 #[test]
@@ -190,6 +273,12 @@ fn what_cannot_be_homed_is_refused() {
             "back_off_rad = 0.05\nsequence = 1.5",
             "homing.sequence",
             "must be whole numbers",
+        ),
+        (
+            "back_off_rad = 0.05",
+            "back_off_rad = 0.05\nstall_fault = true",
+            "homing.stall_fault",
+            "unknown key",
         ),
         (
             "back_off_rad = 0.05",

@@ -49,6 +49,7 @@ mod offered;
 mod pace;
 mod planner;
 mod queue;
+mod retreat;
 mod scene;
 mod service;
 mod settings;
@@ -78,6 +79,7 @@ pub use number::ServiceNumber;
 pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
+pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
     Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact, WithFeedback,
     WithHoming,

@@ -47,7 +47,13 @@ type MeasuredScene = WithFeedback<'static, HomedScene>;
 #[cfg(not(contact))]
 pub(crate) type ImageScene = MeasuredScene;
 #[cfg(contact)]
-pub(crate) type ImageScene = WithContact<'static, MeasuredScene>;
+pub(crate) type ImageScene = WithContact<'static, MeasuredScene, Retreat>;
+
+/// Retreat of this image after a contact.
+#[cfg(all(contact, not(retreat)))]
+use trirrr_service::NoRetreat as Retreat;
+#[cfg(retreat)]
+use trirrr_service::Retreats as Retreat;
 
 /// Content of what the drives tell in a tick.
 pub type Readings = trirrr_service::ReadingsOf<ImageScene>;
@@ -101,6 +107,7 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     let scene = WithContact {
         scene,
         contact: Some(&CONTACT),
+        retreat: Retreat,
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

@@ -113,9 +113,13 @@ fn print_kinds(scene: &Scene) {
     }
 }
 
-/// Sets `cfg(contact)` for a scene that detects contacts, or `cfg(contact_refused)` where the number type `scalar` cannot.
+/// Sets `cfg(contact)` for a scene that detects contacts, and `cfg(retreat)` if it goes back then, or `cfg(contact_refused)` where the number type `scalar` cannot.
 fn print_contact(scene: &Scene, scalar: &str) {
-    println!("cargo:rustc-check-cfg=cfg(contact, contact_refused)");
+    println!("cargo:rustc-check-cfg=cfg(contact, contact_refused, retreat)");
+    let retreats = |contact: &trirrr_scene::Contact| contact.retreat_s > 0.0;
+    if scene.contact.as_ref().is_some_and(retreats) && scalar != FIXED {
+        println!("cargo:rustc-cfg=retreat");
+    }
     match (scene.contact.is_some(), scalar == FIXED) {
         (true, false) => println!("cargo:rustc-cfg=contact"),
         (true, true) => println!("cargo:rustc-cfg=contact_refused"),

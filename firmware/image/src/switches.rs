@@ -59,6 +59,7 @@ mod tests {
             acceleration_rad_s2: 2.0,
             back_off_rad: 0.1,
             travel_max_rad: 1.0,
+            stall_torque_nm: 0.0,
             stage: 0,
         };
         let parameters = HomingParameters {
@@ -66,6 +67,7 @@ mod tests {
             // The last beyond half a turn from where it is counted.
             motors: [motor(0.4, true), motor(-0.4, false), motor(-3.1, true)],
             debounce_ticks: 3,
+            stall_is_fault: false,
             start: [0.0; 3],
             times: HomingTimes::default(),
         };

@@ -83,11 +83,13 @@ impl Device<'_> {
                 let commanded = motors::angles(machine.motors());
                 let offset =
                     offset.unwrap_or_else(|| Motors::some_offset(&homing, scene.key, commanded));
-                Motors::new(scene, homing, commanded, offset)
+                Motors::new(scene, homing, commanded, offset, units.torque_nm())
             });
-            // Drives stand anywhere: at the start of the job, unless they are told otherwise.
+            // Drives stand anywhere: at the start of the job, unless they are told otherwise. Those that have to be homed count
+            // from there, wherever their joints are.
             let drives = scene.feedback.map(|_| {
-                let off = offset.unwrap_or_default();
+                let off = offset.filter(|_| scene.homing.is_none());
+                let off = off.unwrap_or_default();
                 let stand = motors::angles(machine.motors());
                 let angle = |i: usize| N::angle_from_f64(motors::wrapped(stand[i] + off[i]));
                 ObeyingDrives::new([angle(0), angle(1), angle(2)])

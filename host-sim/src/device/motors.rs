@@ -4,6 +4,7 @@
 use core::f64::consts::{PI, TAU};
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
+use trirrr_protocol::message::DriveReading;
 use trirrr_scene::{DriveKind, Homing, Scene};
 use trirrr_service::Contact;
 
@@ -11,6 +12,9 @@ use trirrr_service::Contact;
 pub(super) fn angles<N: Number>(motors: &[Motor<N>; 3]) -> [f64; 3] {
     motors.each_ref().map(|motor| N::angle_to_f64(motor.angle))
 }
+
+/// Torque of a motor at its stop, over that which tells the stop.
+const PRESS: f64 = 1.5;
 
 /// Motors, and the switches or stops that they meet.
 pub(super) struct Motors {
@@ -25,15 +29,18 @@ pub(super) struct Motors {
     rest: [f64; 3],
     /// Pressed against a stop.
     stalls: [bool; 3],
+    /// One unit of torque of the machine, N m.
+    torque_nm: f64,
 }
 
 impl Motors {
-    /// Of `scene`, `offset` rad from where the machine counts from, `commanded`.
+    /// Of `scene`, `offset` rad from where the machine counts from, `commanded`. `torque_nm` is the machine's unit of torque.
     pub(super) fn new(
         scene: &Scene,
         homing: Homing,
         commanded: [f64; 3],
         offset: [f64; 3],
+        torque_nm: f64,
     ) -> Self {
         let steps = match &scene.drives {
             Some(drives) => drives.map(|drive| match drive.kind {
@@ -52,6 +59,7 @@ impl Motors {
             commanded,
             rest: [0.0; 3],
             stalls: [false; 3],
+            torque_nm,
         }
     }
 
@@ -71,9 +79,10 @@ impl Motors {
     /// Inputs of homing: true in a switch, or while a motor stalls.
     pub(super) fn inputs(&self) -> [bool; 3] {
         [0, 1, 2].map(|i| match self.homing.contact {
-            Contact::Switch => self.beyond(i) >= 0.0,
+            Contact::Switch => self.past(i) >= 0.0,
             Contact::Stall => self.stalls[i],
-            Contact::Unfelt => false,
+            // The drives tell a torque.
+            Contact::Torque | Contact::Unfelt => false,
         })
     }
 
@@ -91,15 +100,12 @@ impl Motors {
             self.rest[i] = way - taken;
             self.commanded[i] = commanded[i];
             self.angles[i] += taken;
-            let over = self.beyond(i);
+            let over = self.past(i);
             self.stalls[i] = self.homing.contact != Contact::Switch && over > 0.0;
-            if self.stalls[i] {
-                let sign = if self.homing.motors[i].positive {
-                    1.0
-                } else {
-                    -1.0
-                };
-                self.angles[i] -= sign * over;
+            // A drive that follows its joint loses nothing.
+            let loses = self.stalls[i] && self.homing.contact != Contact::Torque;
+            if loses {
+                self.angles[i] -= self.sign(i) * over;
             }
         }
     }
@@ -109,11 +115,29 @@ impl Motors {
         [0, 1, 2].map(|i| wrapped(self.angles[i] - self.commanded[i]))
     }
 
+    /// Puts the joints of drives that tell their torque at the stops against which they press.
+    pub(super) fn press<N: Number>(&self, readings: &mut [DriveReading<N>; 3]) {
+        for (i, reading) in readings.iter_mut().enumerate() {
+            if self.homing.contact == Contact::Torque && self.stalls[i] {
+                let sign = self.sign(i);
+                let stall = self.homing.motors[i].stall_torque_nm / self.torque_nm;
+                reading.torque = N::from_f64(sign * PRESS * stall);
+                reading.angle = reading.angle - N::angle_from_f64(sign * self.past(i));
+            }
+        }
+    }
+
     /// Joint angle of motor `i` beyond its reference, rad; negative before.
-    fn beyond(&self, i: usize) -> f64 {
-        let motor = &self.homing.motors[i];
-        let way = wrapped(self.angles[i] - motor.angle_rad);
-        if motor.positive { way } else { -way }
+    fn past(&self, i: usize) -> f64 {
+        self.sign(i) * wrapped(self.angles[i] - self.homing.motors[i].angle_rad)
+    }
+
+    /// 1 if motor `i` turns counter-clockwise towards its reference, else -1.
+    fn sign(&self, i: usize) -> f64 {
+        match self.homing.motors[i].positive {
+            true => 1.0,
+            false => -1.0,
+        }
     }
 }
 

@@ -58,7 +58,11 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             self.machine.inputs(motors.inputs());
         }
         if let Some(drives) = &self.drives {
-            self.machine.hear(drives.measure());
+            let mut readings = drives.measure();
+            if let Some(motors) = &self.motors {
+                motors.press(&mut readings);
+            }
+            self.machine.hear(readings);
         }
         self.machine.tick();
         let shift = self.machine.shift();

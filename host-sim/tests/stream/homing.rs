@@ -98,3 +98,26 @@ fn a_switch_that_is_never_found_is_named_with_its_motor() {
     assert!(summary.contains("4 of 4 moves done\n"), "{summary}");
     assert_eq!(ticks(&folder.path().join("out")), run(&folder));
 }
+
+/// Amplifiers and encoders are homed to hard stops that the torque of their loops tells.
+#[cfg(unix)]
+#[test]
+fn hard_stops_are_felt_by_the_torque() {
+    let homing = "[homing]\nto = \"hard-stops\"\nstall_torque_nm = 0.2\nangle_rad = [0.376, -2.196, 2.38]\n\
+                  direction = [1, -1, -1]\nsearch_rate_rad_s = 0.4\nlatch_rate_rad_s = 0.05\n\
+                  acceleration_rad_s2 = 4.0\nback_off_rad = 0.05\ntravel_max_rad = 0.8\n\n[job]";
+    let folder = scene("plant-thesis", &[("[job]", homing)]);
+    let whole = run(&folder);
+    for offset in [["0.2", "-0.15", "0.1"], ["-0.1", "0.02", "-0.2"]] {
+        let more = [&["--speed", "5", "--offset-rad"][..], &offset].concat();
+        let mut device = Device::start(&folder, &more);
+        let output = stream(&folder, &device.address, &[]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert_eq!(ticks(&folder.path().join("out")), whole, "{offset:?}");
+        device.lines.wait_for("a motor is found");
+        device.process.interrupt();
+        for error in errors(&device.lines.wait_for("switched off")) {
+            assert!(error.abs() <= 1e-6, "{error} rad with {offset:?}");
+        }
+    }
+}

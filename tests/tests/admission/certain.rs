@@ -5,6 +5,7 @@ use crate::judge::judge;
 use crate::moves::{in_type, offer};
 use trirrr_service::admission::Enclose;
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
+use trirrr_tests::random::share;
 
 const DENSITY: Density = Density {
     samples: 200,
@@ -13,10 +14,10 @@ const DENSITY: Density = Density {
 
 /// Judges `count` random moves with limits as near as 1e-6 of what they need. Of those that break a limit by
 /// more than 1e-4 of it, by the samples, no more than `unproven` in a hundred may be called unproven.
-fn study<N: Enclose>(count: usize, unproven: u32) {
+fn study<N: Enclose>(count: u32, unproven: u32) {
     let mut draw = Draw::new(77);
     let (mut broken, mut doubted) = (0, 0);
-    for case in machines(77).take(count) {
+    for case in machines(77).take(count as usize) {
         let offer = offer(&within_a_turn(&case), &mut draw, DENSITY, 1e-6);
         let offered = in_type::<N>(&offer.offered);
         let excess = extremes(&offer.setting, offered, DENSITY).excess(&offer.setting);
@@ -39,16 +40,16 @@ fn study<N: Enclose>(count: usize, unproven: u32) {
         }
     }
     println!("{broken} break a limit, {doubted} of them are only called unproven");
-    assert!(broken > count as u32 / 10);
+    assert!(broken > count / 10);
     assert!(doubted * 100 <= broken * unproven, "{doubted} of {broken}");
 }
 
 #[test]
 fn what_is_certain_is_so_f64() {
-    study::<f64>(200, 1);
+    study::<f64>(share(300), 1);
 }
 
 #[test]
 fn what_is_certain_is_so_f32() {
-    study::<f32>(200, 10);
+    study::<f32>(share(300), 10);
 }

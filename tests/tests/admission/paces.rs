@@ -7,6 +7,7 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::AnyMove;
 use trirrr_service::{Pace, Ramp};
 use trirrr_tests::draw::{Draw, machines};
+use trirrr_tests::random::share;
 
 /// Limits that are as near to what the move needs at a constant pace.
 fn limited(setting: &mut Setting, offered: &AnyMove<f64>, draw: &mut Draw) -> bool {
@@ -44,7 +45,7 @@ fn limited(setting: &mut Setting, offered: &AnyMove<f64>, draw: &mut Draw) -> bo
 fn proven_rates_keep_the_limits() {
     let mut draw = Draw::new(41);
     let (mut admitted, mut lowered, mut parts) = (0, 0, 0);
-    for (index, case) in machines(43).take(400).enumerate() {
+    for (index, case) in machines(43).take(share(450) as usize).enumerate() {
         let (cubic, period_s, ramp_ticks) = random_move(&case, &mut draw);
         let offered = match index % 2 {
             0 => AnyMove::from(&cubic),
@@ -76,5 +77,5 @@ fn proven_rates_keep_the_limits() {
         lowered += all.filter(|pace| *pace != Pace::FULL).count();
     }
     println!("{admitted} admitted; {lowered} of {parts} ticks have lower rates");
-    assert!(admitted > 100 && lowered * 4 > parts && lowered < parts);
+    assert!(admitted > share(100) && lowered * 4 > parts && lowered < parts);
 }

@@ -13,7 +13,7 @@ use trirrr_core::reaction::Reactions;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::status::Status;
 use trirrr_tests::evaluate::{distances, evaluate};
-use trirrr_tests::random::{Case, case, for_all};
+use trirrr_tests::random::{Case, case, for_all, share};
 use trirrr_tests::results;
 
 /// A number of any size that `N` can hold, favouring what breaks formulas.
@@ -236,14 +236,14 @@ fn reachable<N: Number>(cases: u32) {
 
 #[test]
 fn any_numbers_end_in_results_or_a_status_in_f64() {
-    any_numbers::<f64>(20_000);
-    reachable::<f64>(5000);
+    any_numbers::<f64>(share(20_000));
+    reachable::<f64>(share(5000));
 }
 
 #[test]
 fn any_numbers_end_in_results_or_a_status_in_f32() {
-    any_numbers::<f32>(20_000);
-    reachable::<f32>(5000);
+    any_numbers::<f32>(share(20_000));
+    reachable::<f32>(share(5000));
 }
 
 /// Joint forces of an ordinary machine are finite wherever its torques are.

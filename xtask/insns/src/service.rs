@@ -66,6 +66,7 @@ pub fn scene() -> CountedScene {
     let scene = trirrr_service::WithContact {
         scene,
         contact: Some(&crate::scene::CONTACT),
+        retreat: trirrr_service::NoRetreat,
     };
     scene
 }

@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::repository::{self, SceneFile};
 use crate::symbols;
 use crate::table::table;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use board::Board;
 use clap::ValueEnum;
 use clients::{Clients, HomingInputs, JobClient};
@@ -38,6 +38,9 @@ const LINE_SCENE: &str = "chained";
 pub(crate) struct EmulateArgs {
     /// Scenes, by name or file; all that are for a board without
     scenes: Vec<String>,
+    /// Play each scene whose job is no path in fixed point, too, besides its own number type
+    #[arg(long)]
+    fixed: bool,
     /// Part to run; repeat for more
     #[arg(long, value_enum, default_values_t = [EmulationPart::Jobs])]
     part: Vec<EmulationPart>,
@@ -122,7 +125,7 @@ fn jobs(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         let mut scalars = vec![own];
         // A plan uses the limits fully, and is proven in the scene's own number type: rounded otherwise, it is refused.
         let may_be_fixed = read.job.path.is_none() && scene.name != SIMULATED;
-        if arguments.scenes.is_empty() && own != "fixed" && may_be_fixed {
+        if arguments.fixed && own != "fixed" && may_be_fixed {
             scalars.push("fixed");
         }
         let contact = read.homing.map(|homing| homing.contact);
@@ -166,6 +169,8 @@ fn jobs_of(
     let built = Built::new(scene, scalar)?;
     let mut rows = Vec::new();
     let built = match contact {
+        // The emulated drives obey: a motor presses against nothing.
+        Some(Contact::Torque) => bail!("{}: an emulated stop has no torque", scene.name),
         None | Some(Contact::Unfelt) => built,
         Some(Contact::Switch | Contact::Stall) => {
             // In an emulator its inputs stay low.

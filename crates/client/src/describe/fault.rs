@@ -20,6 +20,7 @@ fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
         DriveFault::Reported => format!("{drive} reports its code {value}"),
         DriveFault::Silent => format!("{drive} was silent for {value} of its timeout"),
         DriveFault::NotOn => format!("{drive} is not on, though it should be"),
+        DriveFault::Stalled => format!("{drive} signals that its motor stalls"),
     }
 }
 

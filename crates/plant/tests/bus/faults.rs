@@ -135,14 +135,14 @@ fn case<P: Protocol, const LONGEST: usize>(
     assert_eq!(bench.torques(), [0.0; 3], "{context}");
 }
 
-fn inject(cases: u64) {
+fn inject(seeds: std::ops::Range<u64>) {
     let slow = (TICK_RATE_HZ / (ODRIVE_HZ / 21.0)).ceil() as u32;
     let kind = |state_ticks, too_hot, idles_unseen| Kind {
         state_ticks,
         too_hot,
         idles_unseen,
     };
-    for seed in 0..cases {
+    for seed in seeds {
         let random = &mut Random(seed);
         match seed % 4 {
             0 => case(
@@ -167,11 +167,19 @@ fn inject(cases: u64) {
 
 #[test]
 fn every_fault_ends_as_it_should() {
-    inject(160);
+    inject(0..160);
 }
 
 #[test]
 #[ignore = "minutes of run time; cargo xtask nightly runs it, optimised"]
-fn a_hundred_thousand_faults_end_as_they_should() {
-    inject(100_000);
+fn a_million_faults_end_as_they_should() {
+    let part = 1_000_000 / WORKERS;
+    std::thread::scope(|scope| {
+        for worker in 0..WORKERS {
+            scope.spawn(move || inject(worker * part..(worker + 1) * part));
+        }
+    });
 }
+
+/// Threads of the test of a million faults.
+const WORKERS: u64 = 8;

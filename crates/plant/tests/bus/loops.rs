@@ -14,7 +14,8 @@ use trirrr_plant::loop_drives::SimulatedLoops;
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
 use trirrr_scene::Scene;
 use trirrr_service::{
-    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, Settings, WithFeedback,
+    Adjustable, Channels, Contact, FeedbackCoefficients, FeedbackParameters, HomingCoefficients,
+    HomingMotor, HomingParameters, HomingTimes, Settings, WithFeedback, WithHoming,
 };
 
 type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
@@ -231,5 +232,133 @@ fn parts_that_fail_are_faults() {
             }
         }
         assert_eq!(ended.off_torque, 0.0, "{context}");
+    }
+}
+
+/// Stiffness and damping of a hard stop, N m/rad and N m s/rad, and the torque that tells it, N m.
+const STOP: [f64; 2] = [2e4, 5.0];
+const STALL_TORQUE: f64 = 1.0;
+
+/// Homes a machine whose joints stand `offset` from where they are counted from, against hard stops that the loops feel. Returns
+/// how far what the loops tell is from the joints then, and the largest torque on a stop.
+fn home(offset: [f64; 3]) -> ([f64; 3], f64) {
+    let counted = angles_at(HOME).unwrap();
+    let pose = Pose::from_f64(HOME[0], HOME[1], HOME[2]);
+    let positive = [true, false, true];
+    let sign = positive.map(|positive| if positive { 1.0 } else { -1.0 });
+    let period = 1.0 / TICK_RATE_HZ;
+    let motors = [0, 1, 2].map(|i| HomingMotor {
+        angle_rad: wrapped(counted[i] + 0.4 * sign[i]),
+        positive: positive[i],
+        search_rate_rad_s: 0.5,
+        latch_rate_rad_s: 0.05,
+        acceleration_rad_s2: 5.0,
+        back_off_rad: 0.1,
+        travel_max_rad: 1.0,
+        stall_torque_nm: STALL_TORQUE,
+        stage: 0,
+    });
+    let debounce_ticks = 3;
+    let settings = Settings::at(TICK_RATE_HZ);
+    let homing = HomingParameters {
+        contact: Contact::Torque,
+        motors,
+        debounce_ticks,
+        stall_is_fault: false,
+        start: HOME,
+        times: HomingTimes::new(
+            Contact::Torque,
+            &motors,
+            debounce_ticks,
+            counted,
+            period,
+            settings.ramp.ticks,
+        ),
+    };
+    let watch = FeedbackParameters {
+        timeout_ticks: 20,
+        enable_ticks: 200,
+        still_rad: 2e-3,
+        standing_rad: 0.01,
+        moving_rad: 0.1,
+        window_ticks: WINDOW_TICKS,
+    };
+    let geometry = Geometry::<f64>::build(&example()).unwrap();
+    let feedback = FeedbackCoefficients::build(&watch, &example(), &geometry, pose).unwrap();
+    let homing = HomingCoefficients::build(&homing, period);
+    let scene = WithFeedback {
+        scene: WithHoming {
+            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
+            homing: Some(&homing),
+        },
+        feedback: Some(&feedback),
+    };
+    let mut channels = Box::new(Channels::<_, 8, 8>::new());
+    let mut service = channels.service(scene, pose, settings).unwrap();
+    let mut loops = SimulatedLoops::build::<f64>(&self::scene(), PER_TICK, Units::SI, counted);
+    let loops = loops.as_mut().unwrap();
+    let mut joints = [0, 1, 2].map(|i| counted[i] + offset[i]);
+    let (mut rates, mut pressed) = ([0.0_f64; 3], 0.0_f64);
+    let step = period / f64::from(PER_TICK);
+    for tick in 0..20_000 {
+        match (tick, service.state()) {
+            (5, _) => assert_eq!(service.submit(&Command::Enable), Reply::Done),
+            (_, State::Unhomed) => assert_eq!(service.submit(&Command::Home), Reply::Done),
+            (_, State::Idle) => break,
+            (_, State::Fault) => panic!("{:?}", service.status().fault),
+            _ => {}
+        }
+        if tick % 100 == 0 {
+            service.submit(&Command::Status);
+        }
+        while service.step() {}
+        while service.poll().is_some() {}
+        service.hear(loops.measure());
+        let output = *service.tick();
+        if let Some(by) = service.shift() {
+            loops.shift::<f64>(by);
+        }
+        loops.apply(&output);
+        for _ in 0..PER_TICK {
+            // The encoders count from where the joints were.
+            let torques = loops.step([0, 1, 2].map(|i| joints[i] - offset[i]));
+            for i in 0..3 {
+                if !output.is_on() {
+                    continue;
+                }
+                let into = sign[i] * wrapped(joints[i] - motors[i].angle_rad);
+                let push = match into > 0.0 {
+                    true => (STOP[0] * into + STOP[1] * sign[i] * rates[i]).max(0.0),
+                    false => 0.0,
+                };
+                pressed = pressed.max(push);
+                let torque = torques[i] - sign[i] * push + LOAD - VISCOUS * rates[i];
+                rates[i] += step * torque / INERTIA;
+                joints[i] += step * rates[i];
+            }
+        }
+    }
+    assert_eq!(service.state(), State::Idle, "not homed");
+    let readings = loops.measure::<f64>();
+    let off = [0, 1, 2].map(|i| wrapped(readings[i].angle - joints[i]));
+    (off, pressed)
+}
+
+/// Amplifiers and encoders find hard stops by the torque of their loops, from wherever the joints stand: to two counts.
+#[test]
+fn loops_are_homed_to_hard_stops_by_their_torque() {
+    let mut random = Random(11);
+    let count = TAU / COUNTS_PER_TURN;
+    for _ in 0..12 {
+        let offset = [0, 1, 2].map(|_| (f64::from(random.below(5000)) - 2500.0) * 1e-4);
+        let (off, pressed) = home(offset);
+        for each in off {
+            assert!(each.abs() <= 2.0 * count, "{offset:?}: {off:?}");
+        }
+        // The joint's impact at the rate of the search, and what the loops press with: their torque rises by 500 N m/rad times
+        // 0.5 rad/s in the ticks that confirm it.
+        let impact = 0.5 * (STOP[0] * INERTIA).sqrt();
+        let most = impact + STALL_TORQUE + LOAD + 500.0 * 0.5 * 5.0 / TICK_RATE_HZ;
+        assert!(pressed > STALL_TORQUE && pressed < most, "{pressed} N m");
     }
 }

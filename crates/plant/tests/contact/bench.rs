@@ -159,6 +159,7 @@ impl Bench {
                 feedback: Some(Box::leak(Box::new(feedback))),
             },
             contact: Some(Box::leak(Box::new(contact))),
+            retreat: NoRetreat,
         };
         let channels = Box::leak(Box::new(Channels::<Scene, 8, 8>::new()));
         let service = channels
@@ -366,6 +367,7 @@ pub(crate) const fn detection(
         late_ticks: 0,
         told_after: 0.5,
         reaction: StopCategory::StopAndHold,
+        retreat_ticks: 0,
     }
 }
 

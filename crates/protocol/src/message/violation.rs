@@ -181,6 +181,8 @@ pub enum DriveFault {
     Silent,
     /// The drive is not on, though it should be.
     NotOn,
+    /// The drive signals that its motor does not follow.
+    Stalled,
 }
 
 impl FaultCode {

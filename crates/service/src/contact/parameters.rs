@@ -32,6 +32,9 @@ pub struct ContactParameters {
     pub told_after: f64,
     /// Stop at a contact.
     pub reaction: StopCategory,
+    /// Ticks of the path by which the machine goes back once it has come to rest; 0 for none. Only a scene that
+    /// [retreats](crate::Retreats) does.
+    pub retreat_ticks: u32,
 }
 
 /// Coefficients of contact detection: plain numbers, so that whoever builds an image can write them as constants. In SI
@@ -63,6 +66,7 @@ pub struct ContactThresholds<N> {
     pub(crate) model_ticks: u16,
     pub(crate) late_ticks: u16,
     pub(crate) reaction: StopCategory,
+    pub(crate) retreat_ticks: u32,
 }
 
 to_source!([N: Number] ContactCoefficients [N] in trirrr_service {
@@ -83,6 +87,7 @@ to_source!([N: Number] ContactThresholds [N] in trirrr_service {
     model_ticks: u16,
     late_ticks: u16,
     reaction: StopCategory,
+    retreat_ticks: u32,
 });
 
 impl<N: Number> ContactCoefficients<N> {
@@ -117,6 +122,7 @@ impl<N: Number> ContactCoefficients<N> {
                 model_ticks: contact.model_ticks,
                 late_ticks: contact.late_ticks,
                 reaction: contact.reaction,
+                retreat_ticks: contact.retreat_ticks,
             },
         })
     }

@@ -63,6 +63,12 @@ impl<'q, N: ServiceNumber> ContactWatch<'q, N> {
             })
     }
 
+    /// Ticks of the path by which the machine goes back after the stop.
+    pub(crate) fn retreat_ticks(&self) -> u32 {
+        let coefficients = self.coefficients.as_ref();
+        coefficients.map_or(0, |coefficients| coefficients.thresholds.retreat_ticks)
+    }
+
     /// A tick in which nothing is known of the torques: the next one begins anew.
     #[inline]
     pub(crate) fn pause(&mut self) {

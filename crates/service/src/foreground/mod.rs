@@ -4,6 +4,7 @@ mod orders;
 mod output;
 mod play;
 mod report;
+mod retreat;
 mod splice;
 mod supply;
 
@@ -17,6 +18,7 @@ use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::homing::Homing;
 use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
+use super::retreat::{RetreatKind, TrailOf};
 use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
 use super::splice::{Optional, TickSplices};
@@ -59,6 +61,8 @@ pub struct Foreground<'q, S: Scene> {
     current: Option<QueuedMove<S::N, S::Curves>>,
     position: PathPosition,
     part: Part,
+    /// Moves to go back on after a contact.
+    trail: TrailOf<S>,
     /// Room of all parts that were begun.
     passed: RoomCount,
     feed: FeedScale,
@@ -160,6 +164,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             current: None,
             position: PathPosition::START,
             part: Part::WHOLE,
+            trail: <S::Retreat as RetreatKind>::trail(),
             passed: RoomCount::NOTHING,
             feed,
             held: false,
@@ -210,7 +215,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         inputs: <S::Homing as Homing<N>>::Inputs,
         observe: impl FnOnce(&Setpoint<N>, &Motion<N>),
     ) -> &Output<N> {
-        self.homing.listen(inputs, &self.output.motors);
+        let readings = self.feedback.get().and_then(|watch| watch.readings());
+        self.homing.listen(inputs, &self.output.motors, readings);
         self.listen();
         self.watch();
         self.take_splice();
@@ -397,6 +403,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         if let Some(splices) = self.splices.get_mut() {
             splices.drop_queue();
         }
+        self.forget_trail();
         self.feed.end();
         self.held = false;
         self.done = self.begun;

@@ -111,6 +111,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// At the start of a path, which starts at rest: normal speed at once.
     pub(super) fn begin(&mut self) {
         self.position = PathPosition::START;
+        self.forget_trail();
         self.feed.start();
         self.held = false;
         self.silent = 0;

@@ -110,7 +110,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         match category {
             StopCategory::Off => self.switch_off(),
-            category => self.react(category),
+            category => {
+                self.want_retreat(broken.code);
+                self.react(category);
+            }
         }
     }
 

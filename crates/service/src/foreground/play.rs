@@ -26,6 +26,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Fault | State::Cleared | State::Unhomed => return Target::Still,
             State::Reacting if self.path == Path::None => return self.switch(),
             State::Disabled | State::Enabling | State::Disabling => return self.switch(),
+            State::Reacting if self.goes_back() => return self.go_back(),
             _ => {}
         }
         let step = if started {
@@ -85,6 +86,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                         self.feed.end();
                         self.transition_to(State::Holding, Acting::QueueDry);
                     }
+                    return;
+                }
+                if self.begin_retreat() {
                     return;
                 }
                 self.current = None;
@@ -297,6 +301,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn take_next(&mut self) {
         let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
         self.position.tick = self.position.tick.saturating_sub(ticks);
+        self.leave_behind(ticks);
         self.begin_next();
     }
 
@@ -369,7 +374,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Part of a tick at which the path position is; none at a whole tick.
     #[inline]
-    fn part(&self) -> Option<N> {
+    pub(super) fn part(&self) -> Option<N> {
         let part = self.position.part;
         (part != 0).then(|| N::fraction(part, &self.counts.part))
     }
@@ -396,7 +401,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// q' u and q'' u^2 + q' u'.
     #[inline(never)]
-    fn scaled(&self, on_path: &Setpoint<N>, step: Step) -> Setpoint<N> {
+    pub(super) fn scaled(&self, on_path: &Setpoint<N>, step: Step) -> Setpoint<N> {
         let (speed, change) = self.speed(step);
         let mut acceleration = on_path.acceleration * speed * speed;
         if let Some(change) = change {
@@ -412,6 +417,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// The speed along the path is 0 from now on, until something is done about it.
     #[inline(never)]
     fn come_to_rest(&mut self) {
+        if self.begin_retreat() {
+            return;
+        }
         match self.state {
             State::Slowing => self.transition_to(State::Holding, self.acting),
             State::Stopping | State::Reacting => {

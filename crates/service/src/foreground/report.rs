@@ -48,7 +48,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             tick: self.clock,
             state: self.state,
             acting: self.acting,
-            number: self.begun.wrapping_sub(1),
+            number: self.number_under_way(),
             at: self.position.tick,
             part: self.position.part,
             setpoint: *setpoint,

@@ -114,6 +114,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.generation = self.generation.wrapping_add(1);
         // The part of a tick goes on.
         self.position.tick = self.position.tick.saturating_sub(tick);
+        self.leave_behind(tick);
         self.begin_next();
         self.done = self.number();
         self.unreported = true;

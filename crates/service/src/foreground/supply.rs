@@ -3,12 +3,13 @@
 use super::output::Power;
 use super::{Foreground, Path, Target};
 use crate::feedback::EnableProgress;
+use crate::guard::LimitBreach;
 use crate::homing::Homing;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::settings::{PowerTimes, Reactions, StopCategory};
 use crate::splice::Optional;
-use trirrr_protocol::message::{Acting, DriveState, FaultCode, State};
+use trirrr_protocol::message::{Acting, DriveFault, DriveState, FaultCode, State};
 
 /// Progress of switching on or off.
 pub(super) struct Supply {
@@ -297,6 +298,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Watches the drives that are on.
     #[inline]
     pub(super) fn watch(&mut self) {
+        let stalled = self.homing.stalled(&self.output.motors);
+        if let Some(motor) = stalled.filter(|_| self.output.is_on()) {
+            self.latch(LimitBreach {
+                code: FaultCode::Drive(DriveFault::Stalled),
+                index: Some(motor),
+                value: N::ONE,
+                limit: N::ZERO,
+            });
+        }
         let is_on = match self.state {
             State::Enabling => self.supply.phase == EnablePhase::Done,
             _ => self.output.is_on(),

@@ -13,6 +13,8 @@ pub struct HomingCoefficients<N: Number> {
     pub(crate) contact: Contact,
     /// An input has to be the same for so many ticks.
     pub(crate) debounce_ticks: u16,
+    /// A stall outside homing is a fault.
+    pub(crate) stall_is_fault: bool,
     /// Length of a tick.
     pub(crate) period: N::Factor,
     /// Durations of the parts.
@@ -26,6 +28,7 @@ pub struct HomingCoefficients<N: Number> {
 to_source!([N: Number] HomingCoefficients [N] in trirrr_service {
     contact: Contact,
     debounce_ticks: u16,
+    stall_is_fault: bool,
     period: N::Factor,
     times: HomingTimes,
     axes: [HomingAxis<N>; 3],
@@ -51,6 +54,8 @@ pub struct HomingAxis<N: Number> {
     pub(crate) search: N,
     /// and of the second approach.
     pub(crate) latch: N,
+    /// Torque from which on it presses against a stop, towards the reference.
+    pub(crate) stall_torque: N,
     /// Acceleration, positive,
     pub(crate) acceleration: N,
     /// and the change of the rate in a tick.
@@ -66,6 +71,7 @@ to_source!([N: Number] HomingAxis [N] in trirrr_service {
     travel: N,
     search: N,
     latch: N,
+    stall_torque: N,
     acceleration: N,
     slope: N,
 });
@@ -77,6 +83,7 @@ impl<N: Number> HomingCoefficients<N> {
         Self {
             contact: parameters.contact,
             debounce_ticks: parameters.debounce_ticks,
+            stall_is_fault: parameters.stall_is_fault,
             period: N::factor_from_f64(period),
             times: parameters.times,
             axes: parameters
@@ -114,6 +121,7 @@ impl<N: Number> HomingAxis<N> {
             travel: N::from_f64(motor.travel_max_rad),
             search: N::from_f64(sign * motor.search_rate_rad_s),
             latch: N::from_f64(sign * motor.latch_rate_rad_s),
+            stall_torque: N::from_f64(sign * motor.stall_torque_nm),
             acceleration: N::from_f64(motor.acceleration_rad_s2),
             slope: N::from_f64(motor.acceleration_rad_s2 * period),
         }

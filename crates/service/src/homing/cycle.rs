@@ -4,6 +4,7 @@ use super::Progress;
 use super::coefficients::{HomingAxis, HomingCoefficients};
 use super::input::Input;
 use super::parameters::Contact;
+use crate::feedback::Readings;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, JointSetpoint};
 use trirrr_core::setpoint::{shorter_way, wrapped};
@@ -29,7 +30,7 @@ pub struct Cycle<'a, N: Number> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<N: Number> {
     input: Input,
-    /// Angle of the motor when its input last began to change.
+    /// Angle of the motor when its input last began to change; at a stop that is felt by the torque, its measured one.
     changed_at: N::Angle,
     /// Angle of the motor when its input closed; none while it is on its way.
     found: Option<N::Angle>,
@@ -69,6 +70,14 @@ enum After {
 }
 
 impl<N: Number> HomingAxis<N> {
+    /// Returns true if a motor with this torque presses against its stop.
+    fn presses(&self, torque: N) -> bool {
+        match self.search > N::ZERO {
+            true => torque >= self.stall_torque,
+            false => torque <= self.stall_torque,
+        }
+    }
+
     /// The rate a tick after `rate`, on the way to `wanted`, and the acceleration until then.
     fn towards(&self, rate: N, wanted: N) -> (N, N) {
         let missing = wanted - rate;
@@ -104,13 +113,45 @@ impl<'a, N: Number> Cycle<'a, N> {
         }
     }
 
-    pub(super) fn listen(&mut self, inputs: [bool; 3], motors: &[Motor<N>; 3]) {
+    pub(super) fn listen(
+        &mut self,
+        inputs: [bool; 3],
+        motors: &[Motor<N>; 3],
+        readings: Option<&Readings<N>>,
+    ) {
         self.shift = None;
+        let HomingCoefficients {
+            contact,
+            debounce_ticks,
+            axes,
+            ..
+        } = self.coefficients;
+        if let (Contact::Torque, Some(readings)) = (contact, readings) {
+            let parts = self.searches.iter_mut().zip(axes).zip(readings);
+            for ((search, axis), reading) in parts {
+                search
+                    .input
+                    .read(axis.presses(reading.torque), *debounce_ticks);
+                search.changed_at = reading.angle;
+            }
+            return;
+        }
         for ((search, closed), motor) in self.searches.iter_mut().zip(inputs).zip(motors) {
-            if search.input.read(closed, self.coefficients.debounce_ticks) {
+            if search.input.read(closed, *debounce_ticks) {
                 search.changed_at = motor.angle;
             }
         }
+    }
+
+    pub(super) fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
+        if !self.coefficients.stall_is_fault || self.is_under_way() {
+            return None;
+        }
+        let mut all = self.searches.iter().zip(motors);
+        let stalls = |(search, motor): (&Search<N>, &Motor<N>)| {
+            search.input.is_closed() && motor.rate != N::ZERO
+        };
+        all.position(stalls).map(|motor| motor as u8)
     }
 
     pub(super) fn begin(&mut self) {
@@ -284,7 +325,7 @@ impl<'a, N: Number> Cycle<'a, N> {
             }
             let (closed, over) = (search.input.is_closed(), self.ticks > *most);
             let at = match contact {
-                Contact::Switch if closed => search.changed_at,
+                Contact::Switch | Contact::Torque if closed => search.changed_at,
                 // The commanded angle went on while the motor stood.
                 Contact::Stall if closed => motor.angle,
                 Contact::Unfelt if over => motor.angle,
@@ -310,6 +351,13 @@ impl<'a, N: Number> Cycle<'a, N> {
                 }
                 motor.angle = angle;
                 self.shift = Some(shifts);
+            }
+            if *contact == Contact::Torque {
+                // The command is ahead of the joint by what presses it: it comes back.
+                motor.angle = match references {
+                    true => axis.contact,
+                    false => at,
+                };
             }
         }
         Ok(())

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! The motors of one stage do each part together and wait for each other; stages follow one
-//! another. Where the switch closes in the slow approach is the motor's reference. Against a hard
+//! another. Where the switch closes in the slow approach is the motor's reference. A drive that tells its torque
+//! feels a hard stop; where its joint is measured then is the reference. Against a hard
 //! stop that nobody feels, the motor runs for the largest travel instead, and is at the stop then.
 //! The motors come to rest off their switches, at angles that are known in advance, so the way from
 //! there to the start pose is that of any [recovery](trirrr_protocol::message::Command::Recover).
@@ -25,6 +26,7 @@ pub use coefficients::{HomingAxis, HomingCoefficients};
 pub use cycle::Cycle;
 pub use parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 
+use crate::feedback::Readings;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Pose};
 use trirrr_core::tick::Motor;
@@ -38,8 +40,17 @@ pub trait Homing<N: Number>: Send {
     /// Returns true if the machine has to be homed at all.
     fn is_needed(&self) -> bool;
 
-    /// Takes the inputs of this tick, which belong to where `motors` were commanded in the last.
-    fn listen(&mut self, inputs: Self::Inputs, motors: &[Motor<N>; 3]);
+    /// Takes the inputs of this tick, which belong to where `motors` were commanded in the last, and what drives that tell
+    /// something have told.
+    fn listen(
+        &mut self,
+        inputs: Self::Inputs,
+        motors: &[Motor<N>; 3],
+        readings: Option<&Readings<N>>,
+    );
+
+    /// Returns the first of the `motors` that its drive says to stall while it moves, if that is a fault.
+    fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8>;
 
     /// Starts looking.
     fn begin(&mut self);
@@ -107,7 +118,12 @@ impl<N: Number> Homing<N> for NoHoming {
     }
 
     #[inline(always)]
-    fn listen(&mut self, (): (), _: &[Motor<N>; 3]) {}
+    fn listen(&mut self, (): (), _: &[Motor<N>; 3], _: Option<&Readings<N>>) {}
+
+    #[inline(always)]
+    fn stalled(&self, _: &[Motor<N>; 3]) -> Option<u8> {
+        None
+    }
 
     fn begin(&mut self) {}
 
@@ -140,10 +156,19 @@ impl<N: Number> Homing<N> for Option<Cycle<'_, N>> {
         self.is_some()
     }
 
-    fn listen(&mut self, inputs: [bool; 3], motors: &[Motor<N>; 3]) {
+    fn listen(
+        &mut self,
+        inputs: [bool; 3],
+        motors: &[Motor<N>; 3],
+        readings: Option<&Readings<N>>,
+    ) {
         if let Some(cycle) = self {
-            cycle.listen(inputs, motors);
+            cycle.listen(inputs, motors, readings);
         }
+    }
+
+    fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
+        self.as_ref()?.stalled(motors)
     }
 
     fn begin(&mut self) {

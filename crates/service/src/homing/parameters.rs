@@ -11,11 +11,13 @@ pub enum Contact {
     Switch,
     /// A hard stop, and its drive says that it stalls.
     Stall,
+    /// A hard stop, and the torque of its drive, which tells it, rises.
+    Torque,
     /// A hard stop, and nobody says anything: after the largest travel it is there.
     Unfelt,
 }
 
-to_source!(pub Contact in trirrr_service: Switch, Stall, Unfelt);
+to_source!(pub Contact in trirrr_service: Switch, Stall, Torque, Unfelt);
 
 /// Homing of one motor. Angles in rad, rates and accelerations in the machine's unit of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +36,9 @@ pub struct HomingMotor {
     pub back_off_rad: f64,
     /// Largest angle that the motor may search over, positive.
     pub travel_max_rad: f64,
+    /// Torque towards a hard stop from which on the motor is taken to press against it, N m at the joint, positive; any with
+    /// another [contact](Contact).
+    pub stall_torque_nm: f64,
     /// Stages follow one another from 0 to 2; motors of the same one move together.
     pub stage: u8,
 }
@@ -47,6 +52,8 @@ pub struct HomingParameters {
     pub motors: [HomingMotor; 3],
     /// An input has to be the same for so many ticks; positive.
     pub debounce_ticks: u16,
+    /// A drive that signals a stall while its motor moves is a fault, at any time; with [`Contact::Stall`].
+    pub stall_is_fault: bool,
     /// Pose that homing leads to: x, y in the machine's unit of length, alpha in rad.
     pub start: [f64; 3],
     /// Durations of the parts of homing.
@@ -136,7 +143,7 @@ impl HomingMotor {
             Contact::Switch => {
                 rate * rate / (2.0 * self.acceleration_rad_s2) + wait * rate * period
             }
-            Contact::Stall | Contact::Unfelt => 0.0,
+            Contact::Stall | Contact::Torque | Contact::Unfelt => 0.0,
         }
     }
 

@@ -59,6 +59,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Homing = NoHoming;
     type Feedback = ();
     type Contact = ();
+    type Retreat = crate::retreat::NoRetreat;
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {

@@ -55,6 +55,7 @@ impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> 
     type Homing = NoHoming;
     type Feedback = ();
     type Contact = ();
+    type Retreat = crate::retreat::NoRetreat;
     type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]

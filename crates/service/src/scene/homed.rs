@@ -20,6 +20,7 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type Homing = Option<Cycle<'a, N>>;
     type Feedback = S::Feedback;
     type Contact = S::Contact;
+    type Retreat = S::Retreat;
 
     fn homing(&self) -> Option<Cycle<'a, N>> {
         self.homing.map(Cycle::new)

@@ -20,6 +20,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
     type Homing = S::Homing;
     type Feedback = DriveFeedback<N>;
     type Contact = S::Contact;
+    type Retreat = S::Retreat;
 
     fn homing(&self) -> S::Homing {
         self.scene.homing()

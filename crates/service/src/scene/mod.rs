@@ -82,6 +82,7 @@ use crate::homing::{Homing, Plan};
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
+use crate::retreat::RetreatKind;
 use crate::settings::Settings;
 use core::borrow::Borrow;
 use postcard_schema::Schema;
@@ -138,6 +139,9 @@ pub trait Scene {
 
     /// Detection of contacts; `()` without any.
     type Contact: ContactChannels<Self::N>;
+
+    /// Retreat after a contact; [`NoRetreat`](crate::NoRetreat) without any.
+    type Retreat: RetreatKind;
 
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;

@@ -4,7 +4,7 @@ use super::*;
 use trirrr_core::machine::Geometry;
 use trirrr_protocol::message::{DriveReading, DriveState, Fault, FaultCode};
 
-type Felt<N> = WithContact<'static, WithFeedback<'static, Thesis<N>>>;
+type Felt<N> = WithContact<'static, WithFeedback<'static, Thesis<N>>, Retreats>;
 
 const FORCE_N: f64 = 1.0;
 const MOMENT_NM: f64 = 0.05;
@@ -22,6 +22,7 @@ fn contact(reaction: StopCategory) -> ContactParameters {
         late_ticks: 0,
         told_after: 0.0,
         reaction,
+        retreat_ticks: 0,
     }
 }
 
@@ -55,6 +56,7 @@ impl<N: ServiceNumber> Rig<N> {
                 feedback: Some(Box::leak(Box::new(feedback))),
             },
             contact: Some(Box::leak(Box::new(coefficients))),
+            retreat: Retreats,
         };
         let bench = Bench::off(scene, home(), settings());
         let last = *bench.service.output();
@@ -262,4 +264,166 @@ fn a_motion_is_no_contact_whatever_the_age_of_the_readings() {
         }
         assert!(moved);
     }
+}
+
+/// Ticks of a move of [`Rig::start_curve`], and the number of moves.
+const CURVE_TICKS: u32 = 15;
+const CURVE_MOVES: u32 = 7;
+
+impl Rig<f64> {
+    /// Starts along an arc of 4 cm radius, in moves that chain without a stop.
+    fn start_curve(&mut self) {
+        let status = self.bench.status();
+        // Where the drives told it is.
+        let from = status.end.unwrap().pose;
+        let place = |index: u32| {
+            if index == 0 {
+                return from;
+            }
+            let (sin, cos) = f64::sin_cos(0.3 * f64::from(index));
+            pose(0.21 + 0.04 * (1.0 - cos), 0.22 + 0.04 * sin, 0.157)
+        };
+        let velocity = |index: u32| {
+            let (sin, cos) = f64::sin_cos(0.3 * f64::from(index));
+            let speed = 0.3 * 0.04 / (f64::from(CURVE_TICKS) * PERIOD_S);
+            let inside = index > 0 && index < CURVE_MOVES;
+            [speed * sin, speed * cos, 0.0].map(|part| if inside { part } else { 0.0 })
+        };
+        for index in 0..CURVE_MOVES {
+            self.bench.offer(trirrr_protocol::message::Move {
+                start_velocity: velocity(index),
+                end_velocity: velocity(index + 1),
+                tool_power: 0.5,
+                ..rest(
+                    status.next + index,
+                    place(index),
+                    place(index + 1),
+                    CURVE_TICKS,
+                )
+            });
+        }
+        self.bench.done(Command::Start);
+    }
+
+    fn angles(&self) -> [f64; 3] {
+        self.last.motors.map(|motor| motor.angle)
+    }
+}
+
+/// Wherever on its path a contact comes, the machine goes back on it: over joints that it has passed, no faster than it came,
+/// without a jump, by the time that the scene says or to the start.
+#[test]
+fn after_a_contact_the_machine_goes_back_on_its_path() {
+    // The greatest joint rate of the job at normal speed.
+    let mut rig = Rig::<f64>::new(&contact(StopCategory::Off));
+    rig.start_curve();
+    let rates = core::iter::repeat_with(|| {
+        rig.tick();
+        rig.last.motors.map(|motor| motor.rate.abs())
+    });
+    let normal = rates.take(110).flatten().fold(0.0, f64::max);
+    for (reaction, is_on) in [
+        (StopCategory::StopAndHold, true),
+        (StopCategory::StopThenOff, false),
+    ] {
+        for retreat_ticks in [0, 20, 300] {
+            for at in (2..100).step_by(9) {
+                let mut rig = Rig::<f64>::new(&ContactParameters {
+                    retreat_ticks,
+                    ..contact(reaction)
+                });
+                rig.start_curve();
+                let mut way = Vec::from([rig.angles()]);
+                for _ in 0..at {
+                    rig.tick();
+                    way.push(rig.angles());
+                }
+                rig.push([3.0, 0.0, 0.0]);
+                let mut rates = rig.last.motors.map(|motor| motor.rate);
+                let (mut turned, mut fastest) = (None, 0.0_f64);
+                while rig.bench.state() != State::Fault {
+                    rig.tick();
+                    assert!(way.len() < 2000, "never at rest");
+                    assert!(rig.last.tool == 0.0 || rig.bench.state() == State::Running);
+                    if !rig.last.is_on() {
+                        break;
+                    }
+                    let motors = &rig.last.motors;
+                    for (motor, rate) in motors.iter().zip(&rates) {
+                        let change = (motor.rate - rate) / PERIOD_S;
+                        assert!(change.abs() < 12.0, "{at}: {change} rad/s^2");
+                    }
+                    rates = motors.each_ref().map(|motor| motor.rate);
+                    let rests = rates.iter().all(|rate| *rate == 0.0);
+                    if rests && turned.is_none() && rig.bench.state() == State::Reacting {
+                        turned = Some(way.len());
+                    }
+                    if turned.is_some() {
+                        fastest = rates
+                            .iter()
+                            .fold(fastest, |most, rate| most.max(rate.abs()));
+                    }
+                    way.push(rig.angles());
+                }
+                assert_eq!(rig.last.is_on(), is_on);
+                let moved_back = turned.is_some_and(|turned| {
+                    let (there, end) = (way[turned], way.last().unwrap());
+                    (0..3).any(|i| there[i] != end[i])
+                });
+                assert_eq!(moved_back, retreat_ticks > 0, "{reaction:?} {at}");
+                let Some(turned) = turned.filter(|_| moved_back) else {
+                    continue;
+                };
+                assert!(fastest <= 0.5001 * normal, "{fastest} of {normal}");
+                // Each place of the way back lies on the way there, further and further back.
+                let near = |place: &[f64; 3], index: usize| {
+                    let [a, b] = [way[index], way[index + 1]];
+                    let along = [0, 1, 2].map(|i| b[i] - a[i]);
+                    let square: f64 = along.iter().map(|each| each * each).sum();
+                    let dot: f64 = (0..3).map(|i| along[i] * (place[i] - a[i])).sum();
+                    let share = (dot / square.max(1e-30)).clamp(0.0, 1.0);
+                    (0..3)
+                        .map(|i| (place[i] - a[i] - share * along[i]).powi(2))
+                        .sum::<f64>()
+                        .sqrt()
+                };
+                let mut index = turned - 1;
+                for place in &way[turned..] {
+                    while index > 0 && near(place, index) > 3e-5 {
+                        index -= 1;
+                    }
+                    assert!(near(place, index) <= 3e-5, "{at}: {}", near(place, index));
+                }
+                if retreat_ticks == 300 {
+                    // The start of the job, but for the rest of a tick.
+                    let off = (0..3).map(|i| (way.last().unwrap()[i] - way[0][i]).abs());
+                    assert!(off.fold(0.0, f64::max) < 2e-3, "{at}");
+                }
+            }
+        }
+    }
+}
+
+/// What did not come by a contact is no reason to go back; nor does a machine that stands begin to move.
+#[test]
+fn only_a_contact_in_motion_makes_the_machine_go_back() {
+    let parameters = ContactParameters {
+        retreat_ticks: 50,
+        ..contact(StopCategory::StopAndHold)
+    };
+    let mut rig = Rig::<f64>::new(&parameters);
+    let stands = rig.angles();
+    rig.push([3.0, 0.0, 0.0]);
+    rig.ticks(100);
+    assert_eq!((rig.bench.state(), rig.angles()), (State::Fault, stands));
+    let mut rig = Rig::<f64>::new(&parameters);
+    rig.start_curve();
+    rig.ticks(50);
+    rig.bench.done(Command::Stop);
+    rig.ticks(40);
+    assert_eq!(rig.bench.state(), State::Idle);
+    let stands = rig.angles();
+    rig.push([3.0, 0.0, 0.0]);
+    rig.ticks(100);
+    assert_eq!((rig.bench.state(), rig.angles()), (State::Fault, stands));
 }

@@ -5,7 +5,12 @@ use crate::number::ServiceNumber;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, Recovery, scene};
 
-const ALL: [Contact; 3] = [Contact::Switch, Contact::Stall, Contact::Unfelt];
+const ALL: [Contact; 4] = [
+    Contact::Switch,
+    Contact::Stall,
+    Contact::Torque,
+    Contact::Unfelt,
+];
 
 #[test]
 fn before_it_is_homed_a_machine_plays_nothing() {
@@ -87,6 +92,10 @@ fn a_machine_whose_motors_are_known_has_no_homing() {
     let scene = WithHoming {
         scene: Adjustable::new(example(), LimitParameters::default()),
         homing: None,
+    };
+    let scene = WithFeedback {
+        scene,
+        feedback: None,
     };
     let mut bench = Bench::<Homed<f64>>::of(scene, home());
     assert_eq!(bench.refused(Command::Home), Refusal::NoHoming);

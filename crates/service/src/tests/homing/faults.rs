@@ -1,7 +1,7 @@
 //! Homing that fails or is given up, in each of its parts.
 
 use super::*;
-use trirrr_protocol::message::{Acting, FaultCode};
+use trirrr_protocol::message::{Acting, DriveFault, FaultCode};
 
 /// The ramp from the search rate to rest, v^2 / (2 a).
 const RAMP_DOWN: f64 = 0.5 * 0.5 / 3.0;
@@ -256,4 +256,44 @@ fn a_silent_host_ends_it() {
     );
     machine.home();
     machine.is_homed();
+}
+
+/// A drive that signals a stall while its motor moves: a fault where the scene asks for it, and nothing else.
+#[test]
+fn a_stall_on_the_way_is_a_fault_where_the_scene_says_so() {
+    for (contact, watched, faults) in [
+        (Contact::Stall, true, true),
+        (Contact::Stall, false, false),
+        (Contact::Switch, false, false),
+    ] {
+        let parameters = HomingParameters {
+            stall_is_fault: watched,
+            ..parameters(contact)
+        };
+        let mut machine = Machine::<f64>::new(parameters, [0.0; 3]);
+        machine.home();
+        let debounce = u32::from(parameters.debounce_ticks);
+        // Standing, it says nothing.
+        machine.defects[1] = Defect::Closed;
+        machine.ticks(10);
+        assert_eq!(machine.bench.state(), State::Idle);
+        machine.defects[1] = Defect::None;
+        machine.ticks(10);
+        let next = machine.bench.status().next;
+        let there = pose(0.25, 0.25, 0.157);
+        machine.bench.offer(rest(next, home(), there, 200));
+        machine.bench.done(Command::Start);
+        machine.ticks(60);
+        machine.defects[1] = Defect::Closed;
+        machine.ticks(debounce - 1);
+        assert_eq!(machine.bench.state(), State::Running);
+        machine.ticks(2);
+        let fault = machine.bench.status().fault;
+        let expected = (FaultCode::Drive(DriveFault::Stalled), Some(1));
+        assert_eq!(
+            fault.map(|fault| (fault.code, fault.index)),
+            faults.then_some(expected),
+            "{contact:?}"
+        );
+    }
 }

@@ -9,6 +9,7 @@ fn contact() -> impl Strategy<Value = Contact> {
     prop_oneof![
         Just(Contact::Switch),
         Just(Contact::Stall),
+        Just(Contact::Torque),
         Just(Contact::Unfelt)
     ]
 }
@@ -32,6 +33,7 @@ fn motor() -> impl Strategy<Value = (HomingMotor, f64)> {
                     acceleration_rad_s2: acceleration,
                     back_off_rad: back,
                     travel_max_rad: 1.5,
+                    stall_torque_nm: STALL_TORQUE,
                     stage,
                 };
                 (motor, offset)
@@ -50,6 +52,7 @@ fn machine<N: ServiceNumber>(
         contact,
         motors: motors.map(|(motor, _)| motor),
         debounce_ticks,
+        stall_is_fault: false,
         start: [pose.position.x, pose.position.y, pose.angle],
         times: HomingTimes::default(),
     };

@@ -1,0 +1,124 @@
+//! Back on the path, after a contact.
+
+use super::super::feed::{PathPosition, Step};
+use super::super::scene::Scene;
+use super::{Foreground, Path, Target};
+use crate::number::ServiceNumber;
+use crate::splice::Optional;
+use trirrr_protocol::message::{FaultCode, State};
+
+impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+    /// Keeps the move under way, which was played for `ticks`, for a retreat.
+    #[inline]
+    pub(super) fn leave_behind(&mut self, ticks: u32) {
+        if let (Some(trail), Some(current)) = (self.trail.get_mut(), &self.current) {
+            trail.keep(*current, ticks);
+        }
+    }
+
+    /// Forgets the moves that were played.
+    #[inline]
+    pub(super) fn forget_trail(&mut self) {
+        if let Some(trail) = self.trail.get_mut() {
+            trail.clear();
+        }
+    }
+
+    /// A fault of this kind brings the machine to rest: at a contact it is to go back then.
+    #[inline]
+    pub(super) fn want_retreat(&mut self, code: FaultCode) {
+        if let Some(trail) = self.trail.get_mut() {
+            trail.want(matches!(
+                code,
+                FaultCode::Contact | FaultCode::ContactMoment
+            ));
+        }
+    }
+
+    /// Returns true while the machine goes back.
+    #[inline]
+    pub(super) fn goes_back(&self) -> bool {
+        self.trail.get().is_some_and(|trail| trail.is_under_way())
+    }
+
+    /// Number of the move that the machine is on, or of the last one.
+    #[inline]
+    pub(super) fn number_under_way(&self) -> u32 {
+        match &self.current {
+            Some(current) if self.goes_back() => current.number,
+            _ => self.begun.wrapping_sub(1),
+        }
+    }
+
+    /// Begins to go back from rest on the path. Returns false if that is not asked for, or there is no way.
+    #[inline]
+    pub(super) fn begin_retreat(&mut self) -> bool {
+        let ticks = self
+            .contact
+            .get()
+            .map_or(0, |contact| contact.retreat_ticks());
+        let whole = 2 * self.feed.top();
+        let PathPosition { tick, part } = self.position;
+        let parts = u64::from(tick) * u64::from(whole) + u64::from(part);
+        let on_path = matches!(self.path, Path::Move | Path::Ended);
+        let (Some(trail), Some(current), State::Reacting, true) =
+            (self.trail.get_mut(), &self.current, self.state, on_path)
+        else {
+            return false;
+        };
+        let begins = trail.begin(current, parts, ticks, whole);
+        if begins {
+            self.path = Path::Move;
+            self.feed.end();
+        }
+        begins
+    }
+
+    /// A tick of the way back. At its end the machine stands, as after a stop.
+    #[inline(never)]
+    pub(super) fn go_back(&mut self) -> Target<N> {
+        let levels = self.trail.get_mut().and_then(|trail| trail.step());
+        let Some([before, level]) = levels else {
+            let state = self.state;
+            self.rest_in(state, self.acting);
+            return Target::Setpoint(Self::standing(self.pose));
+        };
+        self.step_back(before + level);
+        let Some(current) = &self.current else {
+            return Target::Setpoint(Self::standing(self.pose));
+        };
+        let mut on_path = current.segment.between(self.position.tick, self.part());
+        on_path.velocity = -on_path.velocity;
+        let step = Step {
+            level,
+            slope: level as i32 - before as i32,
+            parts: before + level,
+        };
+        Target::Setpoint(self.scaled(&on_path, step))
+    }
+
+    /// Lowers the position by `parts`, at most a tick, into the move before where the one under way began.
+    fn step_back(&mut self, parts: u32) {
+        let PathPosition { tick, part } = self.position;
+        if let Some(part) = part.checked_sub(parts) {
+            self.position.part = part;
+            return;
+        }
+        let ticks = match tick {
+            0 => {
+                let Some(passed) = self.trail.get_mut().and_then(|trail| trail.take_last()) else {
+                    // The way is not longer than the moves.
+                    self.position = PathPosition::START;
+                    return;
+                };
+                self.current = Some(passed.planned);
+                passed.ticks
+            }
+            tick => tick,
+        };
+        self.position = PathPosition {
+            tick: ticks.saturating_sub(1),
+            part: (part + 2 * self.feed.top()).saturating_sub(parts),
+        };
+    }
+}
