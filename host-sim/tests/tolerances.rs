@@ -189,7 +189,10 @@ fn a_scene_without_torques_has_no_torque_columns() {
     let (columns, rows) = table(&folder.path().join("tolerances.csv"));
     assert!(columns.iter().all(|column| !column.starts_with("tau")));
     let moves = Scene::read(&plotter).unwrap().job.moves.len();
-    assert!(rows.len() >= moves * 8, "8 intervals for each of {moves} moves");
+    assert!(
+        rows.len() >= moves * 8,
+        "8 intervals for each of {moves} moves"
+    );
     assert!(!folder.path().join("torque_band.svg").exists());
     let manual = include_str!("../../docs/tolerances.md");
     let (_, shown) = manual.split_once("```text\n").expect("an example");

@@ -15,10 +15,7 @@ const SHIPPED: [(&str, &str); 4] = [
         "vertical.toml",
         include_str!("../../../scenes/vertical.toml"),
     ),
-    (
-        "chained.toml",
-        include_str!("../../../scenes/chained.toml"),
-    ),
+    ("chained.toml", include_str!("../../../scenes/chained.toml")),
 ];
 
 /// The shipped scenes with a job, the source's own machine and move first.
