@@ -159,7 +159,7 @@ impl Bench {
                 feedback: Some(Box::leak(Box::new(feedback))),
             },
             contact: Some(Box::leak(Box::new(contact))),
-            retreat: NoRetreat,
+            retreat: trirrr_service::NoRetreat,
         };
         let channels = Box::leak(Box::new(Channels::<Scene, 8, 8>::new()));
         let service = channels
