@@ -130,6 +130,7 @@ fn compare(
             feed_m_s: None,
             source: 0,
             stops: false,
+            setting: 0,
         }];
         let bound_s = plan(planner, &line, Effort::default())
             .map_err(|refusal| format!("{refusal:?}"))?

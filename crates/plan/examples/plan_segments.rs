@@ -65,6 +65,7 @@ fn drawing(lines: usize) -> Vec<PathPiece> {
             feed_m_s: Some(0.25),
             source,
             stops: false,
+            setting: 0,
         }
     };
     (0..lines).map(line).collect()

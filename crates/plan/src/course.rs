@@ -48,6 +48,8 @@ pub struct PathPiece {
     pub source: usize,
     /// The motion stops where the piece begins, even where it could go on.
     pub stops: bool,
+    /// Number of the tool's setting along the piece: a move ends where it changes.
+    pub setting: usize,
 }
 
 impl PathPiece {

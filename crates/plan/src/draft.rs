@@ -94,25 +94,42 @@ impl<'a> Draft<'a> {
             .map(|each| (draft.spline.tick_at(each.distance), each.ticks))
             .collect();
         let end = f64::from(draft.spline.ticks);
+        let changes = draft.changes(end);
         let mut at = 0.0;
         let mut state = rest(draft.spline.at(0.0).pose);
         while at < end {
-            let (to, state_there) = draft.longest(at, state, end, &fine);
+            let next = changes.iter().copied().find(|&change| change > at);
+            let (to, state_there) = draft.longest(at, state, [next.unwrap_or(end), end], &fine);
             draft.push([at, to], [state, state_there]);
             (at, state) = (to, state_there);
         }
         draft
     }
 
-    /// The end of the longest move from `from` that follows the spline.
+    /// Ticks at which moves end because the tool's setting changes, so far apart that there is room for a move between them.
+    fn changes(&self, end: f64) -> Vec<f64> {
+        let mut last = 0.0;
+        let mut changes = self.spline.changes();
+        changes.retain_mut(|change| {
+            *change = change.max(last + self.least);
+            let fits = *change <= end - self.least;
+            if fits {
+                last = *change;
+            }
+            fits
+        });
+        changes
+    }
+
+    /// The end of the longest move from `from` that follows the spline and goes no further than `until`, of a run until `end`.
     fn longest(
         &self,
         from: f64,
         state: Setpoint<f64>,
-        end: f64,
+        [until, end]: [f64; 2],
         fine: &[(f64, f64)],
     ) -> (f64, Setpoint<f64>) {
-        let left = end - from;
+        let left = until - from;
         let mut ticks = (LONGEST_S / self.sampling.period_s).floor().min(left);
         loop {
             // What is left behind it is a move, too.

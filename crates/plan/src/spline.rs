@@ -88,6 +88,17 @@ impl<'a> Spline<'a> {
         (self.timeline.time_at(distance) + self.step_s) / self.period_s
     }
 
+    /// Whole ticks nearest to where the tool's setting changes along the run.
+    pub(crate) fn changes(&self) -> Vec<f64> {
+        let pairs = self.run.places.windows(2).enumerate();
+        let changes = pairs.filter(|(_, pair)| {
+            let [before, here] = [pair[0].piece, pair[1].piece].map(|piece| &self.pieces[piece]);
+            before.setting != here.setting
+        });
+        let tick = |index: usize| (self.timeline.time_of(index) + self.step_s) / self.period_s;
+        changes.map(|(index, _)| tick(index + 1).round()).collect()
+    }
+
     /// Place of the plan at `tick`.
     pub(crate) fn place(&self, tick: f64) -> PathPlace {
         let distance = self.distance(tick);

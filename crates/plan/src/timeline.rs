@@ -127,6 +127,11 @@ impl Timeline {
         }
     }
 
+    /// Time at which the plan is at place `index` of the run.
+    pub(crate) fn time_of(&self, index: usize) -> f64 {
+        self.marks[index].time + self.mean_s
+    }
+
     /// Index of the cell that holds `distance`.
     pub(crate) fn cell_at(&self, distance: f64) -> usize {
         let next = self.marks.partition_point(|mark| mark.distance <= distance);

@@ -33,6 +33,7 @@ fn path_pieces(pieces: Vec<Piece<f64>>) -> Vec<PathPiece> {
         feed_m_s: None,
         source,
         stops: false,
+        setting: 0,
     };
     pieces.into_iter().enumerate().map(piece).collect()
 }

@@ -136,6 +136,8 @@ pub(crate) fn read_path(
             Some((piece, feed_m_s, tool)) => {
                 // A spline has several; the machine stands before the first of them.
                 let mut stops = dwells.last().is_some_and(|last| last.source + 1 == source);
+                let same = tools.iter().position(|other| *other == tool);
+                let setting = same.unwrap_or(tools.len());
                 for (piece, end) in piece {
                     ends.push(end);
                     pieces.push(PathPiece {
@@ -143,6 +145,7 @@ pub(crate) fn read_path(
                         feed_m_s,
                         source,
                         stops,
+                        setting,
                     });
                     stops = false;
                 }

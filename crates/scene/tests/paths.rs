@@ -302,3 +302,34 @@ fn a_bad_alpha_is_refused() {
     ));
     assert!(nowhere.contains("has no length"), "{nowhere}");
 }
+
+/// Where the tool changes and the motion goes on, a move ends, to half a tick.
+#[test]
+fn the_tool_changes_where_the_pieces_meet() {
+    let on = "tool = { power = 0.8, speed_m_s = 0.25 }";
+    for ends in [[0.27, 0.28, 0.305, 0.31], [0.27, 0.275, 0.282, 0.31]] {
+        let mut job = String::from("timing = \"shortest\"\nfeed_m_s = 0.25\n");
+        for (index, x) in ends.iter().enumerate() {
+            let tool = if index % 2 == 1 { on } else { "" };
+            job += &format!("[[job.path]]\nline = {{ x_m = {x}, y_m = 0.245 }}\n{tool}\n");
+        }
+        let scene = with_job(&job).unwrap_or_else(|error| panic!("{error}"));
+        let pairs = scene.job.moves.windows(2);
+        let changes: Vec<f64> = pairs
+            .filter(|pair| pair[0].tool != pair[1].tool)
+            .map(|pair| pair[0].to.position.x)
+            .collect();
+        assert_eq!(changes.len(), ends.len() - 1, "{changes:?}");
+        for (change, end) in changes.iter().zip(ends) {
+            let off = (change - end).abs();
+            assert!(off <= 0.5 * 0.25e-3 + 1e-5, "{changes:?} of {ends:?}");
+        }
+        // The motion goes on there.
+        let stops = scene
+            .job
+            .moves
+            .iter()
+            .filter(|each| each.end_velocity[0] == 0.0);
+        assert_eq!(stops.count(), 1);
+    }
+}

@@ -74,7 +74,7 @@ impl<N: ServiceNumber + Enclose<Bound = N>, const CELLS: usize> ModelVisitor<N>
                 let piece = WindowPiece {
                     piece: each.piece.over(),
                     feed: each.feed_m_s.map(N::from_f64),
-                    tag: next,
+                    tag: 0,
                 };
                 if !window.push(piece) {
                     return Err(format!("{:?}", window.refusal()));

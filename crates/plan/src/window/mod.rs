@@ -159,7 +159,9 @@ pub struct Window<N: Enclose, T, const PIECES: usize, const CELLS: usize> {
     refusal: Maybe<WindowRefusal<N::Bound>>,
 }
 
-impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Window<N, T, PIECES, CELLS> {
+impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
+    Window<N, T, PIECES, CELLS>
+{
     /// A window that holds nothing, in memory that need not be written: [`stand`](Self::stand) begins a path.
     pub const fn new(settings: Planning<N::Bound>) -> Self {
         Self {

@@ -30,7 +30,9 @@ pub(super) struct Until<B: Number> {
     pub(super) rest: Option<Pose<B>>,
 }
 
-impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Window<N, T, PIECES, CELLS> {
+impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
+    Window<N, T, PIECES, CELLS>
+{
     /// None if more samples are needed.
     pub(super) fn until(&self) -> Option<Until<N::Bound>> {
         let count = self.samples.len() as u32;
@@ -64,7 +66,7 @@ impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Window<N, T, 
         let Some(state) = self.state else {
             return Outlook::Waiting;
         };
-        let mut steps = self.longest.min(until.steps);
+        let mut steps = self.steps_of_tag(self.longest.min(until.steps));
         loop {
             // The last move to a stop is no shorter than can be changed: its second pose is given.
             let left = until.steps - steps;
@@ -91,6 +93,27 @@ impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Window<N, T, 
                 };
             }
             steps = (steps * 3 / 4).max(1);
+        }
+    }
+
+    /// Returns `most` steps, or as many as there are until the tag changes, at least 1: a move ends there.
+    fn steps_of_tag(&self, most: u32) -> u32 {
+        let piece = |step: u32| self.sample_at(step + 1).map(|sample| sample.piece);
+        let first = piece(0);
+        let tag = |number: Option<u32>| {
+            let entry = number.and_then(|number| self.pieces.get(number));
+            entry.map(|entry| entry.tag)
+        };
+        let changes = |&step: &u32| {
+            let here = piece(step);
+            here != first && tag(here) != tag(first)
+        };
+        // Pieces follow one another: where the last is the first, no other lies between.
+        match piece(most) == first {
+            true => most,
+            false => (1..=most)
+                .find(changes)
+                .map_or(most, |step| (step - 1).max(1)),
         }
     }
 
@@ -197,7 +220,7 @@ impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Window<N, T, 
     }
 }
 
-impl<N: Enclose, T: Copy, const PIECES: usize, const CELLS: usize> Motion<N::Bound>
+impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize> Motion<N::Bound>
     for Window<N, T, PIECES, CELLS>
 {
     fn at(&self, eighths: u32) -> Setpoint<N::Bound> {

@@ -37,6 +37,7 @@ fn path_pieces(pieces: &[Piece<f64>], feed_m_s: Option<f64>) -> Vec<PathPiece> {
         feed_m_s,
         source,
         stops: false,
+        setting: 0,
     };
     pieces.iter().enumerate().map(piece).collect()
 }

@@ -83,7 +83,29 @@ fn play<M: Model<N: Enclose<Bound = M::N>>, const CELLS: usize>(
         }
     }
     assert_eq!(window.refusal(), None);
+    tags_change_where_pieces_meet(&played.moves, &pieces, settings);
     played
+}
+
+/// A move ends within a step of time, and what rounding adds, from where a piece with another tag begins.
+fn tags_change_where_pieces_meet<N: Number>(
+    moves: &[WindowMove<N, usize>],
+    pieces: &[Piece<N>],
+    settings: WindowSettings,
+) {
+    for pair in moves.windows(2) {
+        let [before, here] = [&pair[0], &pair[1]];
+        if here.tag != before.tag + 1 {
+            continue;
+        }
+        let meet = pieces[here.tag].at(N::ZERO).pose;
+        let off = meet.displacement(&before.ends.to);
+        let velocity = before.ends.velocities[1];
+        let length = |x: N, y: N| x.to_f64().hypot(y.to_f64());
+        let step_s = settings.period_s * f64::from(settings.ticks);
+        let most = 1.1 * length(velocity.x, velocity.y) * step_s + 1e-3;
+        assert!(length(off.x, off.y) <= most, "piece {}: {off:?}", here.tag);
+    }
 }
 
 type WithLinks<N> = Dynamic<N, Centred<N>, Massive<N, Horizontal>>;
