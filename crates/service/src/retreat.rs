@@ -20,6 +20,9 @@ const KEPT: usize = 16;
 
 /// A machine that goes back after a contact, or does not.
 pub trait RetreatKind: Send + 'static {
+    /// The machine goes back.
+    const RETREATS: bool;
+
     /// Moves that the tick keeps; `()` for none.
     type Trail<N: ServiceNumber, K: CurveKind>: Optional<Trail<N, K>>;
 
@@ -32,6 +35,8 @@ pub trait RetreatKind: Send + 'static {
 pub struct NoRetreat;
 
 impl RetreatKind for NoRetreat {
+    const RETREATS: bool = false;
+
     type Trail<N: ServiceNumber, K: CurveKind> = ();
 
     #[inline(always)]
@@ -43,6 +48,8 @@ impl RetreatKind for NoRetreat {
 pub struct Retreats;
 
 impl RetreatKind for Retreats {
+    const RETREATS: bool = true;
+
     type Trail<N: ServiceNumber, K: CurveKind> = Present<Trail<N, K>>;
 
     fn trail<N: ServiceNumber, K: CurveKind>() -> Present<Trail<N, K>> {
@@ -136,6 +143,13 @@ impl<N: ServiceNumber, K: CurveKind> Trail<N, K> {
         levels
     }
 
+    /// Ends the way back as soon as it can.
+    pub(crate) fn stop(&mut self) {
+        if let Some(way) = &mut self.way {
+            way.stop();
+        }
+    }
+
     /// Returns true while the machine goes back.
     pub(crate) fn is_under_way(&self) -> bool {
         self.way.is_some()
@@ -186,6 +200,15 @@ impl WayBack {
         })
     }
 
+    /// Slows down from now on.
+    fn stop(&mut self) {
+        let Self {
+            up, steady, tick, ..
+        } = *self;
+        self.up = up.min(tick);
+        self.steady = steady.min(tick.saturating_sub(up));
+    }
+
     fn step(&mut self) -> Option<[u32; 2]> {
         let last = (2 * self.up).saturating_add(self.steady);
         if self.tick >= last {
@@ -210,6 +233,7 @@ mod tests {
             length in 0u64..1 << 44,
             rate in 0u32..=128,
             ramp in 1u32..=2000,
+            stops in 0u32..=4000,
         ) {
             let top = 128 * ramp;
             let length = length % (u64::from(top) * 20_000);
@@ -218,6 +242,21 @@ mod tests {
                 prop_assert!(rate == 0 || length < 2 * u64::from(rate) || top / 2 < rate);
                 return Ok(());
             };
+            // Stopped at any time, it ends sooner: by the ramp from its pace.
+            let mut stopped = way;
+            let mut pace = 0;
+            for _ in 0..stops {
+                let Some([_, to]) = stopped.step() else { break };
+                pace = to;
+            }
+            stopped.stop();
+            let mut ticks = 0;
+            while let Some([from, to]) = stopped.step() {
+                prop_assert!(from == pace && to < from && from - to == rate);
+                pace = to;
+                ticks += 1;
+            }
+            prop_assert!(pace == 0 && ticks <= way.up);
             let (mut before, mut gone) = (0, 0u64);
             while let Some([from, to]) = way.step() {
                 prop_assert_eq!(from, before);

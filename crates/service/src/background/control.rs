@@ -8,6 +8,7 @@ use super::super::scene::Scene;
 use super::Background;
 use crate::coefficients::Coefficients;
 use crate::number::ServiceNumber;
+use crate::retreat::RetreatKind;
 use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
 use trirrr_core::number::Number;
@@ -66,6 +67,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// In every state: it never makes a machine move.
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
+            // Only a retreat is to be ended.
+            State::Reacting if S::Retreat::RETREATS => self.order(Order::Stop, State::Reacting),
             State::Fault
             | State::Reacting
             | State::Cleared

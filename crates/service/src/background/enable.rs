@@ -27,7 +27,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// In every state, as a stop: it never makes a machine move.
     pub(super) fn disable(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Reacting | State::Disabled | State::Disabling => Ok(()),
+            State::Reacting => self.stop(),
+            State::Disabled | State::Disabling => Ok(()),
             State::Fault => self.order(Order::Disable, State::Fault),
             state => {
                 let stands = matches!(

@@ -146,8 +146,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.drop_queue();
                 self.transition_to(State::Idle, Acting::Nothing);
             }
+            State::Reacting => self.stop_retreat(),
             State::Fault
-            | State::Reacting
             | State::Cleared
             | State::Unhomed
             | State::Disabled

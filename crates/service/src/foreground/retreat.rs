@@ -74,6 +74,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         begins
     }
 
+    /// Ends the way back at once: slows down.
+    #[inline]
+    pub(super) fn stop_retreat(&mut self) {
+        if let Some(trail) = self.trail.get_mut() {
+            trail.stop();
+        }
+    }
+
     /// A tick of the way back. At its end the machine stands, as after a stop.
     #[inline(never)]
     pub(super) fn go_back(&mut self) -> Target<N> {

@@ -427,3 +427,38 @@ fn only_a_contact_in_motion_makes_the_machine_go_back() {
     rig.ticks(100);
     assert_eq!((rig.bench.state(), rig.angles()), (State::Fault, stands));
 }
+
+/// A machine that goes back comes to rest as soon as it can when it is told to, by a stop or by switching it off.
+#[test]
+fn a_stop_ends_the_way_back() {
+    for command in [Command::Stop, Command::Disable] {
+        let mut rig = Rig::<f64>::new(&ContactParameters {
+            retreat_ticks: 300,
+            ..contact(StopCategory::StopAndHold)
+        });
+        rig.start_curve();
+        rig.ticks(90);
+        rig.push([3.0, 0.0, 0.0]);
+        // The way back begins; alone it would take some 150 ticks.
+        rig.ticks(45);
+        assert_eq!(rig.bench.state(), State::Reacting);
+        let rate = rig.last.motors[0].rate;
+        assert!(rate != 0.0);
+        rig.bench.done(command);
+        let mut ticks = 0;
+        while rig.bench.state() == State::Reacting {
+            rig.tick();
+            let rates = rig.last.motors.map(|motor| motor.rate);
+            assert!(rates[0] * rate >= 0.0, "it turns round");
+            ticks += 1;
+        }
+        assert_eq!(rig.bench.state(), State::Fault);
+        // Half of the ramp's own time, where the limits leave room for it.
+        assert!(
+            ticks <= u32::from(RAMP) / 2 + 2,
+            "{command:?}: {ticks} ticks"
+        );
+        rig.ticks(5);
+        assert!(rig.last.is_on() && rig.last.motors[0].rate == 0.0);
+    }
+}
