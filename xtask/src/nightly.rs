@@ -34,9 +34,17 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
-            "properties and admission at full length",
+            "agreement, properties and admission at full length",
             "test",
-            &["--release", "--test", "properties", "--test", "admission"],
+            &[
+                "--release",
+                "--test",
+                "agreement",
+                "--test",
+                "properties",
+                "--test",
+                "admission",
+            ],
         ),
         Step::on_host(
             "ten thousand random paths",
@@ -74,6 +82,16 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo("instructions of all scenes", &["xtask", "insns", "--check"]),
+        Step::cargo(
+            "admission of all scenes",
+            &["xtask", "admission", "--check"],
+        ),
+        Step::cargo(
+            "modelled cycles of all scenes",
+            &["xtask", "cycles", "--check"],
+        ),
+        Step::cargo("sizes of all scenes", &["xtask", "size", "--check"]),
         Step::cargo(
             "emulated boards in fixed point",
             &["xtask", "emulate", "--fixed"],
