@@ -236,9 +236,10 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
 }
 
 fn line(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
+    // Beside jobs, the scenes named are those of the jobs.
     let names = match arguments.scenes.as_slice() {
-        [] => vec![LINE_SCENE.to_owned()],
-        some => some.to_vec(),
+        some @ [_, ..] if !arguments.part.contains(&EmulationPart::Jobs) => some.to_vec(),
+        _ => vec![LINE_SCENE.to_owned()],
     };
     for scene in repository::scenes_named(&names)? {
         let built = Built::new(&scene, of_scene(Scene::read(&scene.path)?.number))?;
