@@ -170,7 +170,6 @@ fn releases(packages: &[Package]) -> Vec<Step> {
     vec![bare, optional, oldest, archives]
 }
 
-/// Figures of images against those that are checked in.
 /// Scenes whose figures CI measures. `cargo xtask nightly` measures those of all scenes: others tick as one of these does.
 const MEASURED: [&str; 8] = [
     "bldc-massless",
@@ -197,6 +196,7 @@ const EMULATED: [&str; 10] = [
     "vertical",
 ];
 
+/// Figures of images against those that are checked in.
 fn figures() -> [Step; 4] {
     let scenes = MEASURED.map(|scene| ["--scene", scene]).concat();
     let measured = |name: &str, chore: &str| {

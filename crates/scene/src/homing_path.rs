@@ -76,7 +76,7 @@ impl Chain<'_> {
                 if motor.stage != stage {
                     continue;
                 }
-                let sign = if motor.positive { 1.0 } else { -1.0 };
+                let sign = motor.sign();
                 let way = (sign * (motor.angle_rad - self.angles[i])).rem_euclid(TAU);
                 if way > motor.travel_max_rad {
                     let reason = format!(

@@ -68,7 +68,7 @@ impl Motors {
     pub(super) fn some_offset(homing: &Homing, key: u32, commanded: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|i| {
             let motor = &homing.motors[i];
-            let sign = if motor.positive { 1.0 } else { -1.0 };
+            let sign = motor.sign();
             let way = (sign * (motor.angle_rad - commanded[i])).rem_euclid(TAU);
             let most = 0.5 * way.min(motor.travel_max_rad - way);
             let bits = key.wrapping_mul(2 * i as u32 + 0x9e37_79b1).rotate_left(13);
@@ -105,7 +105,7 @@ impl Motors {
             // A drive that follows its joint loses nothing.
             let loses = self.stalls[i] && self.homing.contact != Contact::Torque;
             if loses {
-                self.angles[i] -= self.sign(i) * over;
+                self.angles[i] -= self.homing.motors[i].sign() * over;
             }
         }
     }
@@ -119,8 +119,8 @@ impl Motors {
     pub(super) fn press<N: Number>(&self, readings: &mut [DriveReading<N>; 3]) {
         for (i, reading) in readings.iter_mut().enumerate() {
             if self.homing.contact == Contact::Torque && self.stalls[i] {
-                let sign = self.sign(i);
-                let stall = self.homing.motors[i].stall_torque_nm / self.torque_nm;
+                let motor = &self.homing.motors[i];
+                let (sign, stall) = (motor.sign(), motor.stall_torque_nm / self.torque_nm);
                 reading.torque = N::from_f64(sign * PRESS * stall);
                 reading.angle = reading.angle - N::angle_from_f64(sign * self.past(i));
             }
@@ -129,15 +129,8 @@ impl Motors {
 
     /// Joint angle of motor `i` beyond its reference, rad; negative before.
     fn past(&self, i: usize) -> f64 {
-        self.sign(i) * wrapped(self.angles[i] - self.homing.motors[i].angle_rad)
-    }
-
-    /// 1 if motor `i` turns counter-clockwise towards its reference, else -1.
-    fn sign(&self, i: usize) -> f64 {
-        match self.homing.motors[i].positive {
-            true => 1.0,
-            false => -1.0,
-        }
+        let motor = &self.homing.motors[i];
+        motor.sign() * wrapped(self.angles[i] - motor.angle_rad)
     }
 }
 

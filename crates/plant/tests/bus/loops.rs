@@ -29,6 +29,16 @@ const INERTIA: f64 = 0.02;
 const VISCOUS: f64 = 0.02;
 const LOAD: f64 = 0.3;
 
+/// Watch over the loops.
+const WATCH: FeedbackParameters = FeedbackParameters {
+    timeout_ticks: 20,
+    enable_ticks: 200,
+    still_rad: 2e-3,
+    standing_rad: 0.01,
+    moving_rad: 0.1,
+    window_ticks: WINDOW_TICKS,
+};
+
 /// The machine of the example on amplifiers with encoders.
 fn scene() -> Scene {
     let path = concat!(
@@ -82,17 +92,8 @@ struct Ended {
 fn play(pose: [f64; 3], at: u32, leg: usize, part: Option<Part>, ticks: u32) -> Ended {
     let stood = angles_at(pose).unwrap();
     let home = Pose::from_f64(HOME[0], HOME[1], HOME[2]);
-    let parameters = FeedbackParameters {
-        timeout_ticks: 20,
-        enable_ticks: 200,
-        still_rad: 2e-3,
-        standing_rad: 0.01,
-        moving_rad: 0.1,
-        window_ticks: WINDOW_TICKS,
-    };
     let geometry = Geometry::<f64>::build(&example()).unwrap();
-    let coefficients =
-        FeedbackCoefficients::build(&parameters, &example(), &geometry, home).unwrap();
+    let coefficients = FeedbackCoefficients::build(&WATCH, &example(), &geometry, home).unwrap();
     let measuring: Measuring<'_> = WithFeedback {
         scene: Adjustable::new(example(), LimitParameters::default()),
         feedback: Some(&coefficients),
@@ -275,16 +276,8 @@ fn home(offset: [f64; 3]) -> ([f64; 3], f64) {
             settings.ramp.ticks,
         ),
     };
-    let watch = FeedbackParameters {
-        timeout_ticks: 20,
-        enable_ticks: 200,
-        still_rad: 2e-3,
-        standing_rad: 0.01,
-        moving_rad: 0.1,
-        window_ticks: WINDOW_TICKS,
-    };
     let geometry = Geometry::<f64>::build(&example()).unwrap();
-    let feedback = FeedbackCoefficients::build(&watch, &example(), &geometry, pose).unwrap();
+    let feedback = FeedbackCoefficients::build(&WATCH, &example(), &geometry, pose).unwrap();
     let homing = HomingCoefficients::build(&homing, period);
     let scene = WithFeedback {
         scene: WithHoming {

@@ -186,6 +186,11 @@ pub enum DriveFault {
 }
 
 impl FaultCode {
+    /// Returns true for a push or a turn at the tool.
+    pub fn is_contact(self) -> bool {
+        matches!(self, Self::Contact | Self::ContactMoment)
+    }
+
     /// The code and the leg of a setpoint without a motion.
     pub fn of(status: Status) -> (Self, Option<u8>) {
         match status {

@@ -119,8 +119,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Stop at this fault.
     fn reaction(&self, code: FaultCode) -> StopCategory {
-        match (code, self.contact.get()) {
-            (FaultCode::Contact | FaultCode::ContactMoment, Some(contact)) => contact.reaction(),
+        match self.contact.get() {
+            Some(contact) if code.is_contact() => contact.reaction(),
             _ => self.supply.reaction(code),
         }
     }

@@ -28,10 +28,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn want_retreat(&mut self, code: FaultCode) {
         if let Some(trail) = self.trail.get_mut() {
-            trail.want(matches!(
-                code,
-                FaultCode::Contact | FaultCode::ContactMoment
-            ));
+            trail.want(code.is_contact());
         }
     }
 
@@ -41,12 +38,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.trail.get().is_some_and(|trail| trail.is_under_way())
     }
 
-    /// Number of the move that the machine is on, or of the last one.
+    /// Number of the move that the machine is on, or of the last one: on the way back, of one before.
     #[inline]
     pub(super) fn number_under_way(&self) -> u32 {
         match &self.current {
             Some(current) if self.goes_back() => current.number,
-            _ => self.begun.wrapping_sub(1),
+            _ => self.number(),
         }
     }
 
@@ -87,8 +84,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     pub(super) fn go_back(&mut self) -> Target<N> {
         let levels = self.trail.get_mut().and_then(|trail| trail.step());
         let Some([before, level]) = levels else {
-            let state = self.state;
-            self.rest_in(state, self.acting);
+            self.rest_in(State::Fault, self.acting);
             return Target::Setpoint(Self::standing(self.pose));
         };
         self.step_back(before + level);

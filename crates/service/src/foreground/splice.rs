@@ -72,7 +72,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Number of the move under way, or of the last one.
     #[inline]
-    fn number(&self) -> u32 {
+    pub(super) fn number(&self) -> u32 {
         self.begun.wrapping_sub(1)
     }
 

@@ -110,7 +110,7 @@ impl<N: Number> HomingCoefficients<N> {
 
 impl<N: Number> HomingAxis<N> {
     fn build(motor: &HomingMotor, parameters: &HomingParameters, period: f64) -> Self {
-        let sign = if motor.positive { 1.0 } else { -1.0 };
+        let sign = motor.sign();
         let overrun = motor.overrun_rad(parameters.contact, parameters.debounce_ticks, period);
         Self {
             stage: motor.stage,

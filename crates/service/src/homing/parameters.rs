@@ -135,6 +135,14 @@ fn ticks(time: f64) -> u32 {
 }
 
 impl HomingMotor {
+    /// Sign of the way towards the reference: 1 if the motor turns counter-clockwise there, else -1.
+    pub fn sign(&self) -> f64 {
+        match self.positive {
+            true => 1.0,
+            false => -1.0,
+        }
+    }
+
     /// Computes how far the motor may come beyond its reference in a search, rad.
     /// The switch is debounced, then the motor ramps to rest.
     pub fn overrun_rad(&self, contact: Contact, debounce_ticks: u16, period: f64) -> f64 {
@@ -149,10 +157,6 @@ impl HomingMotor {
 
     /// Computes the angle at which the motor stands when it is homed, rad.
     pub fn park_rad(&self) -> f64 {
-        let back = match self.positive {
-            true => -self.back_off_rad,
-            false => self.back_off_rad,
-        };
-        wrapped::<f64>(self.angle_rad + back)
+        wrapped::<f64>(self.angle_rad - self.sign() * self.back_off_rad)
     }
 }

@@ -6,7 +6,7 @@
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// homing, feedback and contacts.
+/// homing, feedback, contacts and retreats.
 macro_rules! inner_scene {
     () => {
         type N = N;

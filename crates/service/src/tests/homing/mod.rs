@@ -145,7 +145,7 @@ impl<N: ServiceNumber> Machine<N> {
     pub(super) fn beyond(&self, i: usize) -> f64 {
         let motor = &self.parameters.motors[i];
         let way = wrapped(self.truth[i] - motor.angle_rad);
-        if motor.positive { way } else { -way }
+        motor.sign() * way
     }
 
     fn input(&mut self, i: usize) -> bool {
@@ -177,11 +177,7 @@ impl<N: ServiceNumber> Machine<N> {
     fn feel(&mut self) -> [bool; 3] {
         let mut pressed = [false; 3];
         let readings = [0, 1, 2].map(|i| {
-            let sign = if self.parameters.motors[i].positive {
-                1.0
-            } else {
-                -1.0
-            };
+            let sign = self.parameters.motors[i].sign();
             let over = self.beyond(i).max(0.0);
             pressed[i] = over > 0.0;
             DriveReading {
@@ -224,7 +220,7 @@ impl<N: ServiceNumber> Machine<N> {
             if loses && self.beyond(i) > 0.0 {
                 // Against the stop: steps are lost.
                 let motor = &self.parameters.motors[i];
-                self.truth[i] -= self.beyond(i) * if motor.positive { 1.0 } else { -1.0 };
+                self.truth[i] -= self.beyond(i) * motor.sign();
                 self.stalled[i] = moved != 0.0;
             }
             let rate = motor.rate.to_f64();

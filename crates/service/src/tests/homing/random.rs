@@ -61,7 +61,7 @@ fn machine<N: ServiceNumber>(
     }
     let mut offset = motors.map(|(_, offset)| offset);
     for (offset, (motor, _)) in offset.iter_mut().zip(&motors) {
-        let sign = if motor.positive { 1.0 } else { -1.0 };
+        let sign = motor.sign();
         let beyond = *offset * sign - motor.angle_rad.abs();
         // No further on a switch than it is backed off by, and not behind a stop.
         let most = match contact {
