@@ -69,11 +69,11 @@ impl Pacer {
         left
     }
 
-    /// Notes that `tick` has its result.
-    pub(crate) fn done(&mut self, tick: u64) {
-        if Instant::now() > self.due(tick + 1) {
-            self.deadlines.late += 1;
-        }
+    /// Notes that `tick` has its result. Returns true if it was late.
+    pub(crate) fn done(&mut self, tick: u64) -> bool {
+        let late = Instant::now() > self.due(tick + 1);
+        self.deadlines.late += u64::from(late);
+        late
     }
 
     pub(crate) fn finish(self) -> Deadlines {

@@ -322,7 +322,7 @@ fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
     (there.start_velocity, there.end_velocity) = ([0.0; 3].into(), [0.0; 3].into());
     let mut back = there;
     (back.from, back.to) = (there.to, there.from);
-    scene.job.moves = (0..100).flat_map(|_| [there, back]).collect();
+    scene.job.moves = (0..200).flat_map(|_| [there, back]).collect();
     let count = scene.job.moves.len();
     let last = scene.job.moves.last_mut().unwrap();
     last.to.position.x = 0.6;

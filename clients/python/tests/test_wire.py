@@ -2,12 +2,14 @@
 
 import re
 import unittest
+import zlib
 from pathlib import Path
 
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
-    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, NUMBERS, Pose, QuinticMove, Refusal, Reply,
-    LeastDuration, Request, Setpoint, Start, State, Telemetry, Verdict, Violation,
+    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, MoveBatch,
+    MoveStep, NUMBERS, Pose, QuinticMove, Refusal, Reply,
+    LeastDuration, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
@@ -20,7 +22,7 @@ def single(value: float) -> float:
 
 
 def hello(numbers) -> object:
-    content = Hello(protocol=2, schema=messages.schema_key(numbers), scene=0)
+    content = Hello(protocol=3, schema=messages.schema_key(numbers), scene=0)
     return Request(7, Command.Hello(content))
 
 
@@ -49,11 +51,29 @@ def quintic(rounded) -> object:
     )))
 
 
+def moves() -> object:
+    """Behind ``a_move``: a cubic with the tool off, and a quintic to rest."""
+    velocity = (single(0.1), 0.0, 0.0)
+    before = Setpoint(Pose(*map(single, (0.28, 0.28, 0.2))), velocity, (0.0, 0.0, 0.0))
+    cubic = MoveStep(
+        to=Pose(*map(single, (0.29, 0.28, 0.2))), velocity=velocity, acceleration=None, ticks=100, tool=None)
+    quintic = MoveStep(
+        to=Pose(*map(single, (0.3, 0.28, 0.2))),
+        velocity=(0.0, 0.0, 0.0),
+        acceleration=(0.0, 0.0, 0.0),
+        ticks=200,
+        tool=ToolSetting(power=0.75, speed=single(0.1)),
+    )
+    check = zlib.crc32(postcard.dumps(messages.SETPOINT, before, F32))
+    batch = MoveBatch(number=3, check=check, steps=(cubic, quintic, None, None))
+    return Request(303, Command.Moves(batch))
+
+
 EXAMPLES = {
     "hello": (F32, Request, hello(F32)),
     "hello-f64": (F64, Request, hello(F64)),
     "identity": (F32, Message, Message.Reply(sequence=7, reply=Reply.Hello(Identity(
-        protocol=2,
+        protocol=3,
         schema=messages.schema_key(F32),
         scene=0x12345678,
         name=tuple(b"thesis".ljust(32, b"\0")),
@@ -63,7 +83,9 @@ EXAMPLES = {
         mass_kg=1.0,
         ramp_ticks=100,
         silence_ticks=1000,
-        queue=15,
+        queue=256,
+        window=8,
+        batch=4,
         next_sequence=300,
         board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
     )))),
@@ -71,10 +93,12 @@ EXAMPLES = {
     "move": (F32, Request, move(single)),
     "move-f64": (F64, Request, move(float)),
     "quintic": (F32, Request, quintic(single)),
+    "moves": (F32, Request, moves()),
+    "kept": (F32, Message, Message.Reply(sequence=304, reply=Reply.Kept(missing=303))),
     "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10))),
     "done": (F32, Message, Message.Reply(sequence=300, reply=Reply.Done())),
     "out-of-sequence": (F32, Message, Message.Reply(
-        sequence=305, reply=Reply.Refused(Refusal.Sequence(expected=303)))),
+        sequence=315, reply=Reply.Refused(Refusal.Sequence(expected=303)))),
     "not-admitted": (F32, Message, Message.Event(Event.Verdict(Verdict(number=2, violation=Violation(
         what=Bounded.Torque(), index=1, at=0.5, value=1.25, error=0.125, limit=1.0, certain=True,
         ramp=True, shortest=LeastDuration(enough=640, too_short=639),

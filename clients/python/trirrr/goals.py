@@ -117,7 +117,9 @@ class Mover:
             raise NoMotion(f"fault: {status.fault}")
 
     def _play(self, status: Any) -> None:
-        """Starts moves that wait for it."""
+        """Starts moves that wait for it, and goes on where the machine has waited for its host."""
+        if status.state.name in ("Slowing", "Holding") and status.acting.name == "Silence":
+            self._until_taken(lambda: self.exchange.ask(Command.Resume()))
         waits = status.state.name == "Idle" and not status.planning
         if waits and status.next != status.done and status.admitted == status.next:
             self._until_taken(lambda: self.exchange.ask(Command.Start()))

@@ -250,6 +250,8 @@ Refusal = Enum(
     PathUnderWay=None,
     Feed=None,
     NoFeedback=None,
+    NoBatches=None,
+    Check={"expected": U32},
 )
 
 Hello = Struct(
@@ -276,6 +278,31 @@ QuinticMove = Struct(
     common=Move,
     start_acceleration=array(N, 3),
     end_acceleration=array(N, 3),
+)
+
+ToolSetting = Struct(
+    "ToolSetting",
+    power=N,
+    speed=N,
+)
+
+MoveStep = Struct(
+    "MoveStep",
+    to=POSE,
+    velocity=array(N, 3),
+    acceleration=Optional(array(N, 3)),
+    ticks=U32,
+    tool=Optional(ToolSetting),
+)
+
+#: Most moves of a batch.
+BATCH = 4
+
+MoveBatch = Struct(
+    "MoveBatch",
+    number=U32,
+    check=U32,
+    steps=array(Optional(MoveStep), BATCH),
 )
 
 Recovery = Struct(
@@ -314,7 +341,7 @@ Command = Enum(
     Hello=Hello,
     Status=None,
     Read=SectionName,
-    Override=Section,
+    Replace=Section,
     Move=Move,
     Start=None,
     Hold=None,
@@ -331,6 +358,7 @@ Command = Enum(
     Enable=None,
     Disable=None,
     Drives={"every": U16},
+    Moves=MoveBatch,
 )
 
 Request = Struct(
@@ -386,7 +414,9 @@ Identity = Struct(
     mass_kg=F64,
     ramp_ticks=U16,
     silence_ticks=U32,
-    queue=BYTE,
+    queue=U16,
+    window=BYTE,
+    batch=BYTE,
     next_sequence=U32,
     board=Board,
 )
@@ -402,6 +432,12 @@ Cut = Struct(
     number=U32,
     at=U32,
     next=U32,
+)
+
+Interruption = Struct(
+    "Interruption",
+    number=U32,
+    at=U32,
 )
 
 DriveState = Enum(
@@ -453,13 +489,17 @@ Status = Struct(
     done=U32,
     piece=U32,
     planning=BOOL,
-    room=BYTE,
+    room=U16,
     refused=Optional(Verdict),
     end=Optional(SETPOINT),
     lost=U32,
     longest_tick=U32,
+    dry_ticks=U32,
+    late_ticks=U32,
+    longest_stop=U32,
     feed_percent=BYTE,
     cut=Optional(Cut),
+    interrupted=Optional(Interruption),
     not_enabled=Optional(NotEnabled),
 )
 
@@ -495,6 +535,7 @@ Reply = Enum(
     Hello=Identity,
     Section=Section,
     Status=Status,
+    Kept={"missing": U32},
 )
 
 Message = Enum(

@@ -22,6 +22,7 @@ _NOT_YET = {
     "Quintic": {"QueueFull", "Busy"},
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
+    "Resume": {"State", "Busy"},
     "Stop": {"Busy"},
     "FeedOverride": {"Busy"},
     "Home": {"Busy"},
@@ -216,7 +217,11 @@ class Stream:
             raise JobFailed("not enabled" + (f": {words.not_enabled(why)}" if why else ""))
 
     def _push(self) -> bool:
-        """Offers a move or starts; whether there was anything to do."""
+        """Offers a move, starts, or goes on where the machine has waited for its host; whether there was anything to do."""
+        waits = self.status.state.name in ("Slowing", "Holding") and self.status.acting.name == "Silence"
+        if waits and self._command(Command.Resume()):
+            self._look()
+            return True
         if self._offered < len(self._moves):
             if not self.status.room:
                 return self._start()

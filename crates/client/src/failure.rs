@@ -79,6 +79,18 @@ impl<N: Transmit> JobFailure<N> {
         }
     }
 
+    /// Returns true if the machine has nothing of the job any more, and would take it again.
+    pub fn loses_job(&self) -> bool {
+        matches!(
+            self,
+            Self::Fault(_)
+                | Self::Stopped { .. }
+                | Self::Dropped { .. }
+                | Self::Restarted(_)
+                | Self::Occupied(State::Disabled | State::Unhomed | State::Cleared | State::Idle)
+        )
+    }
+
     /// Returns the index of the move that failed.
     pub(crate) fn index(&self) -> Option<u32> {
         match self {

@@ -190,6 +190,9 @@ impl<N: Transmit> GoalClient<N> {
             State::Disabled | State::Enabling | State::Disabling => return None,
             _ => {}
         }
+        if status.waits_for_host() {
+            return Some(Command::Resume);
+        }
         let waits = status.state == State::Idle && status.next != status.done;
         if waits && !status.planning && status.admitted == status.next {
             return Some(Command::Start);
@@ -213,7 +216,7 @@ impl<N: Transmit> GoalClient<N> {
             self.look = self.look.min(now);
             return;
         }
-        let Some((command, reply)) = self.exchange.receive(message) else {
+        let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
             return;
         };
         match reply {
@@ -234,7 +237,7 @@ impl<N: Transmit> GoalClient<N> {
                 self.look = now;
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Section(_) => {}
+            Reply::Section(_) | Reply::Kept { .. } => {}
         }
     }
 

@@ -9,6 +9,7 @@
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals. [`transport`]
 //! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
+//! [`JobRest`] is the rest of a job that was left on its way.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
 //! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
 // The example of the README is a test.
@@ -24,6 +25,7 @@ mod goal_client;
 mod job_client;
 pub mod local;
 pub mod records;
+mod resume;
 pub mod runner;
 pub mod transport;
 
@@ -31,4 +33,5 @@ pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{Action, JobClient, JobWork, UserCommand};
+pub use job_client::{Action, Attachment, JobClient, JobWork, UserCommand};
+pub use resume::{JobPlace, JobRest};

@@ -8,7 +8,7 @@ use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_plan::window::ServicePlanner;
 use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, State};
+use trirrr_protocol::message::{Hello, Message, MoveBatch, PROTOCOL, Reply, Request, State};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
@@ -55,8 +55,14 @@ pub trait LocalService<N: ServiceNumber> {
     /// fault: a host keeps no deadlines.
     fn report_timing(&mut self, duration_ns: u32);
 
+    /// Counts a tick that came too late.
+    fn count_late(&mut self);
+
     /// Executes a request. Returns the answer.
     fn receive(&mut self, request: &Request<N>) -> Reply<N>;
+
+    /// Executes the next request if it came before one that was missing. Returns its number and the answer.
+    fn receive_kept(&mut self) -> Option<(u32, Reply<N>)>;
 
     /// Does a slice of the work below the tick. Returns false if nothing is left to do.
     fn work(&mut self) -> bool;
@@ -235,6 +241,7 @@ where
     S: trirrr_service::Scene<
             N = N,
             Replacement = Section,
+            Batch = MoveBatch<N>,
             Part = Section,
             Curves = Quintics,
             Feedback = DriveFeedback<N>,
@@ -277,10 +284,18 @@ where
         Service::report_timing(self, duration_ns, u32::MAX);
     }
 
+    fn count_late(&mut self) {
+        Service::count_late(self);
+    }
+
     fn receive(&mut self, request: &Request<N>) -> Reply<N> {
         // Every request has a length that is known beforehand.
         let checksum = wire::checksum(request).unwrap_or_default();
         self.answer(request, checksum)
+    }
+
+    fn receive_kept(&mut self) -> Option<(u32, Reply<N>)> {
+        self.answer_kept()
     }
 
     fn work(&mut self) -> bool {

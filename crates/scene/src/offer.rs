@@ -9,7 +9,7 @@ use trirrr_plan::piece::PlaneCurve;
 use trirrr_protocol::message::{AnyMove, Move, PathCurve, PathPiece, Transmit};
 
 /// Moves for which the service of a host has room; that of a board has no more. The longest move follows from it.
-pub const CAPACITY: usize = 128;
+pub const CAPACITY: usize = 256;
 
 /// Pieces of a path, and cells of their plan, that a service which plans paths holds, on a board as on a host: some 40 KB there.
 pub const PIECES: usize = 32;

@@ -7,7 +7,7 @@ use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
-use crate::job::{Job, PlacedJob, read_job};
+use crate::job::{Job, JobMove, PlacedJob, read_job};
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
@@ -27,6 +27,9 @@ use trirrr_service::{Ramp, Reactions, key};
 
 /// Slowest and fastest tick rate, Hz.
 const TICK_RATE_HZ: (f64, f64) = (1.0, 100_000.0);
+
+/// A move of fewer ticks is a short one.
+const SHORT_TICKS: u32 = 10;
 
 /// Keys of the scene itself; the rest stands in tables.
 const TOP_KEYS: &[&str] = &[
@@ -208,6 +211,15 @@ impl Scene {
         let ticks = |seconds: f64| (seconds * self.tick_rate_hz).round().max(1.0);
         let most = self.service.stop_time_max_s.map(|most| ticks(most) as u32);
         Ramp::within(ticks(self.service.hold_ramp_s) as u16, most)
+    }
+
+    /// Returns true if the machine takes moves in batches: as `batches` in `[service]` says, or where the job has planned
+    /// moves, or one so short that single moves come too late over a line with a delay.
+    pub fn takes_batches(&self) -> bool {
+        let is_short = |each: &JobMove| each.duration_ticks < SHORT_TICKS;
+        let needed = self.job.has_quintics() || self.service.plans_paths;
+        let needed = needed || self.job.moves.iter().any(is_short);
+        self.service.batches.unwrap_or(needed)
     }
 
     /// Duration of the job in ticks; it has one setpoint more.

@@ -17,6 +17,9 @@ pub struct Service {
     pub stop_time_max_s: Option<f64>,
     /// The machine plans paths itself, of which a host gives the pieces.
     pub plans_paths: bool,
+    /// The machine takes moves in batches. If it is not said, it does where the job has need of it: see
+    /// [`Scene::takes_batches`](crate::Scene::takes_batches).
+    pub batches: Option<bool>,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -28,6 +31,7 @@ impl Default for Service {
             hold_ramp_s: 0.1,
             stop_time_max_s: None,
             plans_paths: false,
+            batches: None,
             telemetry_ticks: 1,
         }
     }
@@ -89,11 +93,16 @@ pub(crate) fn read_service(
         }
         _ => true,
     });
+    let batches = match section.has("batches") {
+        true => section.boolean("batches").map(Some),
+        false => Some(None),
+    };
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
         stop_time_max_s: stop_time_max_s?,
         plans_paths: plans_paths?,
+        batches: batches?,
         telemetry_ticks: telemetry_ticks?,
     })
 }

@@ -150,15 +150,15 @@ fn moves_that_leave_the_reach_between_their_poses() {
 
 #[test]
 fn the_longest_move_is_checked_in_moderate_time() {
-    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 166471.6");
+    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 83559.67");
     let found = problems(&text);
     assert_eq!(
         found[0].reason,
-        "16647160 ticks; a move lasts 16647159 at most"
+        "8355967 ticks; a move lasts 8355966 at most"
     );
-    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 166471.59");
+    let text = edit(THESIS, "duration_s = 1.0", 1, "duration_s = 83559.66");
     let scene = Scene::parse(&text, "slow.toml").unwrap();
-    assert_eq!(scene.ticks(), 16_647_159);
+    assert_eq!(scene.ticks(), 8_355_966);
     let text = edit(
         &text,
         "alpha_rad = 0.20943951023931953",

@@ -1,6 +1,6 @@
 //! The memory of a service, and how it comes apart into its two halves.
 
-use super::background::{self, Background, OfferedMoves, Stand};
+use super::background::{self, Background, OfferedMoves, RequestWindow, Stand};
 use super::coefficients::Coefficients;
 use super::contact::ContactChannels;
 use super::foreground::{self, Foreground};
@@ -51,6 +51,7 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     feedback: S::Feedback,
     contact: S::Contact,
     planner: S::Planner,
+    window: RequestWindow<S>,
     shared: SharedCounters,
 }
 
@@ -99,6 +100,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
             feedback: S::Feedback::EMPTY,
             contact: S::Contact::EMPTY,
             planner: S::Planner::EMPTY,
+            window: RequestWindow::EMPTY,
             shared: SharedCounters::new(),
         }
     }
@@ -194,6 +196,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 samples: Receiver::new(samples_out),
                 shared,
                 planner: &mut self.planner,
+                window: &mut self.window,
                 offered: OfferedMoves::new(self.offered.as_mut_view()),
                 events: (Sender::new(events_in), Receiver::new(events_out)),
             },

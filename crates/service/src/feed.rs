@@ -37,6 +37,7 @@ pub(super) struct FeedScale {
     level: u32,
     /// The level that the host asks for, at most T.
     goal: u32,
+    measure: RoomMeasure,
 }
 
 /// One tick of it.
@@ -58,6 +59,7 @@ impl FeedScale {
             top,
             level: 0,
             goal: top,
+            measure: RoomMeasure::new(top),
         }
     }
 
@@ -198,15 +200,7 @@ impl FeedScale {
 
     /// The measure of rooms.
     pub(super) fn room_measure(&self) -> RoomMeasure {
-        RoomMeasure {
-            // More than it takes to stop from normal speed.
-            most: self.top / 2 + 8 * u32::from(FULL),
-            // 2^11 parts of 2^19 leave half of the modulus: twice as many as 128 moves have.
-            log2: match self.top > 1 << 20 {
-                true => 3,
-                false => 0,
-            },
-        }
+        self.measure
     }
 
     /// Returns true if the path can still come to rest after `step` on what is left. `room` is asked for the
@@ -219,7 +213,7 @@ impl FeedScale {
 
     #[inline]
     fn is_room(&self, step: Step, part: u32, room: i32) -> bool {
-        let room = room.saturating_mul(1 << self.room_measure().log2);
+        let room = room.saturating_mul(1 << self.measure.log2);
         // More than the square of the level and the tick's own way ask for, and below the products fit.
         room > (self.top / 2) as i32 + 4 * i32::from(FULL) || self.is_just_room(step, part, room)
     }

@@ -19,7 +19,7 @@ use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
-use trirrr_protocol::message::{Acting, State};
+use trirrr_protocol::message::{Acting, Interruption, State};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +87,8 @@ pub(super) struct TickReport<N: Number, R, F> {
     pub(super) done: u32,
     /// Room of all parts of moves of this generation that were begun.
     pub(super) passed: Room,
+    /// Place at which the last job was left.
+    pub(super) interrupted: Option<Interruption>,
     /// Pose of the platform; meant in idle only.
     pub(super) pose: Pose<N>,
     /// Angles of the motors; meant in idle, fault and cleared only.
@@ -119,6 +121,12 @@ pub(super) struct SharedCounters {
     pub(super) lost: AtomicU32,
     /// Longest tick in counts of the board's timer. By the tick.
     pub(super) longest: AtomicU32,
+    /// Ticks in which the queue was dry. By the tick.
+    pub(super) dry: AtomicU32,
+    /// Ticks that came too late. By the tick.
+    pub(super) late: AtomicU32,
+    /// Ticks of the longest way to rest. By the tick.
+    pub(super) longest_stop: AtomicU32,
 }
 
 /// Account of the admitted moves.
@@ -147,6 +155,9 @@ impl SharedCounters {
             tick: AtomicU32::new(0),
             lost: AtomicU32::new(0),
             longest: AtomicU32::new(0),
+            dry: AtomicU32::new(0),
+            late: AtomicU32::new(0),
+            longest_stop: AtomicU32::new(0),
         }
     }
 

@@ -68,12 +68,14 @@ impl<const JERK: bool> PlayedCurves for Quintics<JERK> {
     }
 }
 
-/// Command as a service of the scene `S` reads it.
-pub type CommandOf<S> = Command<
-    <S as Scene>::N,
-    <S as Scene>::Replacement,
+/// Types as which a service of the scene `S` reads quintics and batches.
+type ContentsOf<S> = (
     <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
->;
+    <S as Scene>::Batch,
+);
+
+/// Command as a service of the scene `S` reads it.
+pub type CommandOf<S> = Command<<S as Scene>::N, <S as Scene>::Replacement, ContentsOf<S>>;
 
 /// Offer of a move to a service of the scene `S`.
 pub fn command_of<S: Scene>(offered: &AnyMove<S::N>) -> CommandOf<S> {
@@ -84,11 +86,7 @@ pub fn command_of<S: Scene>(offered: &AnyMove<S::N>) -> CommandOf<S> {
 }
 
 /// Request as a service of the scene `S` reads it.
-pub type RequestOf<S> = Request<
-    <S as Scene>::N,
-    <S as Scene>::Replacement,
-    <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
->;
+pub type RequestOf<S> = Request<<S as Scene>::N, <S as Scene>::Replacement, ContentsOf<S>>;
 
 /// A move of the kinds `K`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +111,14 @@ impl<N: Number, K: CurveKind> Offered<N, K> {
             common: quintic.common,
             accelerations: K::some(accelerations)?,
         })
+    }
+
+    /// The move, if the machine plays its kind.
+    pub(crate) fn of(any: &AnyMove<N>) -> Option<Self> {
+        match any {
+            AnyMove::Cubic(cubic) => Some(Self::cubic(cubic)),
+            AnyMove::Quintic(quintic) => Self::of_quintic(quintic),
+        }
     }
 
     pub(crate) fn ends(&self) -> Ends<N, K> {

@@ -222,6 +222,16 @@ pub(crate) struct RoomMeasure {
 }
 
 impl RoomMeasure {
+    /// Measure for a pace whose normal speed has the level `top`.
+    pub(crate) fn new(top: u32) -> Self {
+        Self {
+            // More than it takes to stop from normal speed.
+            most: top / 2 + 8 * u32::from(FULL),
+            // Then no part is more than 2^17 and a little: half of the modulus is left to 8,000 parts, those of 1,000 moves.
+            log2: u32::BITS - (top.saturating_sub(1) >> 18).leading_zeros(),
+        }
+    }
+
     /// Room of `ticks` at `rate`, rounded down.
     pub(crate) fn of(&self, rate: u32, ticks: u32) -> u32 {
         rate.saturating_mul(ticks).min(self.most) >> self.log2

@@ -104,6 +104,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
         self.background.receive(request, checksum)
     }
 
+    /// Executes the next request if it came before one that was missing, see [`Background::receive_kept`].
+    pub fn answer_kept(&mut self) -> Option<(u32, Reply<N, S::Part>)> {
+        self.background.receive_kept()
+    }
+
     /// Computes one tick and returns the output. Never waits.
     pub fn tick(&mut self) -> &Output<N> {
         self.motion = None;
@@ -178,6 +183,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
         self.foreground.set_position(angles)
     }
 
+    /// Counts a tick that came too late, see [`Foreground::count_late`].
+    pub fn count_late(&mut self) {
+        self.foreground.count_late();
+    }
+
     /// Reports the latency of the last tick, see [`Foreground::report_timing`]. Returns false if the
     /// tick was late.
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
@@ -207,17 +217,23 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
                 Some(Ok(request)) => request,
             };
             let reply = self.background.receive(&request, self.decoder.checksum());
-            let message = MessageRef::Reply {
-                sequence: request.sequence,
-                reply: &reply,
-            };
-            self.reply = encode(&message, &mut self.frame).ok().map(<[u8]>::len);
+            self.put_reply(request.sequence, &reply);
         }
         bytes.len() - rest.len()
     }
 
-    /// Returns the next frame for the line: a reply first, then events, then telemetry.
+    fn put_reply(&mut self, sequence: u32, reply: &Reply<N, S::Part>) {
+        let message = MessageRef::Reply { sequence, reply };
+        self.reply = encode(&message, &mut self.frame).ok().map(<[u8]>::len);
+    }
+
+    /// Returns the next frame for the line: a reply first, then events and samples in turn.
     pub fn transmit(&mut self) -> Option<&[u8]> {
+        if self.reply.is_none()
+            && let Some((sequence, reply)) = self.background.receive_kept()
+        {
+            self.put_reply(sequence, &reply);
+        }
         let mut length = self.reply.take();
         if length.is_none() {
             let frame = &mut self.frame;

@@ -6,7 +6,7 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit,
+    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit, WINDOW,
 };
 use trirrr_protocol::wire::schema;
 
@@ -216,7 +216,7 @@ impl<N: Transmit> Settings<N> {
 }
 
 impl<N: Number> Settings<N> {
-    pub(super) fn identity(&self, queue: u8, next_sequence: u32) -> Identity {
+    pub(super) fn identity(&self, queue: u16, batch: u8, next_sequence: u32) -> Identity {
         let scene = &self.scene;
         Identity {
             protocol: PROTOCOL,
@@ -230,6 +230,8 @@ impl<N: Number> Settings<N> {
             ramp_ticks: self.ramp.ticks,
             silence_ticks: self.host_timeout_ticks,
             queue,
+            window: WINDOW as u8,
+            batch,
             next_sequence,
             board: self.board,
         }

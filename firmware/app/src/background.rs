@@ -20,6 +20,8 @@ pub struct Background<W, L> {
     transmitter: W,
     log: L,
     heartbeat: Monitor,
+    /// The last message was a reply.
+    replied: bool,
 }
 
 impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
@@ -31,6 +33,7 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
             transmitter,
             log,
             heartbeat: Monitor::default(),
+            replied: false,
         }
     }
 
@@ -46,7 +49,7 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
             // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples
             // are lost.
             for _ in 0..MESSAGES {
-                if !put_next(&mut self.service, &mut self.line) {
+                if !put_next(&mut self.service, &mut self.line, &mut self.replied) {
                     break;
                 }
                 self.line.send(&mut self.transmitter);
@@ -64,20 +67,37 @@ fn step(service: &mut SceneBackground) {
     service.step();
 }
 
-/// Puts the next message on the line if it is free: replies first, then events, then telemetry. Returns `true` if
-/// there was one.
+/// Puts the next message on the line if it is free. Replies and other messages take turns: none starves the other.
+/// Returns `true` if there was one.
 #[inline(never)]
-fn put_next(service: &mut SceneBackground, line: &mut Line) -> bool {
+fn put_next(service: &mut SceneBackground, line: &mut Line, replied: &mut bool) -> bool {
     if !line.is_free() {
         return false;
     }
-    if let Some((request, checksum)) = line.request() {
-        line.put(&MessageRef::Reply {
-            sequence: request.sequence,
-            reply: &service.receive(&request, checksum),
-        });
+    if *replied && put_message(service, line) {
+        *replied = false;
         return true;
     }
+    *replied = put_reply(service, line);
+    *replied || put_message(service, line)
+}
+
+/// Executes the next request that has come, and puts its reply on the line.
+fn put_reply(service: &mut SceneBackground, line: &mut Line) -> bool {
+    let (sequence, reply) = match service.receive_kept() {
+        Some(kept) => kept,
+        None => match line.request() {
+            Some((request, checksum)) => (request.sequence, service.receive(&request, checksum)),
+            None => return false,
+        },
+    };
+    let reply = &reply;
+    line.put(&MessageRef::Reply { sequence, reply });
+    true
+}
+
+/// Puts an event or a sample on the line.
+fn put_message(service: &mut SceneBackground, line: &mut Line) -> bool {
     service.send_next(|message| {
         if let MessageRef::Event(event) = message {
             log_event(event);

@@ -7,7 +7,8 @@ use crate::scene::FEEDBACK;
 #[cfg(homing)]
 use crate::scene::HOMING;
 use crate::scene::{
-    COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ,
+    BATCHES, COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar,
+    TICK_RATE_HZ,
 };
 use trirrr_protocol::message::{self, Board, Clock, Start};
 #[cfg(contact)]
@@ -23,13 +24,13 @@ compile_error!(
     "[contact] needs a number type with a floating point: build the image with TRIRRR_SCALAR=f32, or leave [contact] out"
 );
 
-/// Places for moves; one stays empty.
-const MOVES: usize = 128;
+/// Places for moves; one stays empty. At one tick a move, and 1 kHz, the machine has a quarter of a second to live on.
+const MOVES: usize = 257;
 
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type CompiledScene = Compiled<'static, Model, Curves, Planner>;
+type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
 
 /// Scene with its homing, if it has any.
 #[cfg(not(homing))]

@@ -68,11 +68,20 @@ impl EventLog {
         let mut ticks = 0;
         if let Some(offered) = request.command.offered() {
             ticks = offered.ticks;
-            self.offered = (offered.number, ticks);
+            self.offered = (offered.last(), ticks);
         }
+        self.refused(name(&request.command), ticks, reply);
+    }
+
+    /// Notes the answer to a request that waited for one that was missing.
+    pub(super) fn answered_kept<N: Transmit>(&self, reply: &Reply<N>) {
+        self.refused("request that was kept", 0, reply);
+    }
+
+    fn refused<N: Transmit>(&self, what: &str, ticks: u32, reply: &Reply<N>) {
         if let Reply::Refused(refusal) = reply {
             let why = describe::refusal(refusal, ticks, &self.units);
-            self.note(&format!("{} refused: {why}", name(&request.command)));
+            self.note(&format!("{what} refused: {why}"));
         }
     }
 
@@ -140,8 +149,9 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Hello(_) => "hello",
         Command::Status => "status",
         Command::Read(_) => "read",
-        Command::Override(_) => "override",
+        Command::Replace(_) => "replace",
         Command::Move(_) | Command::Quintic(_) => "move",
+        Command::Moves(_) => "moves",
         Command::Start => "start",
         Command::Hold => "hold",
         Command::Resume => "resume",

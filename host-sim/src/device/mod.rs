@@ -125,7 +125,9 @@ fn run<N: ServiceNumber>(
         let left = pacer.left(tick);
         if left.is_zero() {
             server.tick()?;
-            pacer.done(tick);
+            if pacer.done(tick) {
+                server.count_late();
+            }
             tick += 1;
         } else if !server.serve()? {
             std::thread::sleep(left.min(LOOK));

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
 use trirrr_client::transport::Listener;
 use trirrr_drives::ObeyingDrives;
-use trirrr_protocol::message::Message;
+use trirrr_protocol::message::{Message, Reply};
 use trirrr_service::ServiceNumber;
 
 /// Slices of background work between two looks at the link.
@@ -97,11 +97,16 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         while let Some(message) = self.machine.outgoing() {
             self.log.message(&message);
             if let Some(client) = &mut self.client {
-                client.put(&message);
+                client.put(message);
             }
         }
         self.with_client(Client::flush);
         Ok(heard || busy)
+    }
+
+    /// Counts a tick that came too late.
+    pub(super) fn count_late(&mut self) {
+        self.machine.count_late();
     }
 
     /// Ends the service. Returns the event log.
@@ -137,12 +142,22 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         for request in requests {
             let reply = self.machine.receive(&request);
             self.log.answered(&request, &reply);
-            let sequence = request.sequence;
-            if let Some(client) = &mut self.client {
-                client.put(&Message::Reply { sequence, reply });
+            self.reply(request.sequence, reply);
+            while let Some((sequence, reply)) = self.machine.receive_kept() {
+                self.log.answered_kept(&reply);
+                self.reply(sequence, reply);
             }
         }
         heard
+    }
+
+    fn reply(&mut self, sequence: u32, reply: Reply<N>) {
+        if let Some(client) = &mut self.client {
+            if !matches!(reply, Reply::Refused(_)) {
+                client.is_heard();
+            }
+            client.put(Message::Reply { sequence, reply });
+        }
     }
 
     /// Does `what` with the client, if there is one. An error removes the client.

@@ -46,6 +46,11 @@ pub struct StreamArgs {
     /// homed by homing it, any other by moving its motors there in so many seconds
     #[arg(long, value_name = "SECONDS", value_parser = factor)]
     pub recover: Option<f64>,
+    /// Go on with the job that an earlier stream into the same folder has begun: at the very place, on a machine that waits for
+    /// its host; else from the place that it had reached, back to which the machine goes with the tool off (first to a rest before it,
+    /// in the seconds of --recover, 2 by default). Results go into a folder `resumed-1` in that folder, or the next number
+    #[arg(long)]
+    pub resume: bool,
     /// Do not home a machine that is not homed: the stream ends instead
     #[arg(long)]
     pub no_homing: bool,

@@ -2,6 +2,7 @@
 
 mod args;
 mod display;
+mod journal;
 mod keys;
 mod port;
 mod session;
@@ -16,18 +17,22 @@ use crate::failure::CliError;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
+use journal::{JobKey, Journal};
 use session::Session;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use summary::Account;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{JobClient, JobWork, Patience, UserCommand};
+use trirrr_client::{
+    Attachment, JobClient, JobFailure, JobPlace, JobRest, JobWork, Patience, UserCommand,
+};
 use trirrr_protocol::message::{DriveSample, Telemetry};
-use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
+use trirrr_protocol::wire::{self, frame_length};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -37,6 +42,9 @@ use trirrr_service::ServiceNumber;
 
 /// Part of the bytes of a serial port that may be telemetry.
 const TELEMETRY_SHARE: f64 = 0.8;
+
+/// Duration of the way to the start of what is left of a job, s, unless the user gives another.
+const BACK_S: f64 = 2.0;
 
 /// Bits on a serial line for a byte: a start bit, eight, a stop bit.
 const BITS_PER_BYTE: f64 = 10.0;
@@ -60,116 +68,290 @@ fn stream<N: ServiceNumber>(
 ) -> Result<StreamEnd, CliError> {
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let pipeline =
-        pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let work = match args.path {
-        false => JobWork::from(offer::moves::<N>(scene, &units)),
-        true => JobWork::Path {
-            start: offer::pose(&units.pose(&scene.job.start)),
-            pieces: offer::pieces(scene, &units).map_err(&refused)?,
-        },
-    };
-    let units = Units::of_scene(scene, &units);
-    let before = scene.job.moves.iter().scan(0, |sum, each| {
-        let before = *sum;
-        *sum += u64::from(each.duration_ticks);
-        Some(before)
-    });
-    let before: Vec<u64> = before.collect();
-    let ticks = u64::from(scene.ticks());
-    let display = Display::new(ticks, scene.torque);
-    let every = telemetry_every::<N>(args, scene, &display);
-    let port = Port::open(
-        &args.port,
-        args.baud,
-        Duration::from_secs_f64(args.patience),
-    )
-    .map_err(|error| CliError::Failed(error.to_string()))?;
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(&scene.name),
     };
-    let mut results = ResultFolder::create(&folder, "stream")?;
-    let drives = DriveRecorder::create(&mut results, scene, units, every)?;
-    let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
-    let mut session = Session {
-        client: to_start(
-            args,
-            JobClient::new(
-                work,
-                local::hello::<N>(scene),
-                every,
-                patience(Duration::from_secs_f64(args.patience)),
-                conversation(),
-            ),
-        ),
-        port,
-        samples: Samples::new(&*pipeline, units),
-        recorder,
-        drives,
-        display,
-        before,
-        every,
-        keys: args.keys.then(keys::listen),
-        stop,
-        is_over: false,
-    };
-    if session.drives.is_some() {
-        session.client = session.client.with_drives(every);
-    }
-    if let Some(percent) = args.feed {
-        session.client.command(UserCommand::FeedOverride(percent));
-    }
-    if let Some(longest) = scene.longest_stop() {
-        session.display.note(&format!("a hold is {longest}"));
-    }
-    let result = session.run();
-    let Session {
-        client,
-        port,
-        samples,
-        recorder,
-        drives,
-        display,
-        ..
-    } = session;
-    display.finish();
-    let is_complete = matches!(result, Ok(StreamEnd::Complete));
-    let (mut recorded, results) = recorder.finish(&scene.name, is_complete)?;
-    let drives = drives.filter(|_| results.has_begun());
-    let drives = drives
-        .map(|drives| drives.finish(&scene.name))
-        .transpose()?;
-    if let Some(drives) = &drives {
-        recorded.files.extend_from_slice(&drives.files);
-    }
-    let why = match &result {
-        Ok(StreamEnd::Complete) => None,
-        Ok(StreamEnd::Stopped) => Some("stopped by the user".into()),
-        Err(error) => Some(error.to_string()),
-    };
-    results.end(&recorded.files, why.as_deref().map_or(Ok(()), Err))?;
-    summary::print(&summary::Summary {
-        file: &args.scene,
+    let stream = Stream {
+        args,
         scene,
         scalar,
-        address: &args.port,
-        board: client.identity(),
-        longest: client.status().map(|status| status.longest_tick),
-        done: client.done(),
-        moves: client.moves(),
-        item: client.item(),
-        every,
-        recorded: &recorded,
-        drives: drives.as_ref().map(|drives| &drives.peaks),
-        missing: samples.missing(),
-        differing: samples.differing(),
-        repeated: client.repeated(),
-        opened_anew: port.opened_anew(),
-        damaged: port.damaged(),
-        end: result.as_ref().ok().copied(),
-    })
-    .and(result)
+        stop,
+        units,
+        folder: &folder,
+    };
+    let from = JobPlace::default();
+    if args.path {
+        let start = offer::pose::<N>(&units.pose(&scene.job.start));
+        let pieces = offer::pieces(scene, &units).map_err(&refused)?;
+        let items = pieces.len() as u32;
+        let key = stream.key(
+            items,
+            pieces
+                .iter()
+                .fold(0, |sum, each| checked(sum, wire::checksum(each))),
+        );
+        let attachment = match args.resume {
+            true => Some(Journal::read(&folder, &key)?.attachment),
+            false => None,
+        };
+        let work = JobWork::Path { start, pieces };
+        let journal = Journal::new(&folder, key, from);
+        return stream.play(work, attachment, journal, &|_| from).end;
+    }
+    let moves = offer::moves::<N>(scene, &units);
+    let check = moves
+        .iter()
+        .fold(0, |sum, each| checked(sum, wire::checksum(&each.step())));
+    let key = stream.key(moves.len() as u32, check);
+    let rest = |from| {
+        let period = units.time(scene.period_s());
+        JobRest::new(&moves, from, N::factor_from_f64(period))
+    };
+    let play = |from: JobPlace, attachment| {
+        let rest: JobRest<N> = rest(from);
+        let journal = Journal::new(&folder, key.clone(), from);
+        let work = JobWork::from(rest.moves().to_vec());
+        stream.play(work, attachment, journal, &|place| rest.place(place))
+    };
+    if !args.resume {
+        return play(from, None).end;
+    }
+    let entry = Journal::read(&folder, &key)?;
+    let played = play(entry.from, Some(entry.attachment));
+    if !played.is_lost {
+        return played.end;
+    }
+    // The machine has nothing of the job any more: back to the place, as far as it is known.
+    let from = played.reached.max(entry.reached);
+    let JobPlace { index, at } = from;
+    if rest(from).moves().is_empty() {
+        Journal::new(&folder, key, from).end();
+        return Err(CliError::Refused("the job was played to its end".into()));
+    }
+    let count = index + 1;
+    let text =
+        format!("the machine has lost the job: back to move {count}, tick {at}, with the tool off");
+    Display::new(0, false).note(&text);
+    play(from, None).end
+}
+
+/// Adds a part of a job to the checksum of the parts before it.
+fn checked(sum: u32, part: Option<u32>) -> u32 {
+    // Every part has a length that is known beforehand.
+    wire::checksum(&(sum, part)).unwrap_or_default()
+}
+
+/// Stream of one scene to one port.
+struct Stream<'a> {
+    args: &'a StreamArgs,
+    scene: &'a Scene,
+    scalar: NumberType,
+    stop: &'a AtomicBool,
+    units: trirrr_core::units::Units,
+    folder: &'a Path,
+}
+
+/// End of a job, or of a part of it.
+struct StreamPlayed {
+    end: Result<StreamEnd, CliError>,
+    /// The machine has lost a job that it had begun for another client.
+    is_lost: bool,
+    /// Place that it had reached.
+    reached: JobPlace,
+}
+
+impl Stream<'_> {
+    fn key(&self, items: u32, check: u32) -> JobKey {
+        JobKey {
+            scene: self.scene.name.clone(),
+            number: self.scalar.to_string(),
+            items,
+            check,
+        }
+    }
+
+    /// Plays `work`, or goes on with it as the client of `attachment` has left it. `place` tells the place on the whole job of one
+    /// on this work.
+    fn play<N: ServiceNumber>(
+        &self,
+        work: JobWork<N>,
+        attachment: Option<Attachment>,
+        journal: Journal,
+        place: &dyn Fn(JobPlace) -> JobPlace,
+    ) -> StreamPlayed {
+        let mut played = StreamPlayed {
+            end: Ok(StreamEnd::Complete),
+            is_lost: false,
+            reached: journal.reached(),
+        };
+        let end = self.try_play(work, attachment, journal, place, &mut played);
+        played.end = end;
+        played
+    }
+
+    fn try_play<N: ServiceNumber>(
+        &self,
+        work: JobWork<N>,
+        attachment: Option<Attachment>,
+        journal: Journal,
+        place: &dyn Fn(JobPlace) -> JobPlace,
+        played: &mut StreamPlayed,
+    ) -> Result<StreamEnd, CliError> {
+        let Self { args, scene, .. } = *self;
+        let pipeline = pipeline::of_scene::<N>(scene, self.units)
+            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+        let units = Units::of_scene(scene, &self.units);
+        let durations: Vec<u64> = match &work {
+            JobWork::Moves(moves) => {
+                let ticks = moves.iter().map(|each| u64::from(each.common().ticks));
+                ticks.collect()
+            }
+            JobWork::Path { .. } => {
+                let moves = scene.job.moves.iter();
+                moves.map(|each| u64::from(each.duration_ticks)).collect()
+            }
+        };
+        let before = durations.iter().scan(0, |sum, ticks| {
+            let before = *sum;
+            *sum += ticks;
+            Some(before)
+        });
+        let before: Vec<u64> = before.collect();
+        let ticks: u64 = durations.iter().sum();
+        let display = Display::new(ticks, scene.torque);
+        let every = telemetry_every::<N>(args, scene, &display);
+        let patience_s = Duration::from_secs_f64(args.patience);
+        let port = Port::open(&args.port, args.baud, patience_s)
+            .map_err(|error| CliError::Failed(error.to_string()))?;
+        let folder = match args.resume {
+            true => next_folder(self.folder),
+            false => self.folder.into(),
+        };
+        let mut results = ResultFolder::create(&folder, "stream")?;
+        let drives = DriveRecorder::create(&mut results, scene, units, every)?;
+        let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
+        let hello = local::hello::<N>(scene);
+        let client = JobClient::new(work, hello, every, patience(patience_s), conversation());
+        let client = match attachment {
+            Some(attachment) => client.attached(attachment),
+            None => self.to_start(client),
+        };
+        let mut session = Session {
+            client,
+            port,
+            samples: Samples::new(&*pipeline, units),
+            recorder,
+            drives,
+            display,
+            before,
+            every,
+            keys: args.keys.then(keys::listen),
+            stop: self.stop,
+            journal,
+            place,
+            is_over: false,
+        };
+        if session.drives.is_some() {
+            session.client = session.client.with_drives(every);
+        }
+        if let Some(percent) = args.feed {
+            session.client.command(UserCommand::FeedOverride(percent));
+        }
+        if let Some(longest) = scene.longest_stop() {
+            session.display.note(&format!("a hold is {longest}"));
+        }
+        let result = session.run();
+        let Session {
+            client,
+            port,
+            samples,
+            recorder,
+            drives,
+            display,
+            mut journal,
+            ..
+        } = session;
+        display.finish();
+        let is_complete = matches!(result, Ok(StreamEnd::Complete));
+        if let Some(at) = client.interrupted() {
+            journal.reach(place(at));
+        }
+        played.reached = journal.reached();
+        let failure = client.failure();
+        played.is_lost = attachment.is_some() && failure.is_some_and(JobFailure::loses_job);
+        match is_complete {
+            true => journal.end(),
+            // What was lost before is not to be forgotten.
+            false if !played.is_lost => journal.note(&client, true)?,
+            false => {}
+        }
+        let (mut recorded, results) = recorder.finish(&scene.name, is_complete)?;
+        let drives = drives.filter(|_| results.has_begun());
+        let drives = drives
+            .map(|drives| drives.finish(&scene.name))
+            .transpose()?;
+        if let Some(drives) = &drives {
+            recorded.files.extend_from_slice(&drives.files);
+        }
+        let why = match &result {
+            Ok(StreamEnd::Complete) => None,
+            Ok(StreamEnd::Stopped) => Some("stopped by the user".into()),
+            Err(error) => Some(error.to_string()),
+        };
+        results.end(&recorded.files, why.as_deref().map_or(Ok(()), Err))?;
+        if played.is_lost {
+            return result;
+        }
+        summary::print(&summary::Summary {
+            file: &args.scene,
+            scene,
+            scalar: self.scalar,
+            address: &args.port,
+            board: client.identity(),
+            status: client.status().map(Account::of),
+            done: client.done(),
+            moves: client.moves(),
+            item: client.item(),
+            every,
+            recorded: &recorded,
+            drives: drives.as_ref().map(|drives| &drives.peaks),
+            missing: samples.missing(),
+            differing: samples.differing(),
+            repeated: client.repeated(),
+            opened_anew: port.opened_anew(),
+            damaged: port.damaged(),
+            end: result.as_ref().ok().copied(),
+        })?;
+        match client.dry_ticks() {
+            0 => result,
+            // A job that took longer than it should is none that ran as planned.
+            dry => result.and(Err(CliError::Failed(format!(
+                "the job was played, but the machine waited {} s for moves on its way: they came too slowly over this line",
+                f64::from(dry) / scene.tick_rate_hz
+            )))),
+        }
+    }
+
+    /// Allows the client to bring the machine to the start of the job, as the user wants.
+    fn to_start<N: ServiceNumber>(&self, client: JobClient<N>) -> JobClient<N> {
+        let client = match self.args.no_homing {
+            true => client.without_homing(),
+            false => client,
+        };
+        let back = self.args.resume.then_some(BACK_S);
+        match self.args.recover.or(back) {
+            Some(seconds) => client.with_recovery(seconds),
+            None => client,
+        }
+    }
+}
+
+/// Returns the folder for the results of a job that is resumed: the first of its kind in `folder` that is not there.
+fn next_folder(folder: &Path) -> PathBuf {
+    let mut folders = (1_u32..).map(|number| folder.join(format!("resumed-{number}")));
+    let next = folders.find(|folder| !folder.exists());
+    next.unwrap_or_else(|| folder.into())
 }
 
 /// Returns the ticks from one telemetry sample to the next: those of the user, those of the scene, or
@@ -222,18 +404,6 @@ pub(crate) fn patience(total: Duration) -> Patience {
     Patience {
         answer,
         attempts: asked,
-    }
-}
-
-/// Allows the client to bring the machine to the start of the job, as the user wants.
-fn to_start<N: ServiceNumber>(args: &StreamArgs, client: JobClient<N>) -> JobClient<N> {
-    let client = match args.no_homing {
-        true => client.without_homing(),
-        false => client,
-    };
-    match args.recover {
-        Some(seconds) => client.with_recovery(seconds),
-        None => client,
     }
 }
 

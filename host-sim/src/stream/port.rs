@@ -4,7 +4,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::transport::{self, Address, Frames, Link, OpenError};
-use trirrr_protocol::message::{Message, Request, Transmit};
+use trirrr_protocol::message::{Message, Reply, Request, Transmit};
 
 /// From one attempt to open a port to the next.
 const ATTEMPTS_EVERY: Duration = Duration::from_millis(100);
@@ -20,7 +20,7 @@ pub(crate) struct Port {
     link: Box<dyn Link>,
     frames: Frames,
     bytes: Vec<u8>,
-    /// Time of the last bytes from the board.
+    /// Time of the last answer of the board, hellos apart.
     heard: Instant,
     /// The board was heard since the port was opened.
     answered: bool,
@@ -87,10 +87,15 @@ impl Port {
         let mut messages = Vec::new();
         self.frames
             .receive(&bytes[..length], |message| messages.push(message));
-        if !messages.is_empty() {
+        // A board that says hello and then nothing is as good as silent.
+        let is_answer = |message: &Message<N>| match message {
+            Message::Reply { reply, .. } => !matches!(reply, Reply::Hello(_)),
+            _ => false,
+        };
+        if messages.iter().any(is_answer) {
             self.heard = Instant::now();
-            self.answered = true;
         }
+        self.answered |= !messages.is_empty();
         Ok(messages)
     }
 

@@ -2,6 +2,7 @@
 //! the board, into the files.
 
 use super::display::Display;
+use super::journal::Journal;
 use super::port::Port;
 use crate::failure::CliError;
 use crate::recording::{DriveRecorder, Recorder};
@@ -9,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use trirrr_client::records::{Samples, is_of_a_job};
-use trirrr_client::{Action, JobClient, UserCommand};
+use trirrr_client::{Action, JobClient, JobPlace, UserCommand};
 use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
 
 /// Longest wait for the board before the user is heard.
@@ -42,6 +43,9 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) every: u16,
     pub(super) keys: Option<Receiver<UserCommand>>,
     pub(super) stop: &'a AtomicBool,
+    pub(super) journal: Journal,
+    /// Place on the job's path of a place on the moves that are played.
+    pub(super) place: &'a dyn Fn(JobPlace) -> JobPlace,
     /// The board has sent a sample of a tick after the job.
     pub(super) is_over: bool,
 }
@@ -73,6 +77,7 @@ impl<N: Transmit> Session<'_, N> {
                     return self.ended(result);
                 }
             }
+            self.journal.note(&self.client, false)?;
         }
     }
 
@@ -131,6 +136,10 @@ impl<N: Transmit> Session<'_, N> {
         let Some(index) = self.client.index(sample.number) else {
             return Ok(());
         };
+        let at = sample.at;
+        if is_of_a_job(sample.state) {
+            self.journal.reach((self.place)(JobPlace { index, at }));
+        }
         if !is_of_a_job(sample.state) {
             self.is_over |= self.samples.have_begun();
             return Ok(());

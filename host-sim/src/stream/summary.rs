@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use trirrr_client::describe;
 use trirrr_client::transport::Address;
-use trirrr_protocol::message::Identity;
+use trirrr_protocol::message::{Identity, Status, Transmit};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::words::short;
@@ -19,8 +19,8 @@ pub(super) struct Summary<'a> {
     pub(super) scalar: NumberType,
     pub(super) address: &'a Address,
     pub(super) board: Option<&'a Identity>,
-    /// The longest tick in counts of the board's timer.
-    pub(super) longest: Option<u32>,
+    /// Account of the machine, if it has told its status.
+    pub(super) status: Option<Account>,
     pub(super) done: u32,
     pub(super) moves: u32,
     /// Word for one of them.
@@ -36,6 +36,25 @@ pub(super) struct Summary<'a> {
     pub(super) damaged: u64,
     /// None where it failed.
     pub(super) end: Option<StreamEnd>,
+}
+
+/// Account of a machine since it was switched on.
+pub(super) struct Account {
+    /// The longest tick in counts of the board's timer.
+    longest_tick: u32,
+    late_ticks: u32,
+    longest_stop: u32,
+}
+
+impl Account {
+    /// Account in a status.
+    pub(super) fn of<N: Transmit>(status: &Status<N>) -> Self {
+        Self {
+            longest_tick: status.longest_tick,
+            late_ticks: status.late_ticks,
+            longest_stop: status.longest_stop,
+        }
+    }
 }
 
 /// Prints the summary on standard output.
@@ -72,14 +91,22 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
             let why = describe::board::start(&board.start);
             line("warning", &format!("why the board started last: {why}"))?;
         }
-        if let Some(longest) = summary.longest.filter(|longest| *longest > 0) {
-            let longest = 1e6 * f64::from(longest) / f64::from(board.timer_hz.max(1));
+        if let Some(account) = &summary.status {
+            let longest = f64::from(account.longest_tick) / f64::from(board.timer_hz.max(1));
             let period = short(1e6 / identity.tick_rate_hz);
-            let longest = short(longest);
-            line(
-                "ticks",
-                &format!("the longest took {longest} of {period} us"),
-            )?;
+            if account.longest_tick > 0 {
+                let (longest, late) = (short(1e6 * longest), account.late_ticks);
+                let text = format!("the longest took {longest} of {period} us, {late} were late");
+                line("ticks", &text)?;
+            }
+            let seconds = |ticks: u32| short(f64::from(ticks) / identity.tick_rate_hz);
+            if account.longest_stop > 0 {
+                let text = format!(
+                    "the longest way to rest took {} s",
+                    seconds(account.longest_stop)
+                );
+                line("stops", &text)?;
+            }
         }
     }
     let (done, moves, item) = (summary.done, summary.moves, summary.item);

@@ -64,10 +64,10 @@ fn a_board_that_does_not_answer_is_given_up() {
     assert!(text(&output.stdout).contains("did not answer"));
 }
 
-/// A client that dies leaves the machine to itself: it stops on its path, and can be talked to.
+/// A client that dies leaves the machine to itself: it comes to rest on its path and waits. It is not free for another job, but can be
+/// talked to.
 #[test]
-fn a_machine_without_a_host_stops() {
-    // Fast enough that it is not beside its start any more when it has stopped.
+fn a_machine_without_a_host_waits() {
     let folder = scene("thesis", &[("duration_s = 1.0", "duration_s = 10.0")]);
     let file = folder.path().join("scene.toml");
     let text_of = std::fs::read_to_string(&file).unwrap();
@@ -78,12 +78,15 @@ fn a_machine_without_a_host_stops() {
     device.lines.wait_for("running");
     streaming.process.kill();
     device.lines.wait_for("is gone");
-    device.lines.wait_for("stopping (host silent)");
-    device.lines.wait_for("idle");
+    device.lines.wait_for("slowing (host silent)");
+    device.lines.wait_for("holding (host silent)");
     let output = stream(&folder, &device.address, &[]);
     let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("where the machine stands"), "{message}");
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("the machine is not free: holding"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -10,4 +10,5 @@ mod homing;
 mod links;
 mod paths;
 mod proxy;
+mod resume;
 mod values;

@@ -141,6 +141,9 @@ impl<'q> Device<'q> {
                 sequence: request.sequence,
                 reply,
             });
+            while let Some((sequence, reply)) = self.service.answer_kept() {
+                answer(&Message::Reply { sequence, reply });
+            }
         }
     }
 

@@ -14,5 +14,6 @@ pub mod device;
 pub mod faulty_link;
 pub mod job;
 pub mod sent;
+pub mod slow_link;
 pub mod targets;
 pub mod trajectory_checker;

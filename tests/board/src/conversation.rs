@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, JobClient, JobFailure, Patience, UserCommand};
+use trirrr_client::{Action, Attachment, JobClient, JobFailure, Patience, UserCommand};
 use trirrr_protocol::message::{AnyMove, Message, Reply, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -89,6 +89,8 @@ pub(crate) struct Conversation {
     /// For holds, and for where frames are split on their way; none leaves the job alone.
     random: Option<Random>,
     held: bool,
+    /// Job that the next client goes on with.
+    attached: Option<Attachment>,
     number: u32,
     pub(crate) tally: Tally,
 }
@@ -118,9 +120,15 @@ impl Conversation {
             frames: Frames::default(),
             random,
             held: false,
+            attached: None,
             number: std::process::id(),
             tally: Tally::default(),
         }
+    }
+
+    /// Lets the next client go on with a job.
+    pub(crate) fn attach(&mut self, job: Attachment) {
+        self.attached = Some(job);
     }
 
     /// The line itself, when the conversation is over.
@@ -161,6 +169,9 @@ impl Conversation {
         };
         self.number = self.number.wrapping_add(1000);
         let mut client = JobClient::new(moves, expected.hello, 1, patience, self.number);
+        if let Some(attachment) = self.attached.take() {
+            client = client.attached(attachment);
+        }
         let start = Instant::now();
         let mut over: Option<(Instant, End<N>)> = None;
         let mut ticks = 0;

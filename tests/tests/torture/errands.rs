@@ -245,7 +245,9 @@ impl ErrandSession<'_> {
         let Message::Reply { reply, .. } = message else {
             return;
         };
-        let is_new = self.executed != Some(request.sequence);
+        let is_new = self
+            .executed
+            .is_none_or(|last| request.sequence.wrapping_sub(last) as i32 > 0);
         if *reply != Reply::Done || !is_new {
             return;
         }
@@ -375,7 +377,7 @@ impl ErrandSession<'_> {
                 let Ok(message) = frame else {
                     continue;
                 };
-                let Some((command, reply)) = self.exchange.receive(&message) else {
+                let Some((Request { command, .. }, reply)) = self.exchange.receive(&message) else {
                     continue;
                 };
                 self.greeted |= matches!(reply, Reply::Hello(_));

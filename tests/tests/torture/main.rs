@@ -8,9 +8,11 @@
 
 mod conversation;
 mod errands;
+mod slow_line;
 
 use conversation::{Conversation, Tally};
 use errands::{ErrandSession, Errands};
+use slow_line::{SERIAL, USB, circles, play};
 
 /// Jobs until `frames` frames have been on the line.
 fn torture(frames: u64, first_seed: u64) -> Tally {
@@ -67,4 +69,36 @@ fn goals_cut_the_motion_at_any_time() {
 #[ignore = "takes minutes; cargo xtask nightly"]
 fn goals_cut_the_motion_ten_thousand_times() {
     run_errands(2000);
+}
+
+/// Moves of 10 ms, 16 ms each way: what an USB adapter makes of a serial line.
+#[test]
+fn a_delayed_line_keeps_up_with_moves_of_10_ms() {
+    for bytes_per_tick in [SERIAL, USB] {
+        let pace = play(circles(1000, 10), 16, bytes_per_tick);
+        println!("1000 moves of 10 ms, 16 ms each way, {bytes_per_tick} bytes per ms: {pace:?}");
+        assert_eq!((pace.dry, pace.repeated), (0, 0));
+        assert!(pace.ticks <= 10_000 + 2, "{pace:?}");
+    }
+}
+
+/// Moves of 1 ms, 0.1 mm each, 8 ms each way.
+fn play_ticks(count: u32) {
+    for bytes_per_tick in [SERIAL, USB] {
+        let pace = play(circles(count, 1), 8, bytes_per_tick);
+        println!("{count} moves of 1 ms, 8 ms each way, {bytes_per_tick} bytes per ms: {pace:?}");
+        assert_eq!((pace.dry, pace.repeated), (0, 0));
+        assert!(pace.ticks <= u64::from(count) + 2, "{pace:?}");
+    }
+}
+
+#[test]
+fn a_delayed_line_keeps_up_with_moves_of_a_tick() {
+    play_ticks(5000);
+}
+
+#[test]
+#[ignore = "takes minutes; cargo xtask nightly"]
+fn a_delayed_line_keeps_up_with_moves_of_a_tick_for_ten_minutes() {
+    play_ticks(600_000);
 }

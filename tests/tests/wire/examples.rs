@@ -8,9 +8,9 @@ use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, LeastDuration, Message, Move,
-    NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start, State, Telemetry,
-    Transmit, Verdict, Violation,
+    Acting, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity, LeastDuration,
+    Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start,
+    State, Telemetry, Transmit, Verdict, Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -98,6 +98,42 @@ fn a_quintic() -> Request<f32> {
     )
 }
 
+/// Two moves behind it: a cubic, and a quintic with the tool.
+fn moves() -> Request<f32> {
+    let Command::Move(before) = a_move().command else {
+        unreachable!("it is one");
+    };
+    let corner = Pose::from_f64(0.29, 0.28, 0.2);
+    let cubic = Move {
+        number: 3,
+        from: before.to,
+        to: corner,
+        start_velocity: before.end_velocity,
+        end_velocity: before.end_velocity,
+        ticks: 100,
+        tool_power: 0.0,
+        tool_speed: 0.0,
+    };
+    let common = Move {
+        number: 4,
+        from: corner,
+        to: Pose::from_f64(0.3, 0.28, 0.2),
+        end_velocity: [0.0; 3],
+        ticks: 200,
+        tool_power: 0.75,
+        tool_speed: 0.1,
+        ..cubic
+    };
+    let quintic = QuinticMove {
+        common,
+        start_acceleration: [0.0; 3],
+        end_acceleration: [0.0; 3],
+    };
+    let moves = [AnyMove::Cubic(cubic), AnyMove::Quintic(quintic)];
+    let batch = MoveBatch::new(3, &AnyMove::Cubic(before).end(), &moves);
+    plain(303, Command::Moves(batch))
+}
+
 fn identity() -> Message<f32> {
     let mut name = [0; NAME_CAPACITY];
     name[..6].copy_from_slice(b"thesis");
@@ -114,7 +150,9 @@ fn identity() -> Message<f32> {
             mass_kg: 1.0,
             ramp_ticks: 100,
             silence_ticks: 1000,
-            queue: 15,
+            queue: 256,
+            window: 8,
+            batch: 4,
             next_sequence: 300,
             board: Board {
                 timer_hz: 168_000_000,
@@ -184,6 +222,12 @@ fn the_example_frames_are_the_messages() {
             &a_quintic(),
         ),
         section(
+            "moves",
+            "Behind `move`: move 3, a cubic over 0.01 m in 100 ticks at the same speed, with the tool off; move 4, a quintic over \
+             0.01 m to rest in 200 ticks, with the tool as before.",
+            &moves(),
+        ),
+        section(
             "telemetry-rate",
             "A sample every tenth tick.",
             &plain::<f32>(302, Command::Telemetry { every: 10 }),
@@ -198,10 +242,18 @@ fn the_example_frames_are_the_messages() {
         ),
         section(
             "out-of-sequence",
-            "A request was skipped.",
+            "Request 315 is too far from the next one.",
             &Message::<f32>::Reply {
-                sequence: 305,
+                sequence: 315,
                 reply: Reply::Refused(Refusal::Sequence { expected: 303 }),
+            },
+        ),
+        section(
+            "kept",
+            "Request 304 came before 303.",
+            &Message::<f32>::Reply {
+                sequence: 304,
+                reply: Reply::Kept { missing: 303 },
             },
         ),
         section(

@@ -1,13 +1,15 @@
 //! The service of the scene with its drives, and their tick as a caller sees it.
 
 use crate::drives::{self, Drives};
-use crate::scene::{COEFFICIENTS, Curves, MOVES, Model, PARTS, Planner, SETTINGS, START, Scalar};
+use crate::scene::{
+    BATCHES, COEFFICIENTS, Curves, MOVES, Model, PARTS, Planner, SETTINGS, START, Scalar,
+};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_protocol::message::{AnyMove, Move, Reply};
 use trirrr_service::{Background, Channels, CommandOf, Compiled, Foreground, Settings};
 
-type CompiledScene = Compiled<'static, Model, Curves, Planner>;
+type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
 
 /// The scene of an image that does not change it.
 #[cfg(not(homing))]

@@ -71,6 +71,8 @@ fn where_it_goes_on() {
         (&[0x4487], Flow::Ahead(0)),                 // add pc, r0
         (&[0xe8df, 0xf005], Flow::Table(1)),         // tbb [pc, r5]
         (&[0xe8df, 0xf015], Flow::Table(2)),         // tbh [pc, r5, lsl #1]
+        (&[0xe8d2, 0xf001], Flow::TableAt(2, 1)),    // tbb [r2, r1]
+        (&[0xe8d2, 0xf011], Flow::TableAt(2, 2)),    // tbh [r2, r1, lsl #1]
         (&[0xbd90], Flow::Return),                   // pop {r4, r7, pc}
         (&[0xe8bd, 0x8030], Flow::Return),           // pop.w {r4, r5, pc}
         (&[0xf85d, 0xfb08], Flow::Return),           // ldr pc, [sp], #8

@@ -51,6 +51,8 @@ pub(crate) enum Flow {
     Return,
     /// `tbb` and `tbh`: ahead by twice an entry of the table behind it, whose entries have so many bytes.
     Table(u32),
+    /// The same, of a table at the address that a register holds.
+    TableAt(Register, u32),
     /// `add pc, r`: ahead by a register's value.
     Ahead(Register),
     /// The next instructions depend on a condition: so many, and which (bit n: the nth) are executed

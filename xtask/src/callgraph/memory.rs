@@ -72,6 +72,8 @@ pub(super) fn two_words(first: u16, second: u16) -> Option<Instruction> {
         (_, true, 0b0100 | 0b0101) => Instruction::writing(4, target),
         (_, true, 0b0000) if base == PC => Instruction::going(4, Flow::Table(1)),
         (_, true, 0b0001) if base == PC => Instruction::going(4, Flow::Table(2)),
+        (_, true, 0b0000) => Instruction::going(4, Flow::TableAt(base, 1)),
+        (_, true, 0b0001) => Instruction::going(4, Flow::TableAt(base, 2)),
         _ => return None,
     })
 }

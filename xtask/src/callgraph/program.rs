@@ -150,6 +150,20 @@ impl Program {
         mark.is_some_and(|(_, is_code)| *is_code)
     }
 
+    /// Returns true if an instruction begins at `address`, counted from where the code around it begins.
+    pub(crate) fn begins_instruction(&self, address: u32) -> bool {
+        let Some((start, true)) = self.marks.range(..=address).next_back() else {
+            return false;
+        };
+        let mut at = *start;
+        while at < address {
+            // Those of two halfwords begin with 0b11101, 0b11110 or 0b11111.
+            let is_long = self.halfword(at).is_some_and(|word| word >> 11 >= 0b11101);
+            at += if is_long { 4 } else { 2 };
+        }
+        at == address
+    }
+
     /// The constant bytes from here on.
     fn bytes<const N: usize>(&self, address: u32) -> Option<[u8; N]> {
         self.constants.iter().find_map(|(start, bytes)| {

@@ -145,6 +145,12 @@ impl<'a> Walk<'a> {
                 _ => bail!("it jumps to where r{register} says, and nothing here tells where"),
             },
             Flow::Table(size) => self.table(next, size, |distance| next + 2 * distance)?,
+            Flow::TableAt(register, size) => match state.get(register) {
+                Known::Constant(table) => {
+                    self.table(table, size, |distance| next + 2 * distance)?
+                }
+                _ => bail!("its table is where r{register} says, and nothing here tells where"),
+            },
             Flow::Ahead(register) => match state.get(register) {
                 Known::TwiceEntry(table, size) => {
                     self.table(table, size, |distance| address + 4 + 2 * distance)?
@@ -176,7 +182,7 @@ impl<'a> Walk<'a> {
                 _ => self.program.word(at),
             })
             .map(target)
-            .take_while(|to| self.is_inside(*to) && self.program.is_code(*to))
+            .take_while(|to| self.is_inside(*to) && self.program.begins_instruction(*to))
             .collect();
         ensure!(!targets.is_empty(), "the table at {table:#010x} is empty");
         Ok(targets)

@@ -114,7 +114,7 @@ impl Operation {
             Flow::Call(_) => Some(Kind::Call),
             Flow::CallRegister(_) => Some(Kind::CallRegister),
             Flow::JumpRegister(_) => Some(Kind::JumpRegister),
-            Flow::Table(_) => Some(Kind::TableBranch),
+            Flow::Table(_) | Flow::TableAt(..) => Some(Kind::TableBranch),
             Flow::If { .. } => Some(Kind::If),
             Flow::Trap => return None,
             Flow::Next | Flow::Return => None,

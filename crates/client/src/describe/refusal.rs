@@ -60,6 +60,13 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         }
         Refusal::Feed => "the feed of a piece is negative".into(),
         Refusal::NoFeedback => "the drives of the board's scene tell nothing".into(),
+        Refusal::NoBatches => {
+            "the board's image takes no batches of moves: set batches in [service] of its scene".into()
+        }
+        Refusal::Check { expected } => format!(
+            "the moves of the batch do not start where the last one ends (its checksum is {expected:#010x}): has the board two \
+             clients?"
+        ),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

@@ -7,9 +7,9 @@ mod reply;
 mod schedule;
 mod status;
 
-use crate::JobFailure;
 use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
+use crate::{JobFailure, JobPlace};
 use phase::{Next, Phase};
 use progress::JobProgress;
 pub use progress::JobWork;
@@ -73,6 +73,8 @@ pub struct JobClient<N: Transmit> {
     progress: JobProgress<N>,
     identity: Option<Identity>,
     status: Option<Status<N>>,
+    /// Dry ticks of the machine at the first status.
+    dry_before: u32,
     approach: Approach,
     user: User,
     schedule: Schedule,
@@ -95,6 +97,19 @@ struct Approach {
     is_enabling: bool,
     /// The client has seen where the machine stands.
     is_near: bool,
+    /// The machine has begun the job for another client.
+    attachment: Option<Attachment>,
+}
+
+/// Account of a job that another client has begun.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// Number by which the machine calls the first move of the job, or its first piece of a path.
+    pub first: u32,
+    /// Moves that the machine had taken, or pieces, as far as the other client knew,
+    pub taken: u32,
+    /// in this tick of the machine. One that counts fewer now has started anew.
+    pub tick: u32,
 }
 
 /// Commands of the user.
@@ -126,6 +141,7 @@ impl<N: Transmit> JobClient<N> {
             progress: JobProgress::new(work.into()),
             identity: None,
             status: None,
+            dry_before: 0,
             approach: Approach {
                 homing: true,
                 recovery_s: None,
@@ -133,6 +149,7 @@ impl<N: Transmit> JobClient<N> {
                 enabled: false,
                 is_enabling: false,
                 is_near: false,
+                attachment: None,
             },
             user: User::default(),
             schedule: Schedule::new(),
@@ -153,6 +170,41 @@ impl<N: Transmit> JobClient<N> {
     pub fn with_recovery(mut self, seconds: f64) -> Self {
         self.approach.recovery_s = Some(seconds);
         self
+    }
+
+    /// Goes on with a job that another client has begun. A machine that waits for its host is resumed, and goes on at the very
+    /// place. One that has lost the job ends it: [`JobFailure::Restarted`], [`JobFailure::Dropped`].
+    #[must_use]
+    pub fn attached(mut self, attachment: Attachment) -> Self {
+        self.approach.attachment = Some(attachment);
+        self.progress.count_from(attachment.first);
+        self
+    }
+
+    /// Returns what another client has to know to go on with the job; none before the first status.
+    pub fn attachment(&self) -> Option<Attachment> {
+        Some(Attachment {
+            first: self.progress.first()?,
+            taken: self.progress.has_taken(),
+            tick: self.status.as_ref()?.tick,
+        })
+    }
+
+    /// Returns the failure by which the job has ended.
+    pub fn failure(&self) -> Option<&JobFailure<N>> {
+        match &self.phase {
+            Phase::Finished(Err(failure)) => Some(failure),
+            _ => None,
+        }
+    }
+
+    /// Returns the place of the job at which the machine has left it: at a stop or a fault since it was switched on.
+    pub fn interrupted(&self) -> Option<JobPlace> {
+        let interruption = self.status.as_ref()?.interrupted?;
+        Some(JobPlace {
+            index: self.index(interruption.number)?,
+            at: interruption.at,
+        })
     }
 
     /// Asks for a sample of the drives every `every` ticks, too. A machine whose drives tell nothing plays the job without.
@@ -194,7 +246,7 @@ impl<N: Transmit> JobClient<N> {
 
     /// Returns the number of moves, or of pieces, that the machine has taken.
     pub fn offered(&self) -> u32 {
-        self.progress.offered()
+        self.progress.has_taken()
     }
 
     /// Returns the number of moves played to their end, as of the last status; that of pieces where all are.
@@ -215,6 +267,12 @@ impl<N: Transmit> JobClient<N> {
             let ticks = self.progress.get(index).map(|each| each.ticks);
             index + 1 == self.moves() && ticks == Some(sample.at) && sample.part == 0
         })
+    }
+
+    /// Returns the ticks in which the machine waited for moves since the conversation began: its queue was empty.
+    pub fn dry_ticks(&self) -> u32 {
+        let dry = self.status.as_ref().map(|status| status.dry_ticks);
+        dry.map_or(0, |dry| dry.wrapping_sub(self.dry_before))
     }
 
     /// Returns the number of requests that had to be sent again.
@@ -249,16 +307,17 @@ impl<N: Transmit> JobClient<N> {
             if let Phase::Finished(result) = &self.phase {
                 return Action::Finished(*result);
             }
-            match self.exchange.poll(now) {
+            let due = match self.exchange.poll(now) {
                 Turn::Send(request) => return Action::Send(request),
-                Turn::Wait(until) => return Action::Wait(until),
+                Turn::Wait(until) if !self.goes_on() => return Action::Wait(until),
+                Turn::Wait(until) => until,
                 Turn::Silent => return Action::Lost,
-                Turn::Free => {}
-            }
+                Turn::Free => Duration::MAX,
+            };
             match self.next(now) {
                 Next::Ask(Command::Hello(hello)) => self.exchange.greet(hello, now),
                 Next::Ask(command) => self.exchange.ask(command, now),
-                Next::Listen(until) => return Action::Wait(until),
+                Next::Listen(until) => return Action::Wait(until.min(due)),
             }
         }
     }
@@ -267,22 +326,29 @@ impl<N: Transmit> JobClient<N> {
     pub fn receive(&mut self, message: &Message<N>, now: Duration) {
         if let Message::Event(event) = message {
             // An event is a hint: it may be late, or come twice. The status says what holds.
-            self.schedule.look_at(now);
-            if let (Event::State { state, .. }, Some(status)) = (event, &mut self.status) {
-                status.state = *state;
+            let is_news = match (event, &mut self.status) {
+                (Event::State { state, .. }, Some(status)) => {
+                    std::mem::replace(&mut status.state, *state) != *state
+                }
+                (Event::Verdict(verdict), _) => verdict.violation.is_some(),
+                _ => true,
+            };
+            match is_news {
+                true => self.schedule.look_at(now),
+                false => self.schedule.look_soon(now),
             }
             return;
         }
-        let Some((command, reply)) = self.exchange.receive(message) else {
+        let Some((Request { sequence, command }, reply)) = self.exchange.receive(message) else {
             return;
         };
         match reply {
             Reply::Hello(identity) => self.on_hello(identity),
-            Reply::Status(status) => self.on_status(status, now),
+            Reply::Status(status) => self.on_status(sequence, status, now),
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
             Reply::Done => self.on_done(&command, now),
-            // The client asks for none.
-            Reply::Section(_) => {}
+            // The client asks for none, and the exchange has the other.
+            Reply::Section(_) | Reply::Kept { .. } => {}
         }
     }
 

@@ -3,7 +3,7 @@
 use super::JobClient;
 use crate::JobFailure;
 use std::time::Duration;
-use trirrr_protocol::message::{Command, Recovery, State, Transmit};
+use trirrr_protocol::message::{Command, Recovery, Request, State, Status, Transmit};
 
 /// Phase of a conversation.
 ///
@@ -89,6 +89,14 @@ impl<N: Transmit> JobClient<N> {
             return Next::Ask(command.into());
         }
         match self.schedule.look() {
+            // One question at a time.
+            _ if self
+                .exchange
+                .open()
+                .any(|open| open.command == Command::Status) =>
+            {
+                Next::Listen(Duration::MAX)
+            }
             look if look <= now => Next::Ask(Command::Status),
             look => Next::Listen(look),
         }
@@ -100,11 +108,35 @@ impl<N: Transmit> JobClient<N> {
             Next::Listen(look) if !self.user.has_stopped && now >= self.schedule.pause() => look,
             next => return next,
         };
-        match self.progress.next_offer() {
-            Some(offer) => Next::Ask(offer),
-            None if self.is_ready() => Next::Ask(Command::Start),
-            None => Next::Listen(look),
+        let is_free = self.exchange.open().next().is_none();
+        if is_free && self.status.as_ref().is_some_and(Status::waits_for_host) {
+            return Next::Ask(Command::Resume);
         }
+        match self.progress.next_offer() {
+            // The machine does not say for how many pieces it has room.
+            Some(offer) if is_free || !self.progress.is_path() => {
+                self.progress.count_offered(&offer);
+                Next::Ask(offer)
+            }
+            None if is_free && self.is_ready() => Next::Ask(Command::Start),
+            _ => Next::Listen(look),
+        }
+    }
+
+    /// Returns true if a request may follow those in flight: moves and questions for the status may, behind each other.
+    pub(super) fn goes_on(&self) -> bool {
+        let follows = |request: &Request<N>| {
+            request.command.offered().is_some() || request.command == Command::Status
+        };
+        self.phase == Phase::Streaming
+            && self.exchange.has_room()
+            && self.exchange.open().all(follows)
+    }
+
+    /// Returns true if moves are in flight.
+    pub(super) fn offers(&self) -> bool {
+        let mut open = self.exchange.open();
+        open.any(|request| request.command.offered().is_some())
     }
 
     /// Returns true if the machine stands, has judged all moves that it has taken, and has moves to

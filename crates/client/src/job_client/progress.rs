@@ -1,7 +1,9 @@
 //! Count of what a machine has taken and played of a job.
 
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{AnyMove, Command, Move, PathPiece, Status, Transmit};
+use trirrr_protocol::message::{
+    AnyMove, BATCH, Command, Move, MoveBatch, OfferedMoves, PathPiece, Status, Transmit,
+};
 
 /// Work of a job.
 #[derive(Clone, Debug)]
@@ -36,10 +38,16 @@ pub(super) struct JobProgress<N: Transmit> {
     work: JobWork<N>,
     /// Known from the first status on.
     base: Option<Base>,
-    /// Items that the machine has taken.
+    /// Items that were offered,
     offered: u32,
+    /// those of them that the machine has taken, as far as known,
+    taken: u32,
+    /// and moves that were on their way to it at the last status.
+    flying: u32,
     /// Items that the machine would still take, as far as known.
-    room: u8,
+    room: u16,
+    /// Most moves in a batch.
+    batch: usize,
 }
 
 impl<N: Transmit> JobProgress<N> {
@@ -48,7 +56,10 @@ impl<N: Transmit> JobProgress<N> {
             work,
             base: None,
             offered: 0,
+            taken: 0,
+            flying: 0,
             room: 0,
+            batch: 1,
         }
     }
 
@@ -66,9 +77,14 @@ impl<N: Transmit> JobProgress<N> {
         matches!(self.work, JobWork::Path { .. })
     }
 
-    /// Returns the number of items that the machine has taken.
-    pub(super) fn offered(&self) -> u32 {
-        self.offered
+    /// Returns the number of items that the machine has taken, as far as known.
+    pub(super) fn has_taken(&self) -> u32 {
+        self.taken
+    }
+
+    /// Sets the most moves that the machine takes in a batch.
+    pub(super) fn set_batch(&mut self, batch: u8) {
+        self.batch = usize::from(batch).clamp(1, BATCH);
     }
 
     /// Returns what the move of `index`, counted from 0, has in common with all moves.
@@ -129,14 +145,46 @@ impl<N: Transmit> JobProgress<N> {
         })
     }
 
-    /// Reads the room from `status`. The first status says what the items are counted from.
-    pub(super) fn update(&mut self, status: &Status<N>) {
-        // A machine does not say for how many pieces it has room: it refuses what it has none for.
-        self.room = if self.is_path() { 1 } else { status.room };
+    /// Takes in a status. The first one says what the items are counted from. `flying` are the moves that were offered behind the
+    /// question for it, oldest first.
+    pub(super) fn update(
+        &mut self,
+        status: &Status<N>,
+        flying: impl Iterator<Item = OfferedMoves>,
+    ) {
         self.base.get_or_insert(Base {
             r#move: status.next,
             piece: status.piece,
         });
+        let mut next = status.next;
+        for moves in flying {
+            // Those before the next are in the status already.
+            if moves.number == next {
+                next = moves.next();
+            }
+        }
+        self.flying = next.wrapping_sub(status.next);
+        self.room = match self.is_path() {
+            // A machine does not say for how many pieces it has room: it refuses what it has none for.
+            true => 1,
+            false => status.room.saturating_sub(self.flying as u16),
+        };
+    }
+
+    /// Counts the items from the number `first` of the machine. The moves of a path are counted from the next status on.
+    pub(super) fn count_from(&mut self, first: u32) {
+        self.base = Some(Base {
+            r#move: first,
+            piece: first,
+        });
+    }
+
+    /// Returns the number of the first item.
+    pub(super) fn first(&self) -> Option<u32> {
+        self.base.map(|base| match self.is_path() {
+            true => base.piece,
+            false => base.r#move,
+        })
     }
 
     /// Lets the next status say what the items are counted from.
@@ -144,30 +192,36 @@ impl<N: Transmit> JobProgress<N> {
         self.base = None;
     }
 
-    /// Goes on behind the items that the machine has taken.
+    /// Goes on behind the items that the machine has taken, and those on their way to it.
     pub(super) fn resume_behind(&mut self, taken: u32) {
-        self.offered = taken;
+        self.taken = taken;
+        self.offered = taken.wrapping_add(self.flying);
     }
 
-    /// Returns the command that offers the next item, with the machine's number, if the machine has room.
+    /// Returns the command that offers the next items, with the machine's numbers, if the machine has room.
     pub(super) fn next_offer(&self) -> Option<Command<N>> {
-        let base = self.base?;
+        let base = self.base.filter(|_| self.room > 0)?;
+        let index = usize::try_from(self.offered).ok()?;
         match &self.work {
-            JobWork::Moves(_) => {
-                let next = self.any(self.offered).filter(|_| self.room > 0)?;
-                Some(
-                    next.numbered(base.r#move.wrapping_add(self.offered))
-                        .command(),
-                )
+            JobWork::Moves(moves) => {
+                let number = base.r#move.wrapping_add(self.offered);
+                let next = moves.get(index)?;
+                let before = index.checked_sub(1).and_then(|index| moves.get(index));
+                let most = self.batch.min(usize::from(self.room));
+                let behind = moves.get(index..)?;
+                let behind = behind.get(..most).unwrap_or(behind);
+                let batch = before.map(|before| MoveBatch::new(number, &before.end(), behind));
+                // A single move says where it starts, which may not be where the last one ends.
+                let batch = batch.filter(|batch| batch.steps().count() > 1);
+                Some(match batch {
+                    Some(batch) => Command::Moves(batch),
+                    None => next.numbered(number).command(),
+                })
             }
-            JobWork::Path { pieces, .. } => {
-                let next = pieces.get(usize::try_from(self.offered).ok()?);
-                let next = next.filter(|_| self.room > 0)?;
-                Some(Command::Path(PathPiece {
-                    number: base.piece.wrapping_add(self.offered),
-                    ..*next
-                }))
-            }
+            JobWork::Path { pieces, .. } => Some(Command::Path(PathPiece {
+                number: base.piece.wrapping_add(self.offered),
+                ..*pieces.get(index)?
+            })),
         }
     }
 
@@ -176,10 +230,30 @@ impl<N: Transmit> JobProgress<N> {
         self.room = 0;
     }
 
-    /// Counts an item that the machine has taken. Returns true if no other follows at once.
-    pub(super) fn count_offered(&mut self) -> bool {
-        self.offered += 1;
-        self.room = self.room.saturating_sub(u8::from(!self.is_path()));
+    /// Counts what was offered.
+    pub(super) fn count_offered(&mut self, command: &Command<N>) {
+        match command.offered() {
+            Some(moves) => {
+                self.offered = self.offered.wrapping_add(moves.count);
+                self.room = self.room.saturating_sub(moves.count as u16);
+            }
+            None => self.offered = self.offered.wrapping_add(1),
+        }
+    }
+
+    /// Counts what the machine has taken.
+    pub(super) fn count_taken(&mut self, command: &Command<N>) {
+        let end = match (command.offered(), self.base) {
+            (Some(moves), Some(base)) => moves.next().wrapping_sub(base.r#move),
+            _ => self.taken + 1,
+        };
+        if end <= self.items() {
+            self.taken = self.taken.max(end);
+        }
+    }
+
+    /// Returns true if nothing can be offered before the next status.
+    pub(super) fn waits(&self) -> bool {
         self.room == 0 || self.offered == self.items()
     }
 }

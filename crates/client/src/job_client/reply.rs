@@ -4,11 +4,12 @@ use super::JobClient;
 use super::phase::Phase;
 use crate::JobFailure;
 use std::time::Duration;
-use trirrr_protocol::message::{Command, Identity, Refusal, State, Transmit};
+use trirrr_protocol::message::{Acting, Command, Identity, Refusal, State, Transmit};
 
 impl<N: Transmit> JobClient<N> {
     pub(super) fn on_hello(&mut self, identity: Identity) {
         self.schedule.adapt_to(&identity);
+        self.progress.set_batch(identity.batch);
         self.identity = Some(identity);
         self.phase = match self.status {
             None => Phase::Meeting,
@@ -35,17 +36,24 @@ impl<N: Transmit> JobClient<N> {
                 self.approach.acknowledged = true;
                 self.phase = Phase::Surveying;
             }
-            Command::Move(_) | Command::Quintic(_) | Command::Path(_) => {
+            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Path(_) => {
+                self.progress.count_taken(command);
                 if let Some(status) = &mut self.status {
-                    match command {
-                        Command::Path(_) => status.piece = status.piece.wrapping_add(1),
-                        _ => status.next = status.next.wrapping_add(1),
+                    match command.offered() {
+                        Some(moves) => status.next = moves.next(),
+                        None => status.piece = status.piece.wrapping_add(1),
                     }
                 }
                 // The verdict on the last move takes a moment.
-                if self.progress.count_offered() {
+                if self.progress.waits() && !self.offers() {
                     self.schedule.look_at(now);
                 }
+            }
+            Command::Resume => {
+                if let Some(status) = &mut self.status {
+                    status.acting = Acting::Resume;
+                }
+                self.schedule.look_at(now);
             }
             Command::Start => {
                 if let Some(status) = &mut self.status {
@@ -84,21 +92,29 @@ impl<N: Transmit> JobClient<N> {
                     _ => Phase::Greeting,
                 };
             }
-            (Command::Path(_), Refusal::QueueFull) => {
-                self.progress.is_full();
-                self.schedule.wait(now);
-            }
             // Not now: the status will say when.
             (_, Refusal::Busy)
-            | (Command::Move(_) | Command::Quintic(_), Refusal::QueueFull)
             | (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
                 self.schedule.wait(now)
             }
-            // The machine counts its moves in another way: the status says how.
-            (
-                Command::Move(_) | Command::Quintic(_) | Command::Path(_),
-                Refusal::MoveNumber { .. },
-            ) => self.phase = Phase::Surveying,
+            (_, Refusal::QueueFull) => {
+                self.progress.is_full();
+                self.schedule.wait(now);
+            }
+            // The machine has not taken one before: the status says from where to go on.
+            (_, Refusal::MoveNumber { .. }) if command.offered().is_some() => {
+                self.progress.is_full();
+                self.schedule.look_at(now);
+            }
+            // The machine counts its pieces in another way: the status says how.
+            (Command::Path(_), Refusal::MoveNumber { .. }) => self.phase = Phase::Surveying,
+            // It stops meanwhile: the status says why.
+            (_, Refusal::State(_))
+                if command.offered().is_some() && self.progress.has_taken() > 0 =>
+            {
+                self.progress.is_full();
+                self.schedule.wait(now);
+            }
             // Its image tells nothing of its drives: the job goes without.
             (Command::Drives { .. }, Refusal::NoFeedback) => self.begin(),
             // Another client has enabled the machine.
@@ -108,10 +124,11 @@ impl<N: Transmit> JobClient<N> {
             (_, refusal) => match self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
                 _ => {
-                    let offered = self.progress.offered();
-                    let is_offer =
-                        command.offered().is_some() || matches!(command, Command::Path(_));
-                    let index = is_offer.then_some(offered);
+                    let index = match (command.offered(), command) {
+                        (Some(moves), _) => self.progress.index(moves.number),
+                        (None, Command::Path(_)) => Some(self.progress.has_taken()),
+                        _ => None,
+                    };
                     self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
                 }
             },

@@ -6,6 +6,9 @@ use trirrr_protocol::message::Identity;
 /// Longest time from one status to the next while the line is idle.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
+/// Shortest time from one status to the next where there is no news.
+const SOON: Duration = Duration::from_millis(20);
+
 /// Statuses within the host timeout, after which the machine would stop.
 const STATUS_PER_TIMEOUT: u32 = 4;
 
@@ -64,6 +67,13 @@ impl Schedule {
     /// Asks for the status at `now`.
     pub(super) fn look_at(&mut self, now: Duration) {
         self.look = self.look.min(now);
+    }
+
+    /// Asks for the status at `now`, unless the last one came a moment ago: moves that are judged or played are no news, and there
+    /// may be a thousand in a second.
+    pub(super) fn look_soon(&mut self, now: Duration) {
+        let last = self.look.saturating_sub(self.every);
+        self.look_at(now.max(last + self.every.min(SOON)));
     }
 
     /// Asks for the status after a moment, and sends neither moves nor orders before.

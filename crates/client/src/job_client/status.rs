@@ -1,19 +1,27 @@
 //! Effect of a status in each phase.
 
-use super::JobClient;
 use super::phase::Phase;
+use super::{Attachment, JobClient};
 use crate::JobFailure;
 use crate::approach::short_way;
 use crate::describe::Units;
 use std::time::Duration;
-use trirrr_protocol::message::{Acting, Recovery, State, Status, Transmit};
+use trirrr_protocol::message::{Acting, Recovery, Request, State, Status, Transmit};
 
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
-    pub(super) fn on_status(&mut self, status: Status<N>, now: Duration) {
+    pub(super) fn on_status(&mut self, sequence: u32, status: Status<N>, now: Duration) {
         self.schedule.looked(now);
-        self.progress.update(&status);
+        let behind = |request: &&Request<N>| request.sequence.wrapping_sub(sequence) as i32 > 0;
+        let flying = self.exchange.open().filter(behind);
+        self.progress.update(
+            &status,
+            flying.filter_map(|request| request.command.offered()),
+        );
         let before = self.status.replace(status);
+        if before.is_none() {
+            self.dry_before = status.dry_ticks;
+        }
         let next = match (&self.phase, before) {
             (Phase::Meeting, _) | (_, None) => Some(self.on_meeting(&status)),
             (Phase::Surveying, Some(before)) => Some(self.on_survey(&before, &status)),
@@ -27,6 +35,18 @@ impl<N: Transmit> JobClient<N> {
 
     /// First status of the machine: it has to be idle and empty, or to be brought to that.
     fn on_meeting(&mut self, status: &Status<N>) -> Phase<N> {
+        if let Some(Attachment { taken, tick, .. }) = self.approach.attachment
+            && let Some(identity) = &self.identity
+        {
+            let found = self.progress.taken(status);
+            let is_new = status.tick.wrapping_sub(tick) > u32::MAX / 2;
+            if is_new || found > self.progress.items() {
+                return failed(JobFailure::Restarted(identity.board.start));
+            }
+            // Fewer, and the machine has dropped some.
+            self.progress.resume_behind(found.max(taken));
+            return self.on_survey(status, status);
+        }
         if let Some(fault) = status.fault {
             return match self.approach.recovery_s {
                 Some(_) => {
@@ -59,7 +79,7 @@ impl<N: Transmit> JobClient<N> {
         if let Some(complaint) = self.complaint(status) {
             return complaint;
         }
-        if self.progress.offered() == 0 {
+        if self.progress.has_taken() == 0 {
             if let Some(recovering) = self.recovering(status) {
                 return recovering;
             }
@@ -114,8 +134,14 @@ impl<N: Transmit> JobClient<N> {
         {
             return Some(end);
         }
-        // More than were offered only if the line has lost the answer to the last move.
         self.progress.resume_behind(self.progress.taken(status));
+        if matches!(
+            status.state,
+            State::Disabled | State::Unhomed | State::Cleared
+        ) {
+            let done = self.progress.done(status);
+            return Some(failed(self.stopped(done, status.acting)));
+        }
         self.is_played(status).then_some(Phase::Finished(Ok(())))
     }
 
@@ -133,7 +159,7 @@ impl<N: Transmit> JobClient<N> {
         let status = self.status.as_ref()?;
         let is_free = status.state == State::Idle && status.next == status.done;
         if !is_free
-            || self.progress.offered() != 0
+            || self.progress.has_taken() != 0
             || std::mem::replace(&mut self.approach.is_near, true)
         {
             return None;
@@ -179,7 +205,7 @@ impl<N: Transmit> JobClient<N> {
             && matches!(status.acting, Acting::Stop | Acting::Silence)
             && self.progress.moves_done(status) > 0;
         // A piece at which a path was given up is no longer counted: its verdict says so.
-        let has_dropped = taken < self.progress.offered();
+        let has_dropped = taken < self.progress.has_taken();
         (has_dropped || has_stopped).then(|| failed(self.stopped(done, status.acting)))
     }
 

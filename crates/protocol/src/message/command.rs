@@ -2,23 +2,24 @@
 
 use super::scene::{Section, SectionName};
 use super::{Transmit, Unread};
+use crate::wire::checksum;
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::Pose;
+use trirrr_core::setpoint::{Pose, Setpoint};
 
 /// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
-/// [`Unread`](super::Unread) by a machine that takes none. `Q` is the same for a quintic move.
+/// [`Unread`](super::Unread) by a machine that takes none. `C` is the same for quintic moves and for batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize, Q::Piece: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned, Q::Piece: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema, Q::Piece: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema"
 )]
-pub struct Request<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
+pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
     /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
     /// sent back and otherwise ignored.
@@ -26,19 +27,19 @@ pub struct Request<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// [`Identity`]: super::Identity
     pub sequence: u32,
     /// Command that the machine is to execute.
-    pub command: Command<N, S, Q>,
+    pub command: Command<N, S, C>,
 }
 
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, Q: Serialize, Q::Goal: Serialize, Q::Piece: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, Q: DeserializeOwned, Q::Goal: DeserializeOwned, Q::Piece: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, Q: Schema + QuinticContent, Q::Goal: Schema, Q::Piece: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema"
 )]
-pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
+pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
     Hello(Hello),
     /// Asks for the [status](super::Status).
@@ -46,7 +47,7 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Asks for a part of the scene as it stands.
     Read(SectionName),
     /// Replaces a part of the scene; only in idle with nothing queued.
-    Override(S),
+    Replace(S),
     /// Offers a move, to be admitted and queued behind the last.
     Move(Move<N>),
     /// Plays what is queued.
@@ -69,7 +70,7 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     /// Looks for the switches or stops of the motors, then moves to the scene's start pose.
     Home,
     /// Offers a quintic move, as [`Command::Move`] does a cubic one.
-    Quintic(Q),
+    Quintic(C::Quintic),
     /// Changes the pace of all motion along a path: at once, where the machine moves, as fast as its limits leave room.
     FeedOverride {
         /// 1 to 100 % of normal speed.
@@ -77,10 +78,10 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
     },
     /// Asks for moves to a goal, in the least time that the machine can prove: in place of the motion under way, or behind the
     /// last move as if the host had offered them.
-    Retarget(Q::Goal),
+    Retarget(C::Goal),
     /// Gives a piece of a path, which the machine plans itself in the least time. Its moves are queued as if the host had offered
     /// them.
-    Path(Q::Piece),
+    Path(C::Piece),
     /// Switches the drives on, where the motors are.
     Enable,
     /// Comes to rest as [`Command::Stop`] does, then switches the drives off.
@@ -90,6 +91,8 @@ pub enum Command<N: Number, S = Section, Q: QuinticContent = QuinticMove<N>> {
         /// Ticks from one sample to the next.
         every: u16,
     },
+    /// Offers several moves at once, as [`Command::Move`] and [`Command::Quintic`] do one: all of them, or none.
+    Moves(C::Batch),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -139,6 +142,51 @@ pub struct QuinticMove<N: Number> {
     pub start_acceleration: [N; 3],
     /// (ax, ay, alphaddot) at its end.
     pub end_acceleration: [N; 3],
+}
+
+/// Most moves of a [`MoveBatch`].
+pub const BATCH: usize = 4;
+
+/// Several moves, each from where the last one ends, without what the machine knows already.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct MoveBatch<N: Number> {
+    /// Number of the first move, as in a [`Move`]. The others are counted on from it.
+    pub number: u32,
+    /// Checksum of the setpoint from which the first move starts: the CRC-32 of the bytes of
+    /// [`Status::end`](super::Status::end), without the byte that says that there is one.
+    pub check: u32,
+    /// The moves, from the first place on and without gaps.
+    pub steps: [Option<MoveStep<N>>; BATCH],
+}
+
+/// One move of a [`MoveBatch`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct MoveStep<N: Number> {
+    /// End pose of the move.
+    pub to: Pose<N>,
+    /// (vx, vy, alphadot) at its end.
+    pub velocity: [N; 3],
+    /// (ax, ay, alphaddot) at its end, of a quintic; none of a cubic.
+    pub acceleration: Option<[N; 3]>,
+    /// Duration in ticks, positive.
+    pub ticks: u32,
+    /// Setting of the tool; none for no power.
+    pub tool: Option<ToolSetting<N>>,
+}
+
+/// Setting of the tool, as in a [`Move`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
+pub struct ToolSetting<N: Number> {
+    /// The tool's power.
+    pub power: N,
+    /// Speed at which it has that power.
+    pub speed: N,
 }
 
 /// Goal of a machine that plays quintics, by moves that it plans itself.
@@ -205,6 +253,33 @@ pub enum PathCurve<N: Number> {
     },
 }
 
+/// Types as which a machine reads what not every machine plays, or [`Unread`].
+pub trait MoveContents {
+    /// A [`QuinticMove`].
+    type Quintic: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`Goal`].
+    type Goal: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`PathPiece`].
+    type Piece: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`MoveBatch`].
+    type Batch: Clone + Copy + core::fmt::Debug + PartialEq;
+}
+
+/// All of it is read.
+pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>);
+
+/// As which a quintic move is read, and a batch.
+impl<Q, B> MoveContents for (Q, B)
+where
+    Q: QuinticContent + Clone + Copy + core::fmt::Debug + PartialEq,
+    B: Clone + Copy + core::fmt::Debug + PartialEq,
+{
+    type Quintic = Q;
+    type Goal = Q::Goal;
+    type Piece = Q::Piece;
+    type Batch = B;
+}
+
 /// Type as which a quintic move is read, with those as which a [`Goal`] and a [`PathPiece`] are.
 pub trait QuinticContent {
     /// A [`Goal`], read or not.
@@ -232,13 +307,106 @@ pub enum AnyMove<N: Number> {
     Quintic(QuinticMove<N>),
 }
 
+/// Moves that a command offers, as they are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OfferedMoves {
+    /// Number of the first.
+    pub number: u32,
+    /// Number of moves.
+    pub count: u32,
+    /// Duration of the last, in ticks.
+    pub ticks: u32,
+}
+
+impl OfferedMoves {
+    /// Number of the last; that before the first of none.
+    pub fn last(&self) -> u32 {
+        self.next().wrapping_sub(1)
+    }
+
+    /// Number of the move behind the last.
+    pub fn next(&self) -> u32 {
+        self.number.wrapping_add(self.count)
+    }
+}
+
 impl<N: Number, S> Command<N, S> {
-    /// The move that the command offers, or what it has in common with a cubic one.
-    pub fn offered(&self) -> Option<&Move<N>> {
+    /// The moves that the command offers.
+    pub fn offered(&self) -> Option<OfferedMoves> {
         match self {
-            Self::Move(common) | Self::Quintic(QuinticMove { common, .. }) => Some(common),
+            Self::Move(common) | Self::Quintic(QuinticMove { common, .. }) => Some(OfferedMoves {
+                number: common.number,
+                count: 1,
+                ticks: common.ticks,
+            }),
+            Self::Moves(batch) => Some(OfferedMoves {
+                number: batch.number,
+                count: batch.steps().count() as u32,
+                ticks: batch.steps().last().map_or(0, |step| step.ticks),
+            }),
             _ => None,
         }
+    }
+}
+
+impl<N: Number> MoveBatch<N> {
+    /// The moves.
+    pub fn steps(&self) -> impl Iterator<Item = &MoveStep<N>> {
+        self.steps.iter().map_while(Option::as_ref)
+    }
+
+    /// The moves as they are offered one by one, the first from `start`.
+    pub fn moves(&self, start: &Setpoint<N>) -> impl Iterator<Item = AnyMove<N>> {
+        let (mut start, mut number) = (*start, self.number);
+        self.steps().map(move |step| {
+            let each = step.from(&start, number);
+            (start, number) = (each.end(), number.wrapping_add(1));
+            each
+        })
+    }
+}
+
+impl<N: Transmit> MoveBatch<N> {
+    /// Batch of as many of `moves` as follow on each other without a gap, the first behind `start`, from number `number` on.
+    pub fn new(number: u32, start: &Setpoint<N>, moves: &[AnyMove<N>]) -> Self {
+        let mut batch = Self {
+            number,
+            // A setpoint has a length that is known beforehand.
+            check: checksum(start).unwrap_or_default(),
+            steps: [None; BATCH],
+        };
+        let mut start = *start;
+        for (place, each) in batch.steps.iter_mut().zip(moves) {
+            let step = each.step();
+            if step.from(&start, each.common().number) != *each {
+                break;
+            }
+            start = each.end();
+            *place = Some(step);
+        }
+        batch
+    }
+}
+
+impl<N: Number> MoveStep<N> {
+    /// The move of number `number` that starts at `start`: with the accelerations at both ends, if it is a quintic.
+    pub fn from(&self, start: &Setpoint<N>, number: u32) -> AnyMove<N> {
+        let tool = self.tool.unwrap_or(ToolSetting {
+            power: N::ZERO,
+            speed: N::ZERO,
+        });
+        let common = Move {
+            number,
+            from: start.pose,
+            to: self.to,
+            start_velocity: start.velocity.into(),
+            end_velocity: self.velocity,
+            ticks: self.ticks,
+            tool_power: tool.power,
+            tool_speed: tool.speed,
+        };
+        let accelerations = |end| [start.acceleration.into(), end];
+        AnyMove::new(common, self.acceleration.map(accelerations))
     }
 }
 
@@ -282,6 +450,32 @@ impl<N: Number> AnyMove<N> {
             }
         }
         self
+    }
+
+    /// The setpoint at its end. A cubic goes on without an acceleration.
+    pub fn end(&self) -> Setpoint<N> {
+        let Move {
+            to, end_velocity, ..
+        } = *self.common();
+        let [_, acceleration] = self.accelerations().unwrap_or([[N::ZERO; 3]; 2]);
+        Setpoint {
+            pose: to,
+            velocity: end_velocity.into(),
+            acceleration: acceleration.into(),
+        }
+    }
+
+    /// The move as one of a [`MoveBatch`].
+    pub fn step(&self) -> MoveStep<N> {
+        let common = self.common();
+        let (power, speed) = (common.tool_power, common.tool_speed);
+        MoveStep {
+            to: common.to,
+            velocity: common.end_velocity,
+            acceleration: self.accelerations().map(|[_, end]| end),
+            ticks: common.ticks,
+            tool: (power != N::ZERO || speed != N::ZERO).then_some(ToolSetting { power, speed }),
+        }
     }
 
     /// The accelerations at both ends of a quintic.

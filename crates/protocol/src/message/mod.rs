@@ -27,14 +27,16 @@ mod violation;
 
 pub use board::{Board, Clock, Registers, Start};
 pub use command::{
-    AnyMove, Command, Goal, Hello, Move, PathCurve, PathPiece, QuinticContent, QuinticMove,
-    Recovery, Request,
+    AllMoves, AnyMove, BATCH, Command, Goal, Hello, Move, MoveBatch, MoveContents, MoveStep,
+    OfferedMoves, PathCurve, PathPiece, QuinticContent, QuinticMove, Recovery, Request,
+    ToolSetting,
 };
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
 pub use part::{Content, Unread, Written};
 pub use refusal::Refusal;
 pub use report::{
-    Cut, Event, Identity, Message, MessageRef, NAME_CAPACITY, Reply, Status, Telemetry, Verdict,
+    Cut, Event, Identity, Interruption, Message, MessageRef, NAME_CAPACITY, Reply, Status,
+    Telemetry, Verdict,
 };
 pub use state::{Acting, State};
 pub use violation::{Bounded, DriveFault, Fault, FaultCode, LeastDuration, Violation};
@@ -57,4 +59,7 @@ impl<N> Transmit for N where
 
 /// Version of the protocol: what commands mean, in which order they are to be given. A change of a
 /// message's layout changes the schema key instead.
-pub const PROTOCOL: u16 = 2;
+pub const PROTOCOL: u16 = 3;
+
+/// Requests that a machine takes before the host has the answer to the first of them.
+pub const WINDOW: usize = 8;

@@ -1,5 +1,5 @@
 //! Contents of a request on the line of a machine that takes none such: an image whose scene cannot be changed
-//! holds no code to read or to write a [`Section`], nor room for one, and one that plays no quintics, none for those.
+//! holds no code to read or to write a [`Section`], nor room for one, and one that plays no quintics, or takes no batches of moves, none for those.
 //! The layout is the same.
 
 use super::scene::Section;
@@ -12,12 +12,17 @@ use serde::ser::{SerializeTuple, Serializer};
 use serde::{Deserialize, Serialize};
 
 /// Type as which a `T` in a request is read.
-pub trait Content<T>: DeserializeOwned + Schema {
+pub trait Content<T>: Copy + fmt::Debug + PartialEq + DeserializeOwned + Schema {
+    /// True where the content is read.
+    const IS_READ: bool;
+
     /// The content; none where it was not read.
     fn content(&self) -> Option<&T>;
 }
 
-impl<T: DeserializeOwned + Schema> Content<T> for T {
+impl<T: Copy + fmt::Debug + PartialEq + DeserializeOwned + Schema> Content<T> for T {
+    const IS_READ: bool = true;
+
     fn content(&self) -> Option<&T> {
         Some(self)
     }
@@ -33,7 +38,9 @@ impl<T> Unread<T> {
     pub const CONTENT: Self = Self(PhantomData);
 }
 
-impl<T: Schema> Content<T> for Unread<T> {
+impl<T: Copy + fmt::Debug + PartialEq + Schema> Content<T> for Unread<T> {
+    const IS_READ: bool = false;
+
     #[inline(always)]
     fn content(&self) -> Option<&T> {
         None

@@ -30,12 +30,12 @@ pub enum Refusal<N: Number> {
         /// The machine's own.
         expected: u32,
     },
-    /// The sequence number is neither the next nor the last.
+    /// The sequence number is neither one of the next nor one of the last, as many as the window has.
     Sequence {
         /// The next.
         expected: u32,
     },
-    /// The sequence number is that of the last command, the command is another.
+    /// The sequence number is that of a command that was executed or is kept, the command is another.
     SequenceReused,
     /// Not in this state.
     State(State),
@@ -103,4 +103,11 @@ pub enum Refusal<N: Number> {
     Feed,
     /// The drives of the machine tell nothing.
     NoFeedback,
+    /// The image holds no code for batches of moves.
+    NoBatches,
+    /// The moves of the batch do not start where the last move ends.
+    Check {
+        /// Checksum of the setpoint at which the last move ends.
+        expected: u32,
+    },
 }

@@ -80,6 +80,11 @@ pub enum Reply<N: Number, S = Section> {
     Section(S),
     /// To a question for the status.
     Status(Status<N>),
+    /// The request came before one that is missing. It is kept, and executed and answered in its turn.
+    Kept {
+        /// Number of the request that the machine waits for.
+        missing: u32,
+    },
 }
 
 /// Identity of a machine.
@@ -106,7 +111,11 @@ pub struct Identity {
     /// Silence of the host, in ticks, after which a running machine stops; 0 for never.
     pub silence_ticks: u32,
     /// Moves that can wait, those not yet admitted included.
-    pub queue: u8,
+    pub queue: u16,
+    /// Requests that may be sent before the answer to the first of them has come.
+    pub window: u8,
+    /// Most moves of a [`MoveBatch`](super::MoveBatch).
+    pub batch: u8,
     /// Sequence number of the next request.
     pub next_sequence: u32,
     /// Board that carries the machine.
@@ -130,8 +139,8 @@ pub struct Status<N: Number> {
     pub next: u32,
     /// Number of the first move that is not admitted: all before it are,
     pub admitted: u32,
-    /// and of the first that is not over: all before it were played to their end, or cut short
-    /// where the job was stopped, or cut by a retarget.
+    /// and of the first that is not over: all before it were played to their end, or left on the way:
+    /// [`interrupted`](Self::interrupted) where the job has ended, [`cut`](Self::cut) by a retarget.
     pub done: u32,
     /// Number of the next piece of a path. A piece that is refused, and all behind it, are dropped: the next to
     /// give takes its place.
@@ -139,7 +148,7 @@ pub struct Status<N: Number> {
     /// True while the machine plans a path or a retarget, or the cut of one is ahead: more moves come.
     pub planning: bool,
     /// Moves for which there is room.
-    pub room: u8,
+    pub room: u16,
     /// The last move that was not admitted, until the next one is offered.
     pub refused: Option<Verdict<N>>,
     /// Setpoint where the next move has to start. It is the end of the last move offered, or the
@@ -150,12 +159,30 @@ pub struct Status<N: Number> {
     /// The longest tick so far, from when it was due until its outputs stood, in counts of the
     /// board's timer.
     pub longest_tick: u32,
+    /// Ticks in which the machine ran slower, or stood, because its queue was empty, modulo 2^32. Those of the present wait are
+    /// counted when it ends.
+    pub dry_ticks: u32,
+    /// Ticks that came too late, modulo 2^32, on a machine that goes on then. A board stops at the first, with
+    /// [`FaultCode::Overrun`](super::FaultCode::Overrun).
+    pub late_ticks: u32,
+    /// Ticks of the longest way to rest so far, of a hold, a stop or a fault.
+    pub longest_stop: u32,
     /// Feed override: the pace that the host asked for last, in percent of normal speed.
     pub feed_percent: u8,
     /// The last cut by a retarget since the machine was switched on.
     pub cut: Option<Cut>,
+    /// Place at which the last move that was not played to its end was left, since the machine was switched on.
+    pub interrupted: Option<Interruption>,
     /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
     pub not_enabled: Option<NotEnabled<N>>,
+}
+
+impl<N: Number> Status<N> {
+    /// Returns true if the machine holds its job, or is about to, because the host was silent: it waits to be
+    /// [resumed](super::Command::Resume).
+    pub fn waits_for_host(&self) -> bool {
+        matches!(self.state, State::Slowing | State::Holding) && self.acting == Acting::Silence
+    }
 }
 
 /// Cut of the motion by a retarget.
@@ -167,6 +194,15 @@ pub struct Cut {
     pub at: u32,
     /// up to this number, that of the retarget's first move.
     pub next: u32,
+}
+
+/// Place on the path at which a stop or a fault has ended a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Interruption {
+    /// Number of the move under way. It counts as over, but it was not played to its end. The moves behind it were not begun.
+    pub number: u32,
+    /// Its tick.
+    pub at: u32,
 }
 
 /// The verdict over a move.

@@ -48,7 +48,7 @@ pub enum Acting {
     Resume,
     /// A stop that the host asked for.
     Stop,
-    /// The host has been silent for too long.
+    /// The host has been silent for too long. A job waits to be resumed; any other motion is given up.
     Silence,
     /// The queue ends while the machine moves: the machine waits for more.
     QueueDry,

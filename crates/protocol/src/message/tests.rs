@@ -97,12 +97,12 @@ fn a_part_that_is_not_read_may_be_anything() {
     }
     let expected = Request {
         sequence: 7,
-        command: Command::Override(Unread::CONTENT),
+        command: Command::Replace(Unread::CONTENT),
     };
     let limits = scene::Limits::from(&LimitParameters::default());
     let whole = Request::<f32> {
         sequence: 7,
-        command: Command::Override(scene::Section::Limits(limits)),
+        command: Command::Replace(scene::Section::Limits(limits)),
     };
     assert_eq!(heard(whole), Ok(expected));
     // By its place in the enum, with nothing and with nonsense behind it.

@@ -207,10 +207,7 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
 
     /// As [`Admission::offer`], for a move of either kind. Returns false for a quintic if `K` has none.
     pub fn offer_any(&mut self, offered: &AnyMove<M::N>) -> bool {
-        let offered = match offered {
-            AnyMove::Cubic(cubic) => Some(Offered::cubic(cubic)),
-            AnyMove::Quintic(quintic) => Offered::of_quintic(quintic),
-        };
+        let offered = Offered::of(offered);
         if let Some(offered) = &offered {
             self.judgement.offer(&self.path, offered);
         }

@@ -12,11 +12,9 @@ mod path;
 mod receive;
 mod retarget;
 mod splice;
+mod window;
 
-pub(super) use offers::OfferedMoves;
-pub(super) use splice::Retargeting;
-
-use super::contact::BackgroundContact;
+pub(super) use super::contact::BackgroundContact;
 use super::feedback::BackgroundFeedback;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::offered::PlayedCurves;
@@ -28,13 +26,16 @@ use super::settings::Settings;
 use super::splice::{BackgroundSplices, Optional};
 use crate::admission::{Aiming, Judgement};
 use crate::number::ServiceNumber;
-use core::sync::atomic::Ordering;
+use core::sync::atomic::{AtomicU32, Ordering};
 use nalgebra::Vector3;
+pub(super) use offers::OfferedMoves;
+pub(super) use splice::Retargeting;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
     Acting, Event, Fault, Message, MessageRef, Refusal, State, Status, Telemetry,
 };
+pub(super) use window::RequestWindow;
 
 /// The half of the service that receives commands, judges moves and has what is to be sent.
 pub struct Background<'q, S: Scene> {
@@ -67,9 +68,9 @@ pub struct Background<'q, S: Scene> {
     events: BothEnds<'q, Event<S::N>>,
 
     greeted: bool,
-    /// The last request that counted.
-    last: Option<Last<S::N>>,
-    next_sequence: u32,
+    window: &'q mut RequestWindow<S>,
+    /// The last message was an event: a sample that waits comes before the next.
+    was_event: bool,
 
     /// Status for the host, kept as it is sent. The state is the tick's, as far as known.
     /// It includes what the orders that the tick has not taken yet will make of it.
@@ -90,16 +91,6 @@ pub struct Background<'q, S: Scene> {
     rests: u32,
     /// The oldest of the offered moves is with the admission.
     checking: bool,
-}
-
-/// A request that counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Last<N: Number> {
-    sequence: u32,
-    /// Checksum that tells it from another with its number.
-    checksum: u32,
-    /// Reason why it was not executed, if it was not.
-    refusal: Option<Refusal<N>>,
 }
 
 /// A pose at which moves end, at rest.
@@ -136,6 +127,7 @@ pub(super) struct BackgroundEnds<'q, S: Scene> {
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
     pub(super) planner: &'q mut S::Planner,
+    pub(super) window: &'q mut RequestWindow<S>,
     pub(super) offered: OfferedMoves<'q, S::N, S::Curves>,
     pub(super) events: BothEnds<'q, Event<S::N>>,
 }
@@ -170,8 +162,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             offered: ends.offered,
             events: ends.events,
             greeted: false,
-            last: None,
-            next_sequence: 0,
+            window: ends.window,
+            was_event: false,
             status: Status {
                 tick: 0,
                 state: State::Disabled,
@@ -187,8 +179,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 end: None,
                 lost: 0,
                 longest_tick: 0,
+                dry_ticks: 0,
+                late_ticks: 0,
+                longest_stop: 0,
                 feed_percent: 100,
                 cut: None,
+                interrupted: None,
                 not_enabled: None,
             },
             reported: (State::Disabled, Acting::Nothing, 0),
@@ -217,11 +213,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         }
     }
 
-    /// Returns the message to send next: events, then telemetry.
+    /// Returns the message to send next: events and samples in turn.
     pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
         self.drain_reports();
-        if let Some(event) = self.events.1.receive() {
-            return Some(Message::Event(event));
+        if self.is_event_next() {
+            return self.events.1.receive().map(Message::Event);
         }
         if self.sends_drives()
             && let Some(receiver) = self.feedback.get_mut()
@@ -235,7 +231,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// not copied. Whether there was anything.
     pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, S::Part>)) -> bool {
         self.drain_reports();
-        if let Some(event) = self.events.1.peek() {
+        if self.is_event_next()
+            && let Some(event) = self.events.1.peek()
+        {
             send(&MessageRef::Event(event));
             self.events.1.discard();
         } else if self.sends_drives()
@@ -253,6 +251,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         true
     }
 
+    /// Returns true if the next message is an event. Where samples wait too, they take turns: none starves the other.
+    fn is_event_next(&mut self) -> bool {
+        let waits = self.events.1.peek().is_some();
+        let sampled = self.samples.peek().is_some() || self.sends_drives();
+        self.was_event = waits && !(self.was_event && sampled);
+        self.was_event
+    }
+
     /// The next telemetry sample.
     pub fn sample(&mut self) -> Option<Telemetry<N>> {
         self.samples.receive()
@@ -265,7 +271,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.status.room = self.room();
         self.status.planning = self.is_planning();
         self.status.lost = self.shared.lost.load(Ordering::Relaxed);
-        self.status.longest_tick = self.shared.longest.load(Ordering::Relaxed);
+        let counted = |counter: &AtomicU32| counter.load(Ordering::Relaxed);
+        self.status.longest_tick = counted(&self.shared.longest);
+        self.status.dry_ticks = counted(&self.shared.dry);
+        self.status.late_ticks = counted(&self.shared.late);
+        self.status.longest_stop = counted(&self.shared.longest_stop);
         self.status
     }
 
@@ -297,6 +307,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             self.status.fault = None;
         }
         self.status.done = report.done;
+        self.status.interrupted = report.interrupted;
         self.offered.release(report.done);
         let reported = (report.state, report.acting, report.done);
         if self.reported != reported {

@@ -14,12 +14,13 @@ use core::borrow::Borrow;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, Pose, Segment, Setpoint};
 use trirrr_protocol::message::{
-    AnyMove, Event, Move, QuinticMove, Refusal, State, Verdict, Violation,
+    AnyMove, Event, Move, MoveBatch, QuinticMove, Refusal, State, Verdict, Violation,
 };
+use trirrr_protocol::wire::checksum;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Moves for which there is room.
-    pub(super) fn room(&self) -> u8 {
+    pub(super) fn room(&self) -> u16 {
         let waiting = self.offered.waiting() + self.moves.len();
         let room = self.moves.capacity().saturating_sub(waiting);
         // The moves that are kept for a cut are reported as over a little later than they are.
@@ -27,7 +28,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             true => room.min(self.offered.room()),
             false => room,
         };
-        room.min(255) as u8
+        room.min(usize::from(u16::MAX)) as u16
     }
 
     fn longest(&self) -> u32 {
@@ -110,6 +111,45 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.status.refused = None;
         self.status.next = self.status.next.wrapping_add(1);
         self.status.end = Some(ends(common.to, common.end_velocity, end_acceleration));
+        Ok(())
+    }
+
+    /// Takes the moves of a batch to be judged: all of them, or none.
+    #[inline(always)]
+    pub(super) fn offer_batch(&mut self, batch: Option<&MoveBatch<N>>) -> Result<(), Refusal<N>> {
+        batch.map_or(Err(Refusal::NoBatches), |batch| self.offer_all(batch))
+    }
+
+    #[inline(never)]
+    fn offer_all(&mut self, batch: &MoveBatch<N>) -> Result<(), Refusal<N>> {
+        let start = self.end_of_moves()?;
+        if batch.number != self.status.next {
+            return Err(Refusal::MoveNumber {
+                expected: self.status.next,
+            });
+        }
+        // A setpoint has a length that is known beforehand.
+        let expected = checksum(&start).unwrap_or_default();
+        if batch.check != expected {
+            return Err(Refusal::Check { expected });
+        }
+        let mut count = 0;
+        for each in batch.moves(&start) {
+            check_offer(&each, self.longest())?;
+            Offered::<N, S::Curves>::of(&each).ok_or(Refusal::NoQuintics)?;
+            count += 1;
+        }
+        if self.room() < count {
+            return Err(Refusal::QueueFull);
+        }
+        for each in batch.moves(&start) {
+            let taken = Offered::of(&each).is_some_and(|offered| self.offered.add(offered));
+            if taken {
+                self.status.refused = None;
+                self.status.next = self.status.next.wrapping_add(1);
+                self.status.end = Some(each.end());
+            }
+        }
         Ok(())
     }
 

@@ -2,16 +2,20 @@
 
 use super::super::handoff::count;
 use super::super::scene::Scene;
-use super::{Background, Last};
+use super::Background;
+use super::window::Place;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
 use crate::planner::PathPlanner;
 use trirrr_core::setpoint::CurveKind;
-use trirrr_protocol::message::{Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply};
+use trirrr_protocol::message::{
+    BATCH, Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply,
+};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
-    /// Executes a request, unless it was executed already. Returns the reply, to be sent with the request's
-    /// sequence number. `checksum` is that of the request's frame
+    /// Takes a request. Executes it if it is the next one, keeps it if one before it is missing, and answers it again if it was
+    /// executed already. Returns the reply, to be sent with the request's sequence number; ask for
+    /// [those that were kept](Self::receive_kept) then. `checksum` is that of the request's frame
     /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)). It tells a repeated request from
     /// another with the same number.
     #[inline(never)]
@@ -20,36 +24,46 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         count(&self.shared.heard);
         self.drain_reports();
         if let Command::Hello(hello) = &request.command {
-            return self.greet(hello);
+            return self.greet(request.sequence, hello);
         }
         if !self.greeted {
             return Reply::Refused(Refusal::HelloFirst);
         }
-        if let Some(last) = &self.last
-            && last.sequence == request.sequence
-        {
-            if last.checksum != checksum {
-                return Reply::Refused(Refusal::SequenceReused);
+        let next = self.window.next();
+        match self.window.place(request.sequence, checksum) {
+            Place::Next => self.execute_next(&request.command, checksum),
+            Place::Executed(result) => self.reply(&request.command, result),
+            Place::Ahead => {
+                self.window.keep(request, checksum);
+                Reply::Kept { missing: next }
             }
-            return match last.refusal {
-                Some(refusal) => Reply::Refused(refusal),
-                None => self.answer(&request.command),
-            };
+            Place::Reused => Reply::Refused(Refusal::SequenceReused),
+            Place::Outside => Reply::Refused(Refusal::Sequence { expected: next }),
         }
-        if request.sequence != self.next_sequence {
-            return Reply::Refused(Refusal::Sequence {
-                expected: self.next_sequence,
-            });
-        }
-        let result = self.execute(&request.command);
-        self.last = Some(Last {
-            sequence: request.sequence,
-            checksum,
-            refusal: result.err(),
-        });
-        self.next_sequence = request.sequence.wrapping_add(1);
+    }
+
+    /// Executes the next request if it was kept. Returns its number and the reply. To be called after each
+    /// [request](Self::receive) until it returns none.
+    pub fn receive_kept(&mut self) -> Option<(u32, Reply<N, S::Part>)> {
+        let (request, checksum) = self.window.take_kept()?;
+        let reply = self.execute_next(&request.command, checksum);
+        Some((request.sequence, reply))
+    }
+
+    #[inline(never)]
+    fn execute_next(&mut self, command: &CommandOf<S>, checksum: u32) -> Reply<N, S::Part> {
+        let result = self.execute(command);
+        self.window.count(checksum, result);
+        self.reply(command, result)
+    }
+
+    fn reply(
+        &mut self,
+        command: &CommandOf<S>,
+        result: Result<(), Refusal<N>>,
+    ) -> Reply<N, S::Part> {
         match result {
-            Ok(()) => self.answer(&request.command),
+            Ok(()) => self.answer(command),
             Err(refusal) => Reply::Refused(refusal),
         }
     }
@@ -60,22 +74,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         count(&self.shared.heard);
         self.drain_reports();
         let result = match command {
-            Command::Hello(hello) => return self.greet(hello),
+            Command::Hello(hello) => return self.greet(0, hello),
             _ => self.execute(command),
         };
-        match result {
-            Ok(()) => self.answer(command),
-            Err(refusal) => Reply::Refused(refusal),
-        }
+        self.reply(command, result)
     }
 
     #[cfg(test)]
     pub(crate) fn next_sequence_is(&mut self, sequence: u32) {
-        self.next_sequence = sequence;
+        self.window.next_is(sequence);
     }
 
     #[inline(never)]
-    fn greet(&mut self, hello: &Hello) -> Reply<N, S::Part> {
+    fn greet(&mut self, sequence: u32, hello: &Hello) -> Reply<N, S::Part> {
         let scene = &self.settings.scene;
         if hello.protocol != PROTOCOL {
             return Reply::Refused(Refusal::Protocol { expected: PROTOCOL });
@@ -91,8 +102,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             });
         }
         self.greeted = true;
-        let queue = self.moves.capacity().min(255) as u8;
-        Reply::Hello(self.settings.identity(queue, self.next_sequence))
+        self.window.begin(sequence);
+        let queue = u16::try_from(self.moves.capacity()).unwrap_or(u16::MAX);
+        let batch = if S::Batch::IS_READ { BATCH } else { 1 };
+        let next = self.window.next();
+        Reply::Hello(self.settings.identity(queue, batch as u8, next))
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
@@ -119,19 +133,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     fn execute(&mut self, command: &CommandOf<S>) -> Result<(), Refusal<N>> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
-            Command::Override(section) => self.change(section),
-            Command::Move(_) | Command::Quintic(_) | Command::Retarget(_)
+            Command::Replace(section) => self.change(section),
+            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Retarget(_)
                 if self.is_retargeting() =>
             {
                 Err(Refusal::Retargeting)
             }
-            Command::Move(_) | Command::Quintic(_) | Command::Retarget(_)
+            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Retarget(_)
                 if self.planner.is_active() =>
             {
                 Err(Refusal::PathUnderWay)
             }
             Command::Move(offered) => self.offer(offered, S::Curves::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
+            Command::Moves(batch) => self.offer_batch(batch.content()),
             Command::Start => self.start(),
             Command::Hold => self.hold(),
             Command::Resume => self.resume(),

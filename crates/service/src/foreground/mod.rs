@@ -29,7 +29,7 @@ use supply::Supply;
 use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
-use trirrr_protocol::message::{Acting, Fault, FaultCode, State, Telemetry};
+use trirrr_protocol::message::{Acting, Fault, FaultCode, Interruption, State, Telemetry};
 
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, S: Scene> {
@@ -75,6 +75,9 @@ pub struct Foreground<'q, S: Scene> {
     generation: u8,
     begun: u32,
     done: u32,
+    interrupted: Option<Interruption>,
+    /// Tick in which the present wait for moves, or way to rest, began.
+    since: u32,
     orders_taken: u8,
     /// Something changed that was not reported.
     unreported: bool,
@@ -178,6 +181,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             generation: 0,
             begun: 0,
             done: 0,
+            interrupted: None,
+            since: 0,
             orders_taken: 0,
             unreported: false,
             heard: 0,
@@ -314,6 +319,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         in_time
     }
 
+    /// Counts a tick that came too late, of a machine that keeps no deadlines.
+    pub fn count_late(&mut self) {
+        super::handoff::count(&self.shared.late);
+    }
+
     #[cold]
     fn overrun(&mut self, duration: u32, period: u32) {
         // Two periods are the most that every board can tell.
@@ -379,22 +389,66 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             State::Running | State::Recovering | State::Homing
         );
         if moves && self.host_timeout_ticks != 0 && self.silent >= self.host_timeout_ticks {
-            self.homing.stop();
-            self.transition_to(State::Stopping, Acting::Silence);
+            self.miss_host();
         }
+    }
+
+    /// The host is lost. A job waits on its path for one that resumes it; other motion ends.
+    #[cold]
+    fn miss_host(&mut self) {
+        if self.state == State::Running {
+            self.held = true;
+            return self.transition_to(State::Slowing, Acting::Silence);
+        }
+        self.homing.stop();
+        self.transition_to(State::Stopping, Acting::Silence);
     }
 
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
+            self.account(state, acting);
             self.state = state;
             self.acting = acting;
             self.unreported = true;
         }
     }
 
+    /// Counts the ticks of what ends here: a wait for moves, a way to rest.
+    #[inline(never)]
+    fn account(&mut self, state: State, acting: Acting) {
+        let took = self.clock.wrapping_sub(self.since);
+        let was_dry = self.acting == Acting::QueueDry;
+        let slows = |state| matches!(state, State::Slowing | State::Stopping | State::Reacting);
+        if was_dry && acting != Acting::QueueDry {
+            let dry = self.shared.dry.load(Ordering::Relaxed);
+            self.shared
+                .dry
+                .store(dry.wrapping_add(took), Ordering::Relaxed);
+        }
+        if !was_dry && slows(self.state) && !slows(state) {
+            let longest = self.shared.longest_stop.load(Ordering::Relaxed);
+            // That in which it comes to rest is one of them.
+            let longest = longest.max(took.wrapping_add(1));
+            self.shared.longest_stop.store(longest, Ordering::Relaxed);
+        }
+        let goes_on = match was_dry {
+            true => acting == Acting::QueueDry,
+            false => slows(self.state) && slows(state) && acting != Acting::QueueDry,
+        };
+        if !goes_on {
+            self.since = self.clock;
+        }
+    }
+
     /// Drops everything that is queued: it is of a generation that is over.
     #[inline(never)]
     fn drop_queue(&mut self) {
+        if let (Path::Move, Some(current)) = (self.path, &self.current) {
+            self.interrupted = Some(Interruption {
+                number: current.number,
+                at: self.position.tick,
+            });
+        }
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;
         self.current = None;

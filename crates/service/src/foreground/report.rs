@@ -24,6 +24,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             begun: self.begun,
             done: self.done,
             passed: self.passed.room,
+            interrupted: self.interrupted,
             pose: self.pose,
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
             splice: <SplicesOf<S>>::report(&self.splices, self.position.tick),

@@ -16,8 +16,8 @@ use trirrr_core::machine::{BuildError, LegParameters, Parameters};
 use trirrr_core::model::{Model, ModelKind};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::Refusal;
 use trirrr_protocol::message::scene::{Section, SectionName};
+use trirrr_protocol::message::{MoveBatch, Refusal};
 
 /// Scene that the host can change, within the room that the model `M` has. It plays
 /// moves of the kinds `K`, and plans paths by `P`.
@@ -53,6 +53,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Model = M;
     type Slot = Queue<Setup<M>, 2>;
     type Replacement = Section;
+    type Batch = MoveBatch<N>;
     type Curves = K;
     type Planner = P;
     type Part = Section;

@@ -17,18 +17,36 @@ use trirrr_core::model::Model;
 use trirrr_core::setpoint::Cubics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Refusal, Unread, Written};
+use trirrr_protocol::message::{Content, MoveBatch, Refusal, Unread, Written};
 
 /// Scene that cannot change. A host may have built the coefficients; the service passes the
 /// description on as it is.
 #[derive(Clone, Copy, Debug)]
-pub struct Compiled<'a, M: Model<N: Enclose>, K = Cubics, P = ()> {
+pub struct Compiled<'a, M: Model<N: Enclose>, K = Cubics, P = (), const BATCHES: bool = false> {
     /// Coefficients of the service, in the units of the machine.
     pub coefficients: &'a Coefficients<M>,
     /// Description.
     pub parts: Parts<'a>,
-    /// Kinds of moves that the machine plays, and its planner of paths.
+    /// Kinds of moves that the machine plays, and its planner of paths. It takes moves in batches if `BATCHES` is true.
     pub types: PhantomData<(K, P)>,
+}
+
+/// Choice of the type as which a batch of moves is read.
+#[derive(Clone, Copy, Debug)]
+pub struct BatchChoice<const BATCHES: bool>;
+
+/// A [`BatchChoice`] that is made.
+pub trait ChosenBatch<N: ServiceNumber> {
+    /// Type as which a batch of moves is read.
+    type Batch: Content<MoveBatch<N>>;
+}
+
+impl<N: ServiceNumber> ChosenBatch<N> for BatchChoice<true> {
+    type Batch = MoveBatch<N>;
+}
+
+impl<N: ServiceNumber> ChosenBatch<N> for BatchChoice<false> {
+    type Batch = Unread<MoveBatch<N>>;
 }
 
 /// Parts of a scene in SI units, each a [`Section`](trirrr_protocol::message::scene::Section) as the bytes on the line.
@@ -42,13 +60,19 @@ pub struct Parts<'a> {
     pub limits: &'a [u8],
 }
 
-impl<'a, N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scene
-    for Compiled<'a, M, K, P>
+impl<'a, N, M, K, P, const BATCHES: bool> Scene for Compiled<'a, M, K, P, BATCHES>
+where
+    N: ServiceNumber,
+    M: Model<N = N>,
+    K: PlayedCurves,
+    P: PathPlanner<N>,
+    BatchChoice<BATCHES>: ChosenBatch<N>,
 {
     type N = N;
     type Model = M;
     type Slot = NoSlot;
     type Replacement = Unread;
+    type Batch = <BatchChoice<BATCHES> as ChosenBatch<N>>::Batch;
     type Curves = K;
     type Planner = P;
     type Part = Written<'a>;

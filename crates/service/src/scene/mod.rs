@@ -13,6 +13,7 @@ macro_rules! inner_scene {
         type Model = S::Model;
         type Slot = S::Slot;
         type Replacement = S::Replacement;
+        type Batch = S::Batch;
         type Curves = S::Curves;
         type Planner = S::Planner;
         type Part = S::Part;
@@ -95,7 +96,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Content, Refusal};
+use trirrr_protocol::message::{Content, MoveBatch, Refusal};
 
 /// Coefficients of the tick, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +122,9 @@ pub trait Scene {
 
     /// Content of a part of the scene in a request. A scene that can be changed reads all of it.
     type Replacement: Content<Section>;
+
+    /// Type as which a batch of moves in a request is read.
+    type Batch: Content<MoveBatch<Self::N>>;
 
     /// Kinds of moves that the machine plays.
     type Curves: PlayedCurves;

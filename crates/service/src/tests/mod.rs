@@ -1,3 +1,5 @@
+mod accounts;
+mod batches;
 mod contact;
 mod faults;
 mod feedback;
@@ -55,12 +57,12 @@ pub(super) fn hear<N: ServiceNumber, S: Scene<N = N>>(
     sequence: u32,
     command: Command<N>,
 ) -> Reply<N> {
-    let mut room = [0; 256];
+    let mut room = [0; 1024];
     let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
-    let mut decoder = Decoder::<256>::new();
+    let mut decoder = Decoder::<1024>::new();
     let request = decoder.take(&mut line).unwrap().unwrap();
     let reply = background.receive(&request, decoder.checksum());
-    let mut room = [0; 256];
+    let mut room = [0; 1024];
     let mut line = encode(&reply, &mut room).unwrap();
     decoder.take(&mut line).unwrap().unwrap()
 }

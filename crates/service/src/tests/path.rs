@@ -220,7 +220,7 @@ fn fixed_point_plays_and_holds() {
         trirrr_core::machine::LegParameters::from(&leg),
         example().legs[1]
     );
-    bench.done(Command::Override(Section::Leg { index: 1, leg }));
+    bench.done(Command::Replace(Section::Leg { index: 1, leg }));
     bench.ticks(2);
     let from = bench.status().end.unwrap().pose;
 

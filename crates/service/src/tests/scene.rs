@@ -58,7 +58,7 @@ fn an_image_without_the_code_refuses_overrides() {
             .to_vec()
             .leak()
     };
-    let scene = Compiled {
+    let scene = Compiled::<_, _, _, false> {
         coefficients: Box::leak(Box::new(coefficients)),
         parts: Parts {
             legs: [0, 1, 2].map(|leg| part(SectionName::Leg(leg))),
@@ -93,7 +93,7 @@ fn an_image_without_the_code_refuses_overrides() {
     let [section, other] = [0, 1].map(|leg| read(&mut bench, SectionName::Leg(leg)));
     let sequence = bench.sequence;
     assert_eq!(
-        bench.refused(Command::Override(section)),
+        bench.refused(Command::Replace(section)),
         Refusal::NotAdjustable
     );
     // It does not read the part, but sees that it is the same, or another.
@@ -101,7 +101,7 @@ fn an_image_without_the_code_refuses_overrides() {
         (section, Refusal::NotAdjustable),
         (other, Refusal::SequenceReused),
     ] {
-        let again = bench.ask_as(sequence, Command::Override(section));
+        let again = bench.ask_as(sequence, Command::Replace(section));
         assert_eq!(again, Reply::Refused(refusal));
     }
     // Otherwise it does all that others do.
@@ -160,7 +160,7 @@ fn a_machine_without_torques_has_no_limit_of_them() {
         torque_nm: some,
         ..(&LimitParameters::default()).into()
     };
-    let reply = ask(Command::Override(Section::Limits(limited)));
+    let reply = ask(Command::Replace(Section::Limits(limited)));
     assert_eq!(reply, Reply::Refused(Refusal::NotInImage));
     // A mass is nobody's business, and a move is a move.
     let Reply::Section(Section::Platform(mut platform)) = ask(Command::Read(SectionName::Platform))
@@ -169,7 +169,7 @@ fn a_machine_without_torques_has_no_limit_of_them() {
     };
     platform.com_m = [0.01, 0.0];
     assert_eq!(
-        ask(Command::Override(Section::Platform(platform))),
+        ask(Command::Replace(Section::Platform(platform))),
         Reply::Done
     );
     foreground.tick();
@@ -196,7 +196,7 @@ fn overrides_are_refused_while_there_is_a_job() {
     bench.done(Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)));
     for _ in 0..2 {
         assert_eq!(
-            bench.refused(Command::Override(section)),
+            bench.refused(Command::Replace(section)),
             Refusal::State(State::Idle)
         );
         bench.judge();
@@ -204,7 +204,7 @@ fn overrides_are_refused_while_there_is_a_job() {
     bench.done(Command::Start);
     bench.ticks(10);
     assert_eq!(
-        bench.refused(Command::Override(section)),
+        bench.refused(Command::Replace(section)),
         Refusal::State(State::Running)
     );
 }
@@ -219,7 +219,7 @@ fn a_geometry_override_moves_the_pose_and_not_the_motors() {
         panic!("a leg");
     };
     leg.distal_m += 0.001;
-    bench.done(Command::Override(Section::Leg { index, leg }));
+    bench.done(Command::Replace(Section::Leg { index, leg }));
     bench.ticks(2);
     let after = bench.tick();
     for (motor, old) in after.motors.iter().zip(&before.motors) {
@@ -255,7 +255,7 @@ fn new_limits_count_for_the_admission_and_in_the_tick() {
     let Section::Limits(limits) = read(&mut bench, SectionName::Limits) else {
         panic!("limits");
     };
-    bench.done(Command::Override(Section::Limits(Limits {
+    bench.done(Command::Replace(Section::Limits(Limits {
         rate_rad_s: Some([0.1; 3]),
         ..limits
     })));
@@ -329,7 +329,7 @@ fn what_cannot_be_built_is_refused_by_name_and_changes_nothing() {
         ),
     ];
     for (section, refusal) in cases {
-        assert_eq!(bench.refused(Command::Override(section)), refusal);
+        assert_eq!(bench.refused(Command::Replace(section)), refusal);
         bench.ticks(1);
         assert_eq!(read(&mut bench, SectionName::Leg(2)), before);
         assert_eq!(bench.status().end.unwrap().pose, home());

@@ -1,7 +1,7 @@
 //! Sequence numbers: executed once, in order.
 
 use super::*;
-use trirrr_protocol::message::Acting;
+use trirrr_protocol::message::{Acting, WINDOW};
 
 fn commands() -> [Command<f64>; 5] {
     [
@@ -53,7 +53,7 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
     };
     let commands = [
         Command::Telemetry { every: 3 },
-        Command::Override(Section::Leg { index: 0, leg }),
+        Command::Replace(Section::Leg { index: 0, leg }),
         Command::ClearFault,
         Command::Enable,
         Command::Recover(recovery),
@@ -114,24 +114,125 @@ fn a_repeated_refusal_is_the_same_refusal() {
     );
 }
 
+/// Requests that the machine keeps, or answers again.
+const WINDOW_SEQUENCES: u32 = WINDOW as u32;
+
 #[test]
-fn old_and_skipped_numbers_are_refused_with_the_expected_one() {
+fn numbers_outside_of_the_window_are_refused_with_the_expected_one() {
     let mut bench = Bench::<Thesis<f64>>::new();
-    bench.ask(Command::Status);
-    bench.done(Command::Telemetry { every: 5 });
-    for sequence in [0, 3, 17, u32::MAX] {
+    for _ in 0..20 {
+        bench.done(Command::Telemetry { every: 5 });
+        bench.tick();
+    }
+    let far = [20 + WINDOW_SEQUENCES, 20 - WINDOW_SEQUENCES - 1];
+    for sequence in far.into_iter().chain([0, u32::MAX]) {
         assert_eq!(
             bench.ask_as(sequence, Command::Stop),
-            Reply::Refused(Refusal::Sequence { expected: 2 })
+            Reply::Refused(Refusal::Sequence { expected: 20 })
         );
     }
     // What is repeated must be the same.
-    assert_eq!(
-        bench.ask_as(1, Command::Stop),
-        Reply::Refused(Refusal::SequenceReused)
-    );
-    assert_eq!(bench.greet().next_sequence, 2);
+    for behind in 1..=WINDOW_SEQUENCES {
+        let sequence = 20 - behind;
+        let again = bench.ask_as(sequence, Command::Telemetry { every: 5 });
+        assert_eq!(again, Reply::Done);
+        assert_eq!(
+            bench.ask_as(sequence, Command::Stop),
+            Reply::Refused(Refusal::SequenceReused)
+        );
+    }
+    assert_eq!(bench.greet().next_sequence, 20);
     bench.done(Command::Stop);
+}
+
+/// Requests that come before one that is missing wait for it, and are executed in their order.
+#[test]
+fn what_comes_early_is_kept_and_executed_in_its_turn() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let there = pose(0.28, 0.28, 0.2);
+    let moves: [Command<f64>; WINDOW] = core::array::from_fn(|i| {
+        let (from, to) = match i % 2 {
+            0 => (home(), there),
+            _ => (there, home()),
+        };
+        Command::Move(rest(i as u32, from, to, 100))
+    });
+    // The last first; all but the first wait.
+    for sequence in (1..WINDOW_SEQUENCES).rev() {
+        for _ in 0..2 {
+            let reply = bench.ask_as(sequence, moves[sequence as usize]);
+            assert_eq!(reply, Reply::Kept { missing: 0 });
+        }
+        assert_eq!(bench.service.answer_kept(), None);
+        assert_eq!(
+            bench.ask_as(sequence, Command::Stop),
+            Reply::Refused(Refusal::SequenceReused)
+        );
+    }
+    assert_eq!(bench.status().next, 0);
+    assert_eq!(bench.ask_as(0, moves[0]), Reply::Done);
+    // The queue of the bench has room for one move less.
+    for sequence in 1..WINDOW_SEQUENCES {
+        let expected = match sequence < WINDOW_SEQUENCES - 1 {
+            true => Reply::Done,
+            false => Reply::Refused(Refusal::QueueFull),
+        };
+        assert_eq!(bench.service.answer_kept(), Some((sequence, expected)));
+    }
+    assert_eq!(bench.service.answer_kept(), None);
+    assert_eq!(bench.status().next, WINDOW_SEQUENCES - 1);
+    // Each has its answer when it is asked for again.
+    for sequence in 0..WINDOW_SEQUENCES {
+        let again = bench.ask_as(sequence, moves[sequence as usize]);
+        assert_eq!(again == Reply::Done, sequence < WINDOW_SEQUENCES - 1);
+    }
+    assert_eq!(bench.greet().next_sequence, WINDOW_SEQUENCES);
+}
+
+/// What was kept is of the conversation before.
+#[test]
+fn a_hello_drops_what_was_kept() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    let kept = bench.ask_as(1, Command::Telemetry { every: 7 });
+    assert_eq!(kept, Reply::Kept { missing: 0 });
+    assert_eq!(bench.greet().next_sequence, 0);
+    assert_eq!(bench.ask_as(0, Command::Stop), Reply::Done);
+    assert_eq!(bench.service.answer_kept(), None);
+    // Nor is its number used up.
+    assert_eq!(bench.ask_as(1, Command::Stop), Reply::Done);
+}
+
+/// A request of an old conversation may arrive in the new one, where it would be the next, or kept.
+#[test]
+fn what_comes_late_from_another_conversation_is_not_executed() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    for sequence in 0..3 {
+        assert_eq!(bench.ask_as(sequence, Command::Stop), Reply::Done);
+    }
+    let hello = Hello {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        scene: SCENE,
+    };
+    let mut first = None;
+    // A repeated hello is answered as it was.
+    for _ in 0..2 {
+        let Reply::Hello(identity) = bench.ask_as(777, Command::Hello(hello)) else {
+            panic!("a hello that fits is answered");
+        };
+        assert_eq!(
+            *first.get_or_insert(identity.next_sequence),
+            identity.next_sequence
+        );
+    }
+    let next = first.unwrap();
+    for late in 0..3 + WINDOW_SEQUENCES {
+        assert_eq!(
+            bench.ask_as(late, Command::Start),
+            Reply::Refused(Refusal::Sequence { expected: next })
+        );
+    }
+    assert_eq!(bench.ask_as(next, Command::Stop), Reply::Done);
 }
 
 #[test]

@@ -343,7 +343,7 @@ fn no_state_is_without_an_exit() {
 }
 
 #[test]
-fn a_silent_host_ends_in_a_controlled_stop() {
+fn a_silent_host_leaves_a_job_that_waits() {
     let mut bench = Bench::<Thesis<f64>>::new();
     bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
     bench.done(Command::Start);
@@ -357,20 +357,40 @@ fn a_silent_host_ends_in_a_controlled_stop() {
     let status = bench.status();
     assert_eq!(
         (status.state, status.acting),
-        (State::Stopping, Acting::Silence)
+        (State::Slowing, Acting::Silence)
     );
     bench.ticks(u32::from(RAMP));
     let status = bench.status();
     assert_eq!(
         (status.state, status.acting),
-        (State::Idle, Acting::Silence)
+        (State::Holding, Acting::Silence)
     );
-    // It has come to rest on the path, not at its end.
-    let pose = status.end.unwrap().pose;
-    assert!(pose.position.x > 0.21 && pose.position.x < 0.28);
+    assert!(status.waits_for_host());
     // Standing, it may be silent for as long as it likes.
     bench.ticks(3 * SILENCE);
-    assert_eq!(bench.state(), State::Idle);
+    assert_eq!(bench.state(), State::Holding);
+    // It goes on with the very setpoints: what it plays is what a machine plays whose host was never silent.
+    bench.done(Command::Resume);
+    bench.until(State::Idle);
+    let played = |bench: &Bench<Thesis<f64>>| -> Vec<_> {
+        let normal = |sample: &&Telemetry<f64>| sample.state == State::Running && sample.part == 0;
+        let samples = bench.telemetry.iter().filter(normal);
+        samples
+            .filter(|sample| sample.acting == Acting::Nothing)
+            .map(|sample| (sample.at, sample.setpoint))
+            .collect()
+    };
+    let mut never = Bench::<Thesis<f64>>::new();
+    never.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
+    never.done(Command::Start);
+    never.until(State::Idle);
+    let whole = played(&never);
+    let mut rows = whole.iter();
+    for tick in played(&bench) {
+        assert!(rows.any(|other| *other == tick), "{tick:?}");
+    }
+    assert_eq!(bench.status().done, 1);
+    assert_eq!(bench.status().interrupted, None);
 }
 
 #[test]

@@ -66,6 +66,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         false => "()".into(),
     };
     file.line(&format!("pub type Planner = {planner};"));
+    file.constant("BATCHES", "bool", scene.takes_batches().to_string());
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));

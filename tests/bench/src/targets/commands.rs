@@ -3,10 +3,11 @@
 use super::bytes::Bytes;
 use super::watch::{self, Reached, Watched, leave};
 use crate::device::{Device, DeviceChannels, answer, hello, home};
+use std::collections::HashMap;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::{Limits, Platform, Section};
 use trirrr_protocol::message::{
-    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request, State,
+    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request, State, WINDOW,
 };
 
 /// Silence after which the machine stops, ticks.
@@ -28,6 +29,7 @@ pub fn play(data: &[u8]) -> Reached {
         changed: false,
         sequence: 0,
         last: None,
+        kept: HashMap::new(),
     };
     if data.first() != Some(&NO_HELLO) {
         session.greet();
@@ -45,6 +47,8 @@ struct Session<'q> {
     sequence: u32,
     /// The last request that counted, with its answer.
     last: Option<(Request<f64>, Reply<f64>)>,
+    /// Requests that wait for one before them.
+    kept: HashMap<u32, Request<f64>>,
 }
 
 impl Session<'_> {
@@ -91,7 +95,7 @@ impl Session<'_> {
             12 => self.repeat(),
             13 => {
                 let section = section(bytes)?;
-                self.ask(Command::Override(section));
+                self.ask(Command::Replace(section));
             }
             14 => {
                 let every = bytes.u16()?;
@@ -119,28 +123,48 @@ impl Session<'_> {
 
     fn request(&mut self, request: &Request<f64>) {
         let reply = answer(&mut self.watched.device, request);
-        let counts = !matches!(
+        let refuses_number = matches!(
             reply,
-            Reply::Hello(_)
-                | Reply::Refused(
-                    Refusal::HelloFirst
-                        | Refusal::Protocol { .. }
-                        | Refusal::Schema { .. }
-                        | Refusal::Scene { .. }
-                        | Refusal::Sequence { .. }
-                        | Refusal::SequenceReused
-                )
+            Reply::Refused(
+                Refusal::HelloFirst
+                    | Refusal::Protocol { .. }
+                    | Refusal::Schema { .. }
+                    | Refusal::Scene { .. }
+                    | Refusal::Sequence { .. }
+                    | Refusal::SequenceReused
+            )
         );
-        let again = self.last.as_ref().map(|(last, _)| last.sequence) == Some(request.sequence);
-        if !counts || again {
-            return;
+        let ahead = request.sequence.wrapping_sub(self.sequence) as i32;
+        match reply {
+            Reply::Hello(identity) => {
+                self.sequence = identity.next_sequence;
+                self.last = None;
+                self.kept.clear();
+            }
+            Reply::Kept { missing } => {
+                assert_eq!(missing, self.sequence);
+                assert!((1..WINDOW as i32).contains(&ahead), "{request:?} is kept");
+                self.kept.insert(request.sequence, *request);
+            }
+            _ if refuses_number => {}
+            reply if ahead == 0 => self.executed(request, reply),
+            _ => assert!((-(WINDOW as i32)..0).contains(&ahead), "out of sequence"),
         }
-        assert_eq!(
-            request.sequence, self.sequence,
-            "out of sequence: {reply:?}"
-        );
+        while let Some((sequence, reply)) = self.watched.device.service.answer_kept() {
+            let kept = self
+                .kept
+                .remove(&sequence)
+                .expect("a request that was kept");
+            assert_eq!(sequence, self.sequence);
+            self.executed(&kept, reply);
+        }
+    }
+
+    /// Takes note of a request that the machine has executed, as the next one.
+    fn executed(&mut self, request: &Request<f64>, reply: Reply<f64>) {
+        self.kept.remove(&request.sequence);
         self.sequence = self.sequence.wrapping_add(1);
-        if let (Command::Override(section), Reply::Done) = (&request.command, &reply) {
+        if let (Command::Replace(section), Reply::Done) = (&request.command, &reply) {
             self.changed = true;
             if let Section::Limits(limits) = section {
                 self.watched.limits = limits.into();

@@ -28,7 +28,7 @@ fn before_it_is_homed_a_machine_plays_nothing() {
             to: home(),
             ticks: 500,
         }),
-        Command::Override(scene::Section::Limits(limits)),
+        Command::Replace(scene::Section::Limits(limits)),
     ] {
         let refusal = machine.bench.refused(command);
         assert_eq!(refusal, Refusal::State(State::Unhomed), "{command:?}");
@@ -227,7 +227,7 @@ fn homing_keeps_the_limits() {
         };
         machine
             .bench
-            .done(Command::Override(scene::Section::Limits(limits)));
+            .done(Command::Replace(scene::Section::Limits(limits)));
         machine.tick();
         let refusal = machine.bench.ask(Command::Home);
         match refusal {

@@ -1,0 +1,272 @@
+//! The rest of a job that was left on its way: back to the place, and on from there.
+//!
+//! The way back is a part of the job itself. It begins at the last rest before the place and follows the path with the tool off, at the
+//! speeds of the job. So whatever was proven of the job is proven of the way back, and the machine passes the place in the very
+//! motion in which it would have passed it. There the tool goes on.
+
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{Ends, Quintics, Segment};
+use trirrr_protocol::message::{AnyMove, Move};
+
+/// Place on the path of a job.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct JobPlace {
+    /// Index of the move, counted from 0,
+    pub index: u32,
+    /// and its tick.
+    pub at: u32,
+}
+
+/// Moves that play a job from a place on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobRest<N: Number> {
+    moves: Vec<AnyMove<N>>,
+    from: JobPlace,
+    /// Moves of the way back to the place.
+    lead: u32,
+}
+
+impl<N: Number> JobRest<N> {
+    /// The rest of the job of `moves` from the place `from` on, and the way to there, on a machine with the tick period `period`, in
+    /// its own units. Behind the end of the job nothing is left.
+    pub fn new(moves: &[AnyMove<N>], from: JobPlace, period: N::Factor) -> Self {
+        let index = from.index as usize;
+        let from = match moves.get(index) {
+            Some(each) if from.at >= each.common().ticks => JobPlace {
+                index: from.index + 1,
+                at: 0,
+            },
+            _ => from,
+        };
+        let index = from.index as usize;
+        let Some(cut) = moves.get(index) else {
+            return Self {
+                moves: Vec::new(),
+                from,
+                lead: 0,
+            };
+        };
+        // The job begins at rest.
+        let at_rest = (0..=index)
+            .rev()
+            .find(|&index| starts_at_rest(&moves[index]));
+        let begin = at_rest.unwrap_or(0);
+        let mut rest: Vec<_> = match from.at == 0 && begin == index {
+            true => Vec::new(),
+            false => moves[begin..index].iter().map(without_tool).collect(),
+        };
+        match from.at {
+            0 => {
+                rest.push(*cut);
+            }
+            at => {
+                let [before, behind] = split(cut, at, period);
+                rest.extend([without_tool(&before), behind]);
+            }
+        }
+        let lead = rest.len() as u32 - 1;
+        rest.extend_from_slice(&moves[index + 1..]);
+        Self {
+            moves: rest,
+            from,
+            lead,
+        }
+    }
+
+    /// The moves, the way back first.
+    pub fn moves(&self) -> &[AnyMove<N>] {
+        &self.moves
+    }
+
+    /// Place from which the rest is played with the tool.
+    pub fn from(&self) -> JobPlace {
+        self.from
+    }
+
+    /// Place on the path of the whole job, of a place on these moves. On the way back nothing is gained.
+    pub fn place(&self, place: JobPlace) -> JobPlace {
+        match place.index.checked_sub(self.lead) {
+            None => self.from,
+            Some(0) => JobPlace {
+                index: self.from.index,
+                at: self.from.at + place.at,
+            },
+            Some(behind) => JobPlace {
+                index: self.from.index + behind,
+                at: place.at,
+            },
+        }
+    }
+}
+
+fn starts_at_rest<N: Number>(each: &AnyMove<N>) -> bool {
+    let accelerations = each.accelerations().unwrap_or([[N::ZERO; 3]; 2]);
+    each.common().starts_at_rest() && accelerations[0] == [N::ZERO; 3]
+}
+
+fn without_tool<N: Number>(each: &AnyMove<N>) -> AnyMove<N> {
+    let common = Move {
+        tool_power: N::ZERO,
+        tool_speed: N::ZERO,
+        ..*each.common()
+    };
+    AnyMove::new(common, each.accelerations())
+}
+
+/// The two parts of a move, before and behind its tick `at`: a part of a polynomial is one of the same degree.
+fn split<N: Number>(whole: &AnyMove<N>, at: u32, period: N::Factor) -> [AnyMove<N>; 2] {
+    let common = whole.common();
+    let ends = Ends {
+        from: common.from,
+        to: common.to,
+        velocities: [common.start_velocity.into(), common.end_velocity.into()],
+        accelerations: whole.accelerations(),
+    };
+    let middle = Segment::<N, Quintics>::new(&ends, common.ticks, period).at(at);
+    let velocity: [N; 3] = middle.velocity.into();
+    let acceleration: [N; 3] = middle.acceleration.into();
+    let before = Move {
+        to: middle.pose,
+        end_velocity: velocity,
+        ticks: at,
+        ..*common
+    };
+    let behind = Move {
+        from: middle.pose,
+        start_velocity: velocity,
+        ticks: common.ticks - at,
+        ..*common
+    };
+    let accelerations = whole.accelerations();
+    [
+        AnyMove::new(
+            before,
+            accelerations.map(|[start, _]| [start, acceleration]),
+        ),
+        AnyMove::new(behind, accelerations.map(|[_, end]| [acceleration, end])),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trirrr_core::setpoint::{Pose, Setpoint};
+
+    const PERIOD: f64 = 0.001;
+
+    /// Two chains: a cubic and a quintic, then a quintic and two cubics; each from rest to rest.
+    fn job() -> Vec<AnyMove<f64>> {
+        let pose = |i: u32| {
+            let x = 0.21 + 0.01 * f64::from(i);
+            Pose::from_f64(
+                x,
+                0.22 + 0.003 * f64::from(i % 3),
+                0.15 + 0.01 * f64::from(i),
+            )
+        };
+        let velocity = [0.03, -0.02, 0.05];
+        let acceleration = [0.1, 0.2, -0.1];
+        let each = |i: u32, starts: bool, ends: bool, accelerations| {
+            let common = Move {
+                start_velocity: if starts { [0.0; 3] } else { velocity },
+                end_velocity: if ends { [0.0; 3] } else { velocity },
+                tool_power: 0.5,
+                tool_speed: 0.1,
+                ..Move::rest_to_rest(i, pose(i), pose(i + 1), 100 + i)
+            };
+            AnyMove::new(common, accelerations)
+        };
+        vec![
+            each(0, true, false, None),
+            each(1, false, true, Some([[0.0; 3]; 2])),
+            each(2, true, false, Some([[0.0; 3], acceleration])),
+            each(3, false, false, Some([acceleration, [0.0; 3]])),
+            each(4, false, true, None),
+        ]
+    }
+
+    /// Setpoints of all ticks, each with the tool's power: by the moves one after the other.
+    fn played(moves: &[AnyMove<f64>]) -> Vec<(Setpoint<f64>, f64)> {
+        let mut ticks = Vec::new();
+        for each in moves {
+            let common = each.common();
+            let ends = Ends {
+                from: common.from,
+                to: common.to,
+                velocities: [common.start_velocity.into(), common.end_velocity.into()],
+                accelerations: each.accelerations(),
+            };
+            let segment = Segment::<f64, Quintics>::new(&ends, common.ticks, PERIOD);
+            ticks.extend((0..common.ticks).map(|tick| (segment.at(tick), common.tool_power)));
+        }
+        ticks
+    }
+
+    fn is_near(one: &Setpoint<f64>, other: &Setpoint<f64>) -> bool {
+        let (a, b) = (&one.pose, &other.pose);
+        (a.position - b.position).norm() < 1e-12
+            && (a.angle - b.angle).abs() < 1e-12
+            && (one.velocity - other.velocity).norm() < 1e-10
+            && (one.acceleration - other.acceleration).norm() < 1e-7
+    }
+
+    /// From any place: the motion is that of the job from the last rest on, with the tool on from the place.
+    #[test]
+    fn the_way_back_is_the_job_itself_with_the_tool_off() {
+        let job = job();
+        let whole = played(&job);
+        let before = |index: u32| -> u32 {
+            job[..index as usize]
+                .iter()
+                .map(|each| each.common().ticks)
+                .sum()
+        };
+        for (index, at) in [
+            (0, 0),
+            (0, 60),
+            (1, 1),
+            (1, 100),
+            (2, 0),
+            (3, 50),
+            (4, 0),
+            (4, 103),
+        ] {
+            let rest = JobRest::new(&job, JobPlace { index, at }, PERIOD);
+            let begin = if index < 2 { 0 } else { before(2) };
+            let expected = &whole[begin as usize..];
+            let found = played(rest.moves());
+            assert_eq!(found.len(), expected.len(), "{index} {at}");
+            let on = (before(index) + at - begin) as usize;
+            for (tick, (found, expected)) in found.iter().zip(expected).enumerate() {
+                assert!(is_near(&found.0, &expected.0), "{index} {at}: {tick}");
+                let power = if tick < on { 0.0 } else { expected.1 };
+                assert_eq!(found.1, power, "{index} {at}: {tick}");
+            }
+            // Each place of the rest is one of the job.
+            let mut tick = begin;
+            for (i, each) in (0..).zip(rest.moves()) {
+                for at in [0, each.common().ticks - 1] {
+                    let place = rest.place(JobPlace { index: i, at });
+                    let there = before(place.index) + place.at;
+                    assert_eq!(there, (tick + at).max(before(index) + rest.from().at));
+                }
+                tick += each.common().ticks;
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_at_the_end_of_a_move_is_the_start_of_the_next() {
+        let job = job();
+        let at = job[1].common().ticks;
+        let rest = JobRest::new(&job, JobPlace { index: 1, at }, PERIOD);
+        assert_eq!(rest.from(), JobPlace { index: 2, at: 0 });
+        assert_eq!(rest.moves(), &job[2..]);
+        let end = JobPlace {
+            index: 4,
+            at: job[4].common().ticks,
+        };
+        assert!(JobRest::new(&job, end, PERIOD).moves().is_empty());
+        assert_eq!(JobRest::new(&job, JobPlace::default(), PERIOD).moves(), job);
+    }
+}

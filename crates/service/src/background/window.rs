@@ -1,0 +1,150 @@
+//! Requests in flight: those that came before one that is missing, and the answers that a host may ask for again.
+
+use crate::offered::RequestOf;
+use crate::scene::Scene;
+use heapless::{Deque, Vec};
+use trirrr_core::number::Number;
+use trirrr_protocol::message::{Refusal, WINDOW};
+
+/// The last requests that were executed, and those that wait for one before them.
+///
+/// Requests are executed in the order of their numbers, each once. A request with a number up to [`WINDOW`] ahead is kept;
+/// one with a number up to [`WINDOW`] behind is answered again.
+pub(crate) struct RequestWindow<S: Scene> {
+    /// Number of the request to execute next.
+    next: u32,
+    /// Number of the hello that began the conversation.
+    hello: Option<u32>,
+    /// The last of the requests before it, in their order.
+    executed: Deque<Executed<S::N>, WINDOW>,
+    kept: Vec<Kept<S>, WINDOW>,
+}
+
+/// A request that was executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Executed<N: Number> {
+    /// Checksum that tells it from another with its number.
+    checksum: u32,
+    /// Reason why nothing was done, if nothing was.
+    refusal: Option<Refusal<N>>,
+}
+
+/// A request that waits, with its checksum.
+struct Kept<S: Scene> {
+    request: RequestOf<S>,
+    checksum: u32,
+}
+
+/// Place of a request among those in flight.
+pub(super) enum Place<N: Number> {
+    /// To be executed now.
+    Next,
+    /// Executed already, with this result.
+    Executed(Result<(), Refusal<N>>),
+    /// To be executed behind one that is missing.
+    Ahead,
+    /// Another request has this number.
+    Reused,
+    /// Too far ahead, or too far behind.
+    Outside,
+}
+
+impl<S: Scene> RequestWindow<S> {
+    /// A window that waits for request 0.
+    // Memory that starts as zeros takes no flash.
+    pub(crate) const EMPTY: Self = Self {
+        next: 0,
+        hello: None,
+        executed: Deque::new(),
+        kept: Vec::new(),
+    };
+
+    /// Number of the request to execute next.
+    pub(super) fn next(&self) -> u32 {
+        self.next
+    }
+
+    #[cfg(test)]
+    pub(super) fn next_is(&mut self, sequence: u32) {
+        self.next = sequence;
+    }
+
+    /// Another conversation begins with the hello of this number: what is kept is dropped. What comes late from the
+    /// conversation before is out of the window. A hello that is repeated begins none.
+    pub(super) fn begin(&mut self, hello: u32) {
+        self.kept.clear();
+        if !self.executed.is_empty() && self.hello != Some(hello) {
+            self.next = self.next.wrapping_add(2 * WINDOW as u32);
+            self.executed.clear();
+        }
+        self.hello = Some(hello);
+    }
+
+    /// Finds the place of request `sequence`.
+    pub(super) fn place(&self, sequence: u32, checksum: u32) -> Place<S::N> {
+        let ahead = sequence.wrapping_sub(self.next);
+        if ahead == 0 {
+            return Place::Next;
+        }
+        if (ahead as usize) < WINDOW {
+            let mut same = self
+                .kept
+                .iter()
+                .filter(|kept| kept.request.sequence == sequence);
+            return match same.any(|kept| kept.checksum != checksum) {
+                true => Place::Reused,
+                false => Place::Ahead,
+            };
+        }
+        let behind = self.next.wrapping_sub(sequence) as usize;
+        let index = self.executed.len().checked_sub(behind);
+        match index.and_then(|index| self.executed.get(index)) {
+            Some(executed) if executed.checksum != checksum => Place::Reused,
+            Some(executed) => Place::Executed(executed.refusal.map_or(Ok(()), Err)),
+            None => Place::Outside,
+        }
+    }
+
+    /// Keeps a request until those before it are executed.
+    pub(super) fn keep(&mut self, request: &RequestOf<S>, checksum: u32) {
+        let kept = Kept {
+            request: *request,
+            checksum,
+        };
+        let (next, sequence) = (self.next, request.sequence);
+        let is_ahead = |number: u32| (number.wrapping_sub(next) as usize) < WINDOW;
+        // One that came a second time may be kept, or executed, already.
+        let is_spent = |kept: &&mut Kept<S>| {
+            let number = kept.request.sequence;
+            number == sequence || !is_ahead(number)
+        };
+        match self.kept.iter_mut().find(is_spent) {
+            Some(spent) => *spent = kept,
+            // There is room for all that are ahead.
+            None => _ = self.kept.push(kept),
+        }
+    }
+
+    /// Takes the request to execute next out of those that are kept, with its checksum.
+    pub(super) fn take_kept(&mut self) -> Option<(RequestOf<S>, u32)> {
+        let is_next = |kept: &Kept<S>| kept.request.sequence == self.next;
+        let index = self.kept.iter().position(is_next)?;
+        let last = self.kept.pop()?;
+        let Kept { request, checksum } = match self.kept.get_mut(index) {
+            Some(next) => core::mem::replace(next, last),
+            None => last,
+        };
+        Some((request, checksum))
+    }
+
+    /// Counts the next request as executed.
+    pub(super) fn count(&mut self, checksum: u32, result: Result<(), Refusal<S::N>>) {
+        if self.executed.is_full() {
+            self.executed.pop_front();
+        }
+        let refusal = result.err();
+        // There is room.
+        let _ = self.executed.push_back(Executed { checksum, refusal });
+        self.next = self.next.wrapping_add(1);
+    }
+}

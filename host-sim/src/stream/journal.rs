@@ -1,0 +1,157 @@
+//! Journal of a job: a small file beside its results that says how far the machine is. With it a later stream goes on where this one
+//! was lost, on a machine that waits or on one that has lost the job.
+
+use crate::failure::CliError;
+use crate::recording::unwritable;
+use serde_json::{Value, json};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use trirrr_client::{Attachment, JobClient, JobPlace};
+use trirrr_protocol::message::Transmit;
+
+/// Name of the file.
+const FILE: &str = "job.json";
+
+/// Longest time that a crash of the host takes out of the journal.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// Identity of a job: the scene, its number type, and what is offered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct JobKey {
+    pub(super) scene: String,
+    pub(super) number: String,
+    pub(super) items: u32,
+    /// Checksum over all of it.
+    pub(super) check: u32,
+}
+
+/// Account of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Entry {
+    /// What the machine knows of it.
+    pub(super) attachment: Attachment,
+    /// Place from which it was played.
+    pub(super) from: JobPlace,
+    /// Place that the machine has reached.
+    pub(super) reached: JobPlace,
+}
+
+/// Journal of one job, which is written as the job goes on.
+pub(super) struct Journal {
+    path: PathBuf,
+    key: JobKey,
+    from: JobPlace,
+    reached: JobPlace,
+    written: Option<Instant>,
+}
+
+impl Journal {
+    /// Prepares the journal in `folder` of a job that is played from `from` on. Nothing is written before the machine has
+    /// answered.
+    pub(super) fn new(folder: &Path, key: JobKey, from: JobPlace) -> Self {
+        Self {
+            path: folder.join(FILE),
+            key,
+            from,
+            reached: from,
+            written: None,
+        }
+    }
+
+    /// Reads the journal in `folder` of the job `key`.
+    ///
+    /// # Errors
+    /// Refused: there is none, or it is of another job.
+    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<Entry, CliError> {
+        let path = folder.join(FILE);
+        let refused = |why: &str| CliError::Refused(format!("{}: {why}", path.display()));
+        let text = fs::read_to_string(&path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => refused(
+                "there is no job to resume: the last stream into this folder was complete, or there was none",
+            ),
+            _ => refused(&error.to_string()),
+        })?;
+        let value: Value = serde_json::from_str(&text).unwrap_or_default();
+        let is_of_job = value["scene"] == key.scene.as_str()
+            && value["number"] == key.number.as_str()
+            && value["items"] == key.items
+            && value["check"] == key.check;
+        if !is_of_job {
+            return Err(refused(
+                "it is of another job: resume with the scene and the number type of the stream that was lost, or leave --resume out",
+            ));
+        }
+        let number = |value: &Value| value.as_u64().and_then(|value| u32::try_from(value).ok());
+        let place = |value: &Value| {
+            Some(JobPlace {
+                index: number(&value["index"])?,
+                at: number(&value["at"])?,
+            })
+        };
+        let entry = || {
+            let machine = &value["machine"];
+            Some(Entry {
+                attachment: Attachment {
+                    first: number(&machine["first"])?,
+                    taken: number(&machine["taken"])?,
+                    tick: number(&machine["tick"])?,
+                },
+                from: place(&value["from"])?,
+                reached: place(&value["reached"])?,
+            })
+        };
+        entry().ok_or_else(|| refused("it is damaged"))
+    }
+
+    /// Takes note of a place that the machine has reached.
+    pub(super) fn reach(&mut self, place: JobPlace) {
+        self.reached = self.reached.max(place);
+    }
+
+    /// Place that the machine has reached.
+    pub(super) fn reached(&self) -> JobPlace {
+        self.reached
+    }
+
+    /// Writes what `client` knows, now and then, or `now`.
+    ///
+    /// # Errors
+    /// Failed: the file cannot be written.
+    pub(super) fn note<N: Transmit>(
+        &mut self,
+        client: &JobClient<N>,
+        now: bool,
+    ) -> Result<(), CliError> {
+        let is_due = self
+            .written
+            .is_none_or(|written| written.elapsed() >= EVERY);
+        let Some(Attachment { first, taken, tick }) = client.attachment().filter(|_| now || is_due)
+        else {
+            return Ok(());
+        };
+        self.written = Some(Instant::now());
+        let place = |place: JobPlace| json!({ "index": place.index, "at": place.at });
+        let value = json!({
+            "scene": self.key.scene,
+            "number": self.key.number,
+            "items": self.key.items,
+            "check": self.key.check,
+            "machine": { "first": first, "taken": taken, "tick": tick },
+            "from": place(self.from),
+            "reached": place(self.reached),
+        });
+        // Another name first: a crash leaves the old file or the new one.
+        let new = self.path.with_extension("json.new");
+        fs::write(&new, format!("{value:#}\n"))
+            .and_then(|()| fs::rename(&new, &self.path))
+            .map_err(|error| unwritable(&self.path, &error))
+    }
+
+    /// Removes the journal of a job that is complete.
+    pub(super) fn end(&self) {
+        // One that stays is refused by the machine: it has played all moves.
+        let _ = fs::remove_file(&self.path);
+    }
+}
