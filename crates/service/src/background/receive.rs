@@ -3,7 +3,7 @@
 use super::super::handoff::count;
 use super::super::scene::Scene;
 use super::Background;
-use super::window::Place;
+use super::window::RequestPlace;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
 use crate::planner::PathPlanner;
@@ -31,14 +31,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         let next = self.window.next();
         match self.window.place(request.sequence, checksum) {
-            Place::Next => self.execute_next(&request.command, checksum),
-            Place::Executed(result) => self.reply(&request.command, result),
-            Place::Ahead => {
+            RequestPlace::Next => self.execute_next(&request.command, checksum),
+            RequestPlace::Executed(result) => self.reply(&request.command, result),
+            RequestPlace::Ahead => {
                 self.window.keep(request, checksum);
                 Reply::Kept { missing: next }
             }
-            Place::Reused => Reply::Refused(Refusal::SequenceReused),
-            Place::Outside => Reply::Refused(Refusal::Sequence { expected: next }),
+            RequestPlace::Reused => Reply::Refused(Refusal::SequenceReused),
+            RequestPlace::Outside => Reply::Refused(Refusal::Sequence { expected: next }),
         }
     }
 

@@ -35,8 +35,8 @@ struct Kept<S: Scene> {
     checksum: u32,
 }
 
-/// Place of a request among those in flight.
-pub(super) enum Place<N: Number> {
+/// RequestPlace of a request among those in flight.
+pub(super) enum RequestPlace<N: Number> {
     /// To be executed now.
     Next,
     /// Executed already, with this result.
@@ -81,10 +81,10 @@ impl<S: Scene> RequestWindow<S> {
     }
 
     /// Finds the place of request `sequence`.
-    pub(super) fn place(&self, sequence: u32, checksum: u32) -> Place<S::N> {
+    pub(super) fn place(&self, sequence: u32, checksum: u32) -> RequestPlace<S::N> {
         let ahead = sequence.wrapping_sub(self.next);
         if ahead == 0 {
-            return Place::Next;
+            return RequestPlace::Next;
         }
         if (ahead as usize) < WINDOW {
             let mut same = self
@@ -92,16 +92,16 @@ impl<S: Scene> RequestWindow<S> {
                 .iter()
                 .filter(|kept| kept.request.sequence == sequence);
             return match same.any(|kept| kept.checksum != checksum) {
-                true => Place::Reused,
-                false => Place::Ahead,
+                true => RequestPlace::Reused,
+                false => RequestPlace::Ahead,
             };
         }
         let behind = self.next.wrapping_sub(sequence) as usize;
         let index = self.executed.len().checked_sub(behind);
         match index.and_then(|index| self.executed.get(index)) {
-            Some(executed) if executed.checksum != checksum => Place::Reused,
-            Some(executed) => Place::Executed(executed.refusal.map_or(Ok(()), Err)),
-            None => Place::Outside,
+            Some(executed) if executed.checksum != checksum => RequestPlace::Reused,
+            Some(executed) => RequestPlace::Executed(executed.refusal.map_or(Ok(()), Err)),
+            None => RequestPlace::Outside,
         }
     }
 
