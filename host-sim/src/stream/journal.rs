@@ -29,7 +29,7 @@ pub(super) struct JobKey {
 
 /// Account of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Entry {
+pub(super) struct JournalEntry {
     /// What the machine knows of it.
     pub(super) attachment: Attachment,
     /// Place from which it was played.
@@ -64,7 +64,7 @@ impl Journal {
     ///
     /// # Errors
     /// Refused: there is none, or it is of another job.
-    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<Entry, CliError> {
+    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JournalEntry, CliError> {
         let path = folder.join(FILE);
         let refused = |why: &str| CliError::Refused(format!("{}: {why}", path.display()));
         let text = fs::read_to_string(&path).map_err(|error| match error.kind() {
@@ -92,7 +92,7 @@ impl Journal {
         };
         let entry = || {
             let machine = &value["machine"];
-            Some(Entry {
+            Some(JournalEntry {
                 attachment: Attachment {
                     first: number(&machine["first"])?,
                     taken: number(&machine["taken"])?,
