@@ -82,6 +82,20 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::on_host(
+            "all states of the service",
+            "test",
+            &[
+                "--release",
+                "--package",
+                "trirrr-service",
+                "--lib",
+                "explore",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::cargo("instructions of all scenes", &["xtask", "insns", "--check"]),
         Step::cargo(
             "admission of all scenes",

@@ -81,7 +81,8 @@ pub enum Refusal<N: Number> {
     NotInImage,
     /// With the new geometry, no pose near the last fits the motors' angles.
     NoPose,
-    /// The recovery, or the homing, would break this limit, or end where this limit does not allow.
+    /// The recovery, or the homing, would break this limit, or end where this limit does not allow; or with the new part of the scene
+    /// the machine would break it where it stands.
     Recovery(Violation<N>),
     /// The tick has not taken the commands before this one yet.
     Busy,

@@ -2,19 +2,22 @@
 
 use super::super::feed::FeedScale;
 use super::super::foreground::slope;
-use super::super::guard::{self, LimitBreach};
+use super::super::guard::{self, Guard, LimitBreach};
 use super::super::handoff::{Ahead, Order, Recover};
 use super::super::scene::Scene;
-use super::Background;
+use super::{Background, at_rest};
 use crate::coefficients::Coefficients;
 use crate::number::ServiceNumber;
 use crate::retreat::RetreatKind;
 use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
+use trirrr_core::limits::Limits;
+use trirrr_core::model::Model;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
-use trirrr_protocol::message::{Bounded, FaultCode, Recovery, Refusal, State, Violation};
+use trirrr_core::tick::Tick;
+use trirrr_protocol::message::{Bounded, Content, FaultCode, Recovery, Refusal, State, Violation};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
@@ -144,6 +147,23 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Ok(())
     }
 
+    /// Checks that the machine keeps its limits of torque where it stands at `pose`, on a machine whose scene can be replaced. Others have
+    /// the check in their tick alone: it would be 3 KB of an image, for a fault that another recovery leads out of.
+    #[inline(always)]
+    pub(super) fn can_stand(
+        tick: &Tick<S::Model>,
+        limits: &Limits<N>,
+        pose: Pose<N>,
+    ) -> Result<(), Refusal<N>> {
+        let has_limit = S::Model::TORQUES && limits.torque.is_some();
+        if !S::Replacement::IS_READ || !has_limit {
+            return Ok(());
+        }
+        let standing = tick.evaluate(&at_rest(pose)).map_err(no_motion)?;
+        let guard = Guard::of_results(limits);
+        guard.check::<S::Model>(&standing).map_err(breaks)
+    }
+
     /// The joint move from motor angles to where the motors are at `pose`, within the limits.
     fn joint_path(
         &self,
@@ -161,7 +181,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Coefficients { tick, limits, .. } = self.coefficients.borrow();
         let geometry = tick.geometry();
         let position = geometry.position(pose).map_err(no_motion)?;
-        self.keeps_clear(&position).map_err(too_near)?;
+        self.keeps_clear(&position).map_err(breaks)?;
+        Self::can_stand(tick, limits, *pose)?;
         let angles = geometry.motor_angles(&position);
         let path = JointMove::new(from, angles, ticks, self.settings.period);
         let (rates, accelerations) = path.peaks();
@@ -219,7 +240,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 }
 
-/// Returns the refusal of a recovery to a pose without a motion.
+/// Returns the refusal of a pose without a motion.
 #[inline(never)]
 fn no_motion<N: Number>(status: Status) -> Refusal<N> {
     let (code, leg) = FaultCode::of(status);
@@ -227,9 +248,9 @@ fn no_motion<N: Number>(status: Status) -> Refusal<N> {
     ends_at(what, leg, N::ZERO, N::ZERO)
 }
 
-/// Returns the refusal of a recovery that ends too near to a singularity.
+/// Returns the refusal of a pose at which a limit is broken.
 #[inline(never)]
-fn too_near<N: Number>(broken: LimitBreach<N>) -> Refusal<N> {
+fn breaks<N: Number>(broken: LimitBreach<N>) -> Refusal<N> {
     let what = broken.code.bounded().unwrap_or(Bounded::Range);
     ends_at(what, broken.index, broken.value, broken.limit)
 }

@@ -1,4 +1,4 @@
-//! Overrides: another geometry, other loads, other limits.
+//! Replaced parts of the scene: another geometry, other loads, other limits.
 
 use super::super::coefficients::Coefficients;
 use super::super::handoff::Order;
@@ -16,7 +16,7 @@ const MOST_STEPS: u32 = 32;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
-    /// is found by forward kinematics from where it was.
+    /// is found by forward kinematics from where it was. A part with which the machine could not stand there is refused.
     pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
         let section = part.content().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
@@ -36,6 +36,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             }
             Section::Platform(_) | Section::Limits(_) => end.pose,
         };
+
+        // What the tick would find in its next look is found here: a part that it cannot stand with would be a fault without a way out.
+        Self::can_stand(&built.tick, &built.limits, pose)?;
 
         let setup = Setup {
             tick: built.tick,
