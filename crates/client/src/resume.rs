@@ -51,14 +51,9 @@ impl<N: Number> JobRest<N> {
             .rev()
             .find(|&index| starts_at_rest(&moves[index]));
         let begin = at_rest.unwrap_or(0);
-        let mut rest: Vec<_> = match from.at == 0 && begin == index {
-            true => Vec::new(),
-            false => moves[begin..index].iter().map(without_tool).collect(),
-        };
+        let mut rest: Vec<_> = moves[begin..index].iter().map(without_tool).collect();
         match from.at {
-            0 => {
-                rest.push(*cut);
-            }
+            0 => rest.push(*cut),
             at => {
                 let [before, behind] = split(cut, at, period);
                 rest.extend([without_tool(&before), behind]);
@@ -113,16 +108,22 @@ fn without_tool<N: Number>(each: &AnyMove<N>) -> AnyMove<N> {
     AnyMove::new(common, each.accelerations())
 }
 
-/// The two parts of a move, before and behind its tick `at`: a part of a polynomial is one of the same degree.
-fn split<N: Number>(whole: &AnyMove<N>, at: u32, period: N::Factor) -> [AnyMove<N>; 2] {
-    let common = whole.common();
+/// The curve of a move.
+fn segment<N: Number>(each: &AnyMove<N>, period: N::Factor) -> Segment<N, Quintics> {
+    let common = each.common();
     let ends = Ends {
         from: common.from,
         to: common.to,
         velocities: [common.start_velocity.into(), common.end_velocity.into()],
-        accelerations: whole.accelerations(),
+        accelerations: each.accelerations(),
     };
-    let middle = Segment::<N, Quintics>::new(&ends, common.ticks, period).at(at);
+    Segment::new(&ends, common.ticks, period)
+}
+
+/// The two parts of a move, before and behind its tick `at`: a part of a polynomial is one of the same degree.
+fn split<N: Number>(whole: &AnyMove<N>, at: u32, period: N::Factor) -> [AnyMove<N>; 2] {
+    let common = whole.common();
+    let middle = segment(whole, period).at(at);
     let velocity: [N; 3] = middle.velocity.into();
     let acceleration: [N; 3] = middle.acceleration.into();
     let before = Move {
@@ -190,24 +191,22 @@ mod tests {
         let mut ticks = Vec::new();
         for each in moves {
             let common = each.common();
-            let ends = Ends {
-                from: common.from,
-                to: common.to,
-                velocities: [common.start_velocity.into(), common.end_velocity.into()],
-                accelerations: each.accelerations(),
-            };
-            let segment = Segment::<f64, Quintics>::new(&ends, common.ticks, PERIOD);
+            let segment = segment(each, PERIOD);
             ticks.extend((0..common.ticks).map(|tick| (segment.at(tick), common.tool_power)));
         }
         ticks
     }
 
+    fn length(parts: &[f64]) -> f64 {
+        parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
     fn is_near(one: &Setpoint<f64>, other: &Setpoint<f64>) -> bool {
         let (a, b) = (&one.pose, &other.pose);
-        (a.position - b.position).norm() < 1e-12
+        length((a.position - b.position).as_slice()) < 1e-12
             && (a.angle - b.angle).abs() < 1e-12
-            && (one.velocity - other.velocity).norm() < 1e-10
-            && (one.acceleration - other.acceleration).norm() < 1e-7
+            && length((one.velocity - other.velocity).as_slice()) < 1e-10
+            && length((one.acceleration - other.acceleration).as_slice()) < 1e-7
     }
 
     /// From any place: the motion is that of the job from the last rest on, with the tool on from the place.

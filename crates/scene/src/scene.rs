@@ -213,12 +213,16 @@ impl Scene {
         Ramp::within(ticks(self.service.hold_ramp_s) as u16, most)
     }
 
+    /// Returns true if the job has quintics, or the machine plans paths, which are of quintics.
+    pub fn plays_quintics(&self) -> bool {
+        self.job.has_quintics() || self.service.plans_paths
+    }
+
     /// Returns true if the machine takes moves in batches: as `batches` in `[service]` says, or where the job has planned
     /// moves, or one so short that single moves come too late over a line with a delay.
     pub fn takes_batches(&self) -> bool {
         let is_short = |each: &JobMove| each.duration_ticks < SHORT_TICKS;
-        let needed = self.job.has_quintics() || self.service.plans_paths;
-        let needed = needed || self.job.moves.iter().any(is_short);
+        let needed = self.plays_quintics() || self.job.moves.iter().any(is_short);
         self.service.batches.unwrap_or(needed)
     }
 

@@ -256,11 +256,11 @@ fn explore(depth: usize) -> usize {
     let mut states = BTreeSet::new();
     let mut tried = 0_u32;
     while let Some(acts) = open.pop_front() {
-        let key = reached(&acts).key();
+        let mut bench = reached(&acts);
+        let key = bench.key();
         if found.contains_key(&key) {
             continue;
         }
-        let mut bench = reached(&acts);
         states.insert(format!("{:?}", bench.service.foreground.state()));
         assert!(
             bench.leaves(),

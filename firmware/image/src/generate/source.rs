@@ -48,8 +48,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let mut file = File(String::new());
     file.line(&format!("pub type Scalar = {scalar};"));
     file.line(&format!("pub type Model = {};", source.model));
-    let has_quintics = scene.job.has_quintics() || scene.service.plans_paths;
-    let curves = match (limits.jerk_rad_s3.is_some(), has_quintics) {
+    let curves = match (limits.jerk_rad_s3.is_some(), scene.plays_quintics()) {
         (true, _) => "Quintics<true>",
         (false, true) => "Quintics<false>",
         (false, false) => "Cubics",
