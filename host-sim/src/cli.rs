@@ -2,7 +2,7 @@
 
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
-use crate::goals::{FollowArgs, GotoArgs, JogArgs};
+use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs};
 use crate::plan::PlanArgs;
@@ -42,6 +42,8 @@ pub enum Command {
     Drives(DrivesArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
+    /// Move a machine to the start of the scene's job, or to another pose, slowly
+    Park(ParkArgs),
     /// Move a machine by hand: steps and velocities from standard input
     Jog(JogArgs),
     /// Send a machine to poses as they come, from standard input or a file

@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Command::Disable(args) => switch(|stop| machine::disable(args, stop)),
         Command::Drives(args) => switch(|stop| machine::drives(args, stop)),
         Command::Goto(args) => to_goals(|stop| goals::goto(args, stop)),
+        Command::Park(args) => to_goals(|stop| goals::park(args, stop)),
         Command::Jog(args) => to_goals(|stop| goals::jog(args, stop)),
         Command::Follow(args) => to_goals(|stop| goals::follow(args, stop)),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),

@@ -150,7 +150,7 @@ fn play(ticks: u64) {
             client.ask(Command::Hello(local::hello::<f32>(&scene))),
             Reply::Hello(_)
         ));
-        client.done(Command::Telemetry { every: 1 });
+        client.done(Command::telemetry(1));
         client.tick();
         client.done(Command::Enable);
         client.tick();

@@ -8,7 +8,7 @@ from pathlib import Path
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, MoveBatch,
-    MoveStep, NUMBERS, Pose, QuinticMove, Refusal, Reply,
+    MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, Reference, Refusal, Reply,
     LeastDuration, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
 
@@ -22,7 +22,7 @@ def single(value: float) -> float:
 
 
 def hello(numbers) -> object:
-    content = Hello(protocol=3, schema=messages.schema_key(numbers), scene=0)
+    content = Hello(protocol=4, schema=messages.schema_key(numbers), scene=0)
     return Request(7, Command.Hello(content))
 
 
@@ -73,7 +73,7 @@ EXAMPLES = {
     "hello": (F32, Request, hello(F32)),
     "hello-f64": (F64, Request, hello(F64)),
     "identity": (F32, Message, Message.Reply(sequence=7, reply=Reply.Hello(Identity(
-        protocol=3,
+        protocol=4,
         schema=messages.schema_key(F32),
         scene=0x12345678,
         name=tuple(b"thesis".ljust(32, b"\0")),
@@ -87,6 +87,7 @@ EXAMPLES = {
         window=8,
         batch=4,
         next_sequence=300,
+        reference=Reference.Homed(),
         board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
     )))),
     "status": (F32, Request, Request(301, Command.Status())),
@@ -95,7 +96,9 @@ EXAMPLES = {
     "quintic": (F32, Request, quintic(single)),
     "moves": (F32, Request, moves()),
     "kept": (F32, Message, Message.Reply(sequence=304, reply=Reply.Kept(missing=303))),
-    "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10))),
+    "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10, fields=messages.ALL_FIELDS))),
+    "job": (F32, Request, Request(302, Command.Job(
+        JobLabel(name=tuple(b"thesis".ljust(32, b"\0")), items=25, check=0x89ABCDEF)))),
     "done": (F32, Message, Message.Reply(sequence=300, reply=Reply.Done())),
     "out-of-sequence": (F32, Message, Message.Reply(
         sequence=315, reply=Reply.Refused(Refusal.Sequence(expected=303)))),
@@ -110,6 +113,8 @@ EXAMPLES = {
         number=2,
         at=150,
         part=0,
+        lost=0,
+        fields=messages.ALL_FIELDS,
         setpoint=Setpoint(
             Pose(0.25, 0.5, 0.125),
             tuple(map(single, (0.1, -0.2, 0.3))),
@@ -121,7 +126,6 @@ EXAMPLES = {
         torques=tuple(map(single, (0.0125, -0.03, 0.5))),
         tool=0.75,
         duration=499,
-        lost=0,
     ))),
 }
 

@@ -9,4 +9,4 @@
     record, plot             telemetry as CSV and SVG
 """
 
-PROTOCOL = 3
+PROTOCOL = 4

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import math
 import tomllib
+import zlib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .messages import Command, Move, Pose, QuinticMove
+from .messages import Command, JobLabel, Move, Pose, QuinticMove
+from .postcard import Numbers, dumps
 
 #: A duration may be this far from a whole number of ticks, for it is written in decimals.
 _TOLERANCE_TICKS = 1e-6
@@ -72,6 +74,17 @@ class Job:
     torque: bool = True
     #: Geometry of the legs where the file has it: the parsed ``[[machine.leg]]`` tables.
     legs: list[dict[str, Any]] = field(default_factory=list)
+    #: Name that the machine tells to whoever asks what it plays.
+    name: str = ""
+
+    def label(self, moves: list[Any], numbers: Numbers) -> JobLabel:
+        """What the machine keeps of the job that consists of ``moves``."""
+        check = 0
+        for move in moves:
+            kind = Move if isinstance(move, Move.record) else QuinticMove
+            check = zlib.crc32(dumps(kind, move, numbers), check)
+        name = self.name.encode("ascii", "replace")[:32].ljust(32, b"\0")
+        return JobLabel(name=tuple(name), items=len(moves), check=check)
 
     def moves(self, identity: Any) -> list[Any]:
         """The moves for the machine that ``identity`` describes, numbered from 0: ``Move`` or ``QuinticMove``."""
@@ -195,7 +208,7 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         raise JobError(f"{path}: job: {error}") from None
     legs = scene.get("machine", {}).get("leg", [])
     torque = bool(scene.get("torque", True))
-    return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs)
+    return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""))
 
 
 def _pose(table: dict[str, Any]) -> Vector:

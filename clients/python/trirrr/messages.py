@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from . import frames, postcard
 from .postcard import ANGLE, BOOL, BYTE, F32, F64, I32, I64, N, U16, U32, U64
-from .postcard import Enum, Numbers, Optional, Scaled, Struct, Tuple, array
+from .postcard import Enum, Newtype, Numbers, Optional, Scaled, Struct, Tuple, array
 
 
 class Pose(NamedTuple):
@@ -336,6 +336,30 @@ PathPiece = Struct(
     last=BOOL,
 )
 
+JobLabel = Struct(
+    "JobLabel",
+    name=array(BYTE, 32),
+    items=U32,
+    check=U32,
+)
+
+
+class Fields(Newtype):
+    """Fields that a telemetry sample has: the bits of their numbers."""
+
+    def of(self, *names: str) -> int:
+        """The fields of these names."""
+        return sum(1 << TELEMETRY_FIELDS.index(name) for name in names)
+
+
+#: What a telemetry sample has if it is asked for, in the order of the bits.
+TELEMETRY_FIELDS = ("setpoint", "angles", "rates", "accelerations", "torques", "tool", "duration")
+
+TelemetryFields = Fields("TelemetryFields", U16)
+
+#: All of them.
+ALL_FIELDS = TelemetryFields.of(*TELEMETRY_FIELDS)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -349,7 +373,7 @@ Command = Enum(
     Stop=None,
     ClearFault=None,
     Recover=Recovery,
-    Telemetry={"every": U16},
+    Telemetry={"every": U16, "fields": TelemetryFields},
     Home=None,
     Quintic=QuinticMove,
     FeedOverride={"percent": BYTE},
@@ -359,6 +383,7 @@ Command = Enum(
     Disable=None,
     Drives={"every": U16},
     Moves=MoveBatch,
+    Job=JobLabel,
 )
 
 Request = Struct(
@@ -374,6 +399,14 @@ Registers = Struct(
     sp=U32,
     status=U32,
     address=U32,
+)
+
+Reference = Enum(
+    "Reference",
+    Declared=None,
+    Blind=None,
+    Homed=None,
+    Measured=None,
 )
 
 Clock = Enum(
@@ -418,6 +451,7 @@ Identity = Struct(
     window=BYTE,
     batch=BYTE,
     next_sequence=U32,
+    reference=Reference,
     board=Board,
 )
 
@@ -438,6 +472,13 @@ Interruption = Struct(
     "Interruption",
     number=U32,
     at=U32,
+)
+
+JobAccount = Struct(
+    "JobAccount",
+    label=JobLabel,
+    first_move=U32,
+    first_piece=U32,
 )
 
 DriveState = Enum(
@@ -500,6 +541,7 @@ Status = Struct(
     feed_percent=BYTE,
     cut=Optional(Cut),
     interrupted=Optional(Interruption),
+    job=Optional(JobAccount),
     not_enabled=Optional(NotEnabled),
 )
 
@@ -510,7 +552,29 @@ Event = Enum(
     Fault=Fault,
 )
 
-Telemetry = Struct(
+
+class Sample(Struct):
+    """A struct that has only those of its last fields whose bits are set in ``fields``; the others are ``None``."""
+
+    def _there(self, fields: int) -> set[str]:
+        chosen = {name for bit, name in enumerate(TELEMETRY_FIELDS) if fields >> bit & 1}
+        return set(self.fields) - set(TELEMETRY_FIELDS) | chosen
+
+    def write(self, out, value, numbers):
+        there = self._there(value.fields)
+        for name, kind in self.fields.items():
+            if name in there:
+                kind.write(out, getattr(value, name), numbers)
+
+    def read(self, reader, numbers):
+        values: dict[str, Any] = dict.fromkeys(self.fields)
+        for name, kind in self.fields.items():
+            if name not in TELEMETRY_FIELDS or name in self._there(values["fields"]):
+                values[name] = kind.read(reader, numbers)
+        return self.record(**values)
+
+
+Telemetry = Sample(
     "Telemetry",
     tick=U32,
     state=State,
@@ -518,6 +582,8 @@ Telemetry = Struct(
     number=U32,
     at=U32,
     part=U32,
+    lost=U32,
+    fields=TelemetryFields,
     setpoint=SETPOINT,
     angles=array(ANGLE, 3),
     rates=array(N, 3),
@@ -525,7 +591,6 @@ Telemetry = Struct(
     torques=array(N, 3),
     tool=N,
     duration=U32,
-    lost=U32,
 )
 
 Reply = Enum(

@@ -156,26 +156,38 @@ class Float(Type):
         yield self._tag
 
 
-class Scaled(Type):
-    """A number of its own type, in units of ``unit``; 1 for one that is only called differently."""
+class Newtype(Type):
+    """A value of another type that has a name of its own."""
 
-    def __init__(self, name: str, inner: Type, unit: float = 1.0) -> None:
+    def __init__(self, name: str, inner: Type) -> None:
         self.name = name
         self._inner = inner
-        self._unit = unit
 
     def write(self, out, value, numbers):
-        if isinstance(self._inner, Varint):
-            self._inner.write(out, round(value / self._unit), numbers)
-        else:
-            self._inner.write(out, value, numbers)
+        self._inner.write(out, value, numbers)
 
     def read(self, reader, numbers):
-        return self._inner.read(reader, numbers) * self._unit
+        return self._inner.read(reader, numbers)
 
     def shape(self, numbers):
         yield b"\x9d"
         yield from self._inner.shape(numbers)
+
+
+class Scaled(Newtype):
+    """A number of its own type, in units of ``unit``; 1 for one that is only called differently."""
+
+    def __init__(self, name: str, inner: Type, unit: float = 1.0) -> None:
+        super().__init__(name, inner)
+        self._unit = unit
+
+    def write(self, out, value, numbers):
+        if isinstance(self._inner, Varint):
+            value = round(value / self._unit)
+        super().write(out, value, numbers)
+
+    def read(self, reader, numbers):
+        return super().read(reader, numbers) * self._unit
 
 
 class _OfMachine(Type):

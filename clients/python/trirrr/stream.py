@@ -10,7 +10,7 @@ from typing import Any
 from . import words
 from .exchange import Exchange, Refused, Silent
 from .jobs import Job, common, offer
-from .messages import NUMBERS, Command, Recovery
+from .messages import ALL_FIELDS, NUMBERS, Command, Recovery
 from .ports import Port, PortError
 from .postcard import Value
 
@@ -128,8 +128,10 @@ class Stream:
                     self.recover(self._recover_s, pause)
                 self.home(pause)
                 self.approach(pause)
+                self._look()
+                self._command(Command.Job(self._job.label(self._moves, exchange.numbers)))
             self._look()
-            self._command(Command.Telemetry(every=self._telemetry))
+            self._command(Command.Telemetry(every=self._telemetry, fields=ALL_FIELDS))
             while not self._look():
                 if self._feed is not None and self._command(Command.FeedOverride(percent=self._feed)):
                     self._feed = None

@@ -1,8 +1,9 @@
 //! Ends of a job before its end.
 
 use crate::describe::{self, Units};
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    Acting, Fault, NotEnabled, Refusal, Start, State, Transmit, Violation,
+    Acting, Fault, JobLabel, NotEnabled, Refusal, Start, State, Transmit, Violation,
 };
 
 /// Reason why a job was not played to its end. Moves are counted from 0 here and from 1 in texts.
@@ -28,6 +29,17 @@ pub enum JobFailure<N: Transmit> {
     Fault(Fault<N>),
     /// The drives were not switched on.
     NotEnabled(NotEnabled<N>),
+    /// The machine does not stand at the start of the job, and the straight way there is not admitted, however slow.
+    NoWay {
+        /// Pose at which the machine stands.
+        from: Pose<N>,
+        /// Start of the job.
+        to: Pose<N>,
+        /// Duration of the way that was tried last, ticks.
+        ticks: u32,
+        /// Limit that it would break.
+        violation: Violation<N>,
+    },
     /// The user stopped the job.
     Stopped {
         /// Moves played to their end.
@@ -42,11 +54,13 @@ pub enum JobFailure<N: Transmit> {
     },
     /// The machine started anew, for this cause, and has lost the job.
     Restarted(Start),
+    /// The machine was given another job meanwhile.
+    OtherJob(JobLabel),
 }
 
 impl<N: Transmit> JobFailure<N> {
     /// Describes the failure in words and SI units. `ticks` is the duration of the move that failed, `item` the word for a part of the job.
-    pub(crate) fn describe(&self, item: &str, ticks: u32, units: &Units) -> String {
+    pub fn describe(&self, item: &str, ticks: u32, units: &Units) -> String {
         match self {
             Self::Occupied(State::Idle) => "the machine has moves of another job".into(),
             Self::Occupied(state) => format!(
@@ -66,6 +80,28 @@ impl<N: Transmit> JobFailure<N> {
                 describe::violation(violation, ticks, units)
             ),
             Self::Fault(fault) => describe::fault(fault, units),
+            Self::NoWay {
+                from,
+                to,
+                ticks,
+                violation,
+            } => {
+                let pose = |pose: &Pose<N>| {
+                    let [x, y] = [pose.position.x, pose.position.y]
+                        .map(|value| value.to_f64() * units.length_m);
+                    format!(
+                        "({x:.6} m, {y:.6} m, {:.6} rad)",
+                        N::angle_to_f64(pose.angle)
+                    )
+                };
+                format!(
+                    "the machine stands at {}; the straight way to {} is not admitted: {}; a recovery (--recover) moves the \
+                     motors there one by one",
+                    pose(from),
+                    pose(to),
+                    describe::violation(violation, *ticks, units)
+                )
+            }
             Self::NotEnabled(why) => format!("not enabled: {}", describe::not_enabled(why)),
             Self::Stopped { done } => format!("stopped, {done} {item}s done"),
             Self::Dropped { done, acting } => format!(
@@ -75,6 +111,10 @@ impl<N: Transmit> JobFailure<N> {
             Self::Restarted(start) => format!(
                 "the machine started anew during the job: {}",
                 describe::board::start(start)
+            ),
+            Self::OtherJob(label) => format!(
+                "the machine was given another job meanwhile: {}",
+                describe::board::name(&label.name)
             ),
         }
     }
@@ -87,6 +127,7 @@ impl<N: Transmit> JobFailure<N> {
                 | Self::Stopped { .. }
                 | Self::Dropped { .. }
                 | Self::Restarted(_)
+                | Self::OtherJob(_)
                 | Self::Occupied(State::Disabled | State::Unhomed | State::Cleared | State::Idle)
         )
     }

@@ -3,7 +3,7 @@
 use crate::describe::Units;
 use crate::runner::PlayedTick;
 use trirrr_core::status::Status;
-use trirrr_protocol::message::{State, Telemetry, Transmit};
+use trirrr_protocol::message::{State, Telemetry, TelemetryFields, Transmit};
 use trirrr_scene::pipeline::Pipeline;
 use trirrr_scene::record::Record;
 
@@ -69,7 +69,7 @@ impl<'a, N: Transmit> Samples<'a, N> {
     }
 
     /// Returns the record of a sample that came over a line, its time counted from the start of the
-    /// job. Samples come `every` ticks.
+    /// job. Samples come `every` ticks, with the fields of the setpoint and the tool. What they lack of the motors is computed.
     ///
     /// # Errors
     /// [`Status`] of a setpoint without a motion on this machine.
@@ -77,15 +77,26 @@ impl<'a, N: Transmit> Samples<'a, N> {
         let t = self.time(sample, every);
         let computed = self.pipeline.evaluate(t, &sample.setpoint)?;
         let mut record = computed;
+        let has = |field| sample.fields.contain(field);
         let rate = 1.0 / self.units.time_s;
         let torque =
             self.units.mass_kg * (self.units.length_m * rate) * (self.units.length_m * rate);
         for (i, leg) in record.legs.iter_mut().enumerate() {
-            leg.th1 = N::angle_to_f64(sample.angles[i]);
-            leg.dth1 = sample.rates[i].to_f64() * rate;
-            leg.ddth1 = sample.accelerations[i].to_f64() * (rate * rate);
-            leg.torque = sample.torques[i].to_f64() * torque;
-            leg.power = (sample.torques[i] * sample.rates[i]).to_f64() * (torque * rate);
+            if has(TelemetryFields::ANGLES) {
+                leg.th1 = N::angle_to_f64(sample.angles[i]);
+            }
+            if has(TelemetryFields::RATES) {
+                leg.dth1 = sample.rates[i].to_f64() * rate;
+            }
+            if has(TelemetryFields::ACCELERATIONS) {
+                leg.ddth1 = sample.accelerations[i].to_f64() * (rate * rate);
+            }
+            if has(TelemetryFields::TORQUES) {
+                leg.torque = sample.torques[i].to_f64() * torque;
+            }
+            if has(TelemetryFields::RATES | TelemetryFields::TORQUES) {
+                leg.power = (sample.torques[i] * sample.rates[i]).to_f64() * (torque * rate);
+            }
         }
         self.differing += u64::from(record != computed);
         record.tool = sample.tool.to_f64();

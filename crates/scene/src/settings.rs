@@ -1,13 +1,14 @@
 //! Settings that a scene gives to the core's service.
 
+use crate::drive::Drive;
 use crate::job_path::{TOLERANCE_M, TOLERANCE_RAD};
 use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
 use trirrr_plan::window::WindowSettings;
-use trirrr_protocol::message::{Board, Message, Request, Transmit};
+use trirrr_protocol::message::{Board, Message, Reference, Request, Transmit};
 use trirrr_protocol::wire::schema;
-use trirrr_service::{Planning, SceneIdentity, Settings, name};
+use trirrr_service::{Contact, Planning, SceneIdentity, Settings, name};
 
 /// Shortest time of a move that a machine plans itself, s. The motion is smoothed over twice as much: a shorter one leaves
 /// curves less, a longer one has less noise of rounding.
@@ -35,6 +36,18 @@ fn planning<N: Number>(scene: &Scene, units: &Units) -> Planning<N> {
     settings.planning()
 }
 
+/// The way in which the machine of a scene knows where its motors are.
+fn reference(scene: &Scene) -> Reference {
+    let is_on_bus = |drives: &[Drive; 3]| drives.iter().any(|drive| drive.can().is_some());
+    match &scene.homing {
+        Some(homing) if homing.contact == Contact::Unfelt => Reference::Blind,
+        Some(_) => Reference::Homed,
+        // An encoder on a motor counts from where it is switched on; a drive on the bus knows its joint.
+        None if scene.drives.as_ref().is_some_and(is_on_bus) => Reference::Measured,
+        None => Reference::Declared,
+    }
+}
+
 /// The settings of the scene's service in the number type `N`, in `units`: those of an image and those of
 /// a simulator, so that both say the same of themselves. A board puts its own in the place of
 /// [`Board::HOST`].
@@ -57,6 +70,7 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
             length_m: units.length_m(),
             time_s: units.time_s(),
             mass_kg: units.of(0, 0, 1),
+            reference: reference(scene),
         },
         board: Board::HOST,
     }

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let there = Pose::from_f64(0.28, 0.28, 0.209);
     for command in [
-        Command::Telemetry { every: 25 },
+        Command::telemetry(25),
         Command::Move(Move::rest_to_rest(0, start, there, 100)),
     ] {
         let reply = service.submit(&command);

@@ -19,7 +19,7 @@ use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
-use trirrr_protocol::message::{Acting, Interruption, State};
+use trirrr_protocol::message::{Acting, Interruption, State, TelemetryFields};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +54,7 @@ pub(super) enum Order {
     Recover,
     Telemetry {
         every: u16,
+        fields: TelemetryFields,
     },
     /// The pace that the host asks for, in percent of normal speed.
     FeedOverride {

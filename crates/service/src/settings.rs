@@ -6,7 +6,8 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request, Transmit, WINDOW,
+    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Reference, Request, Transmit,
+    WINDOW,
 };
 use trirrr_protocol::wire::schema;
 
@@ -140,6 +141,8 @@ pub struct SceneIdentity {
     pub time_s: f64,
     /// one unit of mass in kg.
     pub mass_kg: f64,
+    /// The way in which the machine knows where its motors are.
+    pub reference: Reference,
 }
 
 to_source!(pub [] SceneIdentity [] in trirrr_service {
@@ -150,6 +153,7 @@ to_source!(pub [] SceneIdentity [] in trirrr_service {
     length_m,
     time_s,
     mass_kg,
+    reference,
 });
 
 /// `name` as an identity has it: cut where it is longer, zeros behind it.
@@ -209,6 +213,7 @@ impl<N: Transmit> Settings<N> {
                 length_m: 1.0,
                 time_s: 1.0,
                 mass_kg: 1.0,
+                reference: Reference::Declared,
             },
             board: Board::HOST,
         }
@@ -233,6 +238,7 @@ impl<N: Number> Settings<N> {
             window: WINDOW as u8,
             batch,
             next_sequence,
+            reference: scene.reference,
             board: self.board,
         }
     }

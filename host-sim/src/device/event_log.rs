@@ -159,6 +159,7 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::ClearFault => "clear fault",
         Command::Recover(_) => "recover",
         Command::Telemetry { .. } => "telemetry",
+        Command::Job(_) => "the name of a job",
         Command::Home => "home",
         Command::FeedOverride { .. } => "feed override",
         Command::Retarget(_) => "retarget",

@@ -76,6 +76,28 @@ pub struct GotoArgs {
     pub alpha: Option<f64>,
 }
 
+/// `trirrr park`.
+///
+/// Moves a machine to the start of the scene's job, or to another pose: straight, slowly, with the tool off, by a move that the
+/// machine proves as any other. Needs no quintics.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+The scene must be the one that the board's image was built from. Ctrl-C stops the machine on its path.")]
+pub struct ParkArgs {
+    /// The machine.
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// x of the pose, m [default: that of the start of the job]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub x: Option<f64>,
+    /// y of the pose, m [default: that of the start of the job]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub y: Option<f64>,
+    /// Angle of the platform, rad [default: that of the start of the job]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
+    pub alpha: Option<f64>,
+}
+
 /// `trirrr follow`.
 ///
 /// Reads poses, a line each, and sends the machine to the newest of them: x and y in m, then alpha in rad if it changes, then

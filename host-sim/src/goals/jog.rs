@@ -141,7 +141,7 @@ impl Goals for Jog {
                 Ok(line) => match read(&line) {
                     Some(line) => self.obey(line, session, now),
                     None if line.trim().is_empty() => {}
-                    None => GoalSession::<N>::note(
+                    None => super::session::note(
                         "lines are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop and feed PERCENT",
                     ),
                 },

@@ -1,13 +1,14 @@
-//! `trirrr goto`, `jog` and `follow`: send a machine to goals, from rest or from any motion.
+//! `trirrr goto`, `park`, `jog` and `follow`: send a machine to goals, from rest or from any motion.
 
 mod args;
 mod follow;
 mod goto;
 mod jog;
 mod lines;
+mod park;
 mod session;
 
-pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs};
+pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs, ParkArgs};
 
 use crate::failure::{CliError, printed};
 use session::{GoalSession, Goals};
@@ -23,6 +24,17 @@ use trirrr_service::ServiceNumber;
 /// Refused: the scene, or the pose. Failed: the port, the board, or a fault.
 pub fn goto(args: &GotoArgs, stop: &AtomicBool) -> Result<bool, CliError> {
     command(&args.machine, &mut goto::OneGoal::new(args), true, stop)
+}
+
+/// Moves to the start of the scene's job, or to another pose, slowly. Returns as [`goto()`].
+///
+/// # Errors
+/// As [`goto()`].
+pub fn park(args: &ParkArgs, stop: &AtomicBool) -> Result<bool, CliError> {
+    let file = &args.machine.scene;
+    let scene = Scene::read(file).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scalar = args.machine.scalar.unwrap_or(scene.number);
+    in_number_type!(scalar, N => park::park::<N>(args, &scene, stop))
 }
 
 /// Moves by steps and at velocities. Returns as [`goto()`].

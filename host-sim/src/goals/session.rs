@@ -40,6 +40,12 @@ pub(super) trait Goals {
     ) -> Result<(), CliError>;
 }
 
+/// Says something on standard error.
+pub(super) fn note(text: &str) {
+    // Who does not listen does not stop the machine.
+    let _ = writeln!(std::io::stderr(), "trirrr: {text}");
+}
+
 /// Goals under way.
 pub(super) struct GoalSession<'a, N: Transmit> {
     client: GoalClient<N>,
@@ -131,12 +137,6 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
         self.client.finish();
     }
 
-    /// Says something.
-    pub(super) fn note(text: &str) {
-        // Who does not listen does not stop the machine.
-        let _ = writeln!(std::io::stderr(), "trirrr: {text}");
-    }
-
     /// Talks to the machine until it stands at the last goal. Returns the pose, SI; none where the user has stopped it.
     ///
     /// # Errors
@@ -152,7 +152,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
         loop {
             if self.stop.load(Ordering::Relaxed) && !stop_asked {
                 stop_asked = true;
-                Self::note("Ctrl-C: the machine stops on its path");
+                note("Ctrl-C: the machine stops on its path");
                 self.command(UserCommand::Stop);
                 self.finish();
             }
@@ -166,7 +166,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
                 if strict {
                     return Err(CliError::Refused(text));
                 }
-                Self::note(&text);
+                note(&text);
             }
             match self.client.poll(start.elapsed()) {
                 GoalAction::Send(request) => {
@@ -200,7 +200,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     }
 
     fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        Self::note(&format!("{why}; opening the port anew"));
+        note(&format!("{why}; opening the port anew"));
         self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
         self.client.reconnected();
         Ok(())
@@ -216,7 +216,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
             if let Message::Event(Event::State { state, acting, .. }) = message
                 && self.state.replace((*state, *acting)) != Some((*state, *acting))
             {
-                Self::note(&describe::state(*state, *acting));
+                note(&describe::state(*state, *acting));
             }
             self.client.receive(message, start.elapsed());
         }

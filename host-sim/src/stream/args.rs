@@ -4,6 +4,7 @@ use crate::arguments::{DEFAULT_SCENE, factor, number_type};
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_client::transport::Address;
+use trirrr_protocol::message::TelemetryFields;
 use trirrr_scene::NumberType;
 
 /// `trirrr stream`.
@@ -39,6 +40,11 @@ pub struct StreamArgs {
     /// slow for them]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..))]
     pub telemetry: Option<u16>,
+    /// Fields that a sample has besides setpoint and tool: `all`, `none`, or some of angles, rates, accelerations, torques and
+    /// duration, with commas between them. Whatever is left out is computed from the setpoint; a slow port carries more samples
+    /// without them
+    #[arg(long, value_name = "FIELDS", default_value = "all", value_parser = fields)]
+    pub fields: TelemetryFields,
     /// Seconds without an answer, or without the port, after which the stream gives up
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor)]
     pub patience: f64,
@@ -63,4 +69,35 @@ pub struct StreamArgs {
     /// Take `hold`, `resume`, `stop` and `feed PERCENT` from standard input, a line each
     #[arg(long)]
     pub keys: bool,
+}
+
+/// Reads the fields of `--fields`.
+fn fields(text: &str) -> Result<TelemetryFields, String> {
+    let rows = TelemetryFields::SETPOINT | TelemetryFields::TOOL;
+    match text {
+        "all" => return Ok(TelemetryFields::ALL),
+        "none" => return Ok(rows),
+        _ => {}
+    }
+    text.split(',').try_fold(rows, |fields, name| {
+        let named = TelemetryFields::NAMES.iter().find(|(each, _)| *each == name);
+        named.map(|(_, field)| fields | *field).ok_or_else(|| {
+            format!("{name:?} is no field: take all, none, or some of angles, rates, accelerations, torques and duration")
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_read_by_name() {
+        let rows = TelemetryFields::SETPOINT | TelemetryFields::TOOL;
+        assert_eq!(fields("all").unwrap(), TelemetryFields::ALL);
+        assert_eq!(fields("none").unwrap(), rows);
+        let some = rows | TelemetryFields::RATES | TelemetryFields::TORQUES;
+        assert_eq!(fields("rates,torques").unwrap(), some);
+        assert!(fields("rates,torque").unwrap_err().contains("\"torque\""));
+    }
 }

@@ -8,8 +8,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use trirrr_client::{Attachment, JobClient, JobPlace};
-use trirrr_protocol::message::Transmit;
+use trirrr_client::{JobClient, JobPlace};
+use trirrr_protocol::message::{JobLabel, Transmit};
 
 /// Name of the file.
 const FILE: &str = "job.json";
@@ -22,16 +22,14 @@ const EVERY: Duration = Duration::from_millis(100);
 pub(super) struct JobKey {
     pub(super) scene: String,
     pub(super) number: String,
-    pub(super) items: u32,
-    /// Checksum over all of it.
-    pub(super) check: u32,
+    pub(super) label: JobLabel,
 }
 
 /// Account of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct JournalEntry {
-    /// What the machine knows of it.
-    pub(super) attachment: Attachment,
+    /// Items that the machine had taken.
+    pub(super) taken: u32,
     /// Place from which it was played.
     pub(super) from: JobPlace,
     /// Place that the machine has reached.
@@ -76,8 +74,8 @@ impl Journal {
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
         let is_of_job = value["scene"] == key.scene.as_str()
             && value["number"] == key.number.as_str()
-            && value["items"] == key.items
-            && value["check"] == key.check;
+            && value["items"] == key.label.items
+            && value["check"] == key.label.check;
         if !is_of_job {
             return Err(refused(
                 "it is of another job: resume with the scene and the number type of the stream that was lost, or leave --resume out",
@@ -91,13 +89,8 @@ impl Journal {
             })
         };
         let entry = || {
-            let machine = &value["machine"];
             Some(JournalEntry {
-                attachment: Attachment {
-                    first: number(&machine["first"])?,
-                    taken: number(&machine["taken"])?,
-                    tick: number(&machine["tick"])?,
-                },
+                taken: number(&value["taken"])?,
                 from: place(&value["from"])?,
                 reached: place(&value["reached"])?,
             })
@@ -127,18 +120,17 @@ impl Journal {
         let is_due = self
             .written
             .is_none_or(|written| written.elapsed() >= EVERY);
-        let Some(Attachment { first, taken, tick }) = client.attachment().filter(|_| now || is_due)
-        else {
+        if client.status().is_none() || !(now || is_due) {
             return Ok(());
-        };
+        }
         self.written = Some(Instant::now());
         let place = |place: JobPlace| json!({ "index": place.index, "at": place.at });
         let value = json!({
             "scene": self.key.scene,
             "number": self.key.number,
-            "items": self.key.items,
-            "check": self.key.check,
-            "machine": { "first": first, "taken": taken, "tick": tick },
+            "items": self.key.label.items,
+            "check": self.key.label.check,
+            "taken": client.offered(),
             "from": place(self.from),
             "reached": place(self.reached),
         });

@@ -27,12 +27,10 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{
-    Attachment, JobClient, JobFailure, JobPlace, JobRest, JobWork, Patience, UserCommand,
-};
-use trirrr_protocol::message::{DriveSample, Telemetry};
+use trirrr_client::{JobClient, JobFailure, JobPlace, JobRest, JobWork, Patience, UserCommand};
+use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
+use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
-use trirrr_protocol::wire::{self, frame_length};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -84,41 +82,32 @@ fn stream<N: ServiceNumber>(
     if args.path {
         let start = offer::pose::<N>(&units.pose(&scene.job.start));
         let pieces = offer::pieces(scene, &units).map_err(&refused)?;
-        let items = pieces.len() as u32;
-        let key = stream.key(
-            items,
-            pieces
-                .iter()
-                .fold(0, |sum, each| checked(sum, wire::checksum(each))),
-        );
-        let attachment = match args.resume {
-            true => Some(Journal::read(&folder, &key)?.attachment),
+        let work = JobWork::Path { start, pieces };
+        let key = stream.key(&work);
+        let taken = match args.resume {
+            true => Some(Journal::read(&folder, &key)?.taken),
             false => None,
         };
-        let work = JobWork::Path { start, pieces };
         let journal = Journal::new(&folder, key, from);
-        return stream.play(work, attachment, journal, &|_| from).end;
+        return stream.play(work, taken, journal, &|_| from).end;
     }
     let moves = offer::moves::<N>(scene, &units);
-    let check = moves
-        .iter()
-        .fold(0, |sum, each| checked(sum, wire::checksum(&each.step())));
-    let key = stream.key(moves.len() as u32, check);
+    let key = stream.key(&JobWork::from(moves.clone()));
     let rest = |from| {
         let period = units.time(scene.period_s());
         JobRest::new(&moves, from, N::factor_from_f64(period))
     };
-    let play = |from: JobPlace, attachment| {
+    let play = |from: JobPlace, taken| {
         let rest: JobRest<N> = rest(from);
         let journal = Journal::new(&folder, key.clone(), from);
         let work = JobWork::from(rest.moves().to_vec());
-        stream.play(work, attachment, journal, &|place| rest.place(place))
+        stream.play(work, taken, journal, &|place| rest.place(place))
     };
     if !args.resume {
         return play(from, None).end;
     }
     let entry = Journal::read(&folder, &key)?;
-    let played = play(entry.from, Some(entry.attachment));
+    let played = play(entry.from, Some(entry.taken));
     if !played.is_lost {
         return played.end;
     }
@@ -134,12 +123,6 @@ fn stream<N: ServiceNumber>(
         format!("the machine has lost the job: back to move {count}, tick {at}, with the tool off");
     Display::new(0, false).note(&text);
     play(from, None).end
-}
-
-/// Adds a part of a job to the checksum of the parts before it.
-fn checked(sum: u32, part: Option<u32>) -> u32 {
-    // Every part has a length that is known beforehand.
-    wire::checksum(&(sum, part)).unwrap_or_default()
 }
 
 /// Stream of one scene to one port.
@@ -162,21 +145,20 @@ struct StreamPlayed {
 }
 
 impl Stream<'_> {
-    fn key(&self, items: u32, check: u32) -> JobKey {
+    fn key<N: Transmit>(&self, work: &JobWork<N>) -> JobKey {
         JobKey {
             scene: self.scene.name.clone(),
             number: self.scalar.to_string(),
-            items,
-            check,
+            label: work.label(&self.scene.name),
         }
     }
 
-    /// Plays `work`, or goes on with it as the client of `attachment` has left it. `place` tells the place on the whole job of one
+    /// Plays `work`, or goes on with it where another client has left it, with `taken` items on the machine. `place` tells the place on the whole job of one
     /// on this work.
     fn play<N: ServiceNumber>(
         &self,
         work: JobWork<N>,
-        attachment: Option<Attachment>,
+        taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
     ) -> StreamPlayed {
@@ -185,7 +167,7 @@ impl Stream<'_> {
             is_lost: false,
             reached: journal.reached(),
         };
-        let end = self.try_play(work, attachment, journal, place, &mut played);
+        let end = self.try_play(work, taken, journal, place, &mut played);
         played.end = end;
         played
     }
@@ -193,7 +175,7 @@ impl Stream<'_> {
     fn try_play<N: ServiceNumber>(
         &self,
         work: JobWork<N>,
-        attachment: Option<Attachment>,
+        taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
         played: &mut StreamPlayed,
@@ -220,7 +202,18 @@ impl Stream<'_> {
         let before: Vec<u64> = before.collect();
         let ticks: u64 = durations.iter().sum();
         let display = Display::new(ticks, scene.torque);
-        let every = telemetry_every::<N>(args, scene, &display);
+        let fields = match scene.feedback {
+            // Readings of the drives are compared with what they were told.
+            Some(_) => {
+                args.fields
+                    | TelemetryFields::ANGLES
+                    | TelemetryFields::RATES
+                    | TelemetryFields::ACCELERATIONS
+                    | TelemetryFields::TORQUES
+            }
+            None => args.fields,
+        };
+        let every = telemetry_every::<N>(args, fields, scene, &display);
         let patience_s = Duration::from_secs_f64(args.patience);
         let port = Port::open(&args.port, args.baud, patience_s)
             .map_err(|error| CliError::Failed(error.to_string()))?;
@@ -233,8 +226,9 @@ impl Stream<'_> {
         let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
         let hello = local::hello::<N>(scene);
         let client = JobClient::new(work, hello, every, patience(patience_s), conversation());
-        let client = match attachment {
-            Some(attachment) => client.attached(attachment),
+        let client = client.named(&scene.name).with_fields(fields);
+        let client = match taken {
+            Some(taken) => client.attached(taken),
             None => self.to_start(client),
         };
         let mut session = Session {
@@ -279,7 +273,7 @@ impl Stream<'_> {
         }
         played.reached = journal.reached();
         let failure = client.failure();
-        played.is_lost = attachment.is_some() && failure.is_some_and(JobFailure::loses_job);
+        played.is_lost = taken.is_some() && failure.is_some_and(JobFailure::loses_job);
         match is_complete {
             true => journal.end(),
             // What was lost before is not to be forgotten.
@@ -356,13 +350,18 @@ fn next_folder(folder: &Path) -> PathBuf {
 
 /// Returns the ticks from one telemetry sample to the next: those of the user, those of the scene, or
 /// more where a serial port does not carry as many samples.
-fn telemetry_every<N: ServiceNumber>(args: &StreamArgs, scene: &Scene, display: &Display) -> u16 {
+fn telemetry_every<N: ServiceNumber>(
+    args: &StreamArgs,
+    fields: TelemetryFields,
+    scene: &Scene,
+    display: &Display,
+) -> u16 {
     // The scene's reader holds it to the same range.
     let wanted = u16::try_from(scene.service.telemetry_ticks).unwrap_or(u16::MAX);
     let least = match &args.port {
         Address::Tcp(_) => 1,
         Address::Serial(_) => least_every(
-            frame_length(longest::<Telemetry<N>>() + 1)
+            frame_length(Telemetry::<N>::longest(fields) + 1)
                 + match scene.feedback {
                     Some(_) => frame_length(longest::<DriveSample<N>>() + 1),
                     None => 0,

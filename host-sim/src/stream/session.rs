@@ -133,7 +133,9 @@ impl<N: Transmit> Session<'_, N> {
     }
 
     fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), CliError> {
-        let Some(index) = self.client.index(sample.number) else {
+        // On the way to its start the machine has nothing of the job.
+        let index = self.client.index(sample.number);
+        let Some(index) = index.filter(|_| self.client.offered() > 0) else {
             return Ok(());
         };
         let at = sample.at;

@@ -76,7 +76,7 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     let board = match summary.board {
         Some(identity) => format!(
             "{}, {} ticks per second",
-            name(identity),
+            describe::board::name(&identity.name),
             identity.tick_rate_hz
         ),
         None => "did not answer".into(),
@@ -85,6 +85,9 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     if let Some(identity) = summary.board {
         let board = &identity.board;
         if let Some(text) = describe::board::clock(board.clock) {
+            line("warning", text)?;
+        }
+        if let Some(text) = describe::board::reference(identity.reference) {
             line("warning", text)?;
         }
         if board.start.is_failure() {
@@ -147,11 +150,4 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         line(label, &file.display().to_string())?;
     }
     out.flush()
-}
-
-/// The name of a board's scene.
-fn name(identity: &Identity) -> String {
-    let length = identity.name.iter().position(|byte| *byte == 0);
-    let name = &identity.name[..length.unwrap_or(identity.name.len())];
-    String::from_utf8_lossy(name).into_owned()
 }

@@ -1,6 +1,6 @@
 //! What a user asks for while the job runs.
 
-use crate::common::{Device, Streaming, run, scene, stream, text, ticks};
+use crate::common::{Device, Streaming, run, scene, stream, text, ticks, trirrr};
 use std::io::Write;
 
 fn say(streaming: &mut Streaming, word: &str) {
@@ -63,9 +63,9 @@ fn a_stop_ends_the_job_on_its_path() {
     assert_eq!(streaming.process.code(), Some(0));
 }
 
-/// A machine that was stopped stands where no job starts.
+/// A machine that was stopped, or has played the job, stands where no job starts.
 #[test]
-fn a_machine_that_was_stopped_is_brought_back_to_the_start() {
+fn the_next_job_goes_to_its_start_by_itself() {
     let folder = scene("thesis", &[]);
     let mut device = Device::start(&folder, &[]);
     let mut streaming = Streaming::start(&folder, &device.address, &["--keys"]);
@@ -75,12 +75,32 @@ fn a_machine_that_was_stopped_is_brought_back_to_the_start() {
     device.lines.wait_for("idle");
     assert_eq!(streaming.process.code(), Some(0));
 
-    let output = stream(&folder, &device.address, &[]);
-    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stdout));
-    let output = stream(&folder, &device.address, &["--recover", "1"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    for more in [&[] as &[&str], &[], &["--recover", "1"]] {
+        let output = stream(&folder, &device.address, more);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert_eq!(ticks(&folder.path().join("out")), run(&folder));
+    }
     device.lines.wait_for("recovering");
-    assert_eq!(ticks(&folder.path().join("out")), run(&folder));
+
+    // Parked at the start, there is no way to go.
+    let mut park = trirrr();
+    park.arg("park")
+        .arg(folder.path().join("scene.toml"))
+        .args(["--port", &device.address]);
+    let output = park.output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(
+        text(&output.stdout),
+        "parked at x 0.210000 m, y 0.220000 m, alpha 0.157080 rad\n"
+    );
+    let output = park.args(["--x", "0.9"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let why = text(&output.stderr);
+    assert!(
+        why.contains("stands at (0.210000 m, 0.220000 m, 0.157080 rad)"),
+        "{why}"
+    );
+    assert!(why.contains("way to (0.900000 m"), "{why}");
 }
 
 #[cfg(unix)]

@@ -499,7 +499,7 @@ mod tests {
             assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
         };
         ask(&mut device, Command::Hello(hello()));
-        ask(&mut device, Command::Telemetry { every: 1 });
+        ask(&mut device, Command::telemetry(1));
         for (number, each) in (0..).zip(&job) {
             ask(&mut device, each.numbered(number).command());
         }

@@ -7,7 +7,6 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_client::Attachment;
 use trirrr_protocol::message::{Acting, Message, State, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -72,11 +71,7 @@ pub(crate) fn run<N: ServiceNumber>(expected: &Expected<N>, mut port: Port) -> R
 
     // Another client goes on with the job, at the very place.
     let mut conversation = Conversation::undisturbed(port);
-    conversation.attach(Attachment {
-        first: 0,
-        taken: 0,
-        tick: 0,
-    });
+    conversation.attach();
     conversation.play(expected, moves, |sample, moment| {
         see(&mut checker, sample)?;
         Ok(match moment.over && sample.state == State::Idle {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, Attachment, JobClient, JobFailure, Patience, UserCommand};
+use trirrr_client::{Action, JobClient, JobFailure, Patience, UserCommand};
 use trirrr_protocol::message::{AnyMove, Message, Reply, Telemetry};
 use trirrr_service::ServiceNumber;
 
@@ -90,7 +90,7 @@ pub(crate) struct Conversation {
     random: Option<Random>,
     held: bool,
     /// Job that the next client goes on with.
-    attached: Option<Attachment>,
+    attached: Option<u32>,
     number: u32,
     pub(crate) tally: Tally,
 }
@@ -126,9 +126,9 @@ impl Conversation {
         }
     }
 
-    /// Lets the next client go on with a job.
-    pub(crate) fn attach(&mut self, job: Attachment) {
-        self.attached = Some(job);
+    /// Lets the next client go on with the job that the machine has.
+    pub(crate) fn attach(&mut self) {
+        self.attached = Some(0);
     }
 
     /// The line itself, when the conversation is over.
@@ -169,8 +169,8 @@ impl Conversation {
         };
         self.number = self.number.wrapping_add(1000);
         let mut client = JobClient::new(moves, expected.hello, 1, patience, self.number);
-        if let Some(attachment) = self.attached.take() {
-            client = client.attached(attachment);
+        if let Some(taken) = self.attached.take() {
+            client = client.attached(taken);
         }
         let start = Instant::now();
         let mut over: Option<(Instant, End<N>)> = None;

@@ -125,7 +125,7 @@ impl<N: ServiceNumber> Host<'_, N> {
         self.ask(Command::Hello(hello));
         self.sequence = 0;
         ensure!(
-            self.ask(Command::Telemetry { every: 1 }) == Reply::Done,
+            self.ask(Command::telemetry(1)) == Reply::Done,
             "the host's own machine refuses telemetry"
         );
         let off = self.tick()?;

@@ -152,7 +152,7 @@ impl ErrandSession<'_> {
         let built = Limits::build(&limits()).expect("limits");
         let mut device = Device::enabled(&mut channels, limits(), 0);
         // From the first tick on each has a sample.
-        device.service.submit(&Command::Telemetry { every: 1 });
+        device.service.submit(&Command::telemetry(1));
         let session = ErrandSession {
             device,
             // Slow boards plan too late, and again.

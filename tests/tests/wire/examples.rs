@@ -8,9 +8,10 @@ use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity, LeastDuration,
-    Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start,
-    State, Telemetry, Transmit, Verdict, Violation,
+    Acting, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity, JobLabel,
+    LeastDuration, Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove, Reference,
+    Refusal, Reply, Request, Start, State, Telemetry, TelemetryFields, Transmit, Verdict,
+    Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -154,6 +155,7 @@ fn identity() -> Message<f32> {
             window: 8,
             batch: 4,
             next_sequence: 300,
+            reference: Reference::Homed,
             board: Board {
                 timer_hz: 168_000_000,
                 clock: Clock::Crystal,
@@ -161,6 +163,17 @@ fn identity() -> Message<f32> {
             },
         }),
     }
+}
+
+fn job() -> Request<f32> {
+    let mut name = [0; NAME_CAPACITY];
+    name[..6].copy_from_slice(b"thesis");
+    let label = JobLabel {
+        name,
+        items: 25,
+        check: 0x89AB_CDEF,
+    };
+    plain(302, Command::Job(label))
 }
 
 fn telemetry() -> Message<f32> {
@@ -171,6 +184,8 @@ fn telemetry() -> Message<f32> {
         number: 2,
         at: 150,
         part: 0,
+        lost: 0,
+        fields: TelemetryFields::ALL,
         setpoint: Setpoint {
             pose: Pose::from_f64(0.25, 0.5, 0.125),
             velocity: Vector3::new(0.1, -0.2, 0.3),
@@ -182,7 +197,6 @@ fn telemetry() -> Message<f32> {
         torques: [0.0125, -0.03, 0.5],
         tool: 0.75,
         duration: 499,
-        lost: 0,
     })
 }
 
@@ -230,7 +244,7 @@ fn the_example_frames_are_the_messages() {
         section(
             "telemetry-rate",
             "A sample every tenth tick.",
-            &plain::<f32>(302, Command::Telemetry { every: 10 }),
+            &plain::<f32>(302, Command::telemetry(10)),
         ),
         section(
             "done",
@@ -278,7 +292,12 @@ fn the_example_frames_are_the_messages() {
                 }),
             })),
         ),
-        section("telemetry", "A sample of tick 100,000.", &telemetry()),
+        section(
+            "telemetry",
+            "A sample of tick 100,000, with all fields.",
+            &telemetry(),
+        ),
+        section("job", "The next 25 moves are the job `thesis`.", &job()),
     ];
     let expected = sections.concat();
     document::compare(

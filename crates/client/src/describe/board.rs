@@ -1,6 +1,6 @@
 //! Words for what a board reports of itself.
 
-use trirrr_protocol::message::{Clock, Registers, Start};
+use trirrr_protocol::message::{Clock, Reference, Registers, Start};
 
 /// Describes a clock that is not as it should be.
 pub fn clock(clock: Clock) -> Option<&'static str> {
@@ -16,6 +16,16 @@ pub fn clock(clock: Clock) -> Option<&'static str> {
     }
 }
 
+/// Describes what nobody has measured of where the motors are.
+pub fn reference(reference: Reference) -> Option<&'static str> {
+    match reference {
+        Reference::Blind => Some(
+            "homed without a signal: nothing has told that the motors reached their stops; compare a pose with the machine",
+        ),
+        Reference::Declared | Reference::Homed | Reference::Measured => None,
+    }
+}
+
 /// Describes the cause of the last start of the board.
 pub fn start(start: &Start) -> String {
     match start {
@@ -23,13 +33,17 @@ pub fn start(start: &Start) -> String {
         Start::Reset => "it was reset, or its supply sagged".into(),
         Start::Watchdog => "its watchdog: ticks did not come in time".into(),
         Start::Panic { file, line } => {
-            let length = file.iter().position(|byte| *byte == 0);
-            let file = &file[..length.unwrap_or(file.len())];
-            format!("a panic in {}, line {line}", String::from_utf8_lossy(file))
+            format!("a panic in {}, line {line}", name(file))
         }
         Start::HardFault(registers) => format!("a hard fault{}", at(registers)),
         Start::StackOverflow(registers) => format!("its stack ran over{}", at(registers)),
     }
+}
+
+/// Reads a name as messages have it: zeros behind it.
+pub fn name(bytes: &[u8]) -> String {
+    let length = bytes.iter().position(|byte| *byte == 0);
+    String::from_utf8_lossy(&bytes[..length.unwrap_or(bytes.len())]).into_owned()
 }
 
 fn at(registers: &Registers) -> String {

@@ -17,7 +17,8 @@ use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{
-    Command, Event, Hello, Identity, Message, Reply, Request, Status, Telemetry, Transmit,
+    Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, Status, Telemetry,
+    TelemetryFields, Transmit,
 };
 
 /// Next act of the owner of the port.
@@ -66,8 +67,12 @@ impl<N: Transmit> From<UserCommand> for Command<N> {
 pub struct JobClient<N: Transmit> {
     exchange: Exchange<N>,
     hello: Hello,
-    /// Ticks from one telemetry sample to the next.
+    /// Name of the job.
+    label: JobLabel,
+    /// Ticks from one telemetry sample to the next,
     telemetry: u16,
+    /// and what is in it.
+    fields: TelemetryFields,
     /// The same of the drives, where they tell something.
     drives: Option<u16>,
     progress: JobProgress<N>,
@@ -75,7 +80,7 @@ pub struct JobClient<N: Transmit> {
     status: Option<Status<N>>,
     /// Dry ticks of the machine at the first status.
     dry_before: u32,
-    approach: Approach,
+    approach: Approach<N>,
     user: User,
     schedule: Schedule,
     phase: Phase<N>,
@@ -83,7 +88,7 @@ pub struct JobClient<N: Transmit> {
 
 /// Means to bring the machine to the start of the job.
 #[derive(Clone, Debug)]
-struct Approach {
+struct Approach<N: Transmit> {
     /// A machine that is not homed may be homed.
     homing: bool,
     /// Duration of the way to the start of the job, s. `None` without such a way, and once the
@@ -97,19 +102,10 @@ struct Approach {
     is_enabling: bool,
     /// The client has seen where the machine stands.
     is_near: bool,
-    /// The machine has begun the job for another client.
-    attachment: Option<Attachment>,
-}
-
-/// Account of a job that another client has begun.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Attachment {
-    /// Number by which the machine calls the first move of the job, or its first piece of a path.
-    pub first: u32,
-    /// Moves that the machine had taken, or pieces, as far as the other client knew,
-    pub taken: u32,
-    /// in this tick of the machine. One that counts fewer now has started anew.
-    pub tick: u32,
+    /// The straight way to the start of the job, which the machine has taken.
+    way: Option<Move<N>>,
+    /// The machine has begun the job for another client: items that it had taken, as far as that one knew.
+    attachment: Option<u32>,
 }
 
 /// Commands of the user.
@@ -133,12 +129,15 @@ impl<N: Transmit> JobClient<N> {
         patience: Patience,
         conversation: u32,
     ) -> Self {
+        let work = work.into();
         Self {
             exchange: Exchange::new(patience, conversation),
             hello,
+            label: work.label(""),
             telemetry,
+            fields: TelemetryFields::ALL,
             drives: None,
-            progress: JobProgress::new(work.into()),
+            progress: JobProgress::new(work),
             identity: None,
             status: None,
             dry_before: 0,
@@ -149,6 +148,7 @@ impl<N: Transmit> JobClient<N> {
                 enabled: false,
                 is_enabling: false,
                 is_near: false,
+                way: None,
                 attachment: None,
             },
             user: User::default(),
@@ -172,22 +172,27 @@ impl<N: Transmit> JobClient<N> {
         self
     }
 
-    /// Goes on with a job that another client has begun. A machine that waits for its host is resumed, and goes on at the very
-    /// place. One that has lost the job ends it: [`JobFailure::Restarted`], [`JobFailure::Dropped`].
+    /// Gives the job a name, for whoever asks the machine what it plays: ASCII, cut where it is longer than 32 bytes.
     #[must_use]
-    pub fn attached(mut self, attachment: Attachment) -> Self {
-        self.approach.attachment = Some(attachment);
-        self.progress.count_from(attachment.first);
+    pub fn named(mut self, name: &str) -> Self {
+        self.label.name = trirrr_service::name(name);
         self
     }
 
-    /// Returns what another client has to know to go on with the job; none before the first status.
-    pub fn attachment(&self) -> Option<Attachment> {
-        Some(Attachment {
-            first: self.progress.first()?,
-            taken: self.progress.has_taken(),
-            tick: self.status.as_ref()?.tick,
-        })
+    /// Asks for samples with `fields` only. Others are 0 in them.
+    #[must_use]
+    pub fn with_fields(mut self, fields: TelemetryFields) -> Self {
+        self.fields = fields;
+        self
+    }
+
+    /// Goes on with a job that another client has begun: the job of the same name, with the same items, of which the machine had
+    /// taken `taken` or more. A machine that waits for its host is resumed, and goes on at the very
+    /// place. One that has lost the job ends it: [`JobFailure::Restarted`], [`JobFailure::OtherJob`], [`JobFailure::Dropped`].
+    #[must_use]
+    pub fn attached(mut self, taken: u32) -> Self {
+        self.approach.attachment = Some(taken);
+        self
     }
 
     /// Returns the failure by which the job has ended.

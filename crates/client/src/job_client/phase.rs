@@ -3,7 +3,7 @@
 use super::JobClient;
 use crate::JobFailure;
 use std::time::Duration;
-use trirrr_protocol::message::{Command, Recovery, Request, State, Status, Transmit};
+use trirrr_protocol::message::{Command, Move, Recovery, Request, State, Status, Transmit};
 
 /// Phase of a conversation.
 ///
@@ -11,8 +11,9 @@ use trirrr_protocol::message::{Command, Recovery, Request, State, Status, Transm
 /// Greeting ─> Meeting ──> Acknowledging ─> Surveying
 ///    │           ├──────> Enabling ───┬──> Awaiting ──┐
 ///    │           ├──────> Homing ─────┤               │
-///    │           ├──────> Recovering ─┘               │
-///    │           └──────> Preparing, Sampling ─> Streaming <────┘ by Preparing
+///    │           ├──────> Recovering ─┤               │
+///    │           ├──────> Approaching ─> Underway, SettingOff ─> Surveying
+///    │           └──────> Preparing, Sampling, Naming ─> Streaming <────┘ by Preparing
 ///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
 /// ```
 /// Every phase may end in Ending or Finished. A lost line leads back to Greeting.
@@ -33,12 +34,20 @@ pub(super) enum Phase<N: Transmit> {
     Homing,
     /// The client moves the machine to the start of the job.
     Recovering(Recovery<N>),
+    /// The client offers the straight way to the start of the job,
+    Approaching(Move<N>),
+    /// watches until the machine has proven it, and is there,
+    Underway,
+    /// and sends it off.
+    SettingOff,
     /// The machine is on its way to the start of the job.
     Awaiting,
     /// The client sets the rate of the telemetry,
     Preparing,
     /// and that of the samples of the drives.
     Sampling,
+    /// The client names the job.
+    Naming,
     /// The client offers moves, starts them and watches.
     Streaming,
     /// The client stops the machine; then the job has ended with the failure.
@@ -62,15 +71,20 @@ impl<N: Transmit> JobClient<N> {
             Phase::Greeting => return Next::Ask(Command::Hello(self.hello)),
             Phase::Meeting | Phase::Surveying => return Next::Ask(Command::Status),
             Phase::Awaiting => return self.watch(now),
+            Phase::Underway => return self.watch_way(now),
             Phase::Streaming => return self.feed(now),
             Phase::Finished(_) => return Next::Listen(self.schedule.look()),
             Phase::Acknowledging => Command::ClearFault,
             Phase::Enabling => Command::Enable,
             Phase::Homing => Command::Home,
             Phase::Recovering(recovery) => Command::Recover(*recovery),
+            Phase::Approaching(way) => Command::Move(*way),
+            Phase::SettingOff => Command::Start,
             Phase::Preparing => Command::Telemetry {
                 every: self.telemetry,
+                fields: self.fields,
             },
+            Phase::Naming => Command::Job(self.label),
             Phase::Sampling => Command::Drives {
                 every: self.drives.unwrap_or(0),
             },
@@ -81,6 +95,15 @@ impl<N: Transmit> JobClient<N> {
             pause if now < pause => Next::Listen(pause),
             _ => Next::Ask(order),
         }
+    }
+
+    /// Watches the way to the start. A machine that waits for its host there is resumed.
+    fn watch_way(&mut self, now: Duration) -> Next<N> {
+        let is_free = self.exchange.open().next().is_none();
+        if is_free && self.status.as_ref().is_some_and(Status::waits_for_host) {
+            return Next::Ask(Command::Resume);
+        }
+        self.watch(now)
     }
 
     /// Passes on what the user commands, and asks for the status in time.

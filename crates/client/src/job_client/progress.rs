@@ -2,8 +2,10 @@
 
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    AnyMove, BATCH, Command, Move, MoveBatch, OfferedMoves, PathPiece, Status, Transmit,
+    AnyMove, BATCH, Command, JobAccount, JobLabel, Move, MoveBatch, OfferedMoves, PathPiece,
+    Status, Transmit,
 };
+use trirrr_protocol::wire::checksum;
 
 /// Work of a job.
 #[derive(Clone, Debug)]
@@ -17,6 +19,35 @@ pub enum JobWork<N: Transmit> {
         /// Pieces, the last one marked.
         pieces: Vec<PathPiece<N>>,
     },
+}
+
+impl<N: Transmit> JobWork<N> {
+    /// Returns the number of items: moves, or pieces.
+    pub fn items(&self) -> u32 {
+        // A machine counts them in 32 bits.
+        match self {
+            Self::Moves(moves) => moves.len() as u32,
+            Self::Path { pieces, .. } => pieces.len() as u32,
+        }
+    }
+
+    /// Returns the label of the job under `name`. Its checksum is over all items.
+    pub fn label(&self, name: &str) -> JobLabel {
+        // Every part has a length that is known beforehand.
+        let add = |sum: u32, part: Option<u32>| checksum(&(sum, part)).unwrap_or_default();
+        let check = match self {
+            Self::Moves(moves) => {
+                let parts = moves.iter().map(|each| checksum(&each.step()));
+                parts.fold(0, add)
+            }
+            Self::Path { pieces, .. } => pieces.iter().map(checksum).fold(0, add),
+        };
+        JobLabel {
+            name: trirrr_service::name(name),
+            items: self.items(),
+            check,
+        }
+    }
 }
 
 impl<N: Transmit> From<Vec<AnyMove<N>>> for JobWork<N> {
@@ -65,11 +96,7 @@ impl<N: Transmit> JobProgress<N> {
 
     /// Returns the number of items of the job.
     pub(super) fn items(&self) -> u32 {
-        // A machine counts them in 32 bits.
-        match &self.work {
-            JobWork::Moves(moves) => moves.len() as u32,
-            JobWork::Path { pieces, .. } => pieces.len() as u32,
-        }
+        self.work.items()
     }
 
     /// Returns true if the machine plans the moves.
@@ -171,20 +198,12 @@ impl<N: Transmit> JobProgress<N> {
         };
     }
 
-    /// Counts the items from the number `first` of the machine. The moves of a path are counted from the next status on.
-    pub(super) fn count_from(&mut self, first: u32) {
+    /// Counts the items as the machine does since the job was named.
+    pub(super) fn count_from(&mut self, job: &JobAccount) {
         self.base = Some(Base {
-            r#move: first,
-            piece: first,
+            r#move: job.first_move,
+            piece: job.first_piece,
         });
-    }
-
-    /// Returns the number of the first item.
-    pub(super) fn first(&self) -> Option<u32> {
-        self.base.map(|base| match self.is_path() {
-            true => base.piece,
-            false => base.r#move,
-        })
     }
 
     /// Lets the next status say what the items are counted from.

@@ -36,6 +36,15 @@ impl<N: Transmit> JobClient<N> {
                 self.approach.acknowledged = true;
                 self.phase = Phase::Surveying;
             }
+            Command::Move(way) if matches!(self.phase, Phase::Approaching(_)) => {
+                self.approach.way = Some(*way);
+                self.phase = Phase::Underway;
+                self.schedule.look_at(now);
+            }
+            Command::Start if self.phase == Phase::SettingOff => {
+                self.phase = Phase::Underway;
+                self.schedule.look_at(now);
+            }
             Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Path(_) => {
                 self.progress.count_taken(command);
                 if let Some(status) = &mut self.status {
@@ -55,6 +64,7 @@ impl<N: Transmit> JobClient<N> {
                 }
                 self.schedule.look_at(now);
             }
+            Command::Job(_) => self.phase = Phase::Streaming,
             Command::Start => {
                 if let Some(status) = &mut self.status {
                     status.state = State::Running;
@@ -73,7 +83,11 @@ impl<N: Transmit> JobClient<N> {
 
     /// The machine is set up: it goes to the start of the job, or begins.
     fn begin(&mut self) {
-        self.phase = self.beside().map_or(Phase::Streaming, Phase::Recovering);
+        self.phase = match self.beside() {
+            Some(recovery) => Phase::Recovering(recovery),
+            None if self.progress.has_taken() == 0 => Phase::Naming,
+            None => Phase::Streaming,
+        };
     }
 
     /// The machine has refused `command`.
@@ -96,6 +110,12 @@ impl<N: Transmit> JobClient<N> {
             (_, Refusal::Busy)
             | (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
                 self.schedule.wait(now)
+            }
+            // Another client has moved it meanwhile.
+            (Command::Move(_), Refusal::MoveNumber { .. } | Refusal::StartPose)
+                if matches!(self.phase, Phase::Approaching(_)) =>
+            {
+                self.phase = Phase::Surveying;
             }
             (_, Refusal::QueueFull) => {
                 self.progress.is_full();

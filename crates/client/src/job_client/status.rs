@@ -1,12 +1,12 @@
 //! Effect of a status in each phase.
 
+use super::JobClient;
 use super::phase::Phase;
-use super::{Attachment, JobClient};
 use crate::JobFailure;
-use crate::approach::short_way;
+use crate::approach::{short_way, straight_way};
 use crate::describe::Units;
 use std::time::Duration;
-use trirrr_protocol::message::{Acting, Recovery, Request, State, Status, Transmit};
+use trirrr_protocol::message::{Acting, Move, Recovery, Request, State, Status, Transmit};
 
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
@@ -26,6 +26,7 @@ impl<N: Transmit> JobClient<N> {
             (Phase::Meeting, _) | (_, None) => Some(self.on_meeting(&status)),
             (Phase::Surveying, Some(before)) => Some(self.on_survey(&before, &status)),
             (Phase::Awaiting, Some(before)) => self.on_the_way(&before, &status),
+            (Phase::Underway, _) => self.on_way(&status),
             (_, Some(before)) => self.on_path(&before, &status),
         };
         if let Some(next) = next {
@@ -35,15 +36,18 @@ impl<N: Transmit> JobClient<N> {
 
     /// First status of the machine: it has to be idle and empty, or to be brought to that.
     fn on_meeting(&mut self, status: &Status<N>) -> Phase<N> {
-        if let Some(Attachment { taken, tick, .. }) = self.approach.attachment
+        if let Some(taken) = self.approach.attachment
             && let Some(identity) = &self.identity
         {
-            let found = self.progress.taken(status);
-            let is_new = status.tick.wrapping_sub(tick) > u32::MAX / 2;
-            if is_new || found > self.progress.items() {
-                return failed(JobFailure::Restarted(identity.board.start));
+            match &status.job {
+                None => return failed(JobFailure::Restarted(identity.board.start)),
+                Some(job) if job.label != self.label => {
+                    return failed(JobFailure::OtherJob(job.label));
+                }
+                Some(job) => self.progress.count_from(job),
             }
             // Fewer, and the machine has dropped some.
+            let found = self.progress.taken(status);
             self.progress.resume_behind(found.max(taken));
             return self.on_survey(status, status);
         }
@@ -76,6 +80,9 @@ impl<N: Transmit> JobClient<N> {
 
     /// Status of a machine that is known already.
     fn on_survey(&mut self, before: &Status<N>, status: &Status<N>) -> Phase<N> {
+        if self.approach.way.is_some() {
+            return self.on_way(status).unwrap_or(Phase::Underway);
+        }
         if let Some(complaint) = self.complaint(status) {
             return complaint;
         }
@@ -148,9 +155,65 @@ impl<N: Transmit> JobClient<N> {
     /// Phase of a machine that stands where the job may start, or plays it already.
     fn at_start(&mut self, status: &Status<N>) -> Phase<N> {
         self.progress.resume_behind(self.progress.taken(status));
+        if let Some(way) = self.way(status) {
+            return Phase::Approaching(way);
+        }
         match self.is_played(status) {
             true => Phase::Finished(Ok(())),
             false => Phase::Preparing,
+        }
+    }
+
+    /// Way to the start of the job, for a machine that stands elsewhere and has nothing of a job.
+    fn way(&self, status: &Status<N>) -> Option<Move<N>> {
+        let is_free = status.state == State::Idle && status.next == status.done;
+        if !is_free || self.progress.has_taken() != 0 || self.approach.attachment.is_some() {
+            return None;
+        }
+        let (stands, start) = (status.end?.pose, self.progress.start()?);
+        let units = Units::of(self.identity.as_ref()?);
+        let is_near = stands == start || short_way(&stands, &start, &units).is_some();
+        (!is_near).then(|| straight_way(status.next, &stands, &start, &units))
+    }
+
+    /// Status of a machine that judges the straight way to the start of the job, or is on it.
+    fn on_way(&mut self, status: &Status<N>) -> Option<Phase<N>> {
+        let way = self.approach.way?;
+        if let Some(fault) = status.fault {
+            return Some(failed(JobFailure::Fault(fault)));
+        }
+        let verdict = status
+            .refused
+            .filter(|verdict| verdict.number == way.number);
+        if let Some(violation) = verdict.and_then(|verdict| verdict.violation) {
+            self.approach.way = None;
+            let enough = violation.shortest.map(|shortest| shortest.enough);
+            return Some(match enough.filter(|enough| *enough > way.ticks) {
+                Some(ticks) => Phase::Approaching(Move { ticks, ..way }),
+                None => failed(JobFailure::NoWay {
+                    from: way.from,
+                    to: way.to,
+                    ticks: way.ticks,
+                    violation,
+                }),
+            });
+        }
+        match status.state {
+            State::Idle if status.next == status.done => {
+                let stands = status.end?.pose;
+                self.approach.way = None;
+                if stands != way.to && self.user.has_stopped {
+                    return Some(failed(self.stopped(0, status.acting)));
+                }
+                // The way is no part of the job.
+                self.progress.restart_count();
+                Some(Phase::Surveying)
+            }
+            State::Idle if status.admitted == status.next => Some(Phase::SettingOff),
+            State::Disabled | State::Unhomed | State::Cleared => {
+                Some(failed(self.stopped(0, status.acting)))
+            }
+            _ => None,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::report::NAME_CAPACITY;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
+use trirrr_core::to_source;
 
 /// The hardware that carries the service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -14,6 +15,21 @@ pub struct Board {
     /// Reason of its last start.
     pub start: Start,
 }
+
+/// The way in which a machine knows where its motors are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Reference {
+    /// Nothing has told it: it counts from the start of the scene's job, where its user has to place it before the drives go on.
+    Declared,
+    /// Its homing turns the motors for as long as the way to their stops can take. Nothing has told that they have reached them.
+    Blind,
+    /// Its homing finds switches or stops by a signal.
+    Homed,
+    /// Its drives tell where their joints are.
+    Measured,
+}
+
+to_source!(pub Reference in trirrr_protocol::message: Declared, Blind, Homed, Measured);
 
 /// Source of a board's clock. The source tells how true the rate of ticks is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]

@@ -16,29 +16,34 @@
 mod board;
 mod command;
 mod drive;
+mod moves;
 mod part;
+mod path;
 mod refusal;
 mod report;
 pub mod scene;
 mod state;
+mod telemetry;
 #[cfg(test)]
 mod tests;
 mod violation;
 
-pub use board::{Board, Clock, Registers, Start};
+pub use board::{Board, Clock, Reference, Registers, Start};
 pub use command::{
-    AllMoves, AnyMove, BATCH, Command, Goal, Hello, Move, MoveBatch, MoveContents, MoveStep,
-    OfferedMoves, PathCurve, PathPiece, QuinticContent, QuinticMove, Recovery, Request,
-    ToolSetting,
+    AllMoves, Command, Goal, Hello, JobLabel, MoveContents, OfferedMoves, QuinticContent, Recovery,
+    Request,
 };
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
+pub use moves::{AnyMove, BATCH, Move, MoveBatch, MoveStep, QuinticMove, ToolSetting};
 pub use part::{Content, Unread, Written};
+pub use path::{PathCurve, PathPiece};
 pub use refusal::Refusal;
 pub use report::{
-    Cut, Event, Identity, Interruption, Message, MessageRef, NAME_CAPACITY, Reply, Status,
-    Telemetry, Verdict,
+    Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,
+    Status, Verdict,
 };
 pub use state::{Acting, State};
+pub use telemetry::{Telemetry, TelemetryFields};
 pub use violation::{Bounded, DriveFault, Fault, FaultCode, LeastDuration, Violation};
 
 use postcard_schema::Schema;
@@ -59,7 +64,7 @@ impl<N> Transmit for N where
 
 /// Version of the protocol: what commands mean, in which order they are to be given. A change of a
 /// message's layout changes the schema key instead.
-pub const PROTOCOL: u16 = 3;
+pub const PROTOCOL: u16 = 4;
 
 /// Requests that a machine takes before the host has the answer to the first of them.
 pub const WINDOW: usize = 8;

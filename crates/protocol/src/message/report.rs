@@ -1,11 +1,13 @@
 //! Messages that a machine sends.
 
 use super::Transmit;
-use super::board::Board;
+use super::board::{Board, Reference};
+use super::command::JobLabel;
 use super::drive::{DriveSample, NotEnabled};
 use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
+use super::telemetry::Telemetry;
 use super::violation::{Fault, Violation};
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
@@ -116,8 +118,11 @@ pub struct Identity {
     pub window: u8,
     /// Most moves of a [`MoveBatch`](super::MoveBatch).
     pub batch: u8,
-    /// Sequence number of the next request.
+    /// Sequence number of the next request. The machine draws it anew for each conversation: who has not read it cannot ask for
+    /// anything.
     pub next_sequence: u32,
+    /// The way in which the machine knows where its motors are.
+    pub reference: Reference,
     /// Board that carries the machine.
     pub board: Board,
 }
@@ -173,6 +178,8 @@ pub struct Status<N: Number> {
     pub cut: Option<Cut>,
     /// Place at which the last move that was not played to its end was left, since the machine was switched on.
     pub interrupted: Option<Interruption>,
+    /// The job that was named last since the machine was switched on.
+    pub job: Option<JobAccount>,
     /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
     pub not_enabled: Option<NotEnabled<N>>,
 }
@@ -183,6 +190,17 @@ impl<N: Number> Status<N> {
     pub fn waits_for_host(&self) -> bool {
         matches!(self.state, State::Slowing | State::Holding) && self.acting == Acting::Silence
     }
+}
+
+/// A job, and the numbers by which the machine calls its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct JobAccount {
+    /// The job as its host has named it.
+    pub label: JobLabel,
+    /// Number of its first move: [`done`](Status::done), less this, is its place.
+    pub first_move: u32,
+    /// Number of its first piece, where it is a path.
+    pub first_piece: u32,
 }
 
 /// Cut of the motion by a retarget.
@@ -235,40 +253,4 @@ pub enum Event<N: Number> {
     },
     /// A fault was latched.
     Fault(Fault<N>),
-}
-
-/// One tick: the setpoint and what it asked of the motors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(bound = "N: Transmit")]
-#[postcard(bound = "N: Transmit")]
-pub struct Telemetry<N: Number> {
-    /// Ticks since the machine was switched on, modulo 2^32.
-    pub tick: u32,
-    /// State of the machine.
-    pub state: State,
-    /// Cause that keeps the machine from normal speed, if any.
-    pub acting: Acting,
-    /// Number of the move under way, or of the last one.
-    pub number: u32,
-    /// Whole ticks of the move's own time that have passed,
-    pub at: u32,
-    /// and the rest in parts of 256 `ramp_ticks` to the tick; always 0 at normal speed.
-    pub part: u32,
-    /// Pose, velocity, acceleration, time scaling included.
-    pub setpoint: Setpoint<N>,
-    /// theta_i1, in (-pi, pi].
-    pub angles: [N::Angle; 3],
-    /// Their rates,
-    pub rates: [N; 3],
-    /// accelerations,
-    pub accelerations: [N; 3],
-    /// and the motors' torques on the proximal links; 0 from a scene that computes none.
-    pub torques: [N; 3],
-    /// Power of the tool, 0 to 1.
-    pub tool: N,
-    /// Duration of the tick before, in counts of the board's timer. It runs from when that tick was
-    /// due until its outputs stood.
-    pub duration: u32,
-    /// Samples dropped so far because nobody fetched them, modulo 2^32.
-    pub lost: u32,
 }

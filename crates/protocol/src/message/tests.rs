@@ -16,6 +16,8 @@ fn telemetry<N: Number>() -> Telemetry<N> {
         number: u32::MAX,
         at: u32::MAX,
         part: u32::MAX,
+        lost: u32::MAX,
+        fields: TelemetryFields::ALL,
         setpoint: Setpoint {
             pose: Pose::from_f64(0.25, -0.5, 1.0),
             velocity: Vector3::new(n(1.0), n(2.0), n(3.0)),
@@ -27,7 +29,6 @@ fn telemetry<N: Number>() -> Telemetry<N> {
         torques: [13.0, 14.0, 15.0].map(n),
         tool: n(0.5),
         duration: u32::MAX,
-        lost: u32::MAX,
     }
 }
 
@@ -48,6 +49,14 @@ impl<T: Serialize + DeserializeOwned + Schema + Debug + PartialEq> Transmitted f
 fn messages_survive_the_line() {
     survives(Message::<f32>::Telemetry(telemetry()));
     survives(Message::<f64>::Telemetry(telemetry()));
+    survives(Request::<f32> {
+        sequence: 8,
+        command: Command::Job(JobLabel {
+            name: [b'a'; NAME_CAPACITY],
+            items: u32::MAX,
+            check: u32::MAX,
+        }),
+    });
     survives(Request::<f32> {
         sequence: 7,
         command: Command::Move(Move {
@@ -166,4 +175,64 @@ fn telemetry_fits_the_line() {
     assert!(bits(longest) < 1_500_000, "{longest}");
     // It is not small because something is missing: 21 numbers at least.
     assert!(longest > 21 * 4);
+}
+
+/// A sample carries the fields that were asked for and no other, and is no longer than what is said of it.
+#[test]
+fn a_sample_has_the_fields_that_were_chosen() {
+    let all = telemetry::<f32>();
+    let none = Telemetry {
+        fields: TelemetryFields::NONE,
+        setpoint: Setpoint {
+            pose: Pose::from_f64(0.0, 0.0, 0.0),
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        },
+        angles: [0.0; 3],
+        rates: [0.0; 3],
+        accelerations: [0.0; 3],
+        torques: [0.0; 3],
+        tool: 0.0,
+        duration: 0,
+        ..all
+    };
+    let mut lengths = vec![];
+    for bits in 0..=TelemetryFields::ALL.0 {
+        let fields = TelemetryFields(bits);
+        let sent = Telemetry { fields, ..all };
+        let mut room = [0; 256];
+        let bytes = postcard::to_slice(&sent, &mut room).unwrap();
+        assert!(bytes.len() <= Telemetry::<f32>::longest(fields));
+        lengths.push(bytes.len());
+        let mut expected = Telemetry { fields, ..none };
+        let has = |field| fields.contain(field);
+        if has(TelemetryFields::SETPOINT) {
+            expected.setpoint = all.setpoint;
+        }
+        if has(TelemetryFields::ANGLES) {
+            expected.angles = all.angles;
+        }
+        if has(TelemetryFields::RATES) {
+            expected.rates = all.rates;
+        }
+        if has(TelemetryFields::ACCELERATIONS) {
+            expected.accelerations = all.accelerations;
+        }
+        if has(TelemetryFields::TORQUES) {
+            expected.torques = all.torques;
+        }
+        if has(TelemetryFields::TOOL) {
+            expected.tool = all.tool;
+        }
+        if has(TelemetryFields::DURATION) {
+            expected.duration = all.duration;
+        }
+        let (back, rest) = postcard::take_from_bytes::<Telemetry<f32>>(bytes).unwrap();
+        assert_eq!((back, rest.len()), (expected, 0), "{bits:#b}");
+    }
+    // Setpoint, four vectors, power: 4 bytes a number; a duration of 5 bytes.
+    assert_eq!(
+        lengths[usize::from(TelemetryFields::ALL.0)] - lengths[0],
+        4 * (9 + 12 + 1) + 5
+    );
 }

@@ -17,7 +17,10 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
-use trirrr_protocol::message::{Bounded, Content, FaultCode, Recovery, Refusal, State, Violation};
+use trirrr_protocol::message::{
+    Bounded, Content, FaultCode, JobAccount, JobLabel, Recovery, Refusal, State, TelemetryFields,
+    Violation,
+};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
@@ -100,8 +103,23 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Ok(())
     }
 
-    pub(super) fn set_telemetry(&mut self, every: u16) -> Result<(), Refusal<N>> {
-        self.order(Order::Telemetry { every }, self.status.state)
+    pub(super) fn set_telemetry(
+        &mut self,
+        every: u16,
+        fields: TelemetryFields,
+    ) -> Result<(), Refusal<N>> {
+        self.order(Order::Telemetry { every, fields }, self.status.state)
+    }
+
+    /// Keeps the name of the job whose moves come next.
+    pub(super) fn name_job(&mut self, label: &JobLabel) -> Result<(), Refusal<N>> {
+        self.require_idle()?;
+        self.status.job = Some(JobAccount {
+            label: *label,
+            first_move: self.status.next,
+            first_piece: self.status.piece,
+        });
+        Ok(())
     }
 
     pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {

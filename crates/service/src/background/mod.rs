@@ -185,6 +185,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 feed_percent: 100,
                 cut: None,
                 interrupted: None,
+                job: None,
                 not_enabled: None,
             },
             reported: (State::Disabled, Acting::Nothing, 0),

@@ -7,6 +7,7 @@ use super::window::RequestPlace;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
 use crate::planner::PathPlanner;
+use core::sync::atomic::Ordering;
 use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::{
     BATCH, Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply,
@@ -80,6 +81,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.reply(command, result)
     }
 
+    /// Makes the numbers of the conversations to come depend on `noise` too: whatever nobody can foretell.
+    pub fn stir(&mut self, noise: u32) {
+        self.window.stir(noise);
+    }
+
     #[cfg(test)]
     pub(crate) fn next_sequence_is(&mut self, sequence: u32) {
         self.window.next_is(sequence);
@@ -102,6 +108,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             });
         }
         self.greeted = true;
+        // On a board the ticks so far, on a host what its owner has stirred in: nobody can tell both from afar.
+        let tick = self.shared.tick.load(Ordering::Relaxed);
+        self.window.stir(tick);
         self.window.begin(sequence);
         let queue = u16::try_from(self.moves.capacity()).unwrap_or(u16::MAX);
         let batch = if S::Batch::IS_READ { BATCH } else { 1 };
@@ -156,7 +165,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Disable => self.disable(),
             Command::Drives { every } => self.sample_drives(*every),
             Command::Recover(recovery) => self.recover(recovery),
-            Command::Telemetry { every } => self.set_telemetry(*every),
+            Command::Telemetry { every, fields } => self.set_telemetry(*every, *fields),
+            Command::Job(label) => self.name_job(label),
             Command::Home => self.home(),
             Command::FeedOverride { percent } => self.override_feed(*percent),
             Command::Retarget(goal) => self.retarget(goal.content()),

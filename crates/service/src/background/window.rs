@@ -13,6 +13,8 @@ use trirrr_protocol::message::{Refusal, WINDOW};
 pub(crate) struct RequestWindow<S: Scene> {
     /// Number of the request to execute next.
     next: u32,
+    /// From which the numbers of the next conversation are drawn.
+    noise: u32,
     /// Number of the hello that began the conversation.
     hello: Option<u32>,
     /// The last of the requests before it, in their order.
@@ -49,11 +51,21 @@ pub(super) enum RequestPlace<N: Number> {
     Outside,
 }
 
+/// Mixes the bits of a number: each of them changes half of the others. It is the end of MurmurHash3, with a number added so that
+/// zeros do not stay zeros.
+fn mixed(noise: u32) -> u32 {
+    let mut bits = noise.wrapping_add(0x9e37_79b9);
+    bits = (bits ^ (bits >> 16)).wrapping_mul(0x85eb_ca6b);
+    bits = (bits ^ (bits >> 13)).wrapping_mul(0xc2b2_ae35);
+    bits ^ (bits >> 16)
+}
+
 impl<S: Scene> RequestWindow<S> {
     /// A window that waits for request 0.
     // Memory that starts as zeros takes no flash.
     pub(crate) const EMPTY: Self = Self {
         next: 0,
+        noise: 0,
         hello: None,
         executed: Deque::new(),
         kept: Vec::new(),
@@ -69,12 +81,19 @@ impl<S: Scene> RequestWindow<S> {
         self.next = sequence;
     }
 
-    /// Another conversation begins with the hello of this number: what is kept is dropped. What comes late from the
-    /// conversation before is out of the window. A hello that is repeated begins none.
+    /// Makes the numbers to be drawn depend on `noise`, too.
+    pub(super) fn stir(&mut self, noise: u32) {
+        self.noise = mixed(self.noise ^ noise);
+    }
+
+    /// Another conversation begins with the hello of this number: what is kept is dropped. Its first number is drawn among all.
+    /// So what comes late from the conversation before, and who asks without having heard the answer to a hello, is
+    /// out of the window. A hello that is repeated begins none.
     pub(super) fn begin(&mut self, hello: u32) {
         self.kept.clear();
-        if !self.executed.is_empty() && self.hello != Some(hello) {
-            self.next = self.next.wrapping_add(2 * WINDOW as u32);
+        if self.hello != Some(hello) {
+            self.stir(hello);
+            self.next = self.noise;
             self.executed.clear();
         }
         self.hello = Some(hello);

@@ -29,7 +29,9 @@ use supply::Supply;
 use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
-use trirrr_protocol::message::{Acting, Fault, FaultCode, Interruption, State, Telemetry};
+use trirrr_protocol::message::{
+    Acting, Fault, FaultCode, Interruption, State, Telemetry, TelemetryFields,
+};
 
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, S: Scene> {
@@ -86,6 +88,7 @@ pub struct Foreground<'q, S: Scene> {
     silent: u32,
     clock: u32,
     every: u16,
+    fields: TelemetryFields,
     countdown: u16,
     duration: u32,
 }
@@ -189,6 +192,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             silent: 0,
             clock: 0,
             every: settings.telemetry_every,
+            fields: TelemetryFields::ALL,
             countdown: 0,
             duration: 0,
         }

@@ -43,8 +43,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Order::Recover => return self.recover(),
             Order::Home => self.home(),
             Order::FeedOverride { percent } => self.feed.aim_at(percent),
-            Order::Telemetry { every } => {
-                self.every = every;
+            Order::Telemetry { every, fields } => {
+                (self.every, self.fields) = (every, fields);
                 self.countdown = 0;
             }
             Order::Adopt => {

@@ -52,6 +52,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             number: self.number_under_way(),
             at: self.position.tick,
             part: self.position.part,
+            lost: self.shared.lost.load(core::sync::atomic::Ordering::Relaxed),
+            fields: self.fields,
             setpoint: *setpoint,
             angles: motors.each_ref().map(|motor| motor.angle),
             rates: motors.each_ref().map(|motor| motor.rate),
@@ -59,7 +61,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             torques: motors.each_ref().map(|motor| motor.torque),
             tool: self.output.tool,
             duration: self.duration,
-            lost: self.shared.lost.load(core::sync::atomic::Ordering::Relaxed),
         };
         if !self.samples.send(sample) {
             count(&self.shared.lost);

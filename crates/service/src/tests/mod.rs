@@ -27,8 +27,8 @@ use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, Command, DriveSample, Event, Hello, Identity, Message, Move, PROTOCOL, Refusal, Reply,
-    Request, State, Status, Telemetry,
+    Board, Command, DriveSample, Event, Hello, Identity, Message, Move, PROTOCOL, Reference,
+    Refusal, Reply, Request, State, Status, Telemetry,
 };
 use trirrr_protocol::wire::{Decoder, encode};
 
@@ -102,6 +102,7 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
             length_m: units.length_m(),
             time_s: units.time_s(),
             mass_kg: units.of(0, 0, 1),
+            reference: Reference::Declared,
         },
         board: Board::HOST,
     }
@@ -153,6 +154,8 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
             events: Vec::new(),
         };
         bench.greet();
+        // Tests count from 0.
+        bench.service.background.next_sequence_is(0);
         bench
     }
 

@@ -351,13 +351,13 @@ fn telemetry_that_nobody_fetches_is_counted() {
     assert_eq!(bench.telemetry.len(), 63);
     assert_eq!(bench.status().lost, 101 - 63);
     bench.telemetry.clear();
-    bench.done(Command::Telemetry { every: 10 });
+    bench.done(Command::telemetry(10));
     bench.ticks(100);
     assert_eq!(bench.telemetry.len(), 10);
     let ticks: Vec<u32> = bench.telemetry.iter().map(|sample| sample.tick).collect();
     assert!(ticks.windows(2).all(|pair| pair[1] - pair[0] == 10));
     bench.telemetry.clear();
-    bench.done(Command::Telemetry { every: 0 });
+    bench.done(Command::telemetry(0));
     bench.ticks(100);
     assert!(bench.telemetry.is_empty());
 }

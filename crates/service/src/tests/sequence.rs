@@ -52,7 +52,7 @@ fn what_is_repeated_around_a_fault_is_not_executed_again() {
         ticks: 20,
     };
     let commands = [
-        Command::Telemetry { every: 3 },
+        Command::telemetry(3),
         Command::Replace(Section::Leg { index: 0, leg }),
         Command::ClearFault,
         Command::Enable,
@@ -121,7 +121,7 @@ const WINDOW_SEQUENCES: u32 = WINDOW as u32;
 fn numbers_outside_of_the_window_are_refused_with_the_expected_one() {
     let mut bench = Bench::<Thesis<f64>>::new();
     for _ in 0..20 {
-        bench.done(Command::Telemetry { every: 5 });
+        bench.done(Command::telemetry(5));
         bench.tick();
     }
     let far = [20 + WINDOW_SEQUENCES, 20 - WINDOW_SEQUENCES - 1];
@@ -134,7 +134,7 @@ fn numbers_outside_of_the_window_are_refused_with_the_expected_one() {
     // What is repeated must be the same.
     for behind in 1..=WINDOW_SEQUENCES {
         let sequence = 20 - behind;
-        let again = bench.ask_as(sequence, Command::Telemetry { every: 5 });
+        let again = bench.ask_as(sequence, Command::telemetry(5));
         assert_eq!(again, Reply::Done);
         assert_eq!(
             bench.ask_as(sequence, Command::Stop),
@@ -193,7 +193,7 @@ fn what_comes_early_is_kept_and_executed_in_its_turn() {
 #[test]
 fn a_hello_drops_what_was_kept() {
     let mut bench = Bench::<Thesis<f64>>::new();
-    let kept = bench.ask_as(1, Command::Telemetry { every: 7 });
+    let kept = bench.ask_as(1, Command::telemetry(7));
     assert_eq!(kept, Reply::Kept { missing: 0 });
     assert_eq!(bench.greet().next_sequence, 0);
     assert_eq!(bench.ask_as(0, Command::Stop), Reply::Done);
@@ -303,7 +303,8 @@ fn nothing_is_heard_before_a_hello_that_fits() {
         panic!("a hello that fits is answered");
     };
     assert_eq!((identity.scene, identity.queue), (SCENE, 7));
-    assert_eq!(identity.next_sequence, 0);
+    background.next_sequence_is(0);
+    let mut ask = |command| hear(&mut background, 0, command);
     let Reply::Status(status) = ask(Command::Status) else {
         panic!("and then a question too");
     };

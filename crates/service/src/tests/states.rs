@@ -436,7 +436,7 @@ fn a_machine_starts_with_its_drives_off() {
         Command::Resume,
         Command::ClearFault,
         Command::Disable,
-        Command::Telemetry { every: 1 },
+        Command::telemetry(1),
         Command::FeedOverride { percent: 50 },
         Command::Move(rest(0, home(), pose(0.28, 0.28, 0.2), 100)),
         Command::Recover(Recovery {

@@ -99,7 +99,7 @@ impl Session<'_> {
             }
             14 => {
                 let every = bytes.u16()?;
-                self.ask(Command::Telemetry { every });
+                self.ask(Command::telemetry(every));
                 while let Some(sample) = self.watched.device.sample() {
                     assert!(
                         sample.tool == 0.0 || sample.state.is_running(),

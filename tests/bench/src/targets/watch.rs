@@ -138,7 +138,7 @@ pub(super) fn leave(watched: &mut Watched, mut sequence: u32) {
         for passed in 0..RECOVERY + 10 {
             // A silent host ends a recovery too.
             if passed % 100 == 0 {
-                ask(watched, Command::Telemetry { every: 0 });
+                ask(watched, Command::telemetry(0));
             }
             watched.tick();
         }

@@ -34,7 +34,7 @@ fn before_it_is_homed_a_machine_plays_nothing() {
         assert_eq!(refusal, Refusal::State(State::Unhomed), "{command:?}");
     }
     machine.bench.done(Command::Stop);
-    machine.bench.done(Command::Telemetry { every: 2 });
+    machine.bench.done(Command::telemetry(2));
     for _ in 0..5 {
         let output = machine.tick();
         assert!(output.is_on());
