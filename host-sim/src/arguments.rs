@@ -1,10 +1,33 @@
 //! Arguments that several commands share.
 
+use crate::failure::CliError;
+use crate::terminal::say;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use trirrr_scene::NumberType;
+use std::path::Path;
+use trirrr_scene::{NumberType, Scene};
 
 /// Scene that is run when none is named.
 pub(crate) const DEFAULT_SCENE: &str = "scenes/thesis.toml";
+
+/// Reads a scene. Every line of a refusal names the file already.
+///
+/// # Errors
+/// Refused: the scene.
+pub(crate) fn scene(file: &Path) -> Result<Scene, CliError> {
+    Scene::read(file).map_err(|error| CliError::Refused(error.to_string()))
+}
+
+/// Reads a scene whose machine is to move, and warns of limits that it lacks.
+///
+/// # Errors
+/// As [`scene`].
+pub(crate) fn scene_to_move(file: &Path) -> Result<Scene, CliError> {
+    let scene = scene(file)?;
+    if let Some(warning) = scene.limits_warning() {
+        say(&format!("warning: {warning}"));
+    }
+    Ok(scene)
+}
 
 /// Parser of a number type by its name.
 pub(crate) fn number_type() -> impl TypedValueParser<Value = NumberType> {

@@ -1,6 +1,5 @@
 //! Failures of a command, and their exit codes.
 
-use std::io;
 use trirrr_client::local::Unbuildable;
 
 /// Reason why a command failed.
@@ -28,18 +27,5 @@ impl CliError {
             CliError::Refused(_) => 2,
             CliError::Failed(_) => 1,
         }
-    }
-}
-
-/// Judges a write to standard output. Who closes it early does not want what is printed; any other error counts.
-///
-/// # Errors
-/// Failed: standard output cannot be written.
-pub(crate) fn printed(result: io::Result<()>) -> Result<(), CliError> {
-    match result {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("standard output: {error}")))
-        }
-        _ => Ok(()),
     }
 }

@@ -5,6 +5,7 @@
 //! port. [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives. [`eval`] evaluates a
 //! table of cases.
 //! [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
+//! What any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
 
@@ -25,3 +26,4 @@ pub mod report;
 pub mod results;
 pub mod run;
 pub mod stream;
+pub mod terminal;

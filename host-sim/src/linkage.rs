@@ -1,9 +1,9 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
-use crate::failure::{CliError, printed};
+use crate::failure::CliError;
 use crate::results::ResultFolder;
+use crate::terminal::print;
 use clap::Args;
-use std::io;
 use std::path::{Path, PathBuf};
 use trirrr_linkage::assur::{Linkage, header, stopped, summary, track, write};
 
@@ -58,9 +58,6 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
     let mut text = header(&args.file.display().to_string(), &linkage);
     text.push_str(&summary(&linkage, &track, &files));
-    printed(io::Write::write_all(
-        &mut io::stdout().lock(),
-        text.as_bytes(),
-    ))?;
+    print(&text)?;
     why.map_or(Ok(()), |why| Err(CliError::Failed(why)))
 }

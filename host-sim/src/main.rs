@@ -3,7 +3,6 @@
 #![forbid(unsafe_code)]
 
 use clap::Parser;
-use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +10,7 @@ use trirrr_host_sim::cli::{Cli, Command};
 use trirrr_host_sim::failure::CliError;
 use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
+use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{device, eval, goals, linkage, machine, plan, report, run, stream};
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     };
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.
-        let _ = writeln!(std::io::stderr(), "trirrr: {failure}");
+        say(&failure.to_string());
         ExitCode::from(failure.exit_code())
     })
 }

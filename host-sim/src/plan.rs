@@ -1,13 +1,14 @@
 //! `trirrr plan`: the least time of a scene's path, with its proof, as text, tables and figures.
 
-use crate::failure::{CliError, printed};
+use crate::arguments::scene_to_move;
+use crate::failure::CliError;
 use crate::figures::PlanTraces;
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
+use crate::terminal::print;
 use clap::Args;
 use serde_json::json;
 use std::fmt::Write as _;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use trirrr_core::setpoint::Pose;
 use trirrr_plan::course::{Effort, PathPiece, Run};
@@ -47,7 +48,7 @@ fn gap(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Refused: the scene, or it has no path. Failed: a file cannot be written.
 pub fn command(args: &PlanArgs) -> Result<(), CliError> {
-    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scene = scene_to_move(&args.scene)?;
     let name = args.scene.display();
     let effort = Effort {
         gap: args.gap,
@@ -70,7 +71,7 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
         true => format!("{}\n", as_json(&scene, &job)),
         false => as_text(&scene, &job, &points, &files),
     };
-    printed(io::stdout().lock().write_all(text.as_bytes()))
+    print(&text)
 }
 
 /// Time, place and speed at the start of a cell of the plan, or at the end of a run.

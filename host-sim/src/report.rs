@@ -2,6 +2,7 @@
 
 use crate::failure::CliError;
 use crate::results::ResultFolder;
+use crate::terminal::print;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -48,7 +49,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
     let report = with_bar(|progress| write(sections, &args.out, progress))?;
     results.end(&report.files, Ok(()))?;
     for file in &report.files {
-        println!("{}", file.display());
+        print(&format!("{}\n", file.display()))?;
     }
     match &args.docs {
         Some(document) => Ok(refresh(document, &report)?),

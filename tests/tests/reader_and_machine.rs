@@ -49,6 +49,7 @@ fn cases() -> impl Strategy<Value = Case> {
 /// The thesis machine with the move of `case`, and a line of limits.
 fn scene(case: &Case, number: NumberType, limits: &str) -> String {
     let (machine, _) = THESIS.split_once("[job]").expect("a job");
+    let (machine, _) = machine.split_once("[limits]").expect("limits");
     let machine = machine.replacen("number = \"f64\"", &format!("number = \"{number}\""), 1);
     let [from, to] = case.poses.map(|[x, y, alpha]| {
         let alpha = alpha + f64::from(case.turns) * std::f64::consts::TAU;

@@ -1,12 +1,13 @@
 //! Reasons for which a scene is refused.
 
+use crate::visible;
 use std::fmt;
 use std::path::PathBuf;
 
 /// One thing that is wrong with a scene: where, what, and why.
 ///
 /// Displayed as `12: machine.leg[1].distal_m = -0.2: must be greater than 0 (m)`. Legs, moves and
-/// drives are counted from 1, in keys as in reasons.
+/// drives are counted from 1, in keys as in reasons. What the file says is [visible]: it commands no terminal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Line in the file, from 1. For a missing key, the line of the table it is missing from.
@@ -23,13 +24,13 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.line)?;
         if !self.key.is_empty() {
-            write!(f, "{}", self.key)?;
+            write!(f, "{}", visible(&self.key))?;
             if let Some(value) = &self.value {
-                write!(f, " = {value}")?;
+                write!(f, " = {}", visible(value))?;
             }
             write!(f, ": ")?;
         }
-        write!(f, "{}", self.reason)
+        write!(f, "{}", visible(&self.reason))
     }
 }
 
@@ -37,7 +38,7 @@ impl fmt::Display for Problem {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file cannot be read.
-    #[error("{}: cannot be read: {reason}", file.display())]
+    #[error("{}: cannot be read: {reason}", visible(&file.display().to_string()))]
     Unreadable {
         /// The file.
         file: PathBuf,
@@ -56,6 +57,7 @@ pub enum SceneError {
 
 /// One line per problem, each with the file's name in the form that editors can jump to.
 fn list(file: &str, problems: &[Problem]) -> String {
+    let file = visible(file);
     let lines: Vec<String> = problems.iter().map(|p| format!("{file}:{p}")).collect();
     lines.join("\n")
 }
@@ -81,6 +83,33 @@ mod tests {
             "a.toml:3: platform.mass_kg = -1: must not be negative (kg)\n\
              a.toml:7: platform.mass_kg: must not be negative (kg)"
         );
+    }
+
+    #[test]
+    fn a_file_commands_no_terminal() {
+        let hostile = || "\u{1b}[31m\u{9b}\n\u{7f}".to_owned();
+        let problem = Problem {
+            line: 3,
+            key: hostile(),
+            value: Some(hostile()),
+            reason: hostile(),
+        };
+        let error = SceneError::Refused {
+            file: hostile(),
+            problems: vec![problem],
+        };
+        let unreadable = SceneError::Unreadable {
+            file: hostile().into(),
+            reason: std::io::ErrorKind::NotFound.into(),
+        };
+        for (said, times) in [(error.to_string(), 4), (unreadable.to_string(), 1)] {
+            assert!(!said.contains(char::is_control), "{said:?}");
+            assert_eq!(
+                said.matches(r"\u{1b}[31m\u{9b}\u{a}\u{7f}").count(),
+                times,
+                "{said}"
+            );
+        }
     }
 
     #[test]

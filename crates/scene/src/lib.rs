@@ -42,6 +42,7 @@ mod scene;
 mod service;
 mod settings;
 mod tolerances;
+mod visible;
 pub mod words;
 
 pub use contact::{Contact, ContactFriction};
@@ -55,6 +56,7 @@ pub use feedback::Feedback;
 pub use homing::Homing;
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{Dwell, FreeAlpha, JobPath};
+pub use limits::MissingLimit;
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
 pub use planning::{PlannedJob, Unplanned, plan_job};
@@ -70,3 +72,4 @@ pub use tolerances::{BodyTolerances, Tolerances};
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
+pub use visible::{visible, visible_lines};

@@ -1,6 +1,9 @@
 //! What is accepted can be driven: the core gives every tick of it a value, and the machine stays
 //! on one side of its parallel singularity. What is refused is refused for a reason that is there.
 
+mod common;
+
+use common::{THESIS, unlimited};
 use proptest::prelude::*;
 use trirrr_core::machine::Geometry;
 use trirrr_core::model::Dynamic;
@@ -9,11 +12,10 @@ use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::tick::Tick;
 use trirrr_scene::{JobPlayer, Scene};
 
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
-
 /// The thesis machine with another job: two moves, with a velocity (vx, vy, valpha) between them.
 fn with_job([start, middle, end]: [[f64; 3]; 3], [vx, vy, valpha]: [f64; 3]) -> String {
-    let (machine, _) = THESIS
+    let scene = unlimited();
+    let (machine, _) = scene
         .split_once("[job]")
         .expect("the thesis scene has a job");
     let pose =
@@ -93,7 +95,7 @@ fn the_longest_stop_is_known() {
         let scene = Scene::parse(text, "x.toml").unwrap_or_else(|error| panic!("{error}"));
         scene.longest_stop().expect("an admitted job")
     };
-    let far = stop(THESIS);
+    let far = stop(&unlimited());
     // 0.1 s at 100 Hz are 10 ticks, and 5 ticks of a way whose fastest part is 1.5 times the mean of 0.0922 m/s.
     assert!((far.time_s - 0.1).abs() < 1e-12);
     let mean = (0.07f64).hypot(0.06);
@@ -103,8 +105,8 @@ fn the_longest_stop_is_known() {
     );
 
     let limited = |service: &str| {
-        let tables = format!("[limits]\ntorque_nm = 0.06\n[service]\n{service}\n[platform]");
-        THESIS.replacen("[platform]", &tables, 1)
+        let tables = format!("torque_nm = 0.06\n[service]\n{service}\n");
+        unlimited().replacen("[limits]\n", &format!("[limits]\n{tables}"), 1)
     };
     let near = stop(&limited("hold_ramp_s = 0.05"));
     assert!(near.time_s > 0.1, "{near}");

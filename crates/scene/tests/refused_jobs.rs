@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{THESIS, case, check, edit, problems};
+use common::{MOTORS, THESIS, case, check, edit, problems, unlimited};
 use trirrr_scene::Scene;
 
 #[test]
@@ -83,7 +83,7 @@ fn poses_that_cannot_be_taken() {
 fn moves_that_meet_a_singularity_between_their_poses() {
     let to = "alpha_rad = 0.20943951023931953";
     // Half a turn: both poses are good, det A changes its sign on the way.
-    let text = edit(THESIS, to, 1, "alpha_rad = 2.8");
+    let text = edit(&unlimited(), to, 1, "alpha_rad = 2.8");
     let found = problems(&text);
     let [only] = found.as_slice() else {
         panic!("{found:#?}")
@@ -101,9 +101,9 @@ fn moves_that_meet_a_singularity_between_their_poses() {
     );
 
     // With no least distance, the change of sign alone gives it away, in a move of few ticks too.
-    let free = "[limits]\nparallel_distance_min = 0\nserial_distance_min = 0\n[platform]";
+    let free = "[limits]\nparallel_distance_min = 0\nserial_distance_min = 0";
     let text = edit(
-        &edit(&text, "[platform]", 1, free),
+        &edit(&text, "[limits]", 1, free),
         "duration_s = 1.0",
         1,
         "duration_s = 0.03",
@@ -120,7 +120,7 @@ fn moves_that_meet_a_singularity_between_their_poses() {
     );
 
     // A turn in two moves: the second is the one that meets it.
-    let quarter = edit(THESIS, to, 1, "alpha_rad = 1.0")
+    let quarter = edit(&unlimited(), to, 1, "alpha_rad = 1.0")
         + "[[job.move]]\nto = { x_m = 0.28, y_m = 0.28, alpha_rad = 2.9 }\nduration_s = 1\n";
     let found = problems(&quarter);
     assert_eq!(
@@ -134,7 +134,7 @@ fn moves_that_meet_a_singularity_between_their_poses() {
 fn moves_that_leave_the_reach_between_their_poses() {
     // A velocity that throws the platform far out before it comes back.
     let text = edit(
-        THESIS,
+        &unlimited(),
         "duration_s = 1.0",
         1,
         "duration_s = 1.0\nend_velocity = { vy_m_s = 4 }",
@@ -172,12 +172,7 @@ fn the_longest_move_is_checked_in_moderate_time() {
 #[test]
 fn moves_beyond_a_motors_limit() {
     let limited = |limits: &str| {
-        let text = edit(
-            THESIS,
-            "[platform]",
-            1,
-            &format!("[limits]\n{limits}\n[platform]"),
-        );
+        let text = edit(THESIS, MOTORS, 1, limits);
         let found = problems(&text);
         let [only] = found.as_slice() else {
             panic!("{found:#?}")

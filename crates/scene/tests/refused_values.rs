@@ -102,7 +102,7 @@ fn unknown_keys_suggest_the_right_one() {
             "job.pause_s", Some("1"), "unknown key; keys here are start, move"),
         case(("[platform]", 1, "[limit]\nrate_rad_s = 1\n[platform]"),
             "limit", Some("[limit]"), "did you mean `limits`?"),
-        case(("[platform]", 1, "[limits]\nrate_rpm = 1\n[platform]"),
+        case(("[limits]", 1, "[limits]\nrate_rpm = 1"),
             "limits.rate_rpm", Some("1"), "did you mean `rate_rad_s`?"),
         case(("duration_s", 1, "end_velocity = { vx_mm_s = 1 }\nduration_s"),
             "job.move[1].end_velocity.vx_mm_s", Some("1"), "did you mean `vx_m_s`?"),
@@ -144,7 +144,7 @@ fn the_service_and_the_tool() {
             "service.hold_ramp_ms", Some("100"), "did you mean `hold_ramp_s`?"),
         case(("[platform]", 1, "[service]\nplans_paths = 1\n[platform]"),
             "service.plans_paths", Some("1"), "expected true or false, found a number"),
-        case(("[platform]", 1, "[service]\nplans_paths = true\n[limits]\njerk_rad_s3 = 1e5\n[platform]"),
+        case(("[limits]", 1, "[service]\nplans_paths = true\n[limits]\njerk_rad_s3 = 1e5"),
             "service.plans_paths", Some("true"), "knows no limit of jerk: leave [limits] jerk_rad_s3 out, or plan on the host"),
         case(("[platform]", 1, "[service]\ntelemetry_ticks = 0\n[platform]"),
             "service.telemetry_ticks", Some("0"), "must be from 1 to 65535"),
@@ -345,9 +345,10 @@ fn torques_that_are_left_out_and_asked_for() {
     ]);
     let plant = include_str!("../../../scenes/plant-thesis.toml");
     let found = problems(&edit(plant, "tick_rate_hz", 1, none));
-    assert_eq!(found.len(), 2, "{found:#?}");
-    assert!(found[0].reason.starts_with("a [[drive]] of kind \"bldc\""), "{found:#?}");
-    assert!(found[1].reason.starts_with("[controller] feed_forward"), "{found:#?}");
+    assert_eq!(found.len(), 3, "{found:#?}");
+    assert!(found[0].reason.starts_with("[limits] torque_nm"), "{found:#?}");
+    assert!(found[1].reason.starts_with("a [[drive]] of kind \"bldc\""), "{found:#?}");
+    assert!(found[2].reason.starts_with("[controller] feed_forward"), "{found:#?}");
 }
 
 /// A table of tolerances at the end of the thesis scene.

@@ -19,8 +19,12 @@ fn shipped(name: &str) -> Scene {
 }
 
 fn all() -> Vec<Scene> {
+    all_in(folder())
+}
+
+fn all_in(folder: PathBuf) -> Vec<Scene> {
     let mut scenes = Vec::new();
-    for entry in std::fs::read_dir(folder()).unwrap() {
+    for entry in std::fs::read_dir(folder).unwrap() {
         let file = entry.unwrap().path();
         if file
             .extension()
@@ -49,6 +53,18 @@ fn every_scene_is_accepted_and_named_after_its_file() {
             "{name} of {names:?}"
         );
         assert_eq!(shipped(name).name, name);
+    }
+}
+
+#[test]
+fn every_scene_limits_its_motors() {
+    let along_paths = all_in(folder().join("paths"));
+    assert!(!along_paths.is_empty());
+    for scene in all().into_iter().chain(along_paths) {
+        assert_eq!(scene.missing_limits(), [], "{}", scene.name);
+        // Where no torque is computed, the acceleration is what keeps it within bounds.
+        let acceleration = scene.limits.acceleration_rad_s2;
+        assert!(scene.torque || acceleration.is_some(), "{}", scene.name);
     }
 }
 

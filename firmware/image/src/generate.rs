@@ -13,7 +13,7 @@ pub use source::{source, units};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
-use trirrr_scene::{NumberType, Scene};
+use trirrr_scene::{NumberType, Scene, visible};
 
 /// Number types of images: name in scenes and tables, and Rust type.
 pub const SCALARS: &[(&str, &str)] = &[
@@ -43,7 +43,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, `cfg(homing)` for a scene with homing, and `cfg(contact)` for one
-/// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents.
+/// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
+/// a scene that lacks limits of its motors.
 ///
 /// # Errors
 /// A scene that is refused, with file, key, value and reason. A quantity outside the range of the number type.
@@ -66,14 +67,14 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
     let drives = drive(&scene, &units(&scene, scalar)?)
-        .map_err(|error| format!("{}: {error}", file.display()))?;
+        .map_err(|error| format!("{}: {error}", visible(&file.display().to_string())))?;
     fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
     print_kinds(&scene);
     print_contact(&scene, scalar);
     Ok(())
 }
 
-/// Reads the scene that `SCENE` names. Returns the path, too.
+/// Reads the scene that `SCENE` names, and warns of limits that it lacks. Returns the path, too.
 fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=SCENE");
     let file =
@@ -81,6 +82,9 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     let file = root.join(file);
     println!("cargo:rerun-if-changed={}", file.display());
     let scene = Scene::read(&file)?;
+    if let Some(warning) = scene.limits_warning() {
+        println!("cargo:warning={warning}");
+    }
     Ok((file, scene))
 }
 

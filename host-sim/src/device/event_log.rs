@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::net::SocketAddr;
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
+use trirrr_scene::visible;
 
 /// Event log of one device.
 pub(super) struct EventLog {
@@ -139,7 +140,7 @@ impl EventLog {
         let t = self.ticks as f64 / self.units.tick_rate_hz;
         // A closed standard output does not stop the device.
         let mut out = io::stdout().lock();
-        let _ = writeln!(out, "{t:>10.3} s  {text}").and_then(|()| out.flush());
+        let _ = writeln!(out, "{t:>10.3} s  {}", visible(text)).and_then(|()| out.flush());
     }
 }
 

@@ -9,12 +9,14 @@ mod server;
 
 pub use args::DeviceArgs;
 
+use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
+use crate::terminal::print;
 use event_log::EventLog;
 use motors::Motors;
 use server::Server;
-use std::io::{self, Write};
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::Units;
@@ -33,11 +35,11 @@ const LOOK: Duration = Duration::from_micros(500);
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scene = scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
     let listener = Listener::bind(&args.listen)
         .map_err(|error| CliError::Failed(format!("tcp:{}: {error}", args.listen)))?;
-    print(&format!(
+    print_line(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
         listener.address(),
         scene.name,
@@ -104,7 +106,7 @@ impl Device<'_> {
         let (log, deadlines) =
             played.map_err(|error| CliError::Failed(format!("the listener failed: {error}")))?;
         let [ticks, clients, requests] = log.totals();
-        print(&format!(
+        print_line(&format!(
             "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \
              {requests} requests",
             deadlines.late
@@ -136,8 +138,7 @@ fn run<N: ServiceNumber>(
     Ok((server.end(), pacer.finish()))
 }
 
-/// Prints a line. A closed standard output is no error.
-fn print(text: &str) {
-    let mut out = io::stdout().lock();
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+/// Prints a line. A standard output that is closed does not stop the device.
+fn print_line(text: &str) {
+    let _ = print(&format!("{text}\n"));
 }

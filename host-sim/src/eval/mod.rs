@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 use trirrr_batch::table::{Cases, TableError, TableFormat};
-use trirrr_scene::NumberType;
+use trirrr_scene::{NumberType, visible};
 
 /// `trirrr eval`: evaluates the table and says on standard error how many rows have numbers.
 ///
@@ -44,12 +44,8 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
         }
     }?;
     // Standard error may be closed; the results are out.
-    let _ = writeln!(
-        io::stderr(),
-        "{name}: {} of {} rows ok",
-        counts.ok,
-        counts.rows
-    );
+    let (ok, rows) = (counts.ok, counts.rows);
+    let _ = writeln!(io::stderr(), "{}: {ok} of {rows} rows ok", visible(&name));
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use super::lines::{listen, numbers, standard_input};
 use super::session::{GoalSession, GoalSi, Goals};
 use crate::failure::CliError;
 use crate::stream::user_command;
+use crate::terminal::say;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::Duration;
 use trirrr_client::UserCommand;
@@ -141,7 +142,7 @@ impl Goals for Jog {
                 Ok(line) => match read(&line) {
                     Some(line) => self.obey(line, session, now),
                     None if line.trim().is_empty() => {}
-                    None => super::session::note(
+                    None => say(
                         "lines are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop and feed PERCENT",
                     ),
                 },

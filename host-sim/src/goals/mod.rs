@@ -10,9 +10,10 @@ mod session;
 
 pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs, ParkArgs};
 
-use crate::failure::{CliError, printed};
+use crate::arguments::scene_to_move;
+use crate::failure::CliError;
+use crate::terminal::print;
 use session::{GoalSession, Goals};
-use std::io::Write;
 use std::sync::atomic::AtomicBool;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -60,7 +61,7 @@ fn command(
     strict: bool,
     stop: &AtomicBool,
 ) -> Result<bool, CliError> {
-    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scene = scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => run::<N>(args, &scene, goals, strict, stop))
 }
@@ -76,10 +77,8 @@ fn run<N: ServiceNumber>(
     let Some([x, y, alpha]) = session.run(goals, strict)? else {
         return Ok(false);
     };
-    let mut out = std::io::stdout().lock();
-    printed(writeln!(
-        out,
-        "stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad"
+    print(&format!(
+        "stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad\n"
     ))?;
     Ok(true)
 }

@@ -1,9 +1,9 @@
 //! Way to the start of the scene's job, or to another pose, by an ordinary move.
 
 use super::args::ParkArgs;
-use super::session::note;
 use crate::failure::{CliError, printed};
 use crate::stream::{Port, conversation};
+use crate::terminal::say;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -48,7 +48,7 @@ pub(super) fn park<N: ServiceNumber>(
     let mut state = None;
     let failure = loop {
         if stop.load(Ordering::Relaxed) && !std::mem::replace(&mut is_stopping, true) {
-            note("Ctrl-C: the machine stops on its path");
+            say("Ctrl-C: the machine stops on its path");
             client.command(UserCommand::Stop);
         }
         let lost = match client.poll(begin.elapsed()) {
@@ -64,7 +64,7 @@ pub(super) fn park<N: ServiceNumber>(
                             }) = message
                                 && state.replace((*new, *acting)) != Some((*new, *acting))
                             {
-                                note(&describe::state(*new, *acting));
+                                say(&describe::state(*new, *acting));
                             }
                             client.receive(message, begin.elapsed());
                         }
@@ -104,6 +104,6 @@ pub(super) fn park<N: ServiceNumber>(
 }
 
 fn reopen(port: &mut Port, why: &str, stop: &AtomicBool) -> Result<(), CliError> {
-    note(&format!("{why}; opening the port anew"));
+    say(&format!("{why}; opening the port anew"));
     port.reopen(why, stop).map_err(CliError::Failed)
 }

@@ -3,7 +3,7 @@
 use super::args::MachineArgs;
 use crate::failure::CliError;
 use crate::stream::{Port, conversation};
-use std::io::Write;
+use crate::terminal::say;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
@@ -38,12 +38,6 @@ pub(super) trait Goals {
         session: &mut GoalSession<'_, N>,
         now: Duration,
     ) -> Result<(), CliError>;
-}
-
-/// Says something on standard error.
-pub(super) fn note(text: &str) {
-    // Who does not listen does not stop the machine.
-    let _ = writeln!(std::io::stderr(), "trirrr: {text}");
 }
 
 /// Goals under way.
@@ -152,7 +146,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
         loop {
             if self.stop.load(Ordering::Relaxed) && !stop_asked {
                 stop_asked = true;
-                note("Ctrl-C: the machine stops on its path");
+                say("Ctrl-C: the machine stops on its path");
                 self.command(UserCommand::Stop);
                 self.finish();
             }
@@ -166,7 +160,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
                 if strict {
                     return Err(CliError::Refused(text));
                 }
-                note(&text);
+                say(&text);
             }
             match self.client.poll(start.elapsed()) {
                 GoalAction::Send(request) => {
@@ -200,7 +194,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     }
 
     fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        note(&format!("{why}; opening the port anew"));
+        say(&format!("{why}; opening the port anew"));
         self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
         self.client.reconnected();
         Ok(())
@@ -216,7 +210,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
             if let Message::Event(Event::State { state, acting, .. }) = message
                 && self.state.replace((*state, *acting)) != Some((*state, *acting))
             {
-                note(&describe::state(*state, *acting));
+                say(&describe::state(*state, *acting));
             }
             self.client.receive(message, start.elapsed());
         }

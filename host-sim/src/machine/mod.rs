@@ -2,10 +2,11 @@
 
 mod talk;
 
-use crate::failure::{CliError, printed};
+use crate::arguments::scene;
+use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::terminal::print;
 use clap::Args;
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use talk::Talk;
@@ -66,7 +67,7 @@ pub struct DrivesArgs {
 /// # Errors
 /// Refused: the scene. Failed: the port, the board, a fault, or a drive that does not go on.
 pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = read(&args.machine)?;
+    let scene = scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
         if args.clear {
@@ -93,7 +94,7 @@ pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// # Errors
 /// As [`enable`].
 pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = read(&args.machine)?;
+    let scene = scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
         talk.done(Command::Disable)?;
@@ -113,12 +114,8 @@ pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// # Errors
 /// As [`enable`]; refused: a machine whose drives tell nothing.
 pub fn drives(args: &DrivesArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = read(&args.machine)?;
+    let scene = scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => show::<N>(args, &scene, stop))
-}
-
-fn read(args: &MachineArgs) -> Result<Scene, CliError> {
-    Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))
 }
 
 /// Waits for a state that lasts.
@@ -146,7 +143,7 @@ fn say<N: ServiceNumber>(talk: &Talk<'_, N>, status: &Status<N>) -> Result<(), C
         let alpha = N::angle_to_f64(end.pose.angle);
         text += &format!(", stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad");
     }
-    printed(writeln!(std::io::stdout().lock(), "{text}"))
+    print(&format!("{text}\n"))
 }
 
 fn show<N: ServiceNumber>(
@@ -176,7 +173,7 @@ fn show<N: ServiceNumber>(
                 && left > 0
             {
                 let line = platform.line(&sample, &talk.units());
-                printed(writeln!(std::io::stdout().lock(), "{line}"))?;
+                print(&format!("{line}\n"))?;
                 left -= u32::from(args.lines.is_some());
             }
         }

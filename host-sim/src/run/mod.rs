@@ -11,11 +11,13 @@ mod tolerances;
 pub use args::RunArgs;
 pub use plant::Simulated;
 
-use crate::failure::{CliError, printed};
+use crate::arguments::scene_to_move;
+use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
+use crate::terminal::printed;
 use plant::PlantRecorder;
 use play::{ClosedLoop, SentTick, play};
 use progress::ProgressDisplay;
@@ -117,10 +119,7 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
-    let scene = Scene::read(&args.scene).map_err(|error| {
-        // Every line names the file already.
-        CliError::Refused(error.to_string())
-    })?;
+    let scene = scene_to_move(&args.scene)?;
     // First: a scene that is refused leaves no files.
     let analysis = match args.tolerances {
         true => Some(tolerances::prepare(&args.scene, &scene)?),

@@ -6,7 +6,7 @@ use crate::recording::At;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
-use trirrr_scene::Scene;
+use trirrr_scene::{Scene, visible};
 
 /// Prints the summary of a run of `scene`, read from `file`.
 pub(super) fn print(
@@ -26,9 +26,10 @@ pub(super) fn print(
     out.flush()
 }
 
-/// One line: what it is about, and what there is to say.
+/// One line: what it is about, and what there is to say, [visible].
 pub(super) fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
-    writeln!(out, "{}", format!("{label:<12}{text}").trim_end())
+    let line = format!("{label:<12}{}", visible(text));
+    writeln!(out, "{}", line.trim_end())
 }
 
 fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &RunReport) -> io::Result<()> {

@@ -1,8 +1,9 @@
 //! Display of a stream on standard error: changes as lines; on a terminal a bar with the latest
 //! values, elsewhere a line now and then.
 
+use crate::terminal::{message, say};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 use trirrr_client::describe;
 use trirrr_protocol::message::{Acting, State};
@@ -44,11 +45,8 @@ impl Display {
     /// Says something.
     pub(super) fn note(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.println(format!("trirrr: {text}")),
-            // Who does not listen does not stop the stream.
-            None => {
-                let _ = writeln!(io::stderr(), "trirrr: {text}");
-            }
+            Some(bar) => bar.println(message(text)),
+            None => say(text),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Commands of a user on standard input.
 
-use std::io::{self, BufRead, Write};
+use crate::terminal::say;
+use std::io::{self, BufRead};
 use std::sync::mpsc::{Receiver, channel};
 use trirrr_client::UserCommand;
 
@@ -16,8 +17,7 @@ pub(super) fn listen() -> Receiver<UserCommand> {
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
                 None => {
-                    let text = "trirrr: keys are hold, resume, stop, disable and feed PERCENT (h, r, s, d, f)";
-                    let _ = writeln!(io::stderr(), "{text}");
+                    say("keys are hold, resume, stop, disable and feed PERCENT (h, r, s, d, f)");
                 }
             }
         }

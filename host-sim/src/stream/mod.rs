@@ -13,6 +13,7 @@ pub(crate) use keys::user_command;
 pub(crate) use port::Port;
 pub use session::StreamEnd;
 
+use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
@@ -53,7 +54,7 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    let scene = Scene::read(&args.scene).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scene = scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => stream::<N>(args, &scene, scalar, stop))
 }

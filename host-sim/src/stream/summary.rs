@@ -1,8 +1,9 @@
 //! The summary of a stream.
 
 use super::StreamEnd;
-use crate::failure::{CliError, printed};
+use crate::failure::CliError;
 use crate::recording::{DrivePeaks, Recorded};
+use crate::terminal::printed;
 use std::io::{self, Write};
 use std::path::Path;
 use trirrr_client::describe;
@@ -10,6 +11,7 @@ use trirrr_client::transport::Address;
 use trirrr_protocol::message::{Identity, Status, Transmit};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
+use trirrr_scene::visible;
 use trirrr_scene::words::short;
 
 /// Contents of the summary.
@@ -67,7 +69,7 @@ pub(super) fn print(summary: &Summary) -> Result<(), CliError> {
 
 fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     let Summary { scene, scalar, .. } = summary;
-    let mut line = |label: &str, text: &str| writeln!(out, "{label:<12}{text}");
+    let mut line = |label: &str, text: &str| writeln!(out, "{label:<12}{}", visible(text));
     line(
         "scene",
         &format!("{} ({})", scene.name, summary.file.display()),

@@ -10,8 +10,7 @@ use trirrr_scene::Scene;
 /// A job that breaks a limit is refused when its scene is read, by the run and by the device.
 #[test]
 fn a_job_beyond_a_limit_is_refused_in_words() {
-    let limits = "[limits]\nrate_rad_s = 0.5\n\n[platform]";
-    let folder = scene("thesis", &[("[platform]", limits)]);
+    let folder = scene("thesis", &[("rate_rad_s = 2.0", "rate_rad_s = 0.5")]);
     for arguments in [
         &["run", "scene.toml", "--fast", "--out", "run"][..],
         &["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"],

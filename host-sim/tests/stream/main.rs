@@ -7,6 +7,8 @@ mod drives;
 mod faults;
 mod goals;
 mod homing;
+mod hostile;
+mod limits;
 mod links;
 mod paths;
 mod proxy;

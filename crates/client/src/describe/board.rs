@@ -1,6 +1,7 @@
 //! Words for what a board reports of itself.
 
 use trirrr_protocol::message::{Clock, Reference, Registers, Start};
+use trirrr_scene::visible;
 
 /// Describes a clock that is not as it should be.
 pub fn clock(clock: Clock) -> Option<&'static str> {
@@ -40,10 +41,11 @@ pub fn start(start: &Start) -> String {
     }
 }
 
-/// Reads a name as messages have it: zeros behind it.
+/// Returns the text before the first zero. It is a board's own: nothing in it may command a terminal.
 pub fn name(bytes: &[u8]) -> String {
     let length = bytes.iter().position(|byte| *byte == 0);
-    String::from_utf8_lossy(&bytes[..length.unwrap_or(bytes.len())]).into_owned()
+    let bytes = &bytes[..length.unwrap_or(bytes.len())];
+    visible(&String::from_utf8_lossy(bytes)).into_owned()
 }
 
 fn at(registers: &Registers) -> String {
@@ -78,6 +80,22 @@ mod tests {
         };
         assert_eq!(start(&long).len(), "a panic in , line 1".len() + 32);
         assert!(panic.is_failure() && !Start::Power.is_failure());
+    }
+
+    #[test]
+    fn a_board_commands_no_terminal() {
+        let mut file = [0; NAME_CAPACITY];
+        let hostile = "\u{1b}]0;x\u{7}\u{9b}31m\r\n\u{7f}";
+        file[..hostile.len()].copy_from_slice(hostile.as_bytes());
+        let said = start(&Start::Panic { file, line: 1 });
+        assert_eq!(
+            said,
+            "a panic in \\u{1b}]0;x\\u{7}\\u{9b}31m\\u{d}\\u{a}\\u{7f}, line 1"
+        );
+        // What is no text at all.
+        let file = [0x9b; NAME_CAPACITY];
+        let said = start(&Start::Panic { file, line: 1 });
+        assert!(!said.contains(char::is_control), "{said:?}");
     }
 
     #[test]

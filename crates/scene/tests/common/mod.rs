@@ -5,7 +5,14 @@
 use trirrr_scene::{Problem, Scene, SceneError};
 
 pub(crate) const THESIS: &str = include_str!("../../../../scenes/thesis.toml");
+/// Limits of the motors in [`THESIS`].
+pub(crate) const MOTORS: &str = "rate_rad_s = 2.0\ntorque_nm = 0.1";
 pub(crate) const VERTICAL: &str = include_str!("../../../../scenes/vertical.toml");
+
+/// [`THESIS`] without limits of the motors: what stands in the way of a move is the machine alone.
+pub(crate) fn unlimited() -> String {
+    edit(THESIS, MOTORS, 1, "")
+}
 
 /// The problems of `text`, which must have some.
 pub(crate) fn problems(text: &str) -> Vec<Problem> {

@@ -26,9 +26,10 @@ const FEED_FORWARD: &str = "feed_forward = false";
 const FED: &str = "feed_forward = true";
 const ROTOR: &str = "rotor_inertia_kgm2 = 1e-5";
 const CONTROLLER: &str = "[controller]";
+/// Limits of the motors, which no case is a matter of.
+const MOTORS: &str = "rate_rad_s = 12.0\ntorque_nm = 4.0\n";
 /// Allows moves close to singularities.
-const NEAR: &str =
-    "[limits]\nparallel_distance_min = 1e-4\nserial_distance_min = 1e-4\n\n[controller]";
+const NEAR: &str = "parallel_distance_min = 1e-4\nserial_distance_min = 1e-4\n";
 const MASS: &str = "mass_kg = 0.5\ninertia_kgm2 = 0.0025000000000000005";
 
 /// All cases.
@@ -92,13 +93,13 @@ pub const CASES: [Case; 10] = [
     Case {
         name: "heavy",
         what: "platform of 1e3 times its mass and inertia",
-        changes: &[(MASS, "mass_kg = 500.0\ninertia_kgm2 = 2.5")],
+        changes: &[(MASS, "mass_kg = 500.0\ninertia_kgm2 = 2.5"), (MOTORS, "")],
         job: None,
     },
     Case {
         name: "parallel",
         what: "to 1e-3 rad from a parallel singularity and back, feed-forward on",
-        changes: &[(FEED_FORWARD, FED), (CONTROLLER, NEAR)],
+        changes: &[(FEED_FORWARD, FED), (MOTORS, NEAR)],
         job: Some(
             "start = { x_m = 0.245, y_m = 0.25, alpha_rad = -0.45 }\n\n\
              [[job.move]]\n\
@@ -112,7 +113,7 @@ pub const CASES: [Case; 10] = [
     Case {
         name: "stretched",
         what: "leg 3 to 0.1 mm from its full length and back",
-        changes: &[(CONTROLLER, NEAR)],
+        changes: &[(MOTORS, NEAR)],
         job: Some(
             "start = { x_m = 0.25, y_m = 0.3, alpha_rad = 0.0 }\n\n\
              [[job.move]]\n\

@@ -1,0 +1,38 @@
+//! Text for the user. Names, descriptions, paths and errors come from files, boards and lines: none of them commands the terminal.
+
+use crate::failure::CliError;
+use std::io::{self, Write};
+use trirrr_scene::visible_lines;
+
+/// Returns a message as standard error shows it: with the name of the program, and [visible](visible_lines).
+pub(crate) fn message(text: &str) -> String {
+    format!("trirrr: {}", visible_lines(text))
+}
+
+/// Says `text` on standard error. Who does not listen stops nothing.
+pub fn say(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", message(text));
+}
+
+/// Prints the lines of `text` on standard output.
+///
+/// # Errors
+/// Failed: standard output cannot be written.
+pub(crate) fn print(text: &str) -> Result<(), CliError> {
+    let mut out = io::stdout().lock();
+    let text = visible_lines(text);
+    printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// Judges a write to standard output. Who closes it early does not want what is printed; any other error counts.
+///
+/// # Errors
+/// Failed: standard output cannot be written.
+pub(crate) fn printed(result: io::Result<()>) -> Result<(), CliError> {
+    match result {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
