@@ -1,14 +1,17 @@
 //! The command line.
 
+use crate::bridge::BridgeArgs;
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
+use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs};
 use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
 use crate::stream::StreamArgs;
+use crate::watch::WatchArgs;
 use clap::{Parser, Subcommand};
 
 /// Simulator and host tools for the planar 3-RRR manipulator.
@@ -32,6 +35,12 @@ pub enum Command {
     Run(RunArgs),
     /// Play a board: a scene's service behind a TCP port, in real time
     Device(DeviceArgs),
+    /// Put the line of a board behind a TCP port
+    Bridge(BridgeArgs),
+    /// Look on while a machine moves
+    Watch(WatchArgs),
+    /// Write a new key for a device, a bridge and their clients
+    Key(KeyArgs),
     /// Stream a scene's job to a board, write its telemetry and figures
     Stream(StreamArgs),
     /// Switch the drives of a machine on, where its motors are

@@ -2,7 +2,7 @@
 //!
 //! [`run`] plays a scene's job through the machine's service, in real time or as fast as the
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
-//! port. [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives. [`eval`] evaluates a
+//! port, and [`bridge`] the line of a board; [`serve`] is what both share, [`watch`] looks on, and [`key`] writes their keys. [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives. [`eval`] evaluates a
 //! table of cases.
 //! [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
 //! What any of them says goes through [`terminal`].
@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+pub mod bridge;
 pub mod cli;
 pub mod device;
 pub mod eval;
@@ -17,6 +18,7 @@ pub mod failure;
 pub mod figures;
 pub mod goals;
 pub mod histogram;
+pub mod key;
 pub mod linkage;
 pub mod machine;
 pub mod plan;
@@ -25,5 +27,7 @@ pub mod recording;
 pub mod report;
 pub mod results;
 pub mod run;
+pub mod serve;
 pub mod stream;
 pub mod terminal;
+pub mod watch;

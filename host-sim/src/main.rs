@@ -11,7 +11,9 @@ use trirrr_host_sim::failure::CliError;
 use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
-use trirrr_host_sim::{device, eval, goals, linkage, machine, plan, report, run, stream};
+use trirrr_host_sim::{
+    bridge, device, eval, goals, key, linkage, machine, plan, report, run, stream, watch,
+};
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
 const INTERRUPTED: u8 = 130;
@@ -26,6 +28,9 @@ fn main() -> ExitCode {
         Command::Device(args) => on_interrupt()
             .and_then(|stop| device::command(args, &stop))
             .map(|()| ExitCode::SUCCESS),
+        Command::Bridge(args) => switch(|stop| bridge::command(args, stop)),
+        Command::Watch(args) => switch(|stop| watch::command(args, stop)),
+        Command::Key(args) => key::command(args).map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => stream(args),
         Command::Enable(args) => switch(|stop| machine::enable(args, stop)),
         Command::Disable(args) => switch(|stop| machine::disable(args, stop)),

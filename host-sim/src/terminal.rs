@@ -24,6 +24,11 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
     printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
+/// Prints a line of a log. A standard output that is closed stops nobody.
+pub(crate) fn print_line(text: &str) {
+    let _ = print(&format!("{text}\n"));
+}
+
 /// Judges a write to standard output. Who closes it early does not want what is printed; any other error counts.
 ///
 /// # Errors

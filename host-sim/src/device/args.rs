@@ -1,9 +1,9 @@
 //! Arguments of `trirrr device`.
 
 use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::serve::ListenArgs;
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_client::transport::listening;
 use trirrr_scene::NumberType;
 
 /// `trirrr device`.
@@ -14,14 +14,14 @@ use trirrr_scene::NumberType;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Ctrl-C ends the device. A client that is lost leaves the machine to the scene's host timeout: it \
-comes to rest on its path. The client may come back and go on.")]
+comes to rest on its path. The client may come back and go on. Without a key every program on this computer may command the machine.")]
 pub struct DeviceArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
-    /// Address to listen at: tcp:HOST:PORT; port 0 takes one that is free and prints it
-    #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7333", value_parser = listening)]
-    pub listen: String,
+    /// Who may connect, and how.
+    #[command(flatten)]
+    pub listen: ListenArgs,
     /// Number type to compute in [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,

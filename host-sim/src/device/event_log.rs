@@ -1,9 +1,7 @@
 //! Event log of a device on standard output: clients that come and go, states, verdicts, faults. Each
 //! line has the time since the device was switched on.
 
-use super::client::Client;
 use std::io::{self, Write};
-use std::net::SocketAddr;
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
 use trirrr_scene::visible;
@@ -12,7 +10,6 @@ use trirrr_scene::visible;
 pub(super) struct EventLog {
     units: Units,
     ticks: u64,
-    clients: u64,
     requests: u64,
     /// Number and ticks of the last move that was offered, for the text of its verdict.
     offered: (u32, u32),
@@ -23,44 +20,18 @@ impl EventLog {
         Self {
             units,
             ticks: 0,
-            clients: 0,
             requests: 0,
             offered: (0, 0),
         }
     }
 
-    /// Returns the numbers of ticks, clients and requests.
-    pub(super) fn totals(&self) -> [u64; 3] {
-        [self.ticks, self.clients, self.requests]
+    /// Returns the numbers of ticks and requests.
+    pub(super) fn totals(&self) -> [u64; 2] {
+        [self.ticks, self.requests]
     }
 
     pub(super) fn tick(&mut self) {
         self.ticks += 1;
-    }
-
-    pub(super) fn connected(&mut self, from: SocketAddr) {
-        self.clients += 1;
-        self.note(&format!("client {from} is connected"));
-    }
-
-    pub(super) fn turned_away(&self, from: SocketAddr, by: SocketAddr) {
-        self.note(&format!("client {from} is turned away: {by} is connected"));
-    }
-
-    pub(super) fn replaced(&self, by: SocketAddr) {
-        self.note(&format!("the client is silent, {by} takes its place"));
-    }
-
-    pub(super) fn gone(&self, client: &Client, error: &io::Error) {
-        let (dropped, damaged) = (client.dropped(), client.damaged());
-        let mut text = format!("client {} is gone: {error}", client.from());
-        if dropped > 0 {
-            text += &format!("; {dropped} samples dropped, for it did not read");
-        }
-        if damaged > 0 {
-            text += &format!("; {damaged} damaged frames");
-        }
-        self.note(&text);
     }
 
     /// Notes a request that was refused. Events show the effect of the others.
@@ -110,33 +81,17 @@ impl EventLog {
         let Message::Event(event) = message else {
             return;
         };
-        match event {
-            Event::Verdict(verdict) => {
-                if let Some(violation) = &verdict.violation {
-                    let ticks = match self.offered {
-                        (number, ticks) if number == verdict.number => ticks,
-                        _ => 0,
-                    };
-                    let why = describe::violation(violation, ticks, &self.units);
-                    let counted = verdict.number.wrapping_add(1);
-                    self.note(&format!("move {counted} is not admitted: {why}"));
-                }
-            }
-            Event::State {
-                state,
-                acting,
-                done,
-            } => {
-                let state = describe::state(*state, *acting);
-                self.note(&format!("{state}, {done} moves done"));
-            }
-            Event::Fault(fault) => {
-                self.note(&format!("fault: {}", describe::fault(fault, &self.units)));
-            }
+        let ticks = match (event, self.offered) {
+            (Event::Verdict(verdict), (number, ticks)) if number == verdict.number => ticks,
+            _ => 0,
+        };
+        if let Some(text) = describe::event(event, ticks, &self.units) {
+            self.note(&text);
         }
     }
 
-    fn note(&self, text: &str) {
+    /// Notes `text`.
+    pub(super) fn note(&self, text: &str) {
         let t = self.ticks as f64 / self.units.tick_rate_hz;
         // A closed standard output does not stop the device.
         let mut out = io::stdout().lock();

@@ -2,7 +2,6 @@
 //! as to a board.
 
 mod args;
-mod client;
 mod event_log;
 mod motors;
 mod server;
@@ -12,7 +11,8 @@ pub use args::DeviceArgs;
 use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
-use crate::terminal::print;
+use crate::serve::{Doors, Hub};
+use crate::terminal::print_line;
 use event_log::EventLog;
 use motors::Motors;
 use server::Server;
@@ -21,7 +21,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
-use trirrr_client::transport::Listener;
 use trirrr_drives::ObeyingDrives;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -37,17 +36,17 @@ const LOOK: Duration = Duration::from_micros(500);
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
-    let listener = Listener::bind(&args.listen)
-        .map_err(|error| CliError::Failed(format!("tcp:{}: {error}", args.listen)))?;
+    let doors = args.listen.open()?;
     print_line(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
-        listener.address(),
+        doors.address(),
         scene.name,
         scene.tick_rate_hz * args.speed
     ));
+    doors.lines().iter().for_each(|line| print_line(line));
     let device = Device {
         scene: &scene,
-        listener,
+        doors,
         rate_hz: scene.tick_rate_hz * args.speed,
         stop,
         offset: match args.offset_rad.as_deref() {
@@ -61,7 +60,7 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// A device before its number type is chosen.
 struct Device<'a> {
     scene: &'a Scene,
-    listener: Listener,
+    doors: Doors,
     /// Ticks per second of real time.
     rate_hz: f64,
     stop: &'a AtomicBool,
@@ -73,7 +72,7 @@ impl Device<'_> {
     fn play<N: ServiceNumber>(self) -> Result<(), CliError> {
         let Self {
             scene,
-            listener,
+            doors,
             rate_hz,
             stop,
             offset,
@@ -100,12 +99,13 @@ impl Device<'_> {
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
-            let server = Server::new(machine, motors, drives, listener, silence, log);
+            let hub = Hub::new(doors, silence);
+            let server = Server::new(machine, motors, drives, hub, log);
             run(server, rate_hz, stop)
         })?;
-        let (log, deadlines) =
+        let (log, clients, deadlines) =
             played.map_err(|error| CliError::Failed(format!("the listener failed: {error}")))?;
-        let [ticks, clients, requests] = log.totals();
+        let [ticks, requests] = log.totals();
         print_line(&format!(
             "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \
              {requests} requests",
@@ -120,7 +120,7 @@ fn run<N: ServiceNumber>(
     mut server: Server<N>,
     rate_hz: f64,
     stop: &AtomicBool,
-) -> io::Result<(EventLog, Deadlines)> {
+) -> io::Result<(EventLog, u64, Deadlines)> {
     let mut pacer = Pacer::start(rate_hz);
     let mut tick = 0;
     while !stop.load(Ordering::Relaxed) {
@@ -135,10 +135,6 @@ fn run<N: ServiceNumber>(
             std::thread::sleep(left.min(LOOK));
         }
     }
-    Ok((server.end(), pacer.finish()))
-}
-
-/// Prints a line. A standard output that is closed does not stop the device.
-fn print_line(text: &str) {
-    let _ = print(&format!("{text}\n"));
+    let (log, clients) = server.end();
+    Ok((log, clients, pacer.finish()))
 }

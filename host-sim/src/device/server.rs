@@ -1,14 +1,14 @@
 //! Work of a device between two ticks: its client, and the messages of the machine.
 
-use super::client::Client;
 use super::event_log::EventLog;
 use super::motors::{self, Motors};
+use crate::serve::{FrameKind, Hub, Standing};
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use trirrr_client::local::LocalService;
-use trirrr_client::transport::Listener;
+use trirrr_client::transport::Frames;
 use trirrr_drives::ObeyingDrives;
-use trirrr_protocol::message::{Message, Reply};
+use trirrr_protocol::message::{Command, Message, Reply, Request};
 use trirrr_service::ServiceNumber;
 
 /// Slices of background work between two looks at the link.
@@ -21,11 +21,10 @@ pub(super) struct Server<'a, N: ServiceNumber> {
     motors: Option<Motors>,
     /// Simulated drives, if they tell where they are.
     drives: Option<ObeyingDrives<N>>,
-    listener: Listener,
-    /// Silence after which a client gives way to another.
-    silence: Duration,
-    client: Option<Client>,
+    hub: Hub,
     log: EventLog,
+    /// Frame of the message that is sent.
+    frame: Vec<u8>,
 }
 
 impl<'a, N: ServiceNumber> Server<'a, N> {
@@ -33,18 +32,16 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         machine: &'a mut dyn LocalService<N>,
         motors: Option<Motors>,
         drives: Option<ObeyingDrives<N>>,
-        listener: Listener,
-        silence: Duration,
+        hub: Hub,
         log: EventLog,
     ) -> Self {
         Self {
             machine,
             motors,
             drives,
-            listener,
-            silence,
-            client: None,
+            hub,
             log,
+            frame: Vec::new(),
         }
     }
 
@@ -92,15 +89,18 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
     /// The listener is lost.
     pub(super) fn serve(&mut self) -> io::Result<bool> {
         let heard = self.listen();
-        self.accept()?;
+        self.hub.accept()?;
         let busy = (0..SLICES).all(|_| self.machine.work());
         while let Some(message) = self.machine.outgoing() {
             self.log.message(&message);
-            if let Some(client) = &mut self.client {
-                client.put(message);
-            }
+            let kind = FrameKind::of(&message);
+            self.frame(message);
+            self.hub.put(&self.frame, kind);
         }
-        self.with_client(Client::flush);
+        self.hub.flush();
+        for note in self.hub.take_notes() {
+            self.log.note(&note);
+        }
         Ok(heard || busy)
     }
 
@@ -109,37 +109,23 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         self.machine.count_late();
     }
 
-    /// Ends the service. Returns the event log.
-    pub(super) fn end(self) -> EventLog {
+    /// Ends the service. Returns the event log, and the number of clients.
+    pub(super) fn end(self) -> (EventLog, u64) {
         if let Some(motors) = &self.motors {
             self.log.left(motors.errors());
         }
-        self.log
-    }
-
-    fn accept(&mut self) -> io::Result<()> {
-        while let Some((link, from)) = self.listener.accept()? {
-            // A client keeps the machine. A line that was cut shows by its silence only.
-            if let Some(client) = &self.client {
-                if client.is_heard_within(self.silence) {
-                    self.log.turned_away(from, client.from());
-                    continue;
-                }
-                self.log.replaced(from);
-            }
-            self.log.connected(from);
-            self.client = Some(Client::new(link, from));
-        }
-        Ok(())
+        (self.log, self.hub.clients())
     }
 
     /// Answers the requests of the client. Returns true if there were any.
     fn listen(&mut self) -> bool {
-        let Some(requests) = self.with_client(Client::requests::<N>) else {
-            return false;
-        };
+        let requests: Vec<Request<N>> = self.hub.requests();
         let heard = !requests.is_empty();
         for request in requests {
+            // The answer to the one before may have been the last.
+            if !self.hub.takes(matches!(request.command, Command::Hello(_))) {
+                break;
+            }
             let reply = self.machine.receive(&request);
             self.log.answered(&request, &reply);
             self.reply(request.sequence, reply);
@@ -152,24 +138,23 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
     }
 
     fn reply(&mut self, sequence: u32, reply: Reply<N>) {
-        if let Some(client) = &mut self.client {
-            if !matches!(reply, Reply::Refused(_)) {
-                client.is_heard();
-            }
-            client.put(Message::Reply { sequence, reply });
-        }
+        let standing = Standing::of(&reply);
+        self.frame(Message::Reply { sequence, reply });
+        self.hub.judge(standing, &self.frame);
     }
 
-    /// Does `what` with the client, if there is one. An error removes the client.
-    fn with_client<T>(&mut self, what: impl FnOnce(&mut Client) -> io::Result<T>) -> Option<T> {
-        let client = self.client.as_mut()?;
-        match what(client) {
-            Ok(done) => Some(done),
-            Err(error) => {
-                self.log.gone(client, &error);
-                self.client = None;
-                None
-            }
+    /// Puts the bytes of `message` into the frame. Samples that the client has lost are lost as those that were lost in the machine.
+    fn frame(&mut self, mut message: Message<N>) {
+        let dropped = self.hub.dropped();
+        match &mut message {
+            Message::Telemetry(sample) => sample.lost = sample.lost.wrapping_add(dropped),
+            Message::Reply {
+                reply: Reply::Status(status),
+                ..
+            } => status.lost = status.lost.wrapping_add(dropped),
+            _ => {}
         }
+        self.frame.clear();
+        Frames::append(&message, &mut self.frame);
     }
 }

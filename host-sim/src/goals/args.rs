@@ -2,12 +2,11 @@
 
 use crate::arguments::{DEFAULT_SCENE, factor, number_type};
 use crate::failure::CliError;
-use crate::stream::{Port, patience};
+use crate::stream::{Port, PortArgs, patience};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::Patience;
-use trirrr_client::transport::Address;
 use trirrr_core::units::Units;
 use trirrr_scene::{NumberType, Scene};
 use trirrr_service::ServiceNumber;
@@ -18,12 +17,9 @@ pub struct MachineArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
-    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `trirrr device`
-    #[arg(long, value_name = "PORT")]
-    pub port: Address,
-    /// Rate of a serial port
-    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
-    pub baud: u32,
+    /// The line to the board.
+    #[command(flatten)]
+    pub line: PortArgs,
     /// Number type of the board's image [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
@@ -47,8 +43,7 @@ impl MachineArgs {
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let wait = Duration::from_secs_f64(self.patience);
-        let port = Port::open(&self.port, self.baud, wait)
-            .map_err(|error| CliError::Failed(error.to_string()))?;
+        let port = Port::open(&self.line, wait)?;
         Ok((port, units, patience(wait)))
     }
 }

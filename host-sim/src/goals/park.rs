@@ -1,10 +1,9 @@
 //! Way to the start of the scene's job, or to another pose, by an ordinary move.
 
 use super::args::ParkArgs;
-use crate::failure::{CliError, printed};
+use crate::failure::CliError;
 use crate::stream::{Port, conversation};
-use crate::terminal::say;
-use std::io::Write;
+use crate::terminal::{print, say};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
@@ -85,11 +84,7 @@ pub(super) fn park<N: ServiceNumber>(
     match failure {
         None => {
             let [x, y] = [pose.position.x, pose.position.y];
-            let text = format!(
-                "parked at x {x:.6} m, y {y:.6} m, alpha {:.6} rad",
-                pose.angle
-            );
-            printed(writeln!(std::io::stdout().lock(), "{text}"))?;
+            print(&format!("parked at x {x:.6} m, y {y:.6} m, alpha {:.6} rad\n", pose.angle))?;
             Ok(true)
         }
         Some(JobFailure::Stopped { .. }) => Ok(false),

@@ -7,6 +7,20 @@ use trirrr_client::transport::Address;
 use trirrr_protocol::message::TelemetryFields;
 use trirrr_scene::NumberType;
 
+/// Line to a board.
+#[derive(Args, Clone, Debug)]
+pub struct PortArgs {
+    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `trirrr device`
+    #[arg(long, value_name = "PORT")]
+    pub port: Address,
+    /// Rate of a serial port
+    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
+    pub baud: u32,
+    /// Key file of a TCP port that expects a key
+    #[arg(long, value_name = "FILE")]
+    pub key: Option<PathBuf>,
+}
+
 /// `trirrr stream`.
 ///
 /// Offers the scene's moves to a board as it has room for them, starts the job, and stays with it
@@ -23,12 +37,9 @@ pub struct StreamArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
-    /// The board: /dev/tty..., or tcp:HOST:PORT for an emulated one or `trirrr device`
-    #[arg(long, value_name = "PORT")]
-    pub port: Address,
-    /// Rate of a serial port
-    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
-    pub baud: u32,
+    /// The line to the board.
+    #[command(flatten)]
+    pub line: PortArgs,
     /// Folder for what is written, made if missing; results of an earlier run go with the first sample
     /// [default: out/NAME, after the scene's name]
     #[arg(long, value_name = "DIR")]

@@ -8,9 +8,9 @@ mod port;
 mod session;
 mod summary;
 
-pub use args::StreamArgs;
+pub use args::{PortArgs, StreamArgs};
 pub(crate) use keys::user_command;
-pub(crate) use port::Port;
+pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
 use crate::arguments::scene_to_move;
@@ -216,8 +216,7 @@ impl Stream<'_> {
         };
         let every = telemetry_every::<N>(args, fields, scene, &display);
         let patience_s = Duration::from_secs_f64(args.patience);
-        let port = Port::open(&args.port, args.baud, patience_s)
-            .map_err(|error| CliError::Failed(error.to_string()))?;
+        let port = Port::open(&args.line, patience_s)?;
         let folder = match args.resume {
             true => next_folder(self.folder),
             false => self.folder.into(),
@@ -302,7 +301,7 @@ impl Stream<'_> {
             file: &args.scene,
             scene,
             scalar: self.scalar,
-            address: &args.port,
+            address: &args.line.port,
             board: client.identity(),
             status: client.status().map(Account::of),
             done: client.done(),
@@ -359,7 +358,7 @@ fn telemetry_every<N: ServiceNumber>(
 ) -> u16 {
     // The scene's reader holds it to the same range.
     let wanted = u16::try_from(scene.service.telemetry_ticks).unwrap_or(u16::MAX);
-    let least = match &args.port {
+    let least = match &args.line.port {
         Address::Tcp(_) => 1,
         Address::Serial(_) => least_every(
             frame_length(Telemetry::<N>::longest(fields) + 1)
@@ -368,19 +367,19 @@ fn telemetry_every<N: ServiceNumber>(
                     None => 0,
                 },
             scene.tick_rate_hz,
-            args.baud,
+            args.line.baud,
         ),
     };
     let every = args.telemetry.unwrap_or(wanted.max(least));
     if every < least {
         display.note(&format!(
             "{} baud carry a sample every {least} ticks; some of those every {every} will be lost",
-            args.baud
+            args.line.baud
         ));
     } else if every > wanted && args.telemetry.is_none() {
         display.note(&format!(
             "a sample every {every} ticks, as many as {} baud carry",
-            args.baud
+            args.line.baud
         ));
     }
     every

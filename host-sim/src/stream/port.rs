@@ -1,9 +1,12 @@
 //! The port to the board: opened, and opened anew when it is lost.
 
+use super::PortArgs;
+use crate::failure::CliError;
+use crate::serve::read_key;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{self, Address, Frames, Link, OpenError};
+use trirrr_client::transport::{self, Address, Frames, KeyRefusal, Link, OpenError, SharedKey};
 use trirrr_protocol::message::{Message, Reply, Request, Transmit};
 
 /// From one attempt to open a port to the next.
@@ -16,6 +19,7 @@ const CHUNK: usize = 4096;
 pub(crate) struct Port {
     address: Address,
     baud: u32,
+    key: Option<SharedKey>,
     patience: Duration,
     link: Box<dyn Link>,
     frames: Frames,
@@ -26,29 +30,46 @@ pub(crate) struct Port {
     answered: bool,
     opened_anew: u64,
     damaged: u64,
+    /// The far end expects a key: to open the port anew does not help.
+    refused: Option<KeyRefusal>,
+}
+
+/// Opens the link to `address`, with `key` where there is one.
+///
+/// # Errors
+/// Reason why it cannot be opened.
+pub(crate) fn open_link(
+    address: &Address,
+    baud: u32,
+    key: Option<&SharedKey>,
+) -> Result<Box<dyn Link>, OpenError> {
+    match key {
+        Some(key) => transport::open_keyed(address, baud, key),
+        None => transport::open(address, baud),
+    }
 }
 
 impl Port {
-    /// Opens the port to `address`. Without a sign of the board for `patience` it is given up.
+    /// Opens the port of `line`. Without a sign of the board for `patience` it is given up.
     ///
     /// # Errors
-    /// Why it cannot be opened.
-    pub(crate) fn open(
-        address: &Address,
-        baud: u32,
-        patience: Duration,
-    ) -> Result<Self, OpenError> {
+    /// Refused: the key file. Failed: the port cannot be opened.
+    pub(crate) fn open(line: &PortArgs, patience: Duration) -> Result<Self, CliError> {
+        let key = line.key.as_deref().map(read_key).transpose()?;
+        let link = open_link(&line.port, line.baud, key.as_ref());
         Ok(Self {
-            address: address.clone(),
-            baud,
+            address: line.port.clone(),
+            baud: line.baud,
+            key,
             patience,
-            link: transport::open(address, baud)?,
+            link: link.map_err(|error| CliError::Failed(error.to_string()))?,
             frames: Frames::default(),
             bytes: Vec::new(),
             heard: Instant::now(),
             answered: false,
             opened_anew: 0,
             damaged: 0,
+            refused: None,
         })
     }
 
@@ -83,7 +104,8 @@ impl Port {
         // A wait of nothing would make a caller's loop spin; what comes ends any wait.
         let timeout = timeout.max(Duration::from_millis(1));
         let mut bytes = [0; CHUNK];
-        let length = self.link.receive(&mut bytes, timeout)?;
+        let received = self.link.receive(&mut bytes, timeout);
+        let length = received.inspect_err(|error| self.refused = KeyRefusal::of(error))?;
         let mut messages = Vec::new();
         self.frames
             .receive(&bytes[..length], |message| messages.push(message));
@@ -115,6 +137,9 @@ impl Port {
             _ => format!("{}: {why}", self.address),
         };
         self.answered = false;
+        if self.refused.is_some() {
+            return Err(why);
+        }
         loop {
             let silent = self.heard.elapsed();
             if silent >= self.patience || stop.load(Ordering::Relaxed) {
@@ -124,7 +149,7 @@ impl Port {
             // Also before the first attempt: who closed the line does not want to be called at
             // once.
             std::thread::sleep(ATTEMPTS_EVERY.min(self.patience - silent));
-            match transport::open(&self.address, self.baud) {
+            match open_link(&self.address, self.baud, self.key.as_ref()) {
                 Ok(link) => {
                     self.link = link;
                     self.opened_anew += 1;

@@ -7,6 +7,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tempfile::TempDir;
+use trirrr_client::transport::{self, Frames, Link};
+use trirrr_protocol::message::{Command as Ask, Message, Reply, Request};
 
 /// Longer than anything takes on a machine that is busy with other things; a test that waits for
 /// this has failed.
@@ -61,7 +63,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    fn of(pipe: impl Read + Send + 'static) -> Self {
+    pub(crate) fn of(pipe: impl Read + Send + 'static) -> Self {
         let (sender, lines) = channel();
         std::thread::spawn(move || {
             for line in BufReader::new(pipe).lines() {
@@ -140,9 +142,14 @@ pub(crate) struct Device {
 
 impl Device {
     pub(crate) fn start(folder: &TempDir, more: &[&str]) -> Self {
+        let device = ["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"];
+        Self::start_as(folder, &[&device, more].concat())
+    }
+
+    /// `trirrr` with these arguments: a device, or a bridge in its place.
+    pub(crate) fn start_as(folder: &TempDir, arguments: &[&str]) -> Self {
         let mut child = trirrr()
-            .args(["device", "scene.toml", "--listen", "tcp:127.0.0.1:0"])
-            .args(more)
+            .args(arguments)
             .current_dir(folder)
             .stdout(Stdio::piped())
             .spawn()
@@ -193,6 +200,58 @@ impl Streaming {
             lines: Lines::of(child.stderr.take().unwrap()),
             process: Process(child),
             out: folder.path().join("out"),
+        }
+    }
+}
+
+/// Somebody who asks an f64 machine, one request after the other.
+pub(crate) struct Asker {
+    link: Box<dyn Link>,
+    frames: Frames,
+}
+
+impl Asker {
+    pub(crate) fn new(address: &str) -> Self {
+        Self {
+            link: transport::open(&address.parse().unwrap(), 0).unwrap(),
+            frames: Frames::default(),
+        }
+    }
+
+    /// Sends bytes that may be no request. The far end may have closed the link.
+    pub(crate) fn send(&mut self, bytes: &[u8]) -> bool {
+        self.link.send(bytes).is_ok()
+    }
+
+    /// The answer to a request; none where the far end closes the link.
+    pub(crate) fn ask(&mut self, sequence: u32, command: Ask<f64>) -> Option<Reply<f64>> {
+        let mut bytes = Vec::new();
+        Frames::append(&Request { sequence, command }, &mut bytes);
+        self.link.send(&bytes).ok()?;
+        self.answer(sequence)
+    }
+
+    /// Waits for the answer to a request.
+    pub(crate) fn answer(&mut self, sequence: u32) -> Option<Reply<f64>> {
+        loop {
+            let mut bytes = [0; 4096];
+            let length = self.link.receive(&mut bytes, LIMIT).ok()?;
+            assert!(length > 0, "no answer to {sequence}");
+            let mut answer = None;
+            let take = |message: Message<f64>| {
+                if let Message::Reply {
+                    sequence: to,
+                    reply,
+                } = message
+                    && to == sequence
+                {
+                    answer = Some(reply);
+                }
+            };
+            self.frames.receive(&bytes[..length], take);
+            if answer.is_some() {
+                return answer;
+            }
         }
     }
 }

@@ -1,10 +1,8 @@
 //! Jobs and boards that do not fit.
 
-use crate::common::{Device, scene, stream, text, trirrr};
-use std::time::Duration;
+use crate::common::{Asker, Device, scene, stream, text, trirrr};
 use trirrr_client::local;
-use trirrr_client::transport::{self, Frames};
-use trirrr_protocol::message::{Command, Hello, Message, PROTOCOL, Refusal, Reply, Request};
+use trirrr_protocol::message::{Command, Hello, PROTOCOL, Refusal, Reply};
 use trirrr_scene::Scene;
 
 /// A job that breaks a limit is refused when its scene is read, by the run and by the device.
@@ -56,46 +54,25 @@ fn another_version_of_the_protocol_is_refused() {
     let device = Device::start(&folder, &[]);
     let scene = Scene::read(folder.path().join("scene.toml")).unwrap();
     let hello = local::hello::<f64>(&scene);
-    let mut link = transport::open(&device.address.parse().unwrap(), 0).unwrap();
-    let mut frames = Frames::default();
-    let mut ask = |command: Command<f64>| -> Reply<f64> {
-        let sequence = 77;
-        let mut bytes = Vec::new();
-        Frames::append(&Request { sequence, command }, &mut bytes);
-        link.send(&bytes).unwrap();
-        loop {
-            let mut bytes = [0; 1024];
-            let length = link.receive(&mut bytes, Duration::from_secs(120)).unwrap();
-            let mut answer = None;
-            frames.receive(&bytes[..length], |message: Message<f64>| {
-                if let Message::Reply {
-                    sequence: 77,
-                    reply,
-                } = message
-                {
-                    answer = Some(reply);
-                }
-            });
-            if let Some(answer) = answer {
-                return answer;
-            }
-        }
-    };
+    let mut asker = Asker::new(&device.address);
     assert_eq!(
-        ask(Command::Start),
-        Reply::Refused(Refusal::HelloFirst),
+        asker.ask(77, Command::Start),
+        Some(Reply::Refused(Refusal::HelloFirst)),
         "before the hello"
     );
+    assert_eq!(asker.ask(78, Command::Start), None, "it is cut off");
+    let mut asker = Asker::new(&device.address);
     let newer = Hello {
         protocol: PROTOCOL + 1,
         ..hello
     };
     let expected = PROTOCOL;
     assert_eq!(
-        ask(Command::Hello(newer)),
-        Reply::Refused(Refusal::Protocol { expected })
+        asker.ask(77, Command::Hello(newer)),
+        Some(Reply::Refused(Refusal::Protocol { expected }))
     );
-    assert!(matches!(ask(Command::Hello(hello)), Reply::Hello(_)));
+    let met = asker.ask(77, Command::Hello(hello));
+    assert!(matches!(met, Some(Reply::Hello(_))));
 }
 
 /// What is refused before anything is opened.

@@ -1,153 +1,167 @@
-//! Files and boards whose texts would command a terminal.
+//! Memory of a device under clients that mean it no good. Linux tells how much a process has used at most.
 
-use crate::common::{scene, stream, text, trirrr};
-use std::net::TcpListener;
+use crate::common::{Asker, Device, scene, text, trirrr};
+use std::io::Write;
+use std::net::TcpStream;
+use std::thread;
 use std::time::Duration;
+use tempfile::TempDir;
 use trirrr_client::local;
-use trirrr_client::transport::{Frames, Link, Listener};
-use trirrr_protocol::message::{Command, Message, NAME_CAPACITY, Reply, Request, Start};
+use trirrr_client::transport::Frames;
+use trirrr_protocol::message::{Command, Hello, Reply, Request};
 use trirrr_scene::Scene;
 
-/// Title and colour of a terminal, a cleared screen, another direction of writing, a line of its own.
-const HOSTILE: &str = "\u{1b}]0;owned\u{7}\u{1b}[31m\u{9b}2J\u{202e}\r\nx\u{7f}";
+/// Most memory that a device may use beyond what its first well-behaved client has taken, kB.
+const MOST_KB: u64 = 4 * 1024;
 
-/// The same, in a string of TOML.
-const IN_TOML: &str = r"\u001b]0;owned\u0007\u001b[31m\u009b2J\u202e\r\nx\u007f";
+/// Bytes that endless senders send at most: far more than the device may keep.
+const ENDLESS: usize = 32 << 20;
 
-/// What is shown of its begin.
-const SHOWN: &str = r"\u{1b}]0;owned\u{7}";
-
-fn assert_harmless(said: &str) {
-    let commands = |c: char| c.is_control() && c != '\n';
-    assert!(
-        !said.contains(commands) && !said.contains('\u{202e}'),
-        "{said:?}"
-    );
-    assert!(said.contains(SHOWN), "{said:?}");
-    assert!(!said.contains("\nx"), "a line of its own: {said:?}");
+/// Most memory that the device has used so far, kB.
+fn peak_kb(device: &Device) -> u64 {
+    let file = format!("/proc/{}/status", device.process.0.id());
+    let status = std::fs::read_to_string(file).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"));
+    let figure = line.unwrap().split_whitespace().nth(1);
+    figure.unwrap().parse().unwrap()
 }
 
-/// Standard output and standard error of `trirrr run` of a scene that begins with `top`.
-fn run(top: &str) -> [String; 2] {
-    let folder = scene("thesis", &[("description", &format!("{top}\n#"))]);
-    let output = trirrr()
-        .args(["run", "scene.toml", "--fast", "--out", "run"])
-        .current_dir(&folder)
-        .output()
-        .unwrap();
-    [output.stdout, output.stderr].map(|said| text(&said))
+/// Connection to `tcp:HOST:PORT` that gives up writing where nobody reads.
+fn connect(address: &str) -> TcpStream {
+    let stream = TcpStream::connect(address.strip_prefix("tcp:").unwrap()).unwrap();
+    let limit = Some(Duration::from_millis(200));
+    stream.set_write_timeout(limit).unwrap();
+    stream
 }
 
-#[test]
-fn a_file_commands_no_terminal() {
-    let [summary, _] = run(&format!("description = \"{IN_TOML}\""));
-    assert_harmless(&summary);
-    // A key that is not known, one with a value that is refused, and what is no TOML.
-    for top in [
-        format!("\"{IN_TOML}\" = 1"),
-        format!(
-            "torque = '{}'",
-            HOSTILE.replace(['\n', '\r', '\u{7f}', '\u{7}', '\u{1b}'], "")
-        ),
-        format!("# {HOSTILE}"),
-    ] {
-        let [_, refusal] = run(&top);
-        let commands = |c: char| c.is_control() && c != '\n';
-        assert!(refusal.contains("scene.toml:"), "{refusal:?}");
-        assert!(
-            !refusal.contains(commands) && !refusal.contains('\u{202e}'),
-            "{refusal:?}"
-        );
+/// Writes `block` until [`ENDLESS`] bytes are gone, the far end closes the link, or does not read.
+fn pour(mut stream: TcpStream, block: &[u8]) {
+    let mut left = ENDLESS;
+    while left > 0 && stream.write_all(block).is_ok() {
+        left = left.saturating_sub(block.len());
     }
-    let [_, refusal] = run(&format!("\"{IN_TOML}\" = 1"));
-    assert_harmless(&refusal);
-    assert!(refusal.contains("unknown key"), "{refusal}");
 }
 
-#[cfg(unix)]
-#[test]
-fn the_name_of_a_file_commands_no_terminal() {
-    let folder = scene("thesis", &[]);
-    let name = format!("{HOSTILE}.toml");
-    for told in ["there", "missing"] {
-        if told == "there" {
-            std::fs::rename(folder.path().join("scene.toml"), folder.path().join(&name)).unwrap();
-        } else {
-            std::fs::remove_file(folder.path().join(&name)).unwrap();
+/// Says hello and asks for the status: a well-behaved client, to which the machine answers. Returns the tick.
+fn tick(address: &str, hello: Hello) -> u32 {
+    // Who was there before keeps the place for some seconds.
+    for _ in 0..200 {
+        let mut asker = Asker::new(address);
+        if let Some(Reply::Hello(identity)) = asker.ask(1, Command::Hello(hello))
+            && let Some(Reply::Status(status)) = asker.ask(identity.next_sequence, Command::Status)
+        {
+            return status.tick;
         }
-        let output = trirrr()
-            .args(["run", &name, "--fast", "--out", "run"])
-            .current_dir(&folder)
-            .output()
-            .unwrap();
-        let said = [&output.stdout, &output.stderr].map(|said| text(said));
-        assert_harmless(&said.concat());
+        thread::sleep(Duration::from_millis(100));
     }
+    panic!("{address} does not answer any more");
 }
 
-/// A board that says hello as the machine of `scene` would, but for its name and what it failed of, and then nothing. Returns its port.
-fn board(scene: Scene) -> String {
-    // A free port: the listener of the crate takes it over.
-    let free = TcpListener::bind("127.0.0.1:0")
-        .unwrap()
-        .local_addr()
-        .unwrap();
-    let listener = Listener::bind(&free.to_string()).unwrap();
-    std::thread::spawn(move || {
-        loop {
-            let Ok(Some((mut link, _))) = listener.accept() else {
-                std::thread::sleep(Duration::from_millis(1));
-                continue;
-            };
-            let mut frames = Frames::default();
-            let mut bytes = [0; 4096];
-            while let Ok(length) = link.receive(&mut bytes, Duration::from_secs(120)) {
-                let mut answers = Vec::new();
-                frames.receive(&bytes[..length], |request: Request<f64>| {
-                    if matches!(request.command, Command::Hello(_)) {
-                        Frames::append(&hello(&scene, &request), &mut answers);
-                    }
-                });
-                if link.send(&answers).is_err() {
-                    break;
-                }
-            }
-        }
-    });
-    format!("tcp:{free}")
+/// The machine answers, and goes on ticking.
+fn lives(device: &Device, hello: Hello, start: u64, after: &str) {
+    let before = tick(&device.address, hello);
+    let later = (0..100).any(|_| tick(&device.address, hello) != before);
+    assert!(later, "no tick after {after}");
+    bounded(device, start, after);
 }
 
-fn hello(scene: &Scene, request: &Request<f64>) -> Message<f64> {
-    let reply = local::with_machine::<f64, _>(scene, |machine| machine.receive(request)).unwrap();
-    let Reply::Hello(mut identity) = reply else {
-        panic!("{reply:?}");
+fn bounded(device: &Device, start: u64, after: &str) {
+    let more = peak_kb(device) - start;
+    println!("{start} kB at the start, {more} kB more after {after}");
+    assert!(more <= MOST_KB, "{more} kB after {after}");
+}
+
+/// A client with the key, to whom the machine answers.
+fn enable(folder: &TempDir, device: &Device) {
+    let port = ["enable", "scene.toml", "--port", &device.address];
+    let mut command = trirrr();
+    command.args(port).args(["--key", "key"]);
+    let output = command.current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+fn folder() -> (TempDir, Hello) {
+    let folder = scene("thesis", &[]);
+    let file = folder.path().join("scene.toml");
+    // A client that is silent gives way soon.
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("timeout_s = 600", "timeout_s = 0.2")).unwrap();
+    let hello = local::hello::<f64>(&Scene::read(&file).unwrap());
+    (folder, hello)
+}
+
+/// 200,000 requests behind a hello, whose answers nobody reads.
+fn unread_requests(address: &str, hello: Hello) -> Asker {
+    let mut asker = Asker::new(address);
+    let Some(Reply::Hello(identity)) = asker.ask(1, Command::Hello(hello)) else {
+        panic!("no hello");
     };
-    let mut hostile = [0; NAME_CAPACITY];
-    hostile[..HOSTILE.len()].copy_from_slice(HOSTILE.as_bytes());
-    identity.name = hostile;
-    identity.board.start = Start::Panic {
-        file: hostile,
-        line: 12,
-    };
-    Message::Reply {
-        sequence: request.sequence,
-        reply: Reply::Hello(identity),
+    let first = identity.next_sequence;
+    assert!(asker.ask(first, Command::Telemetry { every: 1 }).is_some());
+    let mut bytes = Vec::new();
+    for count in 1..=200_000 {
+        let sequence = first.wrapping_add(count);
+        let command = Command::<f64>::Status;
+        Frames::append(&Request { sequence, command }, &mut bytes);
     }
+    // The device does not read on while its answers wait, and the system keeps what it likes.
+    asker.send(&bytes);
+    asker
 }
 
 #[test]
-fn a_board_commands_no_terminal() {
-    let folder = scene("thesis", &[]);
-    let port = board(Scene::read(folder.path().join("scene.toml")).unwrap());
-    let output = stream(&folder, &port, &["--patience", "0.5"]);
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert_harmless(&said);
-    for label in ["board ", "warning ", "a panic in "] {
-        let line = said.lines().find(|line| line.contains(label));
-        assert!(
-            line.is_some_and(|line| line.contains(SHOWN)),
-            "{label} in {said}"
-        );
-    }
+fn no_client_takes_memory_or_ticks() {
+    let (folder, hello) = folder();
+    let device = Device::start(&folder, &[]);
+    tick(&device.address, hello);
+    let start = peak_kb(&device);
+    let _unread = unread_requests(&device.address, hello);
+    lives(&device, hello, start, "200,000 unread requests");
+    let garbage: Vec<u8> = (0..1 << 16_u32)
+        .map(|i: u32| (i.wrapping_mul(0x9e37_79b1) >> 24) as u8)
+        .collect();
+    pour(connect(&device.address), &garbage);
+    lives(&device, hello, start, "endless garbage");
+    pour(connect(&device.address), &[0xa5; 1 << 16]);
+    lives(&device, hello, start, "endless bytes without a zero");
+    pour(connect(&device.address), &[0; 1 << 16]);
+    lives(&device, hello, start, "endless zeros");
+    let many: Vec<_> = (0..64).map(|_| connect(&device.address)).collect();
+    drop(many);
+    lives(&device, hello, start, "64 connections");
+}
+
+#[test]
+fn no_watcher_and_no_half_handshake_takes_memory_or_ticks() {
+    let (folder, hello) = folder();
+    let mut device = Device::start(&folder, &["--watch", "tcp:127.0.0.1:0"]);
+    let watch = device.lines.wait_for("takes watchers");
+    let watch = watch.split(' ').next().unwrap();
+    tick(&device.address, hello);
+    let start = peak_kb(&device);
+    let silent: Vec<_> = (0..64).map(|_| connect(watch)).collect();
+    device.lines.wait_for("16 others watch");
+    // What a watcher gets, no watcher reads: more than the system and the device keep for it.
+    let _unread = unread_requests(&device.address, hello);
+    lives(&device, hello, start, "64 watchers that do not read");
+    pour(connect(watch), &[0; 1 << 16]);
+    lives(&device, hello, start, "an endless watcher");
+    drop(silent);
+
+    let key = trirrr().args(["key", "key"]).current_dir(&folder).status();
+    assert!(key.unwrap().success());
+    let mut device = Device::start(&folder, &["--key", "key"]);
+    enable(&folder, &device);
+    let start = peak_kb(&device);
+    let half: Vec<_> = (0..64)
+        .map(|_| {
+            let mut stream = connect(&device.address);
+            let _ = stream.write_all(b"\x00\x30 half of a handshake");
+            stream
+        })
+        .collect();
+    device.lines.wait_for("others came before it showed a key");
+    bounded(&device, start, "64 halves of handshakes");
+    drop(half);
+    enable(&folder, &device);
 }

@@ -1,16 +1,21 @@
 //! `trirrr stream` and `trirrr device`, each as a process of its own, over TCP and over a
 //! serial port.
 
+mod bridge;
 mod commands;
 mod common;
 mod drives;
 mod faults;
 mod goals;
 mod homing;
+#[cfg(target_os = "linux")]
 mod hostile;
+mod keys;
 mod limits;
 mod links;
 mod paths;
 mod proxy;
 mod resume;
+mod texts;
 mod values;
+mod watching;

@@ -9,7 +9,7 @@ pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
 pub use refusal::refusal;
 
-use trirrr_protocol::message::{Acting, Bounded, Identity, State, Transmit, Violation};
+use trirrr_protocol::message::{Acting, Bounded, Event, Identity, State, Transmit, Violation};
 use trirrr_scene::Scene;
 use trirrr_scene::words::{self, short};
 
@@ -78,6 +78,24 @@ pub fn violation<N: Transmit>(violation: &Violation<N>, ticks: u32, units: &Unit
         text += &format!("; {}", words::long_enough(shortest, units.tick_rate_hz));
     }
     text
+}
+
+/// Describes an event. `None`: a move was admitted, as moves should be. `ticks` is the duration of the move that was judged, 0 where it is not
+/// known.
+pub fn event<N: Transmit>(event: &Event<N>, ticks: u32, units: &Units) -> Option<String> {
+    Some(match event {
+        Event::Verdict(verdict) => {
+            let why = violation(verdict.violation.as_ref()?, ticks, units);
+            let counted = verdict.number.wrapping_add(1);
+            format!("move {counted} is not admitted: {why}")
+        }
+        Event::State {
+            state: now,
+            acting,
+            done,
+        } => format!("{}, {done} moves done", state(*now, *acting)),
+        Event::Fault(latched) => format!("fault: {}", fault(latched, units)),
+    })
 }
 
 /// Describes the state, and the cause that keeps the machine from normal speed.

@@ -1,17 +1,26 @@
 //! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
 //!
 //! A [`Link`] carries bytes, and [`Frames`] finds the messages in them. Once a call has failed, the link
-//! is lost, and the owner opens a new one.
+//! is lost, and the owner opens a new one. A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
 
 mod address;
 mod frames;
+mod key;
+mod raw;
+mod seal;
+mod sealed;
 mod serial;
+mod served;
 mod tcp;
 
 pub use address::{Address, listening};
 pub use frames::Frames;
-pub use tcp::{Listener, TcpLink};
+pub use key::{KeyError, SharedKey, entropy};
+pub use raw::RawMessage;
+pub use seal::KeyRefusal;
+pub use served::{Listener, ServedLink};
 
+use sealed::{PlainLink, SealedLink};
 use std::io;
 use std::time::Duration;
 
@@ -49,6 +58,20 @@ pub enum OpenError {
     /// No program listens at that address.
     #[error("{0}: nothing listens there; `trirrr device` does, or an emulated board")]
     Refused(Address),
+    /// The far end and this one do not have the same key.
+    #[error("{address}: {refusal}")]
+    Key {
+        /// Address of the link.
+        address: Address,
+        /// Reason.
+        refusal: KeyRefusal,
+    },
+    /// The far end has closed the link before it answered the handshake.
+    #[error("{0}: closed before it answered: it may have another client")]
+    Closed(Address),
+    /// A serial port has no key.
+    #[error("{0}: a serial port has no key; leave the key out")]
+    KeyOnSerial(Address),
     /// Another error, in the words of the system.
     #[error("{address}: cannot be opened: {reason}")]
     Other {
@@ -64,8 +87,12 @@ impl OpenError {
     /// or a device started again.
     pub fn may_pass(&self) -> bool {
         match self {
-            Self::Missing(_) | Self::Busy(_) | Self::Refused(_) | Self::Other { .. } => true,
-            Self::Forbidden(_) => false,
+            Self::Missing(_)
+            | Self::Busy(_)
+            | Self::Refused(_)
+            | Self::Closed(_)
+            | Self::Other { .. } => true,
+            Self::Forbidden(_) | Self::Key { .. } | Self::KeyOnSerial(_) => false,
         }
     }
 }
@@ -77,11 +104,44 @@ impl OpenError {
 pub fn open(address: &Address, baud: u32) -> Result<Box<dyn Link>, OpenError> {
     match address {
         Address::Tcp(host_and_port) => tcp::connect(host_and_port)
-            .map(|link| Box::new(link) as Box<dyn Link>)
+            .map(|link| Box::new(PlainLink::new(link)) as Box<dyn Link>)
             .map_err(|error| classify_tcp(address, &error)),
         Address::Serial(path) => serial::open(path, baud)
             .map(|link| Box::new(link) as Box<dyn Link>)
             .map_err(|error| classify_serial(address, &error)),
+    }
+}
+
+/// Opens the link to `address`, whose far end has the same `key`. Waits some seconds at most for its answer.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open_keyed(
+    address: &Address,
+    baud: u32,
+    key: &SharedKey,
+) -> Result<Box<dyn Link>, OpenError> {
+    let Address::Tcp(host_and_port) = address else {
+        // A port that cannot be opened at all is the greater error.
+        open(address, baud)?;
+        return Err(OpenError::KeyOnSerial(address.clone()));
+    };
+    let link = tcp::connect(host_and_port).map_err(|error| classify_tcp(address, &error))?;
+    match SealedLink::greet(link, key) {
+        Ok(link) => Ok(Box::new(link)),
+        Err(error) => Err(classify_greeting(address, &error)),
+    }
+}
+
+fn classify_greeting(address: &Address, error: &io::Error) -> OpenError {
+    let address = address.clone();
+    match (KeyRefusal::of(error), error.kind()) {
+        (Some(refusal), _) => OpenError::Key { address, refusal },
+        (None, io::ErrorKind::UnexpectedEof) => OpenError::Closed(address),
+        (None, _) => OpenError::Other {
+            address,
+            reason: error.to_string(),
+        },
     }
 }
 

@@ -1,0 +1,102 @@
+//! TCP links of a client, with a key and without.
+
+use super::seal::{FirstBytes, PLAIN, Seal};
+use super::tcp::TcpLink;
+use super::{Link, SharedKey};
+use std::io;
+use std::time::{Duration, Instant};
+
+/// Longest wait for the far end to answer a greeting.
+const GREETING_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Connection without a key.
+pub(super) struct PlainLink {
+    link: TcpLink,
+    first: FirstBytes,
+}
+
+impl PlainLink {
+    pub(super) fn new(link: TcpLink) -> Self {
+        Self {
+            link,
+            first: FirstBytes::default(),
+        }
+    }
+}
+
+impl Link for PlainLink {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let length = self.link.receive(buffer, timeout)?;
+        self.first.look(&buffer[..length])?;
+        Ok(length)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.link.send(bytes)
+    }
+}
+
+/// Connection under a key.
+pub(super) struct SealedLink {
+    link: TcpLink,
+    seal: Seal,
+}
+
+impl SealedLink {
+    /// Greets the far end of `link`, and waits for its answer.
+    ///
+    /// # Errors
+    /// [`KeyRefusal`](super::KeyRefusal); [`io::ErrorKind::TimedOut`] if no answer comes; as [`Link`].
+    pub(super) fn greet(link: TcpLink, key: &SharedKey) -> io::Result<Self> {
+        let seal = Seal::of_client(key)?;
+        let mut link = Self { link, seal };
+        let end = Instant::now() + GREETING_TIMEOUT;
+        link.send_sealed()?;
+        while !link.seal.is_open() {
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                let reason = "it does not answer to a key: it may have none";
+                return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
+            }
+            link.read(left)?;
+            link.seal.greet()?;
+        }
+        link.send_sealed()?;
+        Ok(link)
+    }
+
+    /// Reads what comes within `timeout`. Returns false if nothing came.
+    fn read(&mut self, timeout: Duration) -> io::Result<bool> {
+        let mut bytes = [0; PLAIN];
+        let room = self.seal.room().min(bytes.len());
+        let length = self.link.receive(&mut bytes[..room], timeout)?;
+        self.seal.take(&bytes[..length]);
+        Ok(length > 0)
+    }
+
+    fn send_sealed(&mut self) -> io::Result<()> {
+        self.link.send(self.seal.outgoing())?;
+        self.seal.sent(self.seal.outgoing().len());
+        Ok(())
+    }
+}
+
+impl Link for SealedLink {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let end = Instant::now() + timeout;
+        loop {
+            let length = self.seal.open(buffer)?;
+            if length > 0 || !self.read(end.saturating_duration_since(Instant::now()))? {
+                return Ok(length);
+            }
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        for bytes in bytes.chunks(PLAIN) {
+            self.seal.seal(bytes)?;
+            self.send_sealed()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,212 @@
+//! What a watcher knows of a machine, and its lines.
+
+use serde_json::json;
+use std::time::{Duration, Instant};
+use trirrr_client::describe::{self, Units};
+use trirrr_client::transport::RawMessage;
+use trirrr_core::setpoint::Setpoint;
+use trirrr_protocol::message::{Acting, Event, Identity, Message, Reply, Request, State, Transmit};
+use trirrr_protocol::wire::schema;
+use trirrr_scene::{NumberType, in_number_type};
+
+/// What a watcher knows of a machine.
+pub(super) struct View {
+    json: bool,
+    start: Instant,
+    /// Number type and units, once somebody has said hello.
+    machine: Option<(NumberType, Units)>,
+    /// x and y in m, alpha in rad.
+    pose: Option<[f64; 3]>,
+    state: Option<(State, Acting)>,
+    done: Option<u32>,
+    /// Time of the last message.
+    heard: Instant,
+    lines: Vec<String>,
+}
+
+/// Silence of the machine that is worth a word: with a client it says something ten times a second.
+const SILENT: Duration = Duration::from_secs(1);
+
+impl View {
+    pub(super) fn new(json: bool) -> Self {
+        Self {
+            json,
+            start: Instant::now(),
+            machine: None,
+            pose: None,
+            state: None,
+            done: None,
+            heard: Instant::now(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// Returns the lines since the last call.
+    pub(super) fn take_lines(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.lines)
+    }
+
+    /// Takes a message of the machine.
+    pub(super) fn take(&mut self, message: &RawMessage) {
+        self.heard = Instant::now();
+        // An identity has the same bytes in every number type.
+        if let Some(Message::Reply {
+            reply: Reply::Hello(identity),
+            ..
+        }) = message.read::<Message<f64>>()
+        {
+            self.meet(&identity);
+        } else if let Some((number, units)) = self.machine {
+            in_number_type!(number, N => if let Some(message) = message.read::<Message<N>>() {
+                self.hear(&message, &units);
+            });
+        }
+    }
+
+    /// Prints `text`.
+    pub(super) fn note(&mut self, text: &str) {
+        let t = self.start.elapsed().as_secs_f64();
+        self.lines.push(match self.json {
+            true => json!({ "t": t, "event": text }).to_string(),
+            false => format!("{t:>10.3} s  {text}"),
+        });
+    }
+
+    /// Prints what is known.
+    pub(super) fn values(&mut self) {
+        let t = self.start.elapsed().as_secs_f64();
+        let (pose, done) = (self.pose, self.done);
+        let state = self.state;
+        let state = state.map(|(state, acting)| describe::state(state, acting));
+        let silent = Some(self.heard.elapsed()).filter(|silent| *silent > SILENT);
+        let silent = silent.map(|silent| silent.as_secs());
+        if self.json {
+            let line = json!({
+                "t": t, "pose": pose, "state": state, "moves_done": done, "silent_s": silent,
+            });
+            return self.lines.push(line.to_string());
+        }
+        let known = [
+            pose.map(|[x, y, alpha]| format!("x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad")),
+            state,
+            done.map(|done| format!("{done} moves done")),
+            silent.map(|seconds| format!("nothing has come for {seconds} s")),
+        ];
+        let known: Vec<String> = known.into_iter().flatten().collect();
+        let text = match self.machine {
+            None => "no client has said hello yet".into(),
+            Some(_) => known.join(", "),
+        };
+        self.note(&text);
+    }
+
+    /// Learns how the machine counts.
+    fn meet(&mut self, identity: &Identity) {
+        let number = NumberType::ALL
+            .into_iter()
+            .find(|number| in_number_type!(*number, N => key::<N>()) == identity.schema);
+        let name = identity.name.iter().take_while(|byte| **byte != 0);
+        let name: String = name.map(|byte| char::from(*byte)).collect();
+        let Some(number) = number else {
+            self.machine = None;
+            return self.note(&format!("scene {name}: its messages have another layout"));
+        };
+        self.machine = Some((number, Units::of(identity)));
+        let rate = identity.tick_rate_hz;
+        self.note(&format!(
+            "a client said hello: scene {name} in {number}, {rate} ticks per second"
+        ));
+    }
+
+    fn hear<N: Transmit>(&mut self, message: &Message<N>, units: &Units) {
+        match message {
+            Message::Event(event) => {
+                if let Event::State {
+                    state,
+                    acting,
+                    done,
+                } = event
+                {
+                    self.state = Some((*state, *acting));
+                    self.done = Some(*done);
+                }
+                if let Some(text) = describe::event(event, 0, units) {
+                    self.note(&text);
+                }
+            }
+            Message::Telemetry(sample) => {
+                self.state = Some((sample.state, sample.acting));
+                self.pose = Some(pose(&sample.setpoint, units));
+            }
+            Message::Reply {
+                reply: Reply::Status(status),
+                ..
+            } => {
+                self.state = Some((status.state, status.acting));
+                self.done = Some(status.done);
+                // In motion the end of the last move is another pose.
+                if let Some(end) = status.end.filter(|_| status.state.is_at_rest()) {
+                    self.pose = Some(pose(&end, units));
+                }
+            }
+            Message::Reply { .. } | Message::Drives(_) => {}
+        }
+    }
+}
+
+fn pose<N: Transmit>(setpoint: &Setpoint<N>, units: &Units) -> [f64; 3] {
+    let position = setpoint.pose.position;
+    let [x, y] = [position.x, position.y].map(|value| value.to_f64() * units.length_m);
+    [x, y, N::angle_to_f64(setpoint.pose.angle)]
+}
+
+fn key<N: Transmit>() -> u64 {
+    schema::key::<Request<N>, Message<N>>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trirrr_client::transport::Frames;
+
+    fn raw(message: &impl serde::Serialize) -> RawMessage {
+        let mut frame = Vec::new();
+        Frames::append(message, &mut frame);
+        let mut found = None;
+        Frames::default().receive(&frame, |raw| found = Some(raw));
+        found.unwrap()
+    }
+
+    #[test]
+    fn events_count_once_the_number_type_is_known() {
+        let event: Message<f32> = Message::Event(Event::State {
+            state: State::Running,
+            acting: Acting::Nothing,
+            done: 3,
+        });
+        for json in [false, true] {
+            let mut view = View::new(json);
+            view.take(&raw(&event));
+            view.values();
+            let [only] = &view.take_lines()[..] else {
+                panic!("more than the values");
+            };
+            let expected = match json {
+                true => "\"state\":null",
+                false => "no client has said hello yet",
+            };
+            assert!(only.contains(expected), "{only}");
+            view.machine = Some((NumberType::F32, Units::si(1000.0)));
+            view.take(&raw(&event));
+            view.values();
+            let lines = view.take_lines();
+            assert_eq!(lines.len(), 2, "{lines:?}");
+            assert!(lines[0].contains("running, 3 moves done"), "{lines:?}");
+            let expected = match json {
+                true => "\"moves_done\":3",
+                false => "running, 3 moves done",
+            };
+            assert!(lines[1].contains(expected), "{lines:?}");
+        }
+    }
+}
