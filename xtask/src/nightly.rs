@@ -71,7 +71,7 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
-            "goals that cut the motion",
+            "goals that cut the motion, a slow line, a job of eight hours",
             "test",
             &[
                 "--release",

@@ -58,6 +58,9 @@ pub trait LocalService<N: ServiceNumber> {
     /// Counts a tick that came too late.
     fn count_late(&mut self);
 
+    /// Makes the numbers of the conversations to come depend on `noise`, see [`Background::stir`](trirrr_service::Background::stir).
+    fn stir(&mut self, noise: u32);
+
     /// Executes a request. Returns the answer.
     fn receive(&mut self, request: &Request<N>) -> Reply<N>;
 
@@ -286,6 +289,10 @@ where
 
     fn count_late(&mut self) {
         Service::count_late(self);
+    }
+
+    fn stir(&mut self, noise: u32) {
+        Service::stir(self, noise);
     }
 
     fn receive(&mut self, request: &Request<N>) -> Reply<N> {

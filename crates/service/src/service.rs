@@ -188,6 +188,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
         self.foreground.count_late();
     }
 
+    /// Makes the numbers of the conversations to come depend on `noise`, see [`Background::stir`].
+    pub fn stir(&mut self, noise: u32) {
+        self.background.stir(noise);
+    }
+
     /// Reports the latency of the last tick, see [`Foreground::report_timing`]. Returns false if the
     /// tick was late.
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {

@@ -97,7 +97,7 @@ fn unread_requests(address: &str, hello: Hello) -> Asker {
         panic!("no hello");
     };
     let first = identity.next_sequence;
-    assert!(asker.ask(first, Command::Telemetry { every: 1 }).is_some());
+    assert!(asker.ask(first, Command::telemetry(1)).is_some());
     let mut bytes = Vec::new();
     for count in 1..=200_000 {
         let sequence = first.wrapping_add(count);

@@ -11,8 +11,8 @@ use trirrr_protocol::message::{
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
 use trirrr_service::{
-    Adjustable, Channels, Output, PowerTimes, Ramp, Reactions, SceneIdentity, Service, Settings,
-    name,
+    Adjustable, Channels, Output, PowerTimes, Ramp, Reactions, SceneIdentity, Service,
+    ServiceNumber, Settings, name,
 };
 
 /// Ticks per second.
@@ -27,6 +27,7 @@ pub const SCENE: u32 = 77;
 /// Moves that can wait.
 pub const QUEUE: usize = 15;
 
+// The numbers of no machine are longer.
 const LONGEST_REQUEST: usize = decoded_length(longest::<Request<f64>>());
 const LONGEST_MESSAGE: usize = decoded_length(longest::<Message<f64>>());
 
@@ -40,12 +41,12 @@ pub type MessageDecoder = Decoder<LONGEST_MESSAGE>;
 pub type DeviceChannels = Channels<DeviceScene, { QUEUE + 1 }, 64>;
 
 /// The thesis machine, whose parts can be changed.
-pub type DeviceScene = Adjustable<Dynamic<f64>>;
+pub type DeviceScene<N = f64> = Adjustable<Dynamic<N>>;
 
 /// The service, and a decoder in front of it that lets a test see every request.
-pub struct Device<'q> {
+pub struct Device<'q, N: ServiceNumber = f64> {
     /// The service.
-    pub service: Service<'q, DeviceScene>,
+    pub service: Service<'q, DeviceScene<N>>,
     decoder: RequestDecoder,
 }
 
@@ -56,9 +57,14 @@ pub fn home() -> Pose<f64> {
 
 /// The hello that the device accepts.
 pub fn hello() -> Hello {
+    hello_in::<f64>()
+}
+
+/// The hello that the device of this number type accepts.
+pub fn hello_in<N: ServiceNumber>() -> Hello {
     Hello {
         protocol: PROTOCOL,
-        schema: key::<Request<f64>, Message<f64>>(),
+        schema: key::<Request<N>, Message<N>>(),
         scene: SCENE,
     }
 }
@@ -71,33 +77,7 @@ impl<'q> Device<'q> {
         limits: LimitParameters,
         silence_ticks: u32,
     ) -> Self {
-        let settings = Settings {
-            period: 1.0 / TICK_RATE_HZ,
-            ramp: Ramp::within(RAMP_TICKS, None),
-            host_timeout_ticks: silence_ticks,
-            telemetry_every: 0,
-            power: PowerTimes::default(),
-            reactions: Reactions::OFF,
-            planning: None,
-            scene: SceneIdentity {
-                schema: hello().schema,
-                key: SCENE,
-                name: name("torture"),
-                tick_rate_hz: TICK_RATE_HZ,
-                length_m: 1.0,
-                time_s: 1.0,
-                mass_kg: 1.0,
-                reference: Reference::Declared,
-            },
-            board: Board::HOST,
-        };
-        let service = channels
-            .service(Adjustable::new(example(), limits), home(), settings)
-            .expect("the thesis machine stands at its start");
-        Self {
-            service,
-            decoder: Decoder::new(),
-        }
+        Self::standing(channels, limits, silence_ticks, home())
     }
 
     /// Switches the machine on, and its drives.
@@ -113,14 +93,54 @@ impl<'q> Device<'q> {
         while device.service.poll().is_some() {}
         device
     }
+}
 
+impl<'q, N: ServiceNumber> Device<'q, N> {
+    /// Switches the machine on as [`Device::new`] does, where it stands at `pose`.
+    pub fn standing<const MOVES: usize>(
+        channels: &'q mut Channels<DeviceScene<N>, MOVES, 64>,
+        limits: LimitParameters,
+        silence_ticks: u32,
+        pose: Pose<N>,
+    ) -> Self {
+        let settings = Settings {
+            period: N::factor_from_f64(1.0 / TICK_RATE_HZ),
+            ramp: Ramp::within(RAMP_TICKS, None),
+            host_timeout_ticks: silence_ticks,
+            telemetry_every: 0,
+            power: PowerTimes::default(),
+            reactions: Reactions::OFF,
+            planning: None,
+            scene: SceneIdentity {
+                schema: hello_in::<N>().schema,
+                key: SCENE,
+                name: name("torture"),
+                tick_rate_hz: TICK_RATE_HZ,
+                length_m: 1.0,
+                time_s: 1.0,
+                mass_kg: 1.0,
+                reference: Reference::Declared,
+            },
+            board: Board::HOST,
+        };
+        let service = channels
+            .service(Adjustable::new(example(), limits), pose, settings)
+            .expect("the thesis machine stands at its start");
+        Self {
+            service,
+            decoder: Decoder::new(),
+        }
+    }
+}
+
+impl<N: ServiceNumber> Device<'_, N> {
     /// One tick, and what came of it: the sample is there whenever one was asked for.
-    pub fn tick(&mut self) -> Output<f64> {
+    pub fn tick(&mut self) -> Output<N> {
         *self.service.tick()
     }
 
     /// The next sample.
-    pub fn sample(&mut self) -> Option<Telemetry<f64>> {
+    pub fn sample(&mut self) -> Option<Telemetry<N>> {
         self.service.sample()
     }
 
@@ -129,10 +149,10 @@ impl<'q> Device<'q> {
     pub fn receive(
         &mut self,
         mut bytes: &[u8],
-        mut heard: impl FnMut(&Request<f64>),
-        mut answer: impl FnMut(&Message<f64>),
+        mut heard: impl FnMut(&Request<N>),
+        mut answer: impl FnMut(&Message<N>),
     ) {
-        while let Some(frame) = self.decoder.take::<Request<f64>>(&mut bytes) {
+        while let Some(frame) = self.decoder.take::<Request<N>>(&mut bytes) {
             let Ok(request) = frame else {
                 continue;
             };
@@ -161,14 +181,14 @@ pub fn answer(device: &mut Device, request: &Request<f64>) -> Reply<f64> {
 }
 
 /// The frame of a request.
-pub fn request_frame(request: &Request<f64>) -> Vec<u8> {
+pub fn request_frame<N: ServiceNumber>(request: &Request<N>) -> Vec<u8> {
     let mut room = [0; frame_length(LONGEST_REQUEST)];
     let frame = encode(request, &mut room).expect("the room is for the longest request");
     frame.to_vec()
 }
 
 /// The frame of a message.
-pub fn message_frame(message: &Message<f64>) -> Vec<u8> {
+pub fn message_frame<N: ServiceNumber>(message: &Message<N>) -> Vec<u8> {
     let mut room = [0; frame_length(LONGEST_MESSAGE)];
     let frame = encode(message, &mut room).expect("the room is for the longest message");
     frame.to_vec()

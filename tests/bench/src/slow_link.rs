@@ -29,6 +29,12 @@ impl SlowLink {
         self.waiting.is_empty()
     }
 
+    /// Loses all that is on the line.
+    pub fn clear(&mut self) {
+        self.waiting.clear();
+        self.flying.clear();
+    }
+
     /// Takes a frame.
     pub fn send(&mut self, frame: &[u8]) {
         self.waiting.extend(frame);

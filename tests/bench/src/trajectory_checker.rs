@@ -110,6 +110,20 @@ impl<N: Transmit> TrajectoryChecker<N> {
         Ok(last.segment.at(cut.at))
     }
 
+    /// Forgets the moves that are over: those of a long job come and go.
+    pub fn forget_passed(&mut self) {
+        if let Some(before) = &mut self.before {
+            self.moves.drain(..before.index as usize);
+            before.index = 0;
+        }
+    }
+
+    /// Number of moves that the path has not left behind.
+    pub fn ahead(&self) -> usize {
+        let passed = self.before.as_ref().map_or(0, |before| before.index);
+        self.moves.len() - passed as usize
+    }
+
     /// Drops the moves from a number on that are not begun: the machine has dropped them.
     pub fn drop_from(&mut self, number: u32) {
         let begun = self

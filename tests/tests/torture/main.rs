@@ -4,10 +4,12 @@
 //! What has to hold however the line behaves: every job ends complete; each of its moves is executed
 //! once, in order, tick by tick with the setpoints it was offered with; whatever either end takes
 //! for a message was sent as that message. Goals may cut the motion at any time: what is played is the old motion up to
-//! the cut and the new one from there, in the bits, at any pace, within the limits.
+//! the cut and the new one from there, in the bits, at any pace, within the limits. A job goes on where it was when the cable is pulled or the host is
+//! killed.
 
 mod conversation;
 mod errands;
+mod long_job;
 mod slow_line;
 
 use conversation::{Conversation, Tally};
@@ -101,4 +103,34 @@ fn a_delayed_line_keeps_up_with_moves_of_a_tick() {
 #[ignore = "takes minutes; cargo xtask nightly"]
 fn a_delayed_line_keeps_up_with_moves_of_a_tick_for_ten_minutes() {
     play_ticks(600_000);
+}
+
+/// Plays a job with interruptions at random. In each tick the machine puts out what the job asks for: each tick of the job's path
+/// once, the tool where the job has it, and never while the machine stands.
+fn play_long_job(ticks: u64, interruptions: usize, power_cuts: usize) {
+    let count = long_job::play(ticks, interruptions, power_cuts, 1);
+    println!("{count:?}");
+    assert!(count.path_ticks > ticks);
+    assert!(count.cables + count.hosts >= interruptions as u32);
+    assert_eq!(count.powers, power_cuts as u32);
+    // Everything that is there to be tested did happen.
+    assert!(count.cables > 0 && count.hosts > 0);
+    assert!(count.silences > 0, "the machine never waited for its host");
+    assert!(count.dry > 0, "the queue was never empty");
+    assert!(count.lost > 0, "no client found out by itself");
+    assert!(count.between > 0, "no ramp passed a tick of the path");
+    assert!(count.led_ticks > 0, "no way back");
+    assert!(count.repeated > 0, "no request was repeated");
+    assert!(count.tool_ticks > ticks / 3 && count.held_ticks > 0);
+}
+
+#[test]
+fn a_job_survives_its_interruptions() {
+    play_long_job(120_000, 20, 4);
+}
+
+#[test]
+#[ignore = "takes minutes; cargo xtask nightly"]
+fn a_job_of_eight_hours_survives_two_hundred_interruptions() {
+    play_long_job(28_800_000, 200, 20);
 }

@@ -72,7 +72,7 @@ mod tests {
     fn a_message_that_is_passed_on_keeps_its_bytes() {
         let request = Request::<f32> {
             sequence: 300,
-            command: Command::Telemetry { every: 10 },
+            command: Command::telemetry(10),
         };
         let mut frame = Vec::new();
         Frames::append(&request, &mut frame);
