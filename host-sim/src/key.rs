@@ -29,5 +29,7 @@ pub fn command(args: &KeyArgs) -> Result<(), CliError> {
         _ => CliError::Failed(error.to_string()),
     })?;
     let file = args.file.display();
-    print(&format!("{file}: a new key; copy it to the other end by a way that nobody reads\n"))
+    print(&format!(
+        "{file}: a new key; copy it to the other end by a way that nobody reads\n"
+    ))
 }

@@ -43,10 +43,12 @@ struct Client<'a> {
 impl Client<'_> {
     fn ask(&mut self, command: Command<f32>) -> Reply<f32> {
         let sequence = self.sequence;
-        if !matches!(command, Command::Hello(_)) {
-            self.sequence += 1;
+        self.sequence = sequence.wrapping_add(1);
+        let reply = self.machine.receive(&Request { sequence, command });
+        if let Reply::Hello(identity) = &reply {
+            self.sequence = identity.next_sequence;
         }
-        self.machine.receive(&Request { sequence, command })
+        reply
     }
 
     fn done(&mut self, command: Command<f32>) {

@@ -106,18 +106,21 @@ fn is_played<N: ServiceNumber>(scene: &Scene) -> bool {
             sequence: 0,
             command: hello,
         });
-        assert!(matches!(first, Reply::Hello(_)), "{first:?}");
+        let Reply::Hello(identity) = first else {
+            panic!("{first:?}");
+        };
+        let mut sequence = identity.next_sequence;
         let enabled = machine.receive(&Request {
-            sequence: 0,
+            sequence,
             command: Command::Enable,
         });
         assert_eq!(enabled, Reply::Done);
         machine.tick();
-        let mut sequence = 1;
+        sequence = sequence.wrapping_add(1);
         let taken = moves.iter().all(|each| {
             let command = each.command();
             let reply = machine.receive(&Request { sequence, command });
-            sequence += 1;
+            sequence = sequence.wrapping_add(1);
             while machine.work() {}
             reply == Reply::Done
         });

@@ -8,7 +8,7 @@ from pathlib import Path
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, MoveBatch,
-    MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, Reference, Refusal, Reply,
+    MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, AngleReference, Refusal, Reply,
     LeastDuration, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
 
@@ -87,7 +87,7 @@ EXAMPLES = {
         window=8,
         batch=4,
         next_sequence=300,
-        reference=Reference.Homed(),
+        reference=AngleReference.Homed(),
         board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
     )))),
     "status": (F32, Request, Request(301, Command.Status())),

@@ -401,8 +401,8 @@ Registers = Struct(
     address=U32,
 )
 
-Reference = Enum(
-    "Reference",
+AngleReference = Enum(
+    "AngleReference",
     Declared=None,
     Blind=None,
     Homed=None,
@@ -451,7 +451,7 @@ Identity = Struct(
     window=BYTE,
     batch=BYTE,
     next_sequence=U32,
-    reference=Reference,
+    reference=AngleReference,
     board=Board,
 )
 

@@ -217,7 +217,7 @@ fn answers<N: Transmit>(command: &Command<N>, reply: &Reply<N>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_protocol::message::{Board, Identity, NAME_CAPACITY, PROTOCOL, Reference};
+    use trirrr_protocol::message::{AngleReference, Board, Identity, NAME_CAPACITY, PROTOCOL};
 
     const ANSWER: Duration = Duration::from_millis(200);
 
@@ -251,7 +251,7 @@ mod tests {
             window,
             batch: 4,
             next_sequence: 40,
-            reference: Reference::Declared,
+            reference: AngleReference::Declared,
             board: Board::HOST,
         };
         let (request, _) = exchange.receive(&reply(7, Reply::Hello(identity))).unwrap();

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// One thing that is wrong with a scene: where, what, and why.
 ///
 /// Displayed as `12: machine.leg[1].distal_m = -0.2: must be greater than 0 (m)`. Legs, moves and
-/// drives are counted from 1, in keys as in reasons. What the file says is [visible]: it commands no terminal.
+/// drives are counted from 1, in keys as in reasons. What the file says is [visible](visible()): it commands no terminal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Line in the file, from 1. For a missing key, the line of the table it is missing from.

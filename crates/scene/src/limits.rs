@@ -72,7 +72,7 @@ impl Scene {
             .collect()
     }
 
-    /// Warns of the [missing limits](Self::missing_limits), in a sentence that says what to write; none if there are all.
+    /// Returns a warning of the [missing limits](Self::missing_limits) that says what to write; none if none is missing.
     pub fn limits_warning(&self) -> Option<String> {
         let missing = self.missing_limits();
         let list = |part: &dyn Fn(&MissingLimit) -> &'static str, and: &str| {

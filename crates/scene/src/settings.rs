@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
 use trirrr_plan::window::WindowSettings;
-use trirrr_protocol::message::{Board, Message, Reference, Request, Transmit};
+use trirrr_protocol::message::{AngleReference, Board, Message, Request, Transmit};
 use trirrr_protocol::wire::schema;
 use trirrr_service::{Contact, Planning, SceneIdentity, Settings, name};
 
@@ -37,14 +37,14 @@ fn planning<N: Number>(scene: &Scene, units: &Units) -> Planning<N> {
 }
 
 /// The way in which the machine of a scene knows where its motors are.
-fn reference(scene: &Scene) -> Reference {
+fn reference(scene: &Scene) -> AngleReference {
     let is_on_bus = |drives: &[Drive; 3]| drives.iter().any(|drive| drive.can().is_some());
     match &scene.homing {
-        Some(homing) if homing.contact == Contact::Unfelt => Reference::Blind,
-        Some(_) => Reference::Homed,
+        Some(homing) if homing.contact == Contact::Unfelt => AngleReference::Blind,
+        Some(_) => AngleReference::Homed,
         // An encoder on a motor counts from where it is switched on; a drive on the bus knows its joint.
-        None if scene.drives.as_ref().is_some_and(is_on_bus) => Reference::Measured,
-        None => Reference::Declared,
+        None if scene.drives.as_ref().is_some_and(is_on_bus) => AngleReference::Measured,
+        None => AngleReference::Declared,
     }
 }
 

@@ -6,8 +6,8 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Reference, Request, Transmit,
-    WINDOW,
+    AngleReference, Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request,
+    Transmit, WINDOW,
 };
 use trirrr_protocol::wire::schema;
 
@@ -142,7 +142,7 @@ pub struct SceneIdentity {
     /// one unit of mass in kg.
     pub mass_kg: f64,
     /// The way in which the machine knows where its motors are.
-    pub reference: Reference,
+    pub reference: AngleReference,
 }
 
 to_source!(pub [] SceneIdentity [] in trirrr_service {
@@ -213,7 +213,7 @@ impl<N: Transmit> Settings<N> {
                 length_m: 1.0,
                 time_s: 1.0,
                 mass_kg: 1.0,
-                reference: Reference::Declared,
+                reference: AngleReference::Declared,
             },
             board: Board::HOST,
         }

@@ -4,10 +4,10 @@ mod args;
 
 pub use args::BridgeArgs;
 
-use crate::terminal::print_line;
 use crate::failure::CliError;
 use crate::serve::{FrameKind, Hub, Standing, read_key};
 use crate::stream::open_link;
+use crate::terminal::print_line;
 use std::collections::VecDeque;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};

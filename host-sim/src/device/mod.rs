@@ -21,6 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
+use trirrr_client::transport::entropy;
 use trirrr_drives::ObeyingDrives;
 use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
@@ -80,6 +81,7 @@ impl Device<'_> {
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let played = local::with_machine_switched_on::<N, _>(scene, |machine| {
+            machine.stir(entropy());
             let motors = scene.homing.map(|homing| {
                 let commanded = motors::angles(machine.motors());
                 let offset =

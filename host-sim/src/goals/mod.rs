@@ -32,8 +32,7 @@ pub fn goto(args: &GotoArgs, stop: &AtomicBool) -> Result<bool, CliError> {
 /// # Errors
 /// As [`goto()`].
 pub fn park(args: &ParkArgs, stop: &AtomicBool) -> Result<bool, CliError> {
-    let file = &args.machine.scene;
-    let scene = Scene::read(file).map_err(|error| CliError::Refused(error.to_string()))?;
+    let scene = scene_to_move(&args.machine.scene)?;
     let scalar = args.machine.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => park::park::<N>(args, &scene, stop))
 }

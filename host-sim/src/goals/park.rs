@@ -84,7 +84,10 @@ pub(super) fn park<N: ServiceNumber>(
     match failure {
         None => {
             let [x, y] = [pose.position.x, pose.position.y];
-            print(&format!("parked at x {x:.6} m, y {y:.6} m, alpha {:.6} rad\n", pose.angle))?;
+            print(&format!(
+                "parked at x {x:.6} m, y {y:.6} m, alpha {:.6} rad\n",
+                pose.angle
+            ))?;
             Ok(true)
         }
         Some(JobFailure::Stopped { .. }) => Ok(false),

@@ -36,7 +36,10 @@ pub(crate) enum FrameKind {
 impl FrameKind {
     pub(crate) fn of<N: Transmit>(message: &Message<N>) -> Self {
         match message {
-            Message::Reply { reply, .. } if matches!(reply, Reply::Hello(_)) => Self::Identity,
+            Message::Reply {
+                reply: Reply::Hello(_),
+                ..
+            } => Self::Identity,
             Message::Event(Event::State { .. }) => Self::State,
             Message::Telemetry(_) | Message::Drives(_) => Self::Sample,
             Message::Reply { .. } | Message::Event(_) => Self::Other,

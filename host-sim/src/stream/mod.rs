@@ -245,6 +245,7 @@ impl Stream<'_> {
             journal,
             place,
             is_over: false,
+            is_way_told: false,
         };
         if session.drives.is_some() {
             session.client = session.client.with_drives(every);

@@ -48,6 +48,8 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) place: &'a dyn Fn(JobPlace) -> JobPlace,
     /// The board has sent a sample of a tick after the job.
     pub(super) is_over: bool,
+    /// The user was told of the way to the start.
+    pub(super) is_way_told: bool,
 }
 
 impl<N: Transmit> Session<'_, N> {
@@ -78,6 +80,21 @@ impl<N: Transmit> Session<'_, N> {
                 }
             }
             self.journal.note(&self.client, false)?;
+            self.tell_way();
+        }
+    }
+
+    /// Says that the machine goes to the start of the job, and for how long.
+    fn tell_way(&mut self) {
+        let (Some(way), Some(identity)) = (self.client.way(), self.client.identity()) else {
+            return;
+        };
+        if !std::mem::replace(&mut self.is_way_told, true) {
+            let seconds = f64::from(way.ticks) / identity.tick_rate_hz;
+            let text = format!(
+                "the machine goes to the start of the job first, straight, with the tool off: {seconds} s"
+            );
+            self.display.note(&text);
         }
     }
 

@@ -10,11 +10,11 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_scene::visible_lines;
 use trirrr_client::transport::{
     Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey, listening,
 };
-use view::View;
+use trirrr_scene::visible_lines;
+use view::WatchView;
 
 /// Longest wait for the machine before Ctrl-C is looked at.
 const LOOK: Duration = Duration::from_millis(20);
@@ -58,7 +58,7 @@ pub fn command(args: &WatchArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let failed = |error: OpenError| CliError::Failed(error.to_string());
     let mut link = line.open().map_err(failed)?;
     let mut frames = Frames::default();
-    let mut view = View::new(args.json);
+    let mut view = WatchView::new(args.json);
     let mut due = Instant::now() + SECOND;
     while !stop.load(Ordering::Relaxed) {
         let mut bytes = [0; CHUNK];

@@ -10,7 +10,7 @@ use trirrr_protocol::wire::schema;
 use trirrr_scene::{NumberType, in_number_type};
 
 /// What a watcher knows of a machine.
-pub(super) struct View {
+pub(super) struct WatchView {
     json: bool,
     start: Instant,
     /// Number type and units, once somebody has said hello.
@@ -27,7 +27,7 @@ pub(super) struct View {
 /// Silence of the machine that is worth a word: with a client it says something ten times a second.
 const SILENT: Duration = Duration::from_secs(1);
 
-impl View {
+impl WatchView {
     pub(super) fn new(json: bool) -> Self {
         Self {
             json,
@@ -185,7 +185,7 @@ mod tests {
             done: 3,
         });
         for json in [false, true] {
-            let mut view = View::new(json);
+            let mut view = WatchView::new(json);
             view.take(&raw(&event));
             view.values();
             let [only] = &view.take_lines()[..] else {

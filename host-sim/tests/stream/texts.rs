@@ -1,10 +1,10 @@
 //! Files and boards whose texts would command a terminal.
 
 use crate::common::{scene, stream, text, trirrr};
+use std::io::{Read, Write};
 use std::net::TcpListener;
-use std::time::Duration;
 use trirrr_client::local;
-use trirrr_client::transport::{Frames, Link, Listener};
+use trirrr_client::transport::Frames;
 use trirrr_protocol::message::{Command, Message, NAME_CAPACITY, Reply, Request, Start};
 use trirrr_scene::Scene;
 
@@ -87,34 +87,26 @@ fn the_name_of_a_file_commands_no_terminal() {
 
 /// A board that says hello as the machine of `scene` would, but for its name and what it failed of, and then nothing. Returns its port.
 fn board(scene: Scene) -> String {
-    // A free port: the listener of the crate takes it over.
-    let free = TcpListener::bind("127.0.0.1:0")
-        .unwrap()
-        .local_addr()
-        .unwrap();
-    let listener = Listener::bind(&free.to_string()).unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap();
     std::thread::spawn(move || {
-        loop {
-            let Ok(Some((mut link, _))) = listener.accept() else {
-                std::thread::sleep(Duration::from_millis(1));
-                continue;
-            };
+        for mut link in listener.incoming().flatten() {
             let mut frames = Frames::default();
             let mut bytes = [0; 4096];
-            while let Ok(length) = link.receive(&mut bytes, Duration::from_secs(120)) {
+            while let Ok(length @ 1..) = link.read(&mut bytes) {
                 let mut answers = Vec::new();
                 frames.receive(&bytes[..length], |request: Request<f64>| {
                     if matches!(request.command, Command::Hello(_)) {
                         Frames::append(&hello(&scene, &request), &mut answers);
                     }
                 });
-                if link.send(&answers).is_err() {
+                if link.write_all(&answers).is_err() {
                     break;
                 }
             }
         }
     });
-    format!("tcp:{free}")
+    format!("tcp:{port}")
 }
 
 fn hello(scene: &Scene, request: &Request<f64>) -> Message<f64> {

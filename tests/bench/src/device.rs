@@ -6,7 +6,7 @@ use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    Board, Command, Hello, Message, PROTOCOL, Reference, Reply, Request, Telemetry,
+    AngleReference, Board, Command, Hello, Message, PROTOCOL, Reply, Request, Telemetry,
 };
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
@@ -119,7 +119,7 @@ impl<'q, N: ServiceNumber> Device<'q, N> {
                 length_m: 1.0,
                 time_s: 1.0,
                 mass_kg: 1.0,
-                reference: Reference::Declared,
+                reference: AngleReference::Declared,
             },
             board: Board::HOST,
         };

@@ -508,9 +508,12 @@ mod tests {
         let mut sequence = 0;
         let mut ask = |device: &mut Device, command| {
             let request = Request { sequence, command };
-            sequence += u32::from(!matches!(command, Command::Hello(_)));
+            sequence = sequence.wrapping_add(1);
             let reply = answer(device, &request);
             assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
+            if let Reply::Hello(identity) = reply {
+                sequence = identity.next_sequence;
+            }
         };
         ask(&mut device, Command::Hello(hello()));
         ask(&mut device, Command::telemetry(1));

@@ -122,8 +122,9 @@ struct Host<'a, N: ServiceNumber> {
 
 impl<N: ServiceNumber> Host<'_, N> {
     fn play(mut self, hello: Hello) -> Result<Vec<Stretch<N>>> {
-        self.ask(Command::Hello(hello));
-        self.sequence = 0;
+        if let Reply::Hello(identity) = self.ask(Command::Hello(hello)) {
+            self.sequence = identity.next_sequence;
+        }
         ensure!(
             self.ask(Command::telemetry(1)) == Reply::Done,
             "the host's own machine refuses telemetry"
@@ -216,7 +217,7 @@ impl<N: ServiceNumber> Host<'_, N> {
 
     fn ask(&mut self, command: Command<N>) -> Reply<N> {
         let sequence = self.sequence;
-        self.sequence += 1;
+        self.sequence = sequence.wrapping_add(1);
         self.machine.receive(&Request { sequence, command })
     }
 }

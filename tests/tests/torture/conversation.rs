@@ -236,7 +236,8 @@ impl Conversation<'_> {
                 }
                 Action::Finished(result) => {
                     if let Err(failure) = result {
-                        panic!("job {seed}: {}", self.client.describe(&failure));
+                        let status = self.client.status();
+                        panic!("job {seed}: {}: {status:?}", self.client.describe(&failure));
                     }
                     return true;
                 }

@@ -8,8 +8,8 @@ use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity, JobLabel,
-    LeastDuration, Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove, Reference,
+    Acting, AngleReference, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity,
+    JobLabel, LeastDuration, Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove,
     Refusal, Reply, Request, Start, State, Telemetry, TelemetryFields, Transmit, Verdict,
     Violation,
 };
@@ -155,7 +155,7 @@ fn identity() -> Message<f32> {
             window: 8,
             batch: 4,
             next_sequence: 300,
-            reference: Reference::Homed,
+            reference: AngleReference::Homed,
             board: Board {
                 timer_hz: 168_000_000,
                 clock: Clock::Crystal,

@@ -2,7 +2,7 @@
 //! functions it calls at which depth.
 
 use super::condition::Condition;
-use super::instruction::{Flow, LR};
+use super::instruction::{Flow, LR, Value};
 use super::program::Program;
 use super::state::{Facts, Known};
 use anyhow::{Context, Result, bail, ensure};
@@ -170,12 +170,32 @@ impl<'a> Walk<'a> {
         function.is_some_and(|function| (self.entry..function.end).contains(&address))
     }
 
-    /// Returns the targets of a table. It ends where code begins, or where an entry leads to no code of
+    /// Returns the addresses of the constants that the function loads.
+    fn literals(&self) -> BTreeSet<u32> {
+        let function = self.program.functions.get(&self.entry);
+        let end = function.map_or(self.entry, |function| function.end);
+        let mut literals = BTreeSet::new();
+        let mut at = self.entry;
+        while at < end {
+            let instruction = match self.program.is_code(at) {
+                true => self.program.instruction(at).ok(),
+                false => None,
+            };
+            if let Some(Value::Literal(address)) = instruction.as_ref().map(|each| each.value) {
+                literals.insert(address);
+            }
+            at += instruction.map_or(2, |each| each.length);
+        }
+        literals
+    }
+
+    /// Returns the targets of a table. It ends where code begins or a constant of the function, or where an entry leads to no code of
     /// this function. Entries read beyond its end make more ways, not less.
     fn table(&self, table: u32, size: u32, target: impl Fn(u32) -> u32) -> Result<Vec<u32>> {
+        let literals = self.literals();
         let targets: Vec<u32> = (0..)
             .map(|nth| table + size * nth)
-            .take_while(|at| !self.program.is_code(*at))
+            .take_while(|at| !self.program.is_code(*at) && !literals.contains(&(at & !3)))
             .map_while(|at| match size {
                 1 => self.program.byte(at),
                 2 => self.program.halfword(at).map(u32::from),

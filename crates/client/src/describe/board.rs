@@ -1,6 +1,6 @@
 //! Words for what a board reports of itself.
 
-use trirrr_protocol::message::{Clock, Reference, Registers, Start};
+use trirrr_protocol::message::{AngleReference, Clock, Registers, Start};
 use trirrr_scene::visible;
 
 /// Describes a clock that is not as it should be.
@@ -18,12 +18,12 @@ pub fn clock(clock: Clock) -> Option<&'static str> {
 }
 
 /// Describes what nobody has measured of where the motors are.
-pub fn reference(reference: Reference) -> Option<&'static str> {
+pub fn reference(reference: AngleReference) -> Option<&'static str> {
     match reference {
-        Reference::Blind => Some(
+        AngleReference::Blind => Some(
             "homed without a signal: nothing has told that the motors reached their stops; compare a pose with the machine",
         ),
-        Reference::Declared | Reference::Homed | Reference::Measured => None,
+        AngleReference::Declared | AngleReference::Homed | AngleReference::Measured => None,
     }
 }
 

@@ -78,6 +78,8 @@ pub struct JobClient<N: Transmit> {
     progress: JobProgress<N>,
     identity: Option<Identity>,
     status: Option<Status<N>>,
+    /// Request with which the machine has taken moves last, in this conversation.
+    last_taken: Option<u32>,
     /// Dry ticks of the machine at the first status.
     dry_before: u32,
     approach: Approach<N>,
@@ -140,6 +142,7 @@ impl<N: Transmit> JobClient<N> {
             progress: JobProgress::new(work),
             identity: None,
             status: None,
+            last_taken: None,
             dry_before: 0,
             approach: Approach {
                 homing: true,
@@ -193,6 +196,11 @@ impl<N: Transmit> JobClient<N> {
     pub fn attached(mut self, taken: u32) -> Self {
         self.approach.attachment = Some(taken);
         self
+    }
+
+    /// Returns the way to the start of the job that the machine has taken, while it is on it.
+    pub fn way(&self) -> Option<&Move<N>> {
+        self.approach.way.as_ref()
     }
 
     /// Returns the failure by which the job has ended.
@@ -351,7 +359,12 @@ impl<N: Transmit> JobClient<N> {
             Reply::Hello(identity) => self.on_hello(identity),
             Reply::Status(status) => self.on_status(sequence, status, now),
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Done => self.on_done(&command, now),
+            Reply::Done => {
+                if command.offered().is_some() {
+                    self.last_taken = Some(sequence);
+                }
+                self.on_done(&command, now);
+            }
             // The client asks for none, and the exchange has the other.
             Reply::Section(_) | Reply::Kept { .. } => {}
         }

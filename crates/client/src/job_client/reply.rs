@@ -8,6 +8,7 @@ use trirrr_protocol::message::{Acting, Command, Identity, Refusal, State, Transm
 
 impl<N: Transmit> JobClient<N> {
     pub(super) fn on_hello(&mut self, identity: Identity) {
+        self.last_taken = None;
         self.schedule.adapt_to(&identity);
         self.progress.set_batch(identity.batch);
         self.identity = Some(identity);

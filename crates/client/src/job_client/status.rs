@@ -11,6 +11,11 @@ use trirrr_protocol::message::{Acting, Move, Recovery, Request, State, Status, T
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
     pub(super) fn on_status(&mut self, sequence: u32, status: Status<N>, now: Duration) {
+        let is_overtaken = |taken: u32| taken.wrapping_sub(sequence) as i32 > 0;
+        if self.last_taken.is_some_and(is_overtaken) {
+            // It knows less than the answer that overtook it.
+            return self.schedule.look_at(now);
+        }
         self.schedule.looked(now);
         let behind = |request: &&Request<N>| request.sequence.wrapping_sub(sequence) as i32 > 0;
         let flying = self.exchange.open().filter(behind);
@@ -155,7 +160,7 @@ impl<N: Transmit> JobClient<N> {
     /// Phase of a machine that stands where the job may start, or plays it already.
     fn at_start(&mut self, status: &Status<N>) -> Phase<N> {
         self.progress.resume_behind(self.progress.taken(status));
-        if let Some(way) = self.way(status) {
+        if let Some(way) = self.way_from(status) {
             return Phase::Approaching(way);
         }
         match self.is_played(status) {
@@ -165,7 +170,7 @@ impl<N: Transmit> JobClient<N> {
     }
 
     /// Way to the start of the job, for a machine that stands elsewhere and has nothing of a job.
-    fn way(&self, status: &Status<N>) -> Option<Move<N>> {
+    fn way_from(&self, status: &Status<N>) -> Option<Move<N>> {
         let is_free = status.state == State::Idle && status.next == status.done;
         if !is_free || self.progress.has_taken() != 0 || self.approach.attachment.is_some() {
             return None;

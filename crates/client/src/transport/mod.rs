@@ -7,6 +7,7 @@ mod address;
 mod frames;
 mod key;
 mod raw;
+mod refusal;
 mod seal;
 mod sealed;
 mod serial;
@@ -17,7 +18,7 @@ pub use address::{Address, listening};
 pub use frames::Frames;
 pub use key::{KeyError, SharedKey, entropy};
 pub use raw::RawMessage;
-pub use seal::KeyRefusal;
+pub use refusal::KeyRefusal;
 pub use served::{Listener, ServedLink};
 
 use sealed::{PlainLink, SealedLink};

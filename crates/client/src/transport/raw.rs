@@ -79,7 +79,7 @@ mod tests {
         let mut raw: Vec<RawMessage> = Vec::new();
         Frames::default().receive(&frame, |message| raw.push(message));
         assert_eq!(raw.len(), 1);
-        assert_eq!(raw[0].bytes(), [0xac, 0x02, 11, 10]);
+        assert_eq!(raw[0].bytes(), [0xac, 0x02, 11, 10, 127]);
         assert_eq!(raw[0].read::<Request<f32>>(), Some(request));
         assert_eq!(raw[0].read::<Message<f32>>(), None);
         let mut again = Vec::new();

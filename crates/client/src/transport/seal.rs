@@ -12,6 +12,7 @@
 //! changed, repeated or left out ends the link. Each link has new keys, which nobody can compute later from the shared one.
 
 use super::key::SharedKey;
+use super::refusal::{KeyRefusal, ends, told};
 use snow::{Builder, HandshakeState, TransportState};
 use std::io;
 
@@ -39,50 +40,6 @@ const RECORD: usize = PREFIX + PLAIN + TAG;
 /// First two bytes of a client with a key. No plain client begins so: its first frame, a hello, is shorter than its first block
 /// would be.
 pub(super) const WITH_KEY: [u8; PREFIX] = (GREETING as u16).to_be_bytes();
-
-/// Reason why two ends do not come together, as the client finds it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum KeyRefusal {
-    /// The machine has another key.
-    #[error("the far end did not accept the key: it has another one")]
-    Other,
-    /// The machine has a key, the client has none.
-    #[error("the far end expects a key: give its key file with --key")]
-    Needed,
-    /// The client has a key, the machine has none.
-    #[error("the far end has no key: leave the key out, or give the far end the same one")]
-    Unknown,
-    /// The far end does not answer as a machine does.
-    #[error("what answers there does not know how to use a key")]
-    Foreign,
-}
-
-impl KeyRefusal {
-    /// Words that a machine sends in place of its handshake. They prove nothing, and tell the user more than a closed line.
-    const fn words(self) -> Option<&'static [u8]> {
-        match self {
-            Self::Other => Some(b"\x00\x11trirrr: other key"),
-            Self::Needed => Some(b"\x00\x12trirrr: key needed"),
-            Self::Unknown => Some(b"\x00\x13trirrr: no key here"),
-            Self::Foreign => None,
-        }
-    }
-
-    /// Returns what a machine sends to say so.
-    pub(super) fn record(self) -> &'static [u8] {
-        self.words().unwrap_or_default()
-    }
-
-    /// Returns the refusal in `error`, if it is one.
-    pub fn of(error: &io::Error) -> Option<Self> {
-        error.get_ref()?.downcast_ref().copied()
-    }
-
-    /// Returns the refusal as the error of a link.
-    pub(super) fn error(self) -> io::Error {
-        io::Error::new(io::ErrorKind::PermissionDenied, self)
-    }
-}
 
 /// State of the conversation under the seal.
 enum Noise {
@@ -317,45 +274,6 @@ fn prefix(bytes: &[u8]) -> Option<[u8; PREFIX]> {
     bytes.first_chunk().copied()
 }
 
-/// Returns the refusal whose words `matches` what was received.
-fn told(received: &[u8], matches: impl Fn(&[u8], &[u8]) -> bool) -> Option<KeyRefusal> {
-    let all = [KeyRefusal::Other, KeyRefusal::Needed, KeyRefusal::Unknown];
-    all.into_iter()
-        .find(|refusal| matches(refusal.record(), received))
-}
-
-/// Returns true if the words of a refusal are complete.
-fn ends(received: &[u8]) -> bool {
-    told(received, |words, received| words == received).is_some()
-}
-
-/// Watches the first bytes of a far end without a key for the words that it expects one.
-#[derive(Default)]
-pub(super) struct FirstBytes {
-    matched: usize,
-    is_over: bool,
-}
-
-impl FirstBytes {
-    /// Looks at bytes as they come.
-    ///
-    /// # Errors
-    /// The far end expects a key.
-    pub(super) fn look(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if self.is_over {
-            return Ok(());
-        }
-        let words = &KeyRefusal::Needed.record()[self.matched..];
-        let length = words.len().min(bytes.len());
-        self.is_over = words[..length] != bytes[..length];
-        self.matched += length;
-        match !self.is_over && length == words.len() {
-            true => Err(KeyRefusal::Needed.error()),
-            false => Ok(()),
-        }
-    }
-}
-
 /// Error of a library that was asked for what it cannot do.
 fn broken(error: snow::Error) -> io::Error {
     io::Error::other(format!("the key cannot be used: {error}"))
@@ -484,16 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn words_of_a_refusal_have_their_length_in_front() {
-        for refusal in [KeyRefusal::Other, KeyRefusal::Needed, KeyRefusal::Unknown] {
-            let words = refusal.record();
-            let length = usize::from(u16::from_be_bytes(prefix(words).unwrap()));
-            assert_eq!(words.len(), PREFIX + length, "{refusal:?}");
-            let mut first = FirstBytes::default();
-            let ends = first.look(&words[..1]).and(first.look(&words[1..]));
-            assert_eq!(ends.is_err(), refusal == KeyRefusal::Needed);
-            assert!(first.look(b"\x00").is_ok() || refusal == KeyRefusal::Needed);
-        }
+    fn what_is_no_machine_with_a_key_is_named() {
         let mut client = Seal::of_client(&SharedKey::random().unwrap()).unwrap();
         client.take(b"\x01\x18");
         let error = client.greet().unwrap_err();

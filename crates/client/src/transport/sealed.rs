@@ -1,6 +1,7 @@
 //! TCP links of a client, with a key and without.
 
-use super::seal::{FirstBytes, PLAIN, Seal};
+use super::refusal::FirstBytes;
+use super::seal::{PLAIN, Seal};
 use super::tcp::TcpLink;
 use super::{Link, SharedKey};
 use std::io;

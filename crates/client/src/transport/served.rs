@@ -2,7 +2,8 @@
 
 use super::SharedKey;
 use super::closed;
-use super::seal::{KeyRefusal, PLAIN, Seal, WITH_KEY};
+use super::refusal::KeyRefusal;
+use super::seal::{PLAIN, Seal, WITH_KEY};
 use super::tcp::{is_closed, is_for_want_of_time, taken};
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};

@@ -18,7 +18,7 @@ pub struct Board {
 
 /// The way in which a machine knows where its motors are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-pub enum Reference {
+pub enum AngleReference {
     /// Nothing has told it: it counts from the start of the scene's job, where its user has to place it before the drives go on.
     Declared,
     /// Its homing turns the motors for as long as the way to their stops can take. Nothing has told that they have reached them.
@@ -29,7 +29,7 @@ pub enum Reference {
     Measured,
 }
 
-to_source!(pub Reference in trirrr_protocol::message: Declared, Blind, Homed, Measured);
+to_source!(pub AngleReference in trirrr_protocol::message: Declared, Blind, Homed, Measured);
 
 /// Source of a board's clock. The source tells how true the rate of ticks is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]

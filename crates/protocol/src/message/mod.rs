@@ -28,7 +28,7 @@ mod telemetry;
 mod tests;
 mod violation;
 
-pub use board::{Board, Clock, Reference, Registers, Start};
+pub use board::{AngleReference, Board, Clock, Registers, Start};
 pub use command::{
     AllMoves, Command, Goal, Hello, JobLabel, MoveContents, OfferedMoves, QuinticContent, Recovery,
     Request,

@@ -1,7 +1,7 @@
 //! Messages that a machine sends.
 
 use super::Transmit;
-use super::board::{Board, Reference};
+use super::board::{AngleReference, Board};
 use super::command::JobLabel;
 use super::drive::{DriveSample, NotEnabled};
 use super::refusal::Refusal;
@@ -122,7 +122,7 @@ pub struct Identity {
     /// anything.
     pub next_sequence: u32,
     /// The way in which the machine knows where its motors are.
-    pub reference: Reference,
+    pub reference: AngleReference,
     /// Board that carries the machine.
     pub board: Board,
 }

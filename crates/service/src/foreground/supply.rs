@@ -307,10 +307,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 limit: N::ZERO,
             });
         }
-        let is_on = match self.state {
-            State::Enabling => self.supply.phase == EnablePhase::Done,
-            _ => self.output.is_on(),
-        };
+        // Drives that go on, also of a machine that is disabled meanwhile, are not on yet.
+        let is_on = self.output.is_on() && self.supply.phase == EnablePhase::Done;
         let Some(watch) = self.feedback.get_mut().filter(|_| is_on) else {
             return;
         };

@@ -112,7 +112,7 @@ struct Rig<N: ServiceNumber> {
     powers: Vec<Power>,
 }
 
-fn angles_at(pose: [f64; 3]) -> Option<[f64; 3]> {
+pub(super) fn angles_at(pose: [f64; 3]) -> Option<[f64; 3]> {
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let [x, y, alpha] = pose;
     let position = geometry.position(&Pose::from_f64(x, y, alpha)).ok()?;

@@ -145,7 +145,10 @@ fn a_machine_without_torques_has_no_limit_of_them() {
     let mut sequence = 0;
     let mut ask = |command| {
         let reply = hear(&mut background, sequence, command);
-        sequence += u32::from(!matches!(command, Command::Hello(_)));
+        sequence = match &reply {
+            Reply::Hello(identity) => identity.next_sequence,
+            _ => sequence.wrapping_add(1),
+        };
         while background.step() {}
         reply
     };

@@ -41,6 +41,7 @@ fn the_halves_need_nothing_but_their_queues() {
             scene: 0,
         };
         hear(&mut background, 0, Command::Hello(hello));
+        background.next_sequence_is(0);
         assert_eq!(ask(Command::Enable, &mut background), Reply::Done);
         while background.status().state != State::Idle {
             thread::yield_now();

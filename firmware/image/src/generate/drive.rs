@@ -166,11 +166,14 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// The thesis scene with these drives, at 100 ticks per second.
+    /// The thesis scene with these drives in place of its limits, at 100 ticks per second.
     fn with(drives: &str) -> Scene {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/thesis.toml");
         let text = std::fs::read_to_string(&file).expect("a shipped scene");
-        let text = text.replacen("[platform]", &format!("{drives}\n[platform]"), 1);
+        let limits = "[limits]\nrate_rad_s = 2.0\ntorque_nm = 0.1\n";
+        assert!(text.contains(limits), "the limits come with the drives");
+        let drives = format!("{drives}\n[platform]");
+        let text = text.replace(limits, "").replacen("[platform]", &drives, 1);
         Scene::parse(&text, "test.toml").expect("a good scene")
     }
 

@@ -51,9 +51,10 @@ impl Host {
         let reply = self
             .background
             .receive(&Request { sequence, command }, sequence);
-        if !matches!(command, Command::Hello(_)) {
-            self.sequence = sequence.wrapping_add(1);
-        }
+        self.sequence = match &reply {
+            Reply::Hello(identity) => identity.next_sequence,
+            _ => sequence.wrapping_add(1),
+        };
         reply
     }
 
