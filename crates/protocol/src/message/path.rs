@@ -18,9 +18,9 @@ pub struct PathPiece<N: Number> {
     pub curve: PathCurve<N>,
     /// Greatest speed of D, positive; 0 for none.
     pub feed: N,
-    /// The tool's power, as in a [`Move`].
+    /// The tool's power, as in a [`Move`](super::Move).
     pub tool_power: N,
-    /// Speed of the tool at which it has that power, as in a [`Move`].
+    /// Speed of the tool at which it has that power, as in a [`Move`](super::Move).
     pub tool_speed: N,
     /// True for the last piece of the path. The machine plans as soon as it has room for no more, or has the last one.
     pub last: bool,
