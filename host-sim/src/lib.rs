@@ -2,10 +2,10 @@
 //!
 //! [`run`] plays a scene's job through the machine's service, in real time or as fast as the
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
-//! port, and [`bridge`] the line of a board; [`serve`] is what both share, [`watch`] looks on, and [`key`] writes their keys. [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives. [`eval`] evaluates a
-//! table of cases.
-//! [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms. [`report`] measures errors and run times.
-//! What any of them says goes through [`terminal`].
+//! port, and [`bridge`] the line of a board. Both share [`serve`]; [`watch`] looks on, and [`key`] writes their keys.
+//! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
+//! [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
+//! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
 

@@ -23,7 +23,7 @@ pub struct BridgeArgs {
     /// Key file of the board's port, if it is a TCP port that expects a key
     #[arg(long, value_name = "FILE")]
     pub far_key: Option<PathBuf>,
-    /// Who may connect, and how.
+    /// Ports that clients and watchers connect to.
     #[command(flatten)]
     pub listen: ListenArgs,
 }

@@ -261,23 +261,14 @@ mod tests {
     use super::*;
     use trirrr_protocol::message::Reply;
 
-    /// The bytes of `message`, as a bridge gets them.
-    fn raw(message: &impl serde::Serialize) -> RawMessage {
-        let mut frame = Vec::new();
-        Frames::append(message, &mut frame);
-        let mut found = None;
-        Frames::default().receive(&frame, |raw| found = Some(raw));
-        found.unwrap()
-    }
-
     #[test]
     fn the_number_of_a_request_and_of_its_answer_are_read() {
         for sequence in [0, 127, 128, 300, u32::MAX] {
             let command = Command::<f32>::Status;
-            let request = raw(&Request { sequence, command });
+            let request = RawMessage::of(&Request { sequence, command }).unwrap();
             assert_eq!(number(request.bytes()), Some(sequence));
             let reply = Reply::<f32>::Done;
-            let answer = raw(&Message::Reply { sequence, reply });
+            let answer = RawMessage::of(&Message::Reply { sequence, reply }).unwrap();
             assert_eq!(answer.bytes()[0], REPLY);
             assert_eq!(number(&answer.bytes()[1..]), Some(sequence));
         }

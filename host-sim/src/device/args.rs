@@ -19,7 +19,7 @@ pub struct DeviceArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
-    /// Who may connect, and how.
+    /// Ports that clients and watchers connect to.
     #[command(flatten)]
     pub listen: ListenArgs,
     /// Number type to compute in [default: the scene's]

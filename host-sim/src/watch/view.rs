@@ -1,4 +1,4 @@
-//! What a watcher knows of a machine, and its lines.
+//! Knowledge of a watcher about a machine, and its lines.
 
 use serde_json::json;
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use trirrr_protocol::message::{Acting, Event, Identity, Message, Reply, Request,
 use trirrr_protocol::wire::schema;
 use trirrr_scene::{NumberType, in_number_type};
 
-/// What a watcher knows of a machine.
+/// Knowledge of a watcher about a machine.
 pub(super) struct WatchView {
     json: bool,
     start: Instant,
@@ -167,15 +167,6 @@ fn key<N: Transmit>() -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_client::transport::Frames;
-
-    fn raw(message: &impl serde::Serialize) -> RawMessage {
-        let mut frame = Vec::new();
-        Frames::append(message, &mut frame);
-        let mut found = None;
-        Frames::default().receive(&frame, |raw| found = Some(raw));
-        found.unwrap()
-    }
 
     #[test]
     fn events_count_once_the_number_type_is_known() {
@@ -186,7 +177,7 @@ mod tests {
         });
         for json in [false, true] {
             let mut view = WatchView::new(json);
-            view.take(&raw(&event));
+            view.take(&RawMessage::of(&event).unwrap());
             view.values();
             let [only] = &view.take_lines()[..] else {
                 panic!("more than the values");
@@ -197,7 +188,7 @@ mod tests {
             };
             assert!(only.contains(expected), "{only}");
             view.machine = Some((NumberType::F32, Units::si(1000.0)));
-            view.take(&raw(&event));
+            view.take(&RawMessage::of(&event).unwrap());
             view.values();
             let lines = view.take_lines();
             assert_eq!(lines.len(), 2, "{lines:?}");

@@ -42,8 +42,7 @@ fn a_bridge_carries_a_serial_line() {
     let folder = scene("thesis", &[]);
     let board = Device::start(&folder, &[]);
     let port = crate::proxy::serial(&board.address);
-    let bridge = ["bridge", "--port", &port, "--listen", "tcp:127.0.0.1:0"];
-    let bridge = Device::start_as(&folder, &bridge);
+    let bridge = Device::bridge(&folder, &port);
     let output = stream(&folder, &bridge.address, &[]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert_eq!(ticks(&folder.path().join("out")), run(&folder));
@@ -53,14 +52,7 @@ fn a_bridge_carries_a_serial_line() {
 fn a_browser_does_not_reach_the_board() {
     let folder = scene("thesis", &[]);
     let mut board = Device::start(&folder, &[]);
-    let bridge = [
-        "bridge",
-        "--port",
-        &board.address,
-        "--listen",
-        "tcp:127.0.0.1:0",
-    ];
-    let mut bridge = Device::start_as(&folder, &bridge);
+    let mut bridge = Device::bridge(&folder, &board.address);
     board.lines.wait_for("is connected");
     let mut browser = TcpStream::connect(bridge.address.strip_prefix("tcp:").unwrap()).unwrap();
     // A frame in the body, behind a zero: the hello of docs/wire.md.
@@ -88,8 +80,7 @@ fn a_bridge_finds_its_board_again() {
     let folder = scene("thesis", &[("duration_s = 1.0", "duration_s = 600.0")]);
     let board = Device::start(&folder, &[]);
     let address = board.address.clone();
-    let bridge = ["bridge", "--port", &address, "--listen", "tcp:127.0.0.1:0"];
-    let mut bridge = Device::start_as(&folder, &bridge);
+    let mut bridge = Device::bridge(&folder, &address);
     let mut first = crate::common::Streaming::start(&folder, &bridge.address, &["--patience", "1"]);
     first.lines.wait_for("running");
     board.process.kill();

@@ -146,6 +146,12 @@ impl Device {
         Self::start_as(folder, &[&device, more].concat())
     }
 
+    /// A bridge in the place of a device, to the board at `port`.
+    pub(crate) fn bridge(folder: &TempDir, port: &str) -> Self {
+        let arguments = ["bridge", "--port", port, "--listen", "tcp:127.0.0.1:0"];
+        Self::start_as(folder, &arguments)
+    }
+
     /// `trirrr` with these arguments: a device, or a bridge in its place.
     pub(crate) fn start_as(folder: &TempDir, arguments: &[&str]) -> Self {
         let mut child = trirrr()

@@ -1,4 +1,4 @@
-//! Who gets in: addresses beyond this computer, keys, and numbers that are tried.
+//! Ways to get in: addresses beyond this computer, keys, and numbers that are tried.
 
 use crate::common::{Asker, Device, run, scene, stream, text, ticks, trirrr};
 use tempfile::TempDir;
@@ -209,14 +209,7 @@ fn numbers_cannot_be_tried_one_after_the_other() {
     let folder = scene("thesis", &[]);
     let hello = hello(&folder);
     let board = Device::start(&folder, &[]);
-    let bridge = [
-        "bridge",
-        "--port",
-        &board.address,
-        "--listen",
-        "tcp:127.0.0.1:0",
-    ];
-    let mut bridge = Device::start_as(&folder, &bridge);
+    let mut bridge = Device::bridge(&folder, &board.address);
     let mut device = Device::start(&folder, &[]);
     for (served, is_bridge) in [(&mut device, false), (&mut bridge, true)] {
         for says_hello in [true, false] {

@@ -14,7 +14,7 @@ const HOSTILE: &str = "\u{1b}]0;owned\u{7}\u{1b}[31m\u{9b}2J\u{202e}\r\nx\u{7f}"
 /// The same, in a string of TOML.
 const IN_TOML: &str = r"\u001b]0;owned\u0007\u001b[31m\u009b2J\u202e\r\nx\u007f";
 
-/// What is shown of its begin.
+/// Its begin, as it is shown.
 const SHOWN: &str = r"\u{1b}]0;owned\u{7}";
 
 fn assert_harmless(said: &str) {

@@ -9,7 +9,7 @@ use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_protocol::message::{AnyMove, State};
-use trirrr_scene::offer;
+use trirrr_scene::{JobMove, Scene, offer};
 use trirrr_service::ServiceNumber;
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
@@ -85,25 +85,49 @@ pub(crate) fn run<N: ServiceNumber>(
     Ok(())
 }
 
-/// A random job where the scene's starts.
+/// Times that a job is slowed down by. As it is drawn its moves need more torque than small motors have.
+const SLOWER: u32 = 8;
+
 fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<AnyMove<N>> {
-    let mut scene = expected.scene.clone();
+    offer::moves(&with_random_job(&expected.scene, random), &expected.units)
+}
+
+/// The scene with a random job where its own starts, slow enough for its limits.
+fn with_random_job(scene: &Scene, random: &mut Random) -> Scene {
+    let mut scene = scene.clone();
+    let slower = f64::from(SLOWER);
     // Only an image whose scene has quintics plays any.
     let moves = random_job(random, scene.job.start, scene.job.has_quintics());
-    scene.job.moves = moves
-        .iter()
-        .map(|each| {
-            let common = each.common();
-            trirrr_scene::JobMove {
-                from: common.from,
-                to: common.to,
-                start_velocity: common.start_velocity.into(),
-                end_velocity: common.end_velocity.into(),
-                accelerations: each.accelerations().map(|both| both.map(Into::into)),
-                duration_ticks: common.ticks,
-                tool: None,
-            }
-        })
-        .collect();
-    offer::moves(&scene, &expected.units)
+    let slowed = moves.iter().map(|each| {
+        let common = each.common();
+        let accelerations = each.accelerations();
+        JobMove {
+            from: common.from,
+            to: common.to,
+            start_velocity: common.start_velocity.map(|each| each / slower).into(),
+            end_velocity: common.end_velocity.map(|each| each / slower).into(),
+            accelerations: accelerations
+                .map(|ends| ends.map(|end| end.map(|each| each / slower.powi(2)).into())),
+            duration_ticks: common.ticks * SLOWER,
+            tool: None,
+        }
+    });
+    scene.job.moves = slowed.collect();
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_jobs_are_admitted() {
+        let chained = include_str!("../../../scenes/chained.toml");
+        let scene = Scene::parse(chained, "chained.toml").expect("a shipped scene");
+        let mut random = Random::new(1);
+        for job in 0..300 {
+            let scene = with_random_job(&scene, &mut random);
+            assert!(scene.longest_stop().is_some(), "job {job}: {:?}", scene.job);
+        }
+    }
 }

@@ -17,14 +17,24 @@ impl RawMessage {
         &self.0
     }
 
+    /// Returns the bytes of `message`. `None` where it is longer than any message.
+    pub fn of<T: Serialize>(message: &T) -> Option<Self> {
+        converted(message)
+    }
+
     /// Reads the message as a `T`. `None` where it is none.
     pub fn read<T: DeserializeOwned>(&self) -> Option<T> {
-        let mut frame = Vec::new();
-        Frames::append(self, &mut frame);
-        let mut found = None;
-        Frames::default().receive(&frame, |message| found = Some(message));
-        found
+        converted(self)
     }
+}
+
+/// Reads `message` as another type that has the same bytes, over the frame that both have.
+fn converted<T: Serialize, U: DeserializeOwned>(message: &T) -> Option<U> {
+    let mut frame = Vec::new();
+    Frames::append(message, &mut frame);
+    let mut found = None;
+    Frames::default().receive(&frame, |message| found = Some(message));
+    found
 }
 
 impl Serialize for RawMessage {

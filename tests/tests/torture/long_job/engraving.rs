@@ -30,7 +30,7 @@ const ROW_TICKS: u32 = {
 const FIELD_ROWS: u32 = 32;
 const ROW_M: f64 = 0.00025;
 
-/// Where the first row begins.
+/// Begin of the first row.
 const CORNER_M: [f64; 2] = [0.205, 0.215];
 const ANGLE_RAD: f64 = 0.157;
 

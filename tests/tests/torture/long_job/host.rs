@@ -34,7 +34,7 @@ struct Entry {
 
 /// The host.
 pub(super) struct Host {
-    /// What is played: the job, or the rest of it. A killed host has it from the scene and the journal.
+    /// Moves that are played: the job, or the rest of it. A killed host has it from the scene and the journal.
     rest: Rc<JobRest<f32>>,
     journal: Option<Entry>,
     written: u64,
@@ -45,7 +45,7 @@ pub(super) struct Host {
     process: Process,
 }
 
-/// What is lost when the host is killed.
+/// Part of the host that is lost when it is killed.
 struct Process {
     client: JobClient<f32>,
     decoder: MessageDecoder,
@@ -68,7 +68,7 @@ impl Host {
         }
     }
 
-    /// What is played.
+    /// Returns the moves that are played.
     pub(super) fn rest(&self) -> &Rc<JobRest<f32>> {
         &self.rest
     }

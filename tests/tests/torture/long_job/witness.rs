@@ -21,7 +21,7 @@ const AHEAD: usize = 4;
 const POWER_ERROR: f64 = 1e-5;
 const CUT_ERROR: [f64; 3] = [1e-6, 1e-4, 1e-1];
 
-/// What was seen of the whole job.
+/// Account of the whole job.
 pub(super) struct Witness {
     job: Engraving,
     tick: Tick<Dynamic<f32>>,
