@@ -21,6 +21,8 @@ pub struct Place {
 /// The text of a scene. Problems are collected, so that one reading reports all of them.
 pub struct Document<'t> {
     text: &'t str,
+    /// Offsets of the line ends: a job of a million moves asks for as many lines.
+    line_ends: Vec<usize>,
     /// Keys that stand before the first table, for whoever writes one after it.
     pub(super) top_keys: &'static [&'static str],
     problems: RefCell<Vec<Problem>>,
@@ -29,8 +31,11 @@ pub struct Document<'t> {
 impl<'t> Document<'t> {
     /// A document of `text`. `top_keys` are the keys that stand before its first table.
     pub fn new(text: &'t str, top_keys: &'static [&'static str]) -> Self {
+        let bytes = text.bytes().enumerate();
+        let ends = bytes.filter_map(|(offset, byte)| (byte == b'\n').then_some(offset));
         Self {
             text,
+            line_ends: ends.collect(),
             top_keys,
             problems: RefCell::default(),
         }
@@ -38,14 +43,23 @@ impl<'t> Document<'t> {
 
     /// Line, from 1, of a byte offset.
     pub(super) fn line(&self, offset: usize) -> usize {
-        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
-        1 + before.iter().filter(|byte| **byte == b'\n').count()
+        1 + self.line_ends.partition_point(|end| *end < offset)
     }
 
     /// The text of a value, on one line.
     pub(super) fn quote(&self, span: Range<usize>) -> String {
         let whole = self.text.get(span).unwrap_or_default();
-        let mut words = whole.split_whitespace().collect::<Vec<_>>().join(" ");
+        let mut words = String::new();
+        for word in whole.split_whitespace() {
+            if !words.is_empty() {
+                words.push(' ');
+            }
+            words.push_str(word);
+            // What follows is cut; a list may be as long as the file.
+            if words.len() > 4 * LONGEST_QUOTE {
+                break;
+            }
+        }
         if let Some((cut, _)) = words.char_indices().nth(LONGEST_QUOTE) {
             words.truncate(cut);
             words.push_str("...");
