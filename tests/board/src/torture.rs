@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_protocol::message::{AnyMove, State};
+use trirrr_protocol::message::State;
 use trirrr_scene::{JobMove, Scene, offer};
 use trirrr_service::ServiceNumber;
 
@@ -27,7 +27,8 @@ pub(crate) fn run<N: ServiceNumber>(
     let mut line = Conversation::disturbed(port, percent, &mut random);
     let (mut jobs, mut moves, mut samples) = (0, 0_u32, 0);
     while line.to_board.frames() + line.to_client.frames() < frames {
-        let job = job_of(expected, &mut random);
+        let scene = with_random_job(&expected.scene, &mut random);
+        let job = offer::moves(&scene, &expected.units);
         let mut checker = TrajectoryChecker::new(&job, moves, expected.ramp(), expected.period());
         moves = moves.wrapping_add(job.len() as u32);
         let client = line
@@ -87,10 +88,6 @@ pub(crate) fn run<N: ServiceNumber>(
 
 /// Times that a job is slowed down by. As it is drawn its moves need more torque than small motors have.
 const SLOWER: u32 = 8;
-
-fn job_of<N: ServiceNumber>(expected: &Expected<N>, random: &mut Random) -> Vec<AnyMove<N>> {
-    offer::moves(&with_random_job(&expected.scene, random), &expected.units)
-}
 
 /// The scene with a random job where its own starts, slow enough for its limits.
 fn with_random_job(scene: &Scene, random: &mut Random) -> Scene {

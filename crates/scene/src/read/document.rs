@@ -49,22 +49,14 @@ impl<'t> Document<'t> {
     /// The text of a value, on one line.
     pub(super) fn quote(&self, span: Range<usize>) -> String {
         let whole = self.text.get(span).unwrap_or_default();
-        let mut words = String::new();
-        for word in whole.split_whitespace() {
-            if !words.is_empty() {
-                words.push(' ');
-            }
-            words.push_str(word);
-            // What follows is cut; a list may be as long as the file.
-            if words.len() > 4 * LONGEST_QUOTE {
-                break;
-            }
+        let words = whole.split_whitespace().flat_map(|word| [" ", word]);
+        // No further than the cut: a list may be as long as the file.
+        let mut characters = words.skip(1).flat_map(str::chars);
+        let mut quote: String = characters.by_ref().take(LONGEST_QUOTE).collect();
+        if characters.next().is_some() {
+            quote.push_str("...");
         }
-        if let Some((cut, _)) = words.char_indices().nth(LONGEST_QUOTE) {
-            words.truncate(cut);
-            words.push_str("...");
-        }
-        words
+        quote
     }
 
     /// Adds a problem at `place`.
