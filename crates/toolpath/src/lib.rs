@@ -1,0 +1,106 @@
+//! Tool paths of the files that users have: G-code, drawings, rasters, tables of poses.
+//!
+//! A tool path is a chain of [`Element`]s: motions of the tool point, and stands between them. Nothing here knows a
+//! machine: limits, reach and durations come when the path is planned.
+#![forbid(unsafe_code)]
+
+use std::fmt;
+
+/// Place of the platform: x and y of the tool point in the fixed frame, m, and alpha, rad, counter-clockwise positive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// x and y, m.
+    pub position_m: [f64; 2],
+    /// Angle of the platform, rad.
+    pub alpha_rad: f64,
+}
+
+/// One element of a tool path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// Line of the file, from 1, or number of the shape, of the row in a table, of the row of a raster.
+    pub line: u32,
+    /// Work of the tool in it. None: it is off.
+    pub tool: Option<ToolWork>,
+    /// Motion, or a stand.
+    pub act: Act,
+}
+
+/// Act of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Act {
+    /// The tool point moves.
+    Motion(Motion),
+    /// The machine stands for so many seconds, positive.
+    Dwell {
+        /// Duration, s.
+        seconds: f64,
+    },
+    /// The machine stands until the user goes on (M0).
+    Pause,
+}
+
+/// Motion of the tool point from where the path stands. Alpha goes evenly with the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Curve in the plane.
+    pub curve: Curve,
+    /// End of the motion.
+    pub to: Place,
+    /// Greatest speed of the tool point, m/s, positive. None: as fast as the machine may (a rapid).
+    pub feed_m_s: Option<f64>,
+    /// The motion ends at rest, even where the next one goes on in its direction.
+    pub stops: bool,
+}
+
+/// Curve of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// Straight line. The tool point may stand while alpha turns.
+    Line,
+    /// Arc of a circle.
+    Arc {
+        /// Centre, m.
+        centre_m: [f64; 2],
+        /// Angle of the arc, rad, counter-clockwise positive, beyond a whole turn if it goes round more than once.
+        turn_rad: f64,
+    },
+    /// Cubic Bezier curve.
+    Bezier {
+        /// Inner control points, m.
+        controls_m: [[f64; 2]; 2],
+    },
+}
+
+/// Work of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolWork {
+    /// Power, 0 to 1 of what the tool can give.
+    pub power: f64,
+    /// The power follows the true speed in proportion, and is `power` at the feed of the motion (M4 of GRBL).
+    pub follows_speed: bool,
+}
+
+/// Refusal of a file: the place in it, and the reason.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", list(*line, word, reason))]
+pub struct PathFault {
+    /// Line of the file, from 1; 0 where the file has no lines.
+    pub line: u32,
+    /// Word, element or key that is refused, as the file has it. Empty: the whole line.
+    pub word: String,
+    /// Reason, and what would do.
+    pub reason: String,
+}
+
+fn list(line: u32, word: &str, reason: &str) -> impl fmt::Display {
+    let place = match line {
+        0 => String::new(),
+        line => format!("{line}: "),
+    };
+    let word = match word {
+        "" => String::new(),
+        word => format!("{word}: "),
+    };
+    format!("{place}{word}{reason}")
+}
