@@ -29,6 +29,7 @@ mod machine;
 mod obstacle;
 pub mod offer;
 mod path;
+mod peak;
 pub mod pipeline;
 mod planning;
 mod plant;

@@ -3,6 +3,8 @@
 
 use crate::job::{JobMove, PlacedJob};
 use crate::judge::{Objection, Unjudged, judge};
+use crate::peak::RefusedMove;
+use crate::pipeline;
 use crate::read::{Document, Place};
 use crate::words::{self, short};
 use crate::{NumberType, Scene};
@@ -14,6 +16,7 @@ use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
+use trirrr_core::units::Units;
 
 /// Means to measure a pose with.
 struct Workspace<'p> {
@@ -74,7 +77,17 @@ pub(crate) fn check_job(
     let ends = allowed.windows(2);
     for (((each, place), judgement), ends) in moves().zip(judgements).zip(ends) {
         if let (Err(objection), &[true, true]) = (judgement, ends) {
-            document.refuse(&place.whole, workspace.objection(each, &objection));
+            let mut reason = workspace.objection(each, &objection);
+            if let Objection::Limit(violation) = &objection {
+                let machine = pipeline::of_scene::<f64>(scene, Units::SI)?;
+                let refused = RefusedMove {
+                    each,
+                    period_s: scene.period_s(),
+                    machine: &*machine,
+                };
+                reason += &refused.worst(violation);
+            }
+            document.refuse(&place.whole, reason);
         }
     }
     Ok(())

@@ -394,14 +394,24 @@ fn shortest_reach_m(scene: &Scene) -> f64 {
     reaches.fold(f64::INFINITY, f64::min)
 }
 
+impl Scene {
+    /// Gives the machine another job: `path`, which begins where the job of the scene does. The planned moves take the
+    /// place of the job's; nothing else changes.
+    ///
+    /// # Errors
+    /// [`Unplanned`]; the scene is as it was.
+    pub fn take_path(&mut self, path: &JobPath) -> Result<(), Unplanned> {
+        let planned = plan_job(self, path, Effort::default())?;
+        self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
+        self.job.path = Some(planned.path);
+        Ok(())
+    }
+}
+
 /// Gives the job of `scene` the planned moves of its path, or refuses the piece with the first obstacle.
 pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedPath) -> Option<()> {
-    match plan_job(scene, &placed.path, Effort::default()) {
-        Ok(planned) => {
-            scene.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
-            scene.job.path = Some(planned.path);
-            return Some(());
-        }
+    match scene.take_path(&placed.path) {
+        Ok(()) => return Some(()),
         Err(error @ (Unplanned::Units | Unplanned::Ticks(_))) => {
             document.refuse(&placed.places[0], error.to_string());
         }

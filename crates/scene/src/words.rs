@@ -23,7 +23,7 @@ pub fn subject(what: Bounded, index: Option<u8>) -> String {
 }
 
 /// Returns the name of the SI unit, with a space before it where there is one.
-fn unit(what: Bounded) -> &'static str {
+pub(crate) fn unit(what: Bounded) -> &'static str {
     match what {
         Bounded::Reach => " m",
         Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => "",

@@ -168,6 +168,32 @@ fn the_longest_move_is_checked_in_moderate_time() {
     assert!(problems(&text)[0].reason.contains("parallel singularity"));
 }
 
+/// The first instant says where; the worst one by how much. Values: `tests/reference/true_massless.csv`.
+#[test]
+fn a_refusal_says_how_far_the_move_is_beyond_at_worst() {
+    let refused = |limits: &str| problems(&edit(THESIS, MOTORS, 1, limits))[0].reason.clone();
+    let reason = refused("rate_rad_s = [10, 10, 0.3]");
+    assert!(reason.contains("rate of motor 3 would be 0.3"), "{reason}");
+    let worst = "; at worst 0.7411 rad/s at t = 0.47 s, 2.47 times as much as allowed";
+    assert!(reason.ends_with(worst), "{reason}");
+    let reason = refused("torque_nm = [1, 1, 0.03]");
+    let worst = "; at worst 0.03963 N m at t = 1 s, 1.321 times as much as allowed";
+    assert!(reason.ends_with(worst), "{reason}");
+    assert!(!reason.contains("no duration helps"), "{reason}");
+    // Gravity alone asks for more than the motors may give.
+    let heavy = edit(
+        THESIS,
+        "tick_rate_hz",
+        1,
+        "gravity_m_s2 = [0, -9.81]\ntick_rate_hz",
+    );
+    let reason = problems(&heavy)[0].reason.clone();
+    assert!(
+        reason.contains("; no duration helps: to stand where the move is at t = "),
+        "{reason}"
+    );
+}
+
 /// What the service would refuse when the move is offered is refused when the scene is read.
 #[test]
 fn moves_beyond_a_motors_limit() {
