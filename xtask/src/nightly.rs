@@ -107,7 +107,7 @@ fn steps() -> Result<Vec<Step>> {
         ),
         Step::cargo("sizes of all scenes", &["xtask", "size", "--check"]),
         Step::cargo(
-            "emulated boards in fixed point",
+            "emulated boards of all scenes, in fixed point too",
             &["xtask", "emulate", "--fixed"],
         ),
         Step::cargo(
