@@ -1,6 +1,8 @@
 //! The command line.
 
 use crate::bridge::BridgeArgs;
+use crate::check::CheckArgs;
+use crate::completions::CompletionsArgs;
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
@@ -33,6 +35,8 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene's job tick by tick at its rate, write a table and figures
     Run(RunArgs),
+    /// Check a scene or a job, and say what it asks for
+    Check(CheckArgs),
     /// Play a board: a scene's service behind a TCP port, in real time
     Device(DeviceArgs),
     /// Put the line of a board behind a TCP port
@@ -65,6 +69,8 @@ pub enum Command {
     Linkage(LinkageArgs),
     /// Measure what the numbers are worth and what they cost: errors, run times, extremes
     Report(ReportArgs),
+    /// Print a script by which a shell completes the command line
+    Completions(CompletionsArgs),
 }
 
 #[cfg(test)]

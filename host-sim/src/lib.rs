@@ -11,13 +11,16 @@
 
 mod arguments;
 pub mod bridge;
+pub mod check;
 pub mod cli;
+pub mod completions;
 pub mod device;
 pub mod eval;
 pub mod failure;
 pub mod figures;
 pub mod goals;
 pub mod histogram;
+pub mod job_file;
 pub mod key;
 pub mod linkage;
 pub mod machine;

@@ -12,7 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    bridge, device, eval, goals, key, linkage, machine, plan, report, run, stream, watch,
+    bridge, check, completions, device, eval, goals, key, linkage, machine, plan, report, run,
+    stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         .unwrap_or_else(|| Command::Run(RunArgs::default()));
     let done = match &command {
         Command::Run(args) => run(args),
+        Command::Check(args) => check::command(args).map(|()| ExitCode::SUCCESS),
         Command::Device(args) => on_interrupt()
             .and_then(|stop| device::command(args, &stop))
             .map(|()| ExitCode::SUCCESS),
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
         Command::Report(args) => report::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Completions(args) => completions::command(args).map(|()| ExitCode::SUCCESS),
     };
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.

@@ -1,8 +1,8 @@
 //! `trirrr plan`: the least time of a scene's path, with its proof, as text, tables and figures.
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::figures::PlanTraces;
+use crate::job_file::{self, JobFileArgs, LoadedJob};
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
@@ -21,9 +21,12 @@ use trirrr_scene::{Dwell, JobPath, PlannedJob, Scene, limited, plan_job};
 /// plan.csv (the plan and the bound along the path), moves.csv (the moves that a machine plays) and a figure.
 #[derive(Args, Clone, Debug)]
 pub struct PlanArgs {
-    /// The scene, a TOML file
+    /// The scene, a TOML file; or with --machine a job, a file of G-code
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
+    /// The job in a file of its own.
+    #[command(flatten)]
+    pub job: JobFileArgs,
     /// Greatest part by which the plan may take longer than its lower bound
     #[arg(long, value_name = "PART", default_value_t = Effort::default().gap, value_parser = gap)]
     pub gap: f64,
@@ -48,7 +51,9 @@ fn gap(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Refused: the scene, or it has no path. Failed: a file cannot be written.
 pub fn command(args: &PlanArgs) -> Result<(), CliError> {
-    let scene = scene_to_move(&args.scene)?;
+    let job = job_file::load(&args.scene, &args.job)?;
+    job.warn_of_pauses();
+    let LoadedJob { scene, .. } = job;
     let name = args.scene.display();
     let effort = Effort {
         gap: args.gap,
@@ -228,6 +233,11 @@ fn alpha_range(path: &JobPath) -> Option<[f64; 2]> {
     Some(angles.fold([f64::INFINITY, f64::NEG_INFINITY], widened))
 }
 
+/// Pieces of the user's path: rounded corners belong to the piece before.
+fn given_pieces(path: &JobPath) -> usize {
+    path.pieces.chunk_by(|a, b| a.source == b.source).count()
+}
+
 fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathBuf]) -> String {
     let plan = &job.moves.plan;
     let dwells = &job.path.dwells;
@@ -241,7 +251,7 @@ fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathB
          plan     {duration:.6} s   {:+.2} % over the bound, with room for holds\n\
          bound    {least:.6} s   no motion along the path within the limits is faster\n",
         scene.name,
-        job.path.tools.len() - dwells.len(),
+        given_pieces(&job.path),
         plan.runs.len() - 1,
         job.moves.moves.len() + dwells.len(),
         job.ticks(),

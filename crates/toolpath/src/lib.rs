@@ -1,14 +1,18 @@
-//! Tool paths of the files that users have: G-code, drawings, rasters, tables of poses.
+//! Tool paths of the files that users have: G-code.
 //!
 //! A tool path is a chain of [`Element`]s: motions of the tool point, and stands between them. Nothing here knows a
 //! machine: limits, reach and durations come when the path is planned.
+// The example of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
+
+pub mod gcode;
 
 use std::fmt;
 
 /// Place of the platform: x and y of the tool point in the fixed frame, m, and alpha, rad, counter-clockwise positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct ToolPlace {
     /// x and y, m.
     pub position_m: [f64; 2],
     /// Angle of the platform, rad.
@@ -30,7 +34,7 @@ pub struct Element {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// The tool point moves.
-    Motion(Motion),
+    Motion(ToolMotion),
     /// The machine stands for so many seconds, positive.
     Dwell {
         /// Duration, s.
@@ -42,11 +46,11 @@ pub enum Act {
 
 /// Motion of the tool point from where the path stands. Alpha goes evenly with the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct ToolMotion {
     /// Curve in the plane.
-    pub curve: Curve,
+    pub curve: ToolCurve,
     /// End of the motion.
-    pub to: Place,
+    pub to: ToolPlace,
     /// Greatest speed of the tool point, m/s, positive. None: as fast as the machine may (a rapid).
     pub feed_m_s: Option<f64>,
     /// The motion ends at rest, even where the next one goes on in its direction.
@@ -55,7 +59,7 @@ pub struct Motion {
 
 /// Curve of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Curve {
+pub enum ToolCurve {
     /// Straight line. The tool point may stand while alpha turns.
     Line,
     /// Arc of a circle.

@@ -1,6 +1,7 @@
 //! Arguments of `trirrr run`.
 
 use crate::arguments::{DEFAULT_SCENE, number_type};
+use crate::job_file::JobFileArgs;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_scene::NumberType;
@@ -16,9 +17,12 @@ Ctrl-C ends the run cleanly: what was computed so far is written. So does a move
 refuses (unreachable, singular, beyond a limit); the move, the leg or motor and the time in it are \
 named.")]
 pub struct RunArgs {
-    /// The scene, a TOML file
+    /// The scene, a TOML file; or with --machine a job, a file of G-code
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// The job in a file of its own.
+    #[command(flatten)]
+    pub job: JobFileArgs,
     /// Compute as fast as it goes instead of in real time
     #[arg(long)]
     pub fast: bool,
@@ -40,6 +44,7 @@ impl Default for RunArgs {
     fn default() -> Self {
         Self {
             scene: DEFAULT_SCENE.into(),
+            job: JobFileArgs::default(),
             fast: false,
             out: None,
             scalar: None,

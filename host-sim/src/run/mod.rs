@@ -11,9 +11,9 @@ mod tolerances;
 pub use args::RunArgs;
 pub use plant::Simulated;
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::histogram::Histogram;
+use crate::job_file::{self, LoadedJob};
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
@@ -119,7 +119,9 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
-    let scene = scene_to_move(&args.scene)?;
+    let job = job_file::load(&args.scene, &args.job)?;
+    job.warn_of_pauses();
+    let LoadedJob { scene, .. } = job;
     // First: a scene that is refused leaves no files.
     let analysis = match args.tolerances {
         true => Some(tolerances::prepare(&args.scene, &scene)?),

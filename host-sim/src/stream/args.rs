@@ -1,6 +1,7 @@
 //! Arguments of `trirrr stream`.
 
 use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::job_file::JobFileArgs;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_client::transport::Address;
@@ -34,9 +35,12 @@ path and ends the stream; a second one ends the stream at once, and the board's 
 stops the machine. With --keys, a line `hold`, `resume`, `stop` or `feed PERCENT` on standard input \
 does that.")]
 pub struct StreamArgs {
-    /// The scene, a TOML file
+    /// The scene, a TOML file; or with --machine a job, a file of G-code
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// The job in a file of its own.
+    #[command(flatten)]
+    pub job: JobFileArgs,
     /// The line to the board.
     #[command(flatten)]
     pub line: PortArgs,

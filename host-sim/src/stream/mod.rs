@@ -13,8 +13,8 @@ pub(crate) use keys::user_command;
 pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
+use crate::job_file::{self, LoadedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -54,9 +54,43 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    let scene = scene_to_move(&args.scene)?;
-    let scalar = args.scalar.unwrap_or(scene.number);
-    in_number_type!(scalar, N => stream::<N>(args, &scene, scalar, stop))
+    let job = job_file::load(&args.scene, &args.job)?;
+    let scalar = args.scalar.unwrap_or(job.scene.number);
+    in_number_type!(scalar, N => {
+        check_board::<N>(&job).map_err(|why| CliError::Refused(format!("{}:{why}", args.scene.display())))?;
+        stream::<N>(args, &job.scene, scalar, stop)
+    })
+}
+
+/// Checks that a board with the image of the machine's own scene can play the job.
+fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
+    let LoadedJob {
+        scene,
+        machine,
+        pauses,
+    } = job;
+    if let [first, ..] = pauses[..] {
+        return Err(format!(
+            "{first}: the job waits for the user here, and a streamed job does not: make two files of it, or take the pause out"
+        ));
+    }
+    let Some(machine) = machine else {
+        return Ok(());
+    };
+    if scene.plays_quintics() && !machine.plays_quintics() {
+        return Err(format!(
+            " the machine {} plays no planned moves: its own job has none; plan a path in its scene, or set plans_paths = true in [service]",
+            machine.name
+        ));
+    }
+    let units = |scene| trirrr_scene::units::<N>(scene).map_err(|error| format!(" {error}"));
+    match units(scene)? == units(machine)? {
+        true => Ok(()),
+        false => Err(format!(
+            " in {} the job needs other units than the image of {} has: take a scene in f32, or the job into the scene",
+            scene.number, machine.name
+        )),
+    }
 }
 
 fn stream<N: ServiceNumber>(

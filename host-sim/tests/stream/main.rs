@@ -10,6 +10,7 @@ mod goals;
 mod homing;
 #[cfg(target_os = "linux")]
 mod hostile;
+mod jobs;
 mod keys;
 mod limits;
 mod links;

@@ -1,0 +1,152 @@
+//! Arcs of a block: G2 and G3.
+use super::arc::{self, ArcFault, ArcPart, Direction};
+use super::block::ValueWord;
+use super::motion::ToolUse;
+use super::run::Run;
+use crate::{PathFault, ToolCurve, ToolMotion, ToolPlace};
+
+/// Arc words of a block with the place in the program that they refer to.
+struct ArcWords<'t> {
+    goal: ToolPlace,
+    direction: Direction,
+    whole_turns: f64,
+    radius: Option<ValueWord<'t>>,
+}
+
+impl<'t> Run<'_, 't> {
+    /// Arc to the goal, in one motion or a few.
+    pub(super) fn arc(&mut self, goal: ToolPlace, direction: Direction) -> Result<(), PathFault> {
+        let whole_turns = match self.block.value(b'P') {
+            Some(word) if word.value >= 1.0 && word.value.fract() == 0.0 => word.value - 1.0,
+            Some(word) => {
+                return Err(self
+                    .block
+                    .refuse(word.text, "P of an arc is a whole number of turns from 1"));
+            }
+            None => 0.0,
+        };
+        let words = ArcWords {
+            goal,
+            direction,
+            whole_turns,
+            radius: self.block.value(b'R'),
+        };
+        let start = self.state.place;
+        let parts = self.arc_parts(start, &words)?;
+        let feed = self.feed_of(arc::way(&parts))?;
+        let last = parts.len().saturating_sub(1);
+        for (
+            index,
+            ArcPart {
+                centre,
+                turn,
+                to,
+                done,
+            },
+        ) in parts.into_iter().enumerate()
+        {
+            let alpha_rad = if index == last {
+                goal.alpha_rad
+            } else {
+                start.alpha_rad + done * (goal.alpha_rad - start.alpha_rad)
+            };
+            let curve = ToolCurve::Arc {
+                centre_m: centre,
+                turn_rad: turn,
+            };
+            let to = ToolPlace {
+                position_m: to,
+                alpha_rad,
+            };
+            let stops = self.stops() && index == last;
+            self.go(
+                ToolMotion {
+                    curve,
+                    to,
+                    feed_m_s: feed,
+                    stops,
+                },
+                ToolUse::AtFeed,
+            );
+        }
+        Ok(())
+    }
+
+    fn arc_parts(&self, start: ToolPlace, words: &ArcWords<'t>) -> Result<Vec<ArcPart>, PathFault> {
+        let ArcWords {
+            goal,
+            direction,
+            whole_turns,
+            radius,
+        } = words;
+        let (i, j) = (self.block.value(b'I'), self.block.value(b'J'));
+        let unit = self.state.modal.unit;
+        let (from, to) = (start.position_m, goal.position_m);
+        let parts = match (radius, i.or(j)) {
+            (Some(word), Some(_)) => {
+                return Err(self
+                    .block
+                    .refuse(word.text, "an arc has R, or I and J, not both"));
+            }
+            (None, None) => {
+                return Err(self
+                    .block
+                    .refuse("", "the arc has no centre; give I and J, or R"));
+            }
+            (Some(word), None) => arc::with_radius(
+                from,
+                to,
+                unit.to_metres(word.value),
+                *direction,
+                *whole_turns,
+            ),
+            (None, Some(word)) => {
+                let base = if !self.state.modal.absolute_centres {
+                    from
+                } else if i.is_some() && j.is_some() {
+                    self.state.frames.zero(self.state.modal.origin).position_m
+                } else {
+                    return Err(self
+                        .block
+                        .refuse(word.text, "with G90.1 an arc needs both I and J"));
+                };
+                let metres = |word: Option<ValueWord<'_>>| {
+                    word.map_or(0.0, |word| unit.to_metres(word.value))
+                };
+                arc::about(
+                    from,
+                    to,
+                    [base[0] + metres(i), base[1] + metres(j)],
+                    *direction,
+                    *whole_turns,
+                )
+            }
+        };
+        parts.map_err(|fault| {
+            let word = radius.or(i).or(j).map_or("", |word| word.text);
+            self.block.refuse(word, &arc_reason(fault))
+        })
+    }
+}
+
+fn arc_reason(fault: ArcFault) -> String {
+    let mm = |metres: f64| metres * 1000.0;
+    match fault {
+        ArcFault::NoRadius => "the radius of the arc is below 0.001 mm".to_owned(),
+        ArcFault::RadiiDiffer(start, end) => format!(
+            "the radius is {:.4} mm at the start and {:.4} mm at the end of the arc; they may differ by 0.005 mm or \
+             by 0.1 %, and by 0.5 mm at most",
+            mm(start),
+            mm(end)
+        ),
+        ArcFault::TooFar(chord) => {
+            format!(
+                "the end is {:.4} mm from the start, more than two radii; give a greater R",
+                mm(chord)
+            )
+        }
+        ArcFault::OnePoint => {
+            "the arc ends where it starts; give I and J for a whole circle".to_owned()
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Words of one line, each at most once, codes of one modal group at most once.
+use super::codes::{self, GeneralCode, MiscCode};
+use super::text::refusal;
+use crate::PathFault;
+
+/// Greatest absolute value of a word.
+const GREATEST: f64 = 1e6;
+
+/// Word with a value, not a code.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ValueWord<'a> {
+    /// Value as written.
+    pub(super) value: f64,
+    /// Letter and number.
+    pub(super) text: &'a str,
+}
+
+/// Code as looked up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CodeWord<'a, C> {
+    pub(super) code: C,
+    /// Letter and number.
+    pub(super) text: &'a str,
+}
+
+/// Words of one line.
+#[derive(Debug)]
+pub(super) struct Block<'a> {
+    /// Line, from 1.
+    pub(super) number: u32,
+    values: [Option<ValueWord<'a>>; LETTERS.len()],
+    /// G codes in the order of the line.
+    general: [Option<CodeWord<'a, GeneralCode>>; GROUPS],
+    /// M codes in the order of the line.
+    miscellaneous: [Option<CodeWord<'a, MiscCode>>; MISC_GROUPS],
+    /// Modal groups that have a code.
+    groups: u32,
+}
+
+/// Letters of values.
+const LETTERS: [u8; 13] = *b"AFIJKLPRSTXYZ";
+/// Number of modal groups of G codes, so the most G codes in a line.
+const GROUPS: usize = 11;
+/// Number of modal groups of M codes.
+const MISC_GROUPS: usize = 3;
+
+impl<'a> Block<'a> {
+    pub(super) fn new(number: u32) -> Self {
+        Self {
+            number,
+            values: [None; LETTERS.len()],
+            general: [None; GROUPS],
+            miscellaneous: [None; MISC_GROUPS],
+            groups: 0,
+        }
+    }
+
+    /// Adds a word. Refuses unknown letters and codes, a second word of a letter or group, and absurd values.
+    pub(super) fn add(&mut self, text: &'a str) -> Result<(), PathFault> {
+        let letter = text.as_bytes().first().map_or(0, u8::to_ascii_uppercase);
+        let digits = text.get(1..).unwrap_or_default();
+        match letter {
+            b'G' => {
+                let tenths = self.tenths(text, digits)?;
+                let code = codes::general(tenths).map_err(|reason| self.refuse(text, reason))?;
+                self.take_group(codes::group(code), text)?;
+                put(&mut self.general, CodeWord { code, text });
+            }
+            b'M' => {
+                let tenths = self.tenths(text, digits)?;
+                let code =
+                    codes::miscellaneous(tenths).map_err(|reason| self.refuse(text, reason))?;
+                self.take_group(codes::miscellaneous_group(code), text)?;
+                put(&mut self.miscellaneous, CodeWord { code, text });
+            }
+            letter => self.add_value(letter, digits, text)?,
+        }
+        Ok(())
+    }
+
+    /// Word of the letter, upper case.
+    pub(super) fn value(&self, letter: u8) -> Option<ValueWord<'a>> {
+        let index = LETTERS.iter().position(|l| *l == letter)?;
+        self.values.get(index).copied().flatten()
+    }
+
+    /// G codes in the order of the line.
+    pub(super) fn general(&self) -> impl Iterator<Item = CodeWord<'a, GeneralCode>> + '_ {
+        self.general.iter().map_while(|word| *word)
+    }
+
+    /// M codes in the order of the line.
+    pub(super) fn miscellaneous(&self) -> impl Iterator<Item = CodeWord<'a, MiscCode>> + '_ {
+        self.miscellaneous.iter().map_while(|word| *word)
+    }
+
+    /// Tells a line without any word, or with a line number alone.
+    pub(super) fn is_empty(&self) -> bool {
+        self.groups == 0 && self.values.iter().all(Option::is_none)
+    }
+
+    /// Refusal of a word of this line.
+    pub(super) fn refuse(&self, word: &str, reason: &str) -> PathFault {
+        refusal(self.number, word, reason)
+    }
+
+    fn add_value(&mut self, letter: u8, digits: &str, text: &'a str) -> Result<(), PathFault> {
+        let Some(index) = LETTERS.iter().position(|l| *l == letter) else {
+            return Err(self.refuse(text, unknown_letter(letter)));
+        };
+        let value = match digits.parse::<f64>() {
+            // Also refuses what overflows to infinity.
+            Ok(value) if value.abs() <= GREATEST => value,
+            Ok(_) => return Err(self.refuse(text, "the value is beyond 1,000,000")),
+            Err(_) => return Err(self.refuse(text, "this is not a number")),
+        };
+        match self.values.get_mut(index) {
+            Some(place @ None) => *place = Some(ValueWord { value, text }),
+            _ => {
+                return Err(self.refuse(
+                    text,
+                    "the letter stands in the line already; use a line for each",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Ten times the number of a code.
+    fn tenths(&self, text: &str, digits: &str) -> Result<u32, PathFault> {
+        let (whole, tenth) = digits.split_once('.').unwrap_or((digits, "0"));
+        let number = match (whole.parse::<u32>(), tenth.as_bytes()) {
+            (Ok(whole), [tenth @ b'0'..=b'9']) => whole
+                .checked_mul(10)
+                .and_then(|tenths| tenths.checked_add(u32::from(tenth - b'0'))),
+            _ => None,
+        };
+        number.ok_or_else(|| {
+            self.refuse(
+                text,
+                "codes are whole numbers, or have one digit behind the point",
+            )
+        })
+    }
+
+    fn take_group(&mut self, group: u32, text: &str) -> Result<(), PathFault> {
+        let mask = 1 << group;
+        if self.groups & mask != 0 {
+            return Err(self.refuse(
+                text,
+                "the line has another code of the same modal group; use a line for each",
+            ));
+        }
+        self.groups |= mask;
+        Ok(())
+    }
+}
+
+/// Puts a word into the first free place. There is one for each group.
+fn put<T>(places: &mut [Option<T>], word: T) {
+    if let Some(place) = places.iter_mut().find(|place| place.is_none()) {
+        *place = Some(word);
+    }
+}
+
+fn unknown_letter(letter: u8) -> &'static str {
+    match letter {
+        b'E' => "numbers have no exponents, and the machine has no extruder",
+        b'B' | b'C' | b'U' | b'V' | b'W' => "the machine has no such axis; axes are X, Y and A",
+        b'D' | b'H' => "there is no tool table; remove the word",
+        b'Q' => "the word has no use; with G64 give P alone",
+        _ => "words with this letter are not supported; remove the word",
+    }
+}

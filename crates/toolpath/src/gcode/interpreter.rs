@@ -1,0 +1,173 @@
+//! Interpreter: state, and order of what a line asks for.
+use super::block::Block;
+use super::codes::ProgramEnd;
+use super::frames::WorkFrames;
+use super::modal::Modal;
+use super::run::Run;
+use super::setup::GcodeSetup;
+use super::text::{LineKind, plain};
+use super::words;
+use crate::{Element, PathFault, ToolPlace};
+
+/// Interpreter of G-code, line by line.
+#[derive(Clone, Debug)]
+pub struct Interpreter {
+    fixed: FixedSetup,
+    state: GcodeState,
+    /// Words of the line under way. Kept between lines for its memory alone.
+    scratch: String,
+}
+
+/// Part of the setup that no line changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FixedSetup {
+    pub(super) full_power: f64,
+    pub(super) home: Option<ToolPlace>,
+    pub(super) ignore_z: bool,
+}
+
+/// Everything that a line may change.
+#[derive(Clone, Debug)]
+pub(super) struct GcodeState {
+    pub(super) modal: Modal,
+    pub(super) frames: WorkFrames,
+    /// Place of the path in the fixed frame.
+    pub(super) place: ToolPlace,
+    /// Words came since the start or the last end of a program.
+    pub(super) begun: bool,
+}
+
+/// Demands of a line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LineWork {
+    /// Elements of the path, in their order.
+    pub elements: Vec<Element>,
+    /// End of the program.
+    pub end: Option<ProgramEnd>,
+    /// Text of a `(MSG, ...)` comment.
+    pub message: Option<String>,
+}
+
+impl Interpreter {
+    /// Interpreter at the start of a program.
+    pub fn new(setup: GcodeSetup) -> Self {
+        let GcodeSetup {
+            start,
+            origins,
+            full_power,
+            home,
+            ignore_z,
+        } = setup;
+        let frames = WorkFrames {
+            origins,
+            shift: ToolPlace::default(),
+        };
+        let state = GcodeState {
+            modal: Modal::default(),
+            frames,
+            place: start,
+            begun: false,
+        };
+        Self {
+            fixed: FixedSetup {
+                full_power,
+                home,
+                ignore_z,
+            },
+            state,
+            scratch: String::new(),
+        }
+    }
+
+    /// Interprets one line, without its end. `number` counts lines from 1 and comes back in elements and refusals.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a line with anything that is not supported, see the module's table. A refused line changes nothing.
+    pub fn line(&mut self, number: u32, text: &str) -> Result<LineWork, PathFault> {
+        // The text leaves the interpreter while its words are borrowed.
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let work = self.line_with(number, text, &mut scratch);
+        self.scratch = scratch;
+        work
+    }
+
+    /// Place of the path in the fixed frame.
+    pub fn place(&self) -> ToolPlace {
+        self.state.place
+    }
+
+    /// Sets the place of the path in the fixed frame, after the machine moved by other means or a path was broken off.
+    pub fn set_place(&mut self, at: ToolPlace) {
+        self.state.place = at;
+    }
+
+    /// Modal state.
+    pub fn modal(&self) -> &Modal {
+        &self.state.modal
+    }
+
+    /// Zero point in the fixed frame of G54 (index 0) to G59 (5). Beyond: that of G59.
+    pub fn origin(&self, index: usize) -> ToolPlace {
+        self.state.frames.origin(index)
+    }
+
+    /// Shift of G92: added to the zero point of every coordinate system.
+    pub fn shift(&self) -> ToolPlace {
+        self.state.frames.shift
+    }
+
+    /// Sets the zero point in the fixed frame of G54 (index 0) to G59 (5). Beyond: no effect.
+    pub fn set_origin(&mut self, index: usize, origin: ToolPlace) {
+        self.state.frames.set_origin(index, origin);
+    }
+
+    /// Brings the modal state back to that of start-up and drops the shift of G92. Place and zero points stay.
+    pub fn reset(&mut self) {
+        self.state.modal = Modal::default();
+        self.state.frames.shift = ToolPlace::default();
+        self.state.begun = false;
+    }
+
+    /// Coordinates in the active system of a place in the fixed frame.
+    pub fn work_place(&self, at: ToolPlace) -> ToolPlace {
+        self.state.frames.work(self.state.modal.origin, at)
+    }
+
+    fn line_with(
+        &mut self,
+        number: u32,
+        text: &str,
+        scratch: &mut String,
+    ) -> Result<LineWork, PathFault> {
+        let line = plain(number, text, scratch)?;
+        let mut work = LineWork {
+            message: line.message,
+            ..LineWork::default()
+        };
+        match line.kind {
+            LineKind::Deleted => {}
+            LineKind::Percent => {
+                // The first one opens a program, the next one closes it.
+                if std::mem::take(&mut self.state.begun) {
+                    work.end = Some(ProgramEnd::Percent);
+                }
+            }
+            LineKind::Words => {
+                let block = words::read(number, scratch)?;
+                if !block.is_empty() {
+                    self.block(&block, &mut work)?;
+                }
+            }
+        }
+        Ok(work)
+    }
+
+    /// Runs a block on a copy of the state, which stays only if the whole block holds.
+    fn block(&mut self, block: &Block<'_>, work: &mut LineWork) -> Result<(), PathFault> {
+        let mut run = Run::new(block, self.fixed, self.state.clone());
+        run.block()?;
+        (self.state, work.elements, work.end) = run.done();
+        Ok(())
+    }
+}

@@ -1,0 +1,190 @@
+//! Motions of a block.
+use super::arc::{self, Direction};
+use super::axis_words::AxisWords;
+use super::codes::OnceCode;
+use super::frames::{axes, place};
+use super::modal::{FeedMode, MotionMode, PathMode};
+use super::run::Run;
+use crate::{Act, PathFault, ToolCurve, ToolMotion, ToolPlace};
+
+/// A motion that goes less far, m and rad, is none.
+const STAND: f64 = 1e-12;
+/// Slowest feed, m/s: a millimetre in eleven days.
+const SLOWEST_M_S: f64 = 1e-9;
+
+impl<'t> Run<'_, 't> {
+    /// Motion of the block, if it has axis words or is a whole circle.
+    pub(super) fn motion(&mut self, words: &AxisWords<'t>, named: bool) -> Result<(), PathFault> {
+        let mode = self.state.modal.motion;
+        let fixed_frame = self.once == Some(OnceCode::FixedFrame);
+        if fixed_frame {
+            self.check_fixed_frame(words)?;
+        }
+        let direction = match mode {
+            MotionMode::Clockwise => Some(Direction::Clockwise),
+            MotionMode::Counterclockwise => Some(Direction::Counterclockwise),
+            _ => None,
+        };
+        let moves = words.any || (named && direction.is_some());
+        if !moves {
+            return match (
+                b"IJR".iter().find_map(|letter| self.block.value(*letter)),
+                direction,
+            ) {
+                (Some(word), Some(_)) => Err(self
+                    .block
+                    .refuse(word.text, "the arc has no end; give X, Y, or G2 or G3")),
+                // G0 and G1 alone set the mode.
+                _ => Ok(()),
+            };
+        }
+        let goal = self.goal(words, fixed_frame)?;
+        match (mode, direction) {
+            (MotionMode::Rapid, _) => self.rapid(goal),
+            (_, Some(direction)) => self.arc(goal, direction),
+            (MotionMode::None, _) => Err(self.block.refuse(
+                "",
+                "the axis words have no motion code; give G0, G1, G2 or G3",
+            )),
+            _ => self.line(goal),
+        }
+    }
+
+    /// G28: rapids to the intermediate point and home. With axis words, only the axes that are named go home.
+    pub(super) fn home(&mut self, words: &AxisWords<'t>) -> Result<(), PathFault> {
+        let Some(home) = self.fixed.home else {
+            return Err(self.block.refuse(
+                "G28",
+                "the setup has no home place; set it, or use G53 G0 with coordinates",
+            ));
+        };
+        if !words.any {
+            return self.rapid(self.near(home)?);
+        }
+        let between = self.goal(words, false)?;
+        self.rapid(between)?;
+        let mut goal = axes(self.state.place);
+        for ((goal, word), home) in goal.iter_mut().zip(&words.words).zip(axes(home)) {
+            if word.is_some() {
+                *goal = home;
+            }
+        }
+        self.rapid(self.near(place(goal))?)
+    }
+
+    fn check_fixed_frame(&self, words: &AxisWords<'t>) -> Result<(), PathFault> {
+        self.need_axes(words, "G53")?;
+        if !matches!(
+            self.state.modal.motion,
+            MotionMode::Rapid | MotionMode::Line
+        ) {
+            return Err(self.block.refuse("G53", "the code needs G0 or G1"));
+        }
+        if self.state.modal.incremental {
+            return Err(self
+                .block
+                .refuse("G53", "the code needs absolute coordinates: G90"));
+        }
+        Ok(())
+    }
+
+    fn rapid(&mut self, goal: ToolPlace) -> Result<(), PathFault> {
+        let stops = self.stops();
+        self.go(
+            ToolMotion {
+                curve: ToolCurve::Line,
+                to: goal,
+                feed_m_s: None,
+                stops,
+            },
+            ToolUse::Off,
+        );
+        Ok(())
+    }
+
+    fn line(&mut self, goal: ToolPlace) -> Result<(), PathFault> {
+        let way = distance(self.state.place, goal);
+        let feed = self.feed_of(way)?;
+        let stops = self.stops();
+        let motion = ToolMotion {
+            curve: ToolCurve::Line,
+            to: goal,
+            feed_m_s: feed,
+            stops,
+        };
+        // Only alpha turns: the tool point stands and has no feed.
+        if way <= STAND {
+            self.go(
+                ToolMotion {
+                    feed_m_s: None,
+                    ..motion
+                },
+                ToolUse::AtRest,
+            );
+        } else {
+            self.go(motion, ToolUse::AtFeed);
+        }
+        Ok(())
+    }
+
+    /// Feed of a motion of such a length, m/s.
+    pub(super) fn feed_of(&self, way_m: f64) -> Result<Option<f64>, PathFault> {
+        let feed = match (self.state.modal.feed_mode, self.inverse_time) {
+            (FeedMode::PerMinute, _) => self
+                .state
+                .modal
+                .feed_m_s
+                .ok_or("no feed is set; give F before the motion or in it"),
+            (FeedMode::InverseTime, Some(_)) if way_m <= STAND => return Ok(None),
+            (FeedMode::InverseTime, Some(per_minute)) => Ok(way_m * per_minute / 60.0),
+            (FeedMode::InverseTime, None) => {
+                Err("with G93 each motion at the feed needs a positive F in its line")
+            }
+        };
+        match feed {
+            Ok(feed) if feed >= SLOWEST_M_S => Ok(Some(feed)),
+            Ok(_) => Err(self.block.refuse(
+                self.feed_word(),
+                "the feed is below a nanometre per second; give a greater F",
+            )),
+            Err(reason) => Err(self.block.refuse("", reason)),
+        }
+    }
+
+    fn feed_word(&self) -> &'t str {
+        self.block.value(b'F').map_or("", |word| word.text)
+    }
+
+    /// Motions end at rest.
+    pub(super) fn stops(&self) -> bool {
+        self.state.modal.path != PathMode::Blend
+    }
+
+    /// Emits a motion. One that goes nowhere is left out, and the path stays at its place to the last bit.
+    pub(super) fn go(&mut self, motion: ToolMotion, tool: ToolUse) {
+        let turns = (motion.to.alpha_rad - self.state.place.alpha_rad).abs() > STAND;
+        let curved = motion.curve != ToolCurve::Line;
+        if !curved && !turns && distance(self.state.place, motion.to) <= STAND {
+            return;
+        }
+        let tool = match tool {
+            ToolUse::Off => None,
+            ToolUse::AtFeed => self.tool_at_feed(),
+            ToolUse::AtRest => self.tool_at_rest(),
+        };
+        self.state.place = motion.to;
+        self.push(tool, Act::Motion(motion));
+    }
+}
+
+/// Tool in a motion.
+#[derive(Clone, Copy)]
+pub(super) enum ToolUse {
+    Off,
+    AtFeed,
+    AtRest,
+}
+
+fn distance(a: ToolPlace, b: ToolPlace) -> f64 {
+    arc::distance(a.position_m, b.position_m)
+}

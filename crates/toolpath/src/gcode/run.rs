@@ -1,0 +1,256 @@
+//! One block, carried out on a copy of the state.
+use super::block::Block;
+use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
+use super::interpreter::{FixedSetup, GcodeState};
+use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
+use crate::{Act, Element, PathFault, ToolPlace, ToolWork};
+
+/// Block under way.
+pub(super) struct Run<'b, 't> {
+    pub(super) block: &'b Block<'t>,
+    pub(super) fixed: FixedSetup,
+    pub(super) state: GcodeState,
+    elements: Vec<Element>,
+    pub(super) once: Option<OnceCode>,
+    /// Motion that the block itself names.
+    pub(super) named: Option<MotionMode>,
+    /// Inverse time of the block, 1/min.
+    pub(super) inverse_time: Option<f64>,
+    /// G64 stands in the block.
+    pub(super) blend: bool,
+    pause: bool,
+    end: Option<ProgramEnd>,
+}
+
+impl<'b, 't> Run<'b, 't> {
+    pub(super) fn new(block: &'b Block<'t>, fixed: FixedSetup, state: GcodeState) -> Self {
+        Self {
+            block,
+            fixed,
+            state,
+            elements: Vec::new(),
+            once: None,
+            named: None,
+            inverse_time: None,
+            blend: false,
+            pause: false,
+            end: None,
+        }
+    }
+
+    /// State behind the block, its elements, and the end of the program.
+    pub(super) fn done(self) -> (GcodeState, Vec<Element>, Option<ProgramEnd>) {
+        (self.state, self.elements, self.end)
+    }
+
+    /// Carries the block out: modes, then F, S, T, laser, dwell, coordinate systems, motion, and the end.
+    pub(super) fn block(&mut self) -> Result<(), PathFault> {
+        self.state.begun = true;
+        self.modes();
+        self.check_uses()?;
+        self.feed()?;
+        self.power()?;
+        self.tool()?;
+        self.tolerance()?;
+        let axes = self.axis_words()?;
+        match self.once {
+            Some(OnceCode::Dwell) => self.dwell()?,
+            Some(OnceCode::SetOrigin) => self.set_origin(&axes)?,
+            Some(OnceCode::Home) => self.home(&axes)?,
+            Some(OnceCode::Shift) => self.shift(&axes)?,
+            Some(OnceCode::ClearShift) => self.state.frames.shift = ToolPlace::default(),
+            Some(OnceCode::FixedFrame) | None => {}
+        }
+        if !self.once.is_some_and(OnceCode::takes_axes) {
+            self.motion(&axes, self.named.is_some())?;
+        }
+        if self.pause {
+            // The tool is off while the machine waits: a laser that stands burns.
+            self.push(None, Act::Pause);
+        }
+        if self.end.is_some() {
+            self.end_program();
+        }
+        Ok(())
+    }
+
+    /// Puts an element behind the others of the block.
+    pub(super) fn push(&mut self, tool: Option<ToolWork>, act: Act) {
+        self.elements.push(Element {
+            line: self.block.number,
+            tool,
+            act,
+        });
+    }
+
+    /// Work of the tool in a motion at the feed.
+    pub(super) fn tool_at_feed(&self) -> Option<ToolWork> {
+        let Modal { laser, s, .. } = self.state.modal;
+        let power = s / self.fixed.full_power;
+        let on = laser != LaserMode::Off && power > 0.0;
+        on.then_some(ToolWork {
+            power,
+            follows_speed: laser == LaserMode::FollowsSpeed,
+        })
+    }
+
+    /// Work of the tool while the tool point stands: that of M3 between motions at the feed, as GRBL.
+    pub(super) fn tool_at_rest(&self) -> Option<ToolWork> {
+        let cutting = self.state.modal.motion.at_feed();
+        self.tool_at_feed()
+            .filter(|tool| cutting && !tool.follows_speed)
+    }
+
+    fn modes(&mut self) {
+        let Self {
+            state: GcodeState { modal, .. },
+            block,
+            ..
+        } = self;
+        for word in block.general() {
+            match word.code {
+                GeneralCode::Once(once) => self.once = Some(once),
+                GeneralCode::Motion(motion) => {
+                    modal.motion = motion;
+                    self.named = Some(motion);
+                }
+                GeneralCode::Distance { incremental } => modal.incremental = incremental,
+                GeneralCode::Centres { absolute } => modal.absolute_centres = absolute,
+                GeneralCode::Feed(feed_mode) => {
+                    // A number of the other mode has another unit.
+                    if modal.feed_mode != feed_mode {
+                        modal.feed_m_s = None;
+                    }
+                    modal.feed_mode = feed_mode;
+                }
+                GeneralCode::Unit(unit) => modal.unit = unit,
+                GeneralCode::Origin(origin) => modal.origin = origin,
+                GeneralCode::Path(path) => {
+                    modal.path = path;
+                    modal.blend_m = None;
+                    self.blend = path == PathMode::Blend;
+                }
+                GeneralCode::Plane | GeneralCode::Compensation | GeneralCode::ToolLength => {}
+            }
+        }
+        for word in block.miscellaneous() {
+            match word.code {
+                MiscCode::Pause => self.pause = true,
+                MiscCode::End(end) => self.end = Some(end),
+                MiscCode::Laser(laser) => modal.laser = laser,
+                MiscCode::Coolant => {}
+            }
+        }
+    }
+
+    fn feed(&mut self) -> Result<(), PathFault> {
+        let Some(word) = self.block.value(b'F') else {
+            return Ok(());
+        };
+        if word.value < 0.0 {
+            return Err(self.block.refuse(word.text, "a feed is not negative"));
+        }
+        // F0 takes the feed away: the next motion at the feed is refused.
+        let feed = (word.value > 0.0).then_some(word.value);
+        match self.state.modal.feed_mode {
+            FeedMode::InverseTime => self.inverse_time = feed,
+            FeedMode::PerMinute => {
+                let unit = self.state.modal.unit;
+                self.state.modal.feed_m_s = feed.map(|feed| unit.to_metres(feed) / 60.0);
+            }
+        }
+        Ok(())
+    }
+
+    fn power(&mut self) -> Result<(), PathFault> {
+        let Some(word) = self.block.value(b'S') else {
+            return Ok(());
+        };
+        let full = self.fixed.full_power;
+        if !(full > 0.0 && full.is_finite()) {
+            return Err(self
+                .block
+                .refuse(word.text, "the setup has no positive full power; set it"));
+        }
+        if word.value < 0.0 {
+            return Err(self.block.refuse(word.text, "a power is not negative"));
+        }
+        self.state.modal.s = word.value.min(full);
+        Ok(())
+    }
+
+    fn tool(&mut self) -> Result<(), PathFault> {
+        let Some(word) = self.block.value(b'T') else {
+            return Ok(());
+        };
+        self.state.modal.tool = match word.value {
+            0.0 => 0,
+            1.0 => 1,
+            _ => {
+                return Err(self
+                    .block
+                    .refuse(word.text, "the machine has one tool: T0 or T1"));
+            }
+        };
+        Ok(())
+    }
+
+    /// P of G64.
+    fn tolerance(&mut self) -> Result<(), PathFault> {
+        if !self.blend {
+            return Ok(());
+        }
+        if let Some(word) = self.block.value(b'P') {
+            if word.value < 0.0 {
+                return Err(self.block.refuse(word.text, "a tolerance is not negative"));
+            }
+            self.state.modal.blend_m = Some(self.state.modal.unit.to_metres(word.value));
+        }
+        Ok(())
+    }
+
+    fn dwell(&mut self) -> Result<(), PathFault> {
+        let Some(word) = self.block.value(b'P') else {
+            return Err(self.block.refuse("G4", "a dwell needs P with its seconds"));
+        };
+        if word.value < 0.0 {
+            return Err(self.block.refuse(word.text, "a dwell is not negative"));
+        }
+        if word.value > 0.0 {
+            let tool = self.tool_at_rest();
+            self.push(
+                tool,
+                Act::Dwell {
+                    seconds: word.value,
+                },
+            );
+        }
+        Ok(())
+    }
+
+    /// Effects of M2 and M30 on the modal state. Units, feed, blending and the shift of G92 stay.
+    fn end_program(&mut self) {
+        let Modal {
+            unit,
+            path,
+            blend_m,
+            feed_m_s,
+            s,
+            tool,
+            ..
+        } = self.state.modal;
+        let feed_m_s = feed_m_s.filter(|_| self.state.modal.feed_mode == FeedMode::PerMinute);
+        let motion = MotionMode::Line;
+        self.state.modal = Modal {
+            motion,
+            unit,
+            path,
+            blend_m,
+            feed_m_s,
+            s,
+            tool,
+            ..Modal::default()
+        };
+        self.state.begun = false;
+    }
+}

@@ -1,0 +1,33 @@
+//! Settings of an interpreter.
+use crate::ToolPlace;
+
+/// Number of work coordinate systems, G54 to G59.
+pub const ORIGINS: usize = 6;
+
+/// Settings that an interpreter begins with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GcodeSetup {
+    /// Place of the machine at the start, in the fixed frame.
+    pub start: ToolPlace,
+    /// Zero points of G54 to G59 in the fixed frame; `alpha_rad` is the zero of A.
+    pub origins: [ToolPlace; ORIGINS],
+    /// S word of full power ($30 of GRBL), positive. S words are refused if `full_power` is not positive.
+    pub full_power: f64,
+    /// Goal of G28 in the fixed frame. None: G28 is refused.
+    pub home: Option<ToolPlace>,
+    /// Z words are read and have no effect. Otherwise they are refused: the machine moves in the plane.
+    pub ignore_z: bool,
+}
+
+impl Default for GcodeSetup {
+    /// All zero points at the origin of the fixed frame, S1000 for full power, no G28, no Z.
+    fn default() -> Self {
+        Self {
+            start: ToolPlace::default(),
+            origins: [ToolPlace::default(); ORIGINS],
+            full_power: 1000.0,
+            home: None,
+            ignore_z: false,
+        }
+    }
+}

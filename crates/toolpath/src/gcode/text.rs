@@ -1,0 +1,145 @@
+//! First look at a line: comments, white space, checksum, block delete and `%` are taken off.
+use crate::PathFault;
+
+/// Greatest length of a line, bytes, without its end.
+pub(super) const LONGEST: usize = 1000;
+
+/// Line without what stands beside its words.
+#[derive(Debug)]
+pub(super) struct PlainLine {
+    /// Sense of the rest.
+    pub(super) kind: LineKind,
+    /// Text of the last `(MSG, ...)`.
+    pub(super) message: Option<String>,
+}
+
+/// Sense of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LineKind {
+    /// Words, or nothing.
+    Words,
+    /// The line starts with `/`: it is left out.
+    Deleted,
+    /// `%` alone.
+    Percent,
+}
+
+/// Takes a line apart. Words go to `words`, which is cleared before, without the white space between and in them.
+pub(super) fn plain(number: u32, text: &str, words: &mut String) -> Result<PlainLine, PathFault> {
+    words.clear();
+    let refuse = |word: &str, reason: &str| refusal(number, word, reason);
+    let text = text.strip_suffix('\r').unwrap_or(text);
+    if text.len() > LONGEST {
+        return Err(refuse(
+            "",
+            "the line is longer than 1,000 bytes; break it into several",
+        ));
+    }
+    let mut message = None;
+    let mut checksum = None;
+    let mut at = 0;
+    while let Some(c) = text.get(at..).and_then(|rest| rest.chars().next()) {
+        let rest = &text[at..];
+        let mut step = c.len_utf8();
+        match c {
+            ' ' | '\t' => {}
+            ';' => break,
+            '(' => {
+                let comment = comment(rest).map_err(|reason| refuse(rest, reason))?;
+                step = comment.len() + 2;
+                message = self::message(comment).or(message);
+            }
+            ')' => {
+                return Err(refuse(
+                    ")",
+                    "a comment ends that did not begin; put ( before it",
+                ));
+            }
+            _ if checksum.is_some() => {
+                return Err(refuse(
+                    rest,
+                    "nothing but a comment may follow the checksum",
+                ));
+            }
+            '*' => {
+                let digits = leading_digits(rest[1..].trim_start_matches([' ', '\t']));
+                check(&text[..at], digits)
+                    .map_err(|reason| refuse(&format!("*{digits}"), &reason))?;
+                checksum = Some(());
+                step = rest.find(digits).map_or(1, |start| start + digits.len());
+            }
+            // A line has no end in it; the parser would take what follows for another block.
+            '\n' | '\r' => return Err(refuse("", "the line has a line break in it")),
+            _ => words.push(c),
+        }
+        at += step;
+    }
+    let kind = kind(words).map_err(|reason| refuse(words, reason))?;
+    Ok(PlainLine { kind, message })
+}
+
+/// Refusal of a word. A word longer than 40 characters is cut.
+pub(super) fn refusal(line: u32, word: &str, reason: &str) -> PathFault {
+    const MOST: usize = 40;
+    let word = match word.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &word[..end]),
+        None => word.to_owned(),
+    };
+    PathFault {
+        line,
+        word,
+        reason: reason.to_owned(),
+    }
+}
+
+fn kind(words: &str) -> Result<LineKind, &'static str> {
+    if words == "%" {
+        Ok(LineKind::Percent)
+    } else if words.contains('%') {
+        Err("% stands alone on its line")
+    } else if words.starts_with('/') {
+        Ok(LineKind::Deleted)
+    } else {
+        Ok(LineKind::Words)
+    }
+}
+
+/// Inside of the comment that `text` begins with.
+fn comment(text: &str) -> Result<&str, &'static str> {
+    let inside = &text[1..];
+    let end = inside
+        .find(')')
+        .ok_or("the comment does not end; put ) behind it")?;
+    let inside = &inside[..end];
+    if inside.contains('(') {
+        return Err("there is a ( in a comment; comments cannot be nested");
+    }
+    Ok(inside)
+}
+
+/// Text of a `MSG,` comment.
+fn message(comment: &str) -> Option<String> {
+    let (head, text) = comment.split_once(',')?;
+    head.trim()
+        .eq_ignore_ascii_case("msg")
+        .then(|| text.trim().to_owned())
+}
+
+fn leading_digits(text: &str) -> &str {
+    let end = text
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(text.len());
+    &text[..end]
+}
+
+/// Checks the exclusive or of all bytes before the `*`.
+fn check(before: &str, digits: &str) -> Result<(), String> {
+    let sum = before.bytes().fold(0, |sum, byte| sum ^ byte);
+    match digits.parse::<u8>() {
+        Ok(given) if given == sum => Ok(()),
+        Ok(_) => Err(format!(
+            "the checksum of the line is {sum}; the line is damaged, send it again"
+        )),
+        Err(_) => Err("a checksum is a whole number from 0 to 255".to_owned()),
+    }
+}

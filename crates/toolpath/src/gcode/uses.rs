@@ -1,0 +1,65 @@
+//! Words and the codes of the block that use them.
+use super::block::ValueWord;
+use super::codes::{GeneralCode, OnceCode};
+use super::modal::MotionMode;
+use super::run::Run;
+use crate::PathFault;
+
+impl Run<'_, '_> {
+    /// Refuses words that no code of the block uses, and those that two would use.
+    pub(super) fn check_uses(&self) -> Result<(), PathFault> {
+        let named = self
+            .block
+            .general()
+            .find(|word| matches!(word.code, GeneralCode::Motion(m) if m != MotionMode::None));
+        if let (Some(word), true) = (named, self.once.is_some_and(OnceCode::takes_axes)) {
+            let reason =
+                "G10, G28 and G92 take the axis words; put the motion into a line of its own";
+            return Err(self.block.refuse(word.text, reason));
+        }
+        let arc = matches!(
+            self.state.modal.motion,
+            MotionMode::Clockwise | MotionMode::Counterclockwise
+        ) && !self.once.is_some_and(OnceCode::takes_axes);
+        let refuse = |word: Option<ValueWord<'_>>, reason: &str| match word {
+            Some(word) => Err(self.block.refuse(word.text, reason)),
+            None => Ok(()),
+        };
+        if !arc {
+            for letter in *b"IJR" {
+                refuse(
+                    self.block.value(letter),
+                    "the word needs G2 or G3 in the line or before it",
+                )?;
+            }
+        }
+        refuse(
+            self.block.value(b'K'),
+            "the centre of an arc lies in the plane: I and J alone",
+        )?;
+        if self.once != Some(OnceCode::SetOrigin) {
+            refuse(self.block.value(b'L'), "the word needs G10 in its line")?;
+        }
+        let dwell_or_origin = matches!(self.once, Some(OnceCode::Dwell | OnceCode::SetOrigin));
+        // A dwell under a modal arc has P for itself, unless there is an arc in its line.
+        let arc_in_line = arc && (self.named.is_some() || self.has_axes());
+        match u8::from(dwell_or_origin) + u8::from(self.blend) + u8::from(arc_in_line) {
+            0 => refuse(
+                self.block.value(b'P'),
+                "the word needs G2, G3, G4, G10 or G64 in its line",
+            )?,
+            1 => {}
+            _ => refuse(
+                self.block.value(b'P'),
+                "two codes of the line have a P; use a line for each",
+            )?,
+        }
+        Ok(())
+    }
+
+    fn has_axes(&self) -> bool {
+        b"XYZA"
+            .iter()
+            .any(|letter| self.block.value(*letter).is_some())
+    }
+}

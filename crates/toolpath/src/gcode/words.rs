@@ -1,0 +1,239 @@
+//! Words of a line. The kept parser `gcode` splits the line; here each character is accounted for.
+//!
+//! The parser goes on after what it does not understand. So every call of the parser must begin where the last one
+//! ended: a gap is refused. Values are read again from the text, because the parser has 32-bit floats.
+use super::block::Block;
+use super::text::refusal;
+use crate::PathFault;
+use gcode::core::{
+    self as parser, BlockVisitor, CommandVisitor, ControlFlow, Diagnostics, Number, ProgramVisitor,
+    Span, TokenType, Value,
+};
+
+/// Most digits of a code number. The parser multiplies the number by ten in 32 bits.
+const MOST_DIGITS: usize = 6;
+
+/// Reads the words of a line that has no white space and no comments.
+pub(super) fn read(number: u32, text: &str) -> Result<Block<'_>, PathFault> {
+    check_code_numbers(number, text)?;
+    let mut words = Words {
+        text,
+        at: 0,
+        block: Block::new(number),
+        fault: None,
+    };
+    parser::parse(text, &mut words);
+    if words.at < text.len() {
+        words.refuse_gap(text.len());
+    }
+    match words.fault {
+        Some(fault) => Err(fault),
+        None => Ok(words.block),
+    }
+}
+
+/// Refuses numbers of G, M and T that would overflow in the parser.
+fn check_code_numbers(number: u32, text: &str) -> Result<(), PathFault> {
+    for (at, _) in text.match_indices(is_code) {
+        let word = word_at(text, at);
+        if word.len() > MOST_DIGITS + 1 {
+            return Err(refusal(number, word, "the number of a code is too long"));
+        }
+    }
+    Ok(())
+}
+
+fn is_code(letter: char) -> bool {
+    matches!(letter.to_ascii_uppercase(), 'G' | 'M' | 'T')
+}
+
+/// Letter at `at` with the digits, points and signs behind it.
+fn word_at(text: &str, at: usize) -> &str {
+    let rest = text.get(at..).unwrap_or_default();
+    let in_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-');
+    let letter = rest.chars().next().map_or(0, char::len_utf8);
+    let end = rest[letter..]
+        .find(|c| !in_number(c))
+        .map_or(rest.len(), |end| letter + end);
+    &rest[..end]
+}
+
+/// Collects what the parser finds, up to the first fault.
+struct Words<'a> {
+    text: &'a str,
+    /// End of what is accounted for.
+    at: usize,
+    block: Block<'a>,
+    fault: Option<PathFault>,
+}
+
+impl<'a> Words<'a> {
+    /// Refuses the text from what is accounted for to `end`. The first refusal of a line stays.
+    fn refuse(&mut self, end: usize, reason: &str) {
+        if self.fault.is_none() {
+            let word = self.text.get(self.at..end).unwrap_or(self.text);
+            self.fault = Some(refusal(self.block.number, word, reason));
+        }
+    }
+
+    /// Accounts for a word that the parser has found at `start`.
+    fn take(&mut self, start: usize, end: usize) {
+        if self.fault.is_some() {
+            return;
+        }
+        if start != self.at {
+            return self.refuse_gap(start);
+        }
+        let word = self.text.get(start..end).unwrap_or_default();
+        match self.block.add(word) {
+            Ok(()) => self.at = end,
+            Err(fault) => self.fault = Some(fault),
+        }
+    }
+
+    /// Accounts for a code. The parser does not say its place: it follows what is accounted for.
+    fn take_code(&mut self, letter: u8) {
+        let word = word_at(self.text, self.at);
+        if word.as_bytes().first().map(u8::to_ascii_uppercase) == Some(letter) {
+            self.take(self.at, self.at + word.len());
+        } else {
+            self.refuse_gap(self.at + word.len());
+        }
+    }
+
+    /// Refuses what the parser has left out, up to `end` at most.
+    fn refuse_gap(&mut self, end: usize) {
+        // The parser reports a code that is no number with a type that has no public name, so not to us.
+        let word = word_at(self.text, self.at);
+        if word.starts_with(is_code) {
+            self.refuse(
+                self.at + word.len(),
+                "codes are whole numbers, or have one digit behind the point",
+            );
+        } else {
+            self.refuse(end.max(self.at), "the text is not understood; remove it");
+        }
+    }
+}
+
+/// View of the collection that the parser holds for a block or a command.
+struct Part<'s, 'a>(&'s mut Words<'a>);
+
+impl ProgramVisitor for Words<'_> {
+    fn start_block(&mut self) -> ControlFlow<impl BlockVisitor + '_> {
+        ControlFlow::Continue(Part(self))
+    }
+}
+
+impl BlockVisitor for Part<'_, '_> {
+    fn line_number(&mut self, _number: u32, span: Span) {
+        // Only digits: the parser cuts a fraction off.
+        let digits = self
+            .0
+            .text
+            .get(span.start + 1..span.end())
+            .unwrap_or_default();
+        if span.start != 0 {
+            self.0
+                .refuse(span.end(), "the line number stands first in its line");
+        } else if digits.bytes().all(|byte| byte.is_ascii_digit()) {
+            self.0.at = span.end();
+        } else {
+            self.0.refuse(span.end(), "a line number has no fraction");
+        }
+    }
+
+    fn program_number(&mut self, _number: u32, span: Span) {
+        self.0.refuse(span.end(), O_WORD);
+    }
+
+    fn program_delimiter(&mut self, span: Span) {
+        self.0.refuse(span.end(), "% stands alone on its line");
+    }
+
+    fn word_address(&mut self, _letter: char, _value: Value<'_>, span: Span) {
+        self.0.take(span.start, span.end());
+    }
+
+    fn start_general_code(&mut self, _number: Number) -> ControlFlow<impl CommandVisitor + '_> {
+        self.0.take_code(b'G');
+        ControlFlow::Continue(Part(self.0))
+    }
+
+    fn start_miscellaneous_code(
+        &mut self,
+        _number: Number,
+    ) -> ControlFlow<impl CommandVisitor + '_> {
+        self.0.take_code(b'M');
+        ControlFlow::Continue(Part(self.0))
+    }
+
+    fn start_tool_change_code(&mut self, _number: Number) -> ControlFlow<impl CommandVisitor + '_> {
+        self.0.take_code(b'T');
+        ControlFlow::Continue(Part(self.0))
+    }
+}
+
+impl CommandVisitor for Part<'_, '_> {
+    fn argument(&mut self, _letter: char, _value: Value<'_>, span: Span) {
+        self.0.take(span.start, span.end());
+    }
+}
+
+impl Diagnostics for Words<'_> {
+    fn emit_unknown_content(&mut self, text: &str, span: Span) {
+        self.refuse(span.end(), unknown(text));
+    }
+
+    fn emit_unexpected(&mut self, actual: &str, expected: &[TokenType], span: Span) {
+        let reason = match actual.chars().next() {
+            Some('N' | 'n') if self.at > 0 => "the line number stands first in its line",
+            Some('O' | 'o') => O_WORD,
+            Some('#' | '[' | ']') => unknown(actual),
+            Some('/') => {
+                "/ deletes a block as the first character of its line; there are no expressions"
+            }
+            Some('+' | '-') if expected.contains(&TokenType::Letter) => {
+                "a sign needs a letter before it"
+            }
+            Some(c) if c.is_ascii_alphabetic() => match self.text.get(span.end()..) {
+                Some(rest) if rest.starts_with(['#', '[']) => unknown(rest),
+                _ => "a number must follow the letter",
+            },
+            Some(c) if c.is_ascii_digit() && expected.contains(&TokenType::Letter) => {
+                "a number needs a letter before it"
+            }
+            _ => "this is not a number",
+        };
+        self.refuse(span.end(), reason);
+    }
+
+    fn emit_parse_int_error(&mut self, _: &str, _: std::num::ParseIntError, span: Span) {
+        self.refuse(span.end(), "this is not a line number");
+    }
+}
+
+impl Diagnostics for Part<'_, '_> {
+    fn emit_unknown_content(&mut self, text: &str, span: Span) {
+        self.0.emit_unknown_content(text, span);
+    }
+
+    fn emit_unexpected(&mut self, actual: &str, expected: &[TokenType], span: Span) {
+        self.0.emit_unexpected(actual, expected, span);
+    }
+
+    fn emit_parse_int_error(&mut self, value: &str, error: std::num::ParseIntError, span: Span) {
+        self.0.emit_parse_int_error(value, error, span);
+    }
+}
+
+const O_WORD: &str =
+    "program numbers and O words are not supported; remove the line, or write subprograms out";
+
+fn unknown(text: &str) -> &'static str {
+    match text.chars().next() {
+        Some('#') => "parameters are not supported; write the number",
+        Some('[' | ']') => "expressions are not supported; write the number",
+        _ => "the character has no meaning in G-code; remove it",
+    }
+}

@@ -1,0 +1,12 @@
+//! The G-code interpreter against values that are worked out by hand.
+mod arcs;
+mod common;
+mod coordinates;
+mod damaged;
+mod feeds;
+mod files;
+mod modes;
+mod programs;
+mod refusals;
+mod syntax;
+mod tool;

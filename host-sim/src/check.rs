@@ -1,0 +1,76 @@
+//! `trirrr check`: reads a scene or a job and says what is wrong with it, or what it asks for.
+
+use crate::failure::CliError;
+use crate::job_file::{self, JobFileArgs, LoadedJob};
+use crate::terminal::print;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+use trirrr_scene::Scene;
+
+/// `trirrr check`.
+///
+/// Reads a scene, or a job for the machine of a scene, as every other command does: poses, limits, and each move by the
+/// admission of the machine's service. Moves nothing and writes nothing.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The scene, a TOML file; or with --machine a job, a file of G-code
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// The job in a file of its own.
+    #[command(flatten)]
+    pub job: JobFileArgs,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Checks the scene or the job, and prints what it asks for.
+///
+/// # Errors
+/// Refused: everything that is found wrong, each with its line.
+pub fn command(args: &CheckArgs) -> Result<(), CliError> {
+    let job = job_file::load(&args.scene, &args.job)?;
+    job.warn_of_pauses();
+    let LoadedJob { scene, pauses, .. } = job;
+    let text = match args.json {
+        true => format!("{}\n", as_json(&scene, &pauses)),
+        false => as_text(&scene),
+    };
+    print(&text)
+}
+
+fn as_text(scene: &Scene) -> String {
+    let moves = scene.job.moves.len();
+    let duration_s = f64::from(scene.ticks()) * scene.period_s();
+    let mut text = format!(
+        "{}: good\n{moves} {}, {duration_s} s: {} ticks at {} Hz in {}\n",
+        scene.name,
+        if moves == 1 { "move" } else { "moves" },
+        scene.ticks(),
+        scene.tick_rate_hz,
+        scene.number,
+    );
+    if let Some(longest) = scene.longest_stop() {
+        text += &format!("a hold is {longest}\n");
+    }
+    text
+}
+
+fn as_json(scene: &Scene, pauses: &[u32]) -> serde_json::Value {
+    let longest = scene.longest_stop();
+    json!({
+        "scene": scene.name,
+        "description": scene.description,
+        "key": scene.key,
+        "number": scene.number.name(),
+        "tick_rate_hz": scene.tick_rate_hz,
+        "moves": scene.job.moves.len(),
+        "ticks": scene.ticks(),
+        "duration_s": f64::from(scene.ticks()) * scene.period_s(),
+        "longest_stop_s": longest.map(|longest| longest.time_s),
+        "longest_stop_m": longest.map(|longest| longest.way_m),
+        "pauses": pauses,
+        "warning": scene.limits_warning(),
+    })
+}

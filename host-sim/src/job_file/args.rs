@@ -1,0 +1,73 @@
+//! Arguments of commands that take a job file in place of a scene.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Job that stands in a file of its own.
+#[derive(Args, Clone, Debug)]
+pub struct JobFileArgs {
+    /// Scene of the machine that does the job of the file: the scene's own job gives the start pose alone
+    #[arg(long, value_name = "SCENE.toml")]
+    pub machine: Option<PathBuf>,
+    /// Zero point of the file in the frame of the machine: x and y in mm, and alpha in degrees if it is not 0
+    #[arg(long, value_name = "X,Y[,ALPHA]", requires = "machine", allow_hyphen_values = true, value_parser = origin)]
+    pub origin: Option<[f64; 3]>,
+    /// Distance by which a corner may be rounded, mm; 0: the machine stops at each. `G64 P` of the file goes before it
+    #[arg(long, value_name = "MM", requires = "machine", default_value_t = 0.01, value_parser = distance)]
+    pub corner: f64,
+    /// S for the full power of the tool
+    #[arg(long, value_name = "S", requires = "machine", default_value_t = 1000.0, value_parser = crate::arguments::factor)]
+    pub full_power: f64,
+    /// Leave out words of Z: the machine has no such axis
+    #[arg(long, requires = "machine")]
+    pub ignore_z: bool,
+}
+
+impl Default for JobFileArgs {
+    /// Arguments where none is given.
+    fn default() -> Self {
+        Self {
+            machine: None,
+            origin: None,
+            corner: 0.01,
+            full_power: 1000.0,
+            ignore_z: false,
+        }
+    }
+}
+
+fn origin(text: &str) -> Result<[f64; 3], String> {
+    let mut values = Vec::new();
+    for part in text.split(',') {
+        match part.trim().parse::<f64>() {
+            Ok(value) if value.abs() <= 1e6 => values.push(value),
+            _ => return Err(format!("{part:?} is no number from -1000000 to 1000000")),
+        }
+    }
+    match values[..] {
+        [x, y] => Ok([x, y, 0.0]),
+        [x, y, alpha] => Ok([x, y, alpha]),
+        _ => Err("expected X,Y or X,Y,ALPHA: mm and degrees, with a decimal point".into()),
+    }
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
+        _ => Err("expected a distance from 0 to 100 (mm)".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_point_has_two_or_three_numbers() {
+        assert_eq!(origin("250,-1.5"), Ok([250.0, -1.5, 0.0]));
+        assert_eq!(origin("1, 2, 45"), Ok([1.0, 2.0, 45.0]));
+        for wrong in ["", "1", "1,2,3,4", "1;2", "1,nan", "1,inf", "1,1e7"] {
+            assert!(origin(wrong).is_err(), "{wrong}");
+        }
+    }
+}

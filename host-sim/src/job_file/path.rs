@@ -1,0 +1,183 @@
+//! Elements of a tool path as the path of a job.
+
+use nalgebra::Vector2;
+use trirrr_core::setpoint::Pose;
+use trirrr_plan::corner::round_corners;
+use trirrr_plan::course::PathPiece;
+use trirrr_plan::piece::Piece;
+use trirrr_scene::{Dwell, JobPath, Tool};
+use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+
+/// Length, m or rad, below which a motion is what the rounding of decimals has left.
+const LENGTH_MIN: f64 = 1e-9;
+
+/// Largest distance of the played motion from the path, m.
+const TOLERANCE_M: f64 = 1e-5;
+
+/// Largest deviation of alpha from the path, rad.
+const TOLERANCE_RAD: f64 = 1e-4;
+
+/// Path of a job under construction. The number of a piece in the file is its line.
+pub(crate) struct PathBuilder {
+    rate_hz: f64,
+    /// End of the path.
+    at: Pose<f64>,
+    pieces: Vec<PathPiece>,
+    dwells: Vec<Dwell>,
+    /// Tool of each line, from line 1 on.
+    tools: Vec<Option<Tool>>,
+    /// Different tools so far.
+    settings: Vec<Option<Tool>>,
+    /// The next piece begins at rest.
+    stops: bool,
+    /// Lines at which the job waits for the user.
+    pub(crate) pauses: Vec<u32>,
+}
+
+impl PathBuilder {
+    /// Begins a path at `start`, on a machine with `rate_hz` ticks a second.
+    pub(crate) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            at: start,
+            pieces: Vec::new(),
+            dwells: Vec::new(),
+            tools: Vec::new(),
+            settings: Vec::new(),
+            stops: true,
+            pauses: Vec::new(),
+        }
+    }
+
+    /// Adds an element. A motion without a length is left out.
+    ///
+    /// # Errors
+    /// A dwell that lasts longer than ticks are counted.
+    pub(crate) fn push(&mut self, element: &Element) -> Result<(), PathFault> {
+        let source = element.line.saturating_sub(1) as usize;
+        match &element.act {
+            Act::Motion(motion) => {
+                let tool = tool_of(element.tool, motion.feed_m_s);
+                let piece = self.piece(motion);
+                if has_length(&piece) {
+                    self.note_tool(source, tool);
+                    let setting = self.setting(tool);
+                    self.at = piece.end();
+                    self.pieces.push(PathPiece {
+                        piece,
+                        feed_m_s: motion.feed_m_s,
+                        source,
+                        stops: self.stops,
+                        setting,
+                    });
+                    self.stops = false;
+                }
+                self.stops |= motion.stops;
+            }
+            Act::Dwell { seconds } => {
+                let ticks = (seconds * self.rate_hz).round().max(1.0);
+                if ticks > f64::from(u32::MAX) {
+                    return Err(PathFault {
+                        line: element.line,
+                        word: String::new(),
+                        reason: format!("a stand of {seconds} s is longer than a machine counts"),
+                    });
+                }
+                self.note_tool(source, tool_of(element.tool, None));
+                self.dwells.push(Dwell {
+                    source,
+                    ticks: ticks as u32,
+                });
+                self.stops = true;
+            }
+            Act::Pause => {
+                self.pauses.push(element.line);
+                self.stops = true;
+            }
+        }
+        Ok(())
+    }
+
+    fn piece(&self, motion: &ToolMotion) -> Piece<f64> {
+        let to = pose_of(&motion.to);
+        match motion.curve {
+            ToolCurve::Line => Piece::line(self.at, to),
+            ToolCurve::Arc { centre_m, turn_rad } => {
+                Piece::arc(self.at, Vector2::from(centre_m), turn_rad, to.angle)
+            }
+            ToolCurve::Bezier { controls_m } => {
+                let third = (to.angle - self.at.angle) / 3.0;
+                let [[x1, y1], [x2, y2]] = controls_m;
+                Piece::bezier([
+                    self.at,
+                    Pose::from_f64(x1, y1, self.at.angle + third),
+                    Pose::from_f64(x2, y2, to.angle - third),
+                    to,
+                ])
+            }
+        }
+    }
+
+    fn note_tool(&mut self, source: usize, tool: Option<Tool>) {
+        if self.tools.len() <= source {
+            self.tools.resize(source + 1, None);
+        }
+        self.tools[source] = tool;
+    }
+
+    fn setting(&mut self, tool: Option<Tool>) -> usize {
+        let known = self.settings.iter().position(|other| *other == tool);
+        known.unwrap_or_else(|| {
+            self.settings.push(tool);
+            self.settings.len() - 1
+        })
+    }
+
+    /// Ends the path. Corners are rounded within `corner_m`, if it is positive.
+    ///
+    /// # Errors
+    /// Nothing moves.
+    pub(crate) fn finish(self, corner_m: f64) -> Result<JobPath, PathFault> {
+        if self.pieces.is_empty() {
+            return Err(PathFault {
+                line: 0,
+                word: String::new(),
+                reason: "nothing in the file moves the machine".into(),
+            });
+        }
+        let pieces = match corner_m > 0.0 {
+            true => round_corners(&self.pieces, corner_m),
+            false => self.pieces,
+        };
+        Ok(JobPath {
+            pieces,
+            free: None,
+            dwells: self.dwells,
+            tools: self.tools,
+            tolerance_m: TOLERANCE_M,
+            tolerance_rad: TOLERANCE_RAD,
+        })
+    }
+}
+
+/// Pose of a place.
+pub(crate) fn pose_of(place: &ToolPlace) -> Pose<f64> {
+    let [x, y] = place.position_m;
+    Pose::from_f64(x, y, place.alpha_rad)
+}
+
+fn has_length(piece: &Piece<f64>) -> bool {
+    let first = [0.0, 0.5, 1.0].map(|p| piece.at(p).first);
+    first.iter().any(|first| first.amax() > LENGTH_MIN)
+}
+
+/// Tool of a motion at a feed. A power that follows the speed is the given one at the feed.
+fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
+    work.map(|work| Tool {
+        power: work.power,
+        speed_m_s: match work.follows_speed {
+            true => feed_m_s.unwrap_or(0.0),
+            false => 0.0,
+        },
+    })
+}

@@ -1,0 +1,231 @@
+//! Jobs in files of G-code, on the machine of a scene.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn repository(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
+}
+
+/// Runs `trirrr COMMAND JOB --machine SCENE ARGUMENTS` in `folder`.
+fn trirrr(folder: &TempDir, command: &str, job: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trirrr"))
+        .arg(command)
+        .arg(job)
+        .arg("--machine")
+        .arg(repository("scenes/engraving.toml"))
+        .args(arguments)
+        .current_dir(folder.path())
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Writes `lines` as a job into `folder`, runs it fast, and returns exit code and standard error.
+fn run(folder: &TempDir, lines: &str, arguments: &[&str]) -> (i32, String) {
+    let file = Path::new("job.ngc");
+    fs::write(folder.path().join(file), lines).unwrap();
+    let output = trirrr(folder, "run", file, &[&["--fast"], arguments].concat());
+    (output.status.code().unwrap(), text(&output.stderr))
+}
+
+/// Columns of `ticks.csv`, by name.
+fn columns<const N: usize>(folder: &TempDir, job: &str, names: [&str; N]) -> Vec<[f64; N]> {
+    let table = fs::read_to_string(folder.path().join("out").join(job).join("ticks.csv")).unwrap();
+    let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let header = rows.next().unwrap();
+    let at = names.map(|name| header.iter().position(|each| *each == name).unwrap());
+    rows.map(|row| at.map(|column| row[column].parse().unwrap()))
+        .collect()
+}
+
+/// The same drawing, in a scene and in G-code: the same motion.
+#[test]
+fn a_drawing_in_g_code_is_played_as_the_one_in_a_scene() {
+    let folder = TempDir::new().unwrap();
+    let scene = Command::new(env!("CARGO_BIN_EXE_trirrr"))
+        .args(["run", "--fast", "--out", "out/scene"])
+        .arg(repository("scenes/engraving.toml"))
+        .current_dir(folder.path())
+        .status();
+    assert!(scene.unwrap().success());
+    let job = repository("scenes/jobs/plate.ngc");
+    let placed = ["--fast", "--origin", "180,245", "--corner", "0"];
+    let output = trirrr(&folder, "run", &job, &placed);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let names = ["t", "x", "y", "alpha", "tool"];
+    let (of_scene, of_job) = (
+        columns(&folder, "scene", names),
+        columns(&folder, "plate", names),
+    );
+    assert_eq!(of_scene.len(), of_job.len());
+    for (scene, job) in of_scene.iter().zip(&of_job) {
+        // Decimals are rounded on their way from mm to m; f32 has 3e-8 m here.
+        let near = |column: usize, most: f64| (scene[column] - job[column]).abs() <= most;
+        assert_eq!(scene[0], job[0]);
+        assert!(
+            near(1, 1e-6) && near(2, 1e-6) && near(3, 1e-6),
+            "{scene:?} {job:?}"
+        );
+        assert!(near(4, 1e-3), "{scene:?} {job:?}");
+    }
+}
+
+/// The feed is the speed of the tool point; a rapid is as fast as the machine may; the tool is off in it.
+#[test]
+fn a_feed_is_kept_and_a_rapid_is_faster() {
+    let folder = TempDir::new().unwrap();
+    let job = "G21 G90\nG0 X260 Y250\nM3 S250 F3000\nG1 X280\nG2 X290 Y260 R10\nG4 P0.05\nM5\nG0 X250 Y245\nM2\n";
+    let (code, error) = run(&folder, job, &[]);
+    assert_eq!(code, 0, "{error}");
+    let rows = columns(&folder, "job", ["t", "x", "y", "vx", "vy", "tool"]);
+    let speed = |row: &[f64; 6]| row[3].hypot(row[4]);
+    let on: Vec<_> = rows.iter().filter(|row| row[5] > 0.0).collect();
+    assert!(
+        on.iter()
+            .all(|row| row[5] == 0.25 && speed(row) <= 0.05 * (1.0 + 1e-5))
+    );
+    let fastest = |part: &mut dyn Iterator<Item = &[f64; 6]>| part.map(speed).fold(0.0, f64::max);
+    assert!(fastest(&mut on.iter().copied()) > 0.0499);
+    assert!(fastest(&mut rows.iter().filter(|row| row[5] == 0.0)) > 0.06);
+    // The quarter of a circle ends at (0.29, 0.26), where the tool stays on for 50 ticks.
+    let stands = on
+        .iter()
+        .filter(|row| row[1] == 0.29f32 as f64 && row[2] == 0.26f32 as f64);
+    assert!(stands.count() >= 50);
+    let last = rows.last().unwrap();
+    assert!(
+        (last[1] - 0.25).abs() < 1e-6 && (last[2] - 0.245).abs() < 1e-6,
+        "{last:?}"
+    );
+}
+
+#[test]
+fn refusals_name_file_line_and_word() {
+    let folder = TempDir::new().unwrap();
+    for (job, parts) in [
+        // Beyond the reach of a leg.
+        (
+            "G21 G90\nF600\nG1 X255 Y245\nG1 X900\n",
+            ["job.ngc:4: ", "leg"],
+        ),
+        ("G21 G90\nG1 X255 Y245\n", ["job.ngc:2: ", "F"]),
+        ("G21\nG1 X255 F600\nG41 X3\n", ["job.ngc:3: ", "G41"]),
+        ("G21 (\u{7f}\n", ["job.ngc:1: ", "("]),
+        (
+            "M5\nM2\n",
+            ["job.ngc:", "nothing in the file moves the machine"],
+        ),
+        ("", ["job.ngc:", "nothing in the file moves the machine"]),
+    ] {
+        let (code, error) = run(&folder, job, &[]);
+        assert_eq!(code, 2, "{job:?}: {error}");
+        for part in parts {
+            assert!(error.contains(part), "{part:?} of {job:?} in {error}");
+        }
+        assert!(!folder.path().join("out").exists(), "{job:?} left files");
+    }
+}
+
+#[test]
+fn a_job_and_a_scene_are_told_apart() {
+    let folder = TempDir::new().unwrap();
+    let scene = repository("scenes/engraving.toml");
+    let output = trirrr(&folder, "run", &scene, &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("leave --machine out"));
+    let alone = Command::new(env!("CARGO_BIN_EXE_trirrr"))
+        .args(["plan", "job.ngc"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(text(&alone.stderr).contains("add --machine SCENE.toml"));
+    let missing = trirrr(&folder, "plan", Path::new("none.ngc"), &[]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(text(&missing.stderr).contains("none.ngc: cannot be read"));
+}
+
+/// Chords of a curve: the motion goes on from one to the next.
+#[test]
+fn corners_are_rounded_as_far_as_the_user_allows() {
+    let folder = TempDir::new().unwrap();
+    let mut job = String::from("G21 G90 F6000\n");
+    for step in 1..=40 {
+        let angle = std::f64::consts::TAU * f64::from(step) / 40.0;
+        let (x, y) = (250.0 + 20.0 * angle.sin(), 265.0 - 20.0 * angle.cos());
+        job += &format!("G1 X{x:.4} Y{y:.4}\n");
+    }
+    let mut stops = Vec::new();
+    for corner in ["0", "0.02"] {
+        let (code, error) = run(&folder, &job, &["--corner", corner]);
+        assert_eq!(code, 0, "{error}");
+        let rows = columns(&folder, "job", ["vx", "vy"]);
+        let inner = &rows[5..rows.len() - 5];
+        stops.push(
+            inner
+                .iter()
+                .filter(|row| row[0].hypot(row[1]) < 1e-4)
+                .count(),
+        );
+    }
+    assert!(stops[0] >= 39 && stops[1] == 0, "{stops:?}");
+    // What the program says goes before the argument.
+    let exact = job.replace("G90", "G90 G61");
+    assert_eq!(run(&folder, &exact, &["--corner", "0.02"]).0, 0);
+    let rows = columns(&folder, "job", ["vx", "vy"]);
+    assert!(
+        rows.iter()
+            .filter(|row| row[0].hypot(row[1]) < 1e-4)
+            .count()
+            >= 39
+    );
+}
+
+#[test]
+fn a_job_is_checked_without_a_trace() {
+    let folder = TempDir::new().unwrap();
+    let job = repository("scenes/jobs/plate.ngc");
+    let placed = ["--origin", "180,245", "--corner", "0"];
+    let output = trirrr(&folder, "check", &job, &placed);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).starts_with("plate: good\n"));
+    let output = trirrr(&folder, "check", &job, &[&placed[..], &["--json"]].concat());
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let scene = Command::new(env!("CARGO_BIN_EXE_trirrr"))
+        .args(["check", "--json"])
+        .arg(repository("scenes/engraving.toml"))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&scene.stdout).unwrap();
+    // The same drawing on the same machine.
+    assert_eq!(found["ticks"], scene["ticks"]);
+    assert_eq!(found["key"], scene["key"]);
+    assert_eq!([&found["scene"], &scene["scene"]], ["plate", "engraving"]);
+    // Elsewhere the machine does not reach it.
+    let output = trirrr(&folder, "check", &job, &["--origin", "0,0"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("plate.ngc:"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn shells_complete_the_commands() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = Command::new(env!("CARGO_BIN_EXE_trirrr"))
+            .args(["completions", shell])
+            .output()
+            .unwrap();
+        assert!(output.status.success());
+        let script = text(&output.stdout);
+        for word in ["stream", "linkage", "machine"] {
+            assert!(script.contains(word), "{word} for {shell}");
+        }
+    }
+}
