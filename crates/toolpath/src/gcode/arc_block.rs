@@ -2,7 +2,7 @@
 use super::arc::{self, ArcFault, ArcPart, Direction};
 use super::block::ValueWord;
 use super::motion::ToolUse;
-use super::run::Run;
+use super::run::LineRun;
 use crate::{PathFault, ToolCurve, ToolMotion, ToolPlace};
 
 /// Arc words of a block with the place in the program that they refer to.
@@ -13,7 +13,7 @@ struct ArcWords<'t> {
     radius: Option<ValueWord<'t>>,
 }
 
-impl<'t> Run<'_, 't> {
+impl<'t> LineRun<'_, 't> {
     /// Arc to the goal, in one motion or a few.
     pub(super) fn arc(&mut self, goal: ToolPlace, direction: Direction) -> Result<(), PathFault> {
         let whole_turns = match self.block.value(b'P') {

@@ -1,7 +1,7 @@
 //! Axis words of a block, and the places that they give.
 use super::block::ValueWord;
 use super::frames::{AXES, axes, place};
-use super::run::Run;
+use super::run::LineRun;
 use crate::{PathFault, ToolPlace};
 
 /// Farthest coordinate, m and rad. Sums of words in G91 have no bound of their own.
@@ -15,7 +15,7 @@ pub(super) struct AxisWords<'t> {
     pub(super) any: bool,
 }
 
-impl<'t> Run<'_, 't> {
+impl<'t> LineRun<'_, 't> {
     /// Collects the axis words. Refuses Z unless the setup ignores it.
     pub(super) fn axis_words(&self) -> Result<AxisWords<'t>, PathFault> {
         let z = self.block.value(b'Z');

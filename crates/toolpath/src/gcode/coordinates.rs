@@ -2,10 +2,10 @@
 use super::axis_words::AxisWords;
 use super::block::ValueWord;
 use super::frames::{axes, each};
-use super::run::Run;
+use super::run::LineRun;
 use crate::PathFault;
 
-impl<'t> Run<'_, 't> {
+impl<'t> LineRun<'_, 't> {
     /// G10: sets the zero point of a system.
     pub(super) fn set_origin(&mut self, words: &AxisWords<'t>) -> Result<(), PathFault> {
         let by_place = match self.block.value(b'L') {

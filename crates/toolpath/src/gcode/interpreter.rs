@@ -3,7 +3,7 @@ use super::block::Block;
 use super::codes::ProgramEnd;
 use super::frames::WorkFrames;
 use super::modal::Modal;
-use super::run::Run;
+use super::run::LineRun;
 use super::setup::GcodeSetup;
 use super::text::{LineKind, plain};
 use super::words;
@@ -165,7 +165,7 @@ impl Interpreter {
 
     /// Runs a block on a copy of the state, which stays only if the whole block holds.
     fn block(&mut self, block: &Block<'_>, work: &mut LineWork) -> Result<(), PathFault> {
-        let mut run = Run::new(block, self.fixed, self.state.clone());
+        let mut run = LineRun::new(block, self.fixed, self.state.clone());
         run.block()?;
         (self.state, work.elements, work.end) = run.done();
         Ok(())

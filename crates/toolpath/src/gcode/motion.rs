@@ -4,7 +4,7 @@ use super::axis_words::AxisWords;
 use super::codes::OnceCode;
 use super::frames::{axes, place};
 use super::modal::{FeedMode, MotionMode, PathMode};
-use super::run::Run;
+use super::run::LineRun;
 use crate::{Act, PathFault, ToolCurve, ToolMotion, ToolPlace};
 
 /// A motion that goes less far, m and rad, is none.
@@ -12,7 +12,7 @@ const STAND: f64 = 1e-12;
 /// Slowest feed, m/s: a millimetre in eleven days.
 const SLOWEST_M_S: f64 = 1e-9;
 
-impl<'t> Run<'_, 't> {
+impl<'t> LineRun<'_, 't> {
     /// Motion of the block, if it has axis words or is a whole circle.
     pub(super) fn motion(&mut self, words: &AxisWords<'t>, named: bool) -> Result<(), PathFault> {
         let mode = self.state.modal.motion;

@@ -6,7 +6,7 @@ use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
 use crate::{Act, Element, PathFault, ToolPlace, ToolWork};
 
 /// Block under way.
-pub(super) struct Run<'b, 't> {
+pub(super) struct LineRun<'b, 't> {
     pub(super) block: &'b Block<'t>,
     pub(super) fixed: FixedSetup,
     pub(super) state: GcodeState,
@@ -22,7 +22,7 @@ pub(super) struct Run<'b, 't> {
     end: Option<ProgramEnd>,
 }
 
-impl<'b, 't> Run<'b, 't> {
+impl<'b, 't> LineRun<'b, 't> {
     pub(super) fn new(block: &'b Block<'t>, fixed: FixedSetup, state: GcodeState) -> Self {
         Self {
             block,

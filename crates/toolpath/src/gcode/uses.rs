@@ -2,10 +2,10 @@
 use super::block::ValueWord;
 use super::codes::{GeneralCode, OnceCode};
 use super::modal::MotionMode;
-use super::run::Run;
+use super::run::LineRun;
 use crate::PathFault;
 
-impl Run<'_, '_> {
+impl LineRun<'_, '_> {
     /// Refuses words that no code of the block uses, and those that two would use.
     pub(super) fn check_uses(&self) -> Result<(), PathFault> {
         let named = self
