@@ -184,6 +184,18 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo(
+            "a million lines of G-code, and a million damaged ones",
+            &[
+                "test",
+                "--release",
+                "-p",
+                "trirrr-toolpath",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::on_host(
             "ten million ticks",
             "test",
