@@ -11,10 +11,10 @@ use trirrr_scene::Scene;
 /// `trirrr check`.
 ///
 /// Reads a scene, or a job for the machine of a scene, as every other command does: poses, limits, and each move by the
-/// admission of the machine's service. Moves nothing and writes nothing.
+/// admission of the machine's service. Moves nothing, and writes nothing but a figure that is asked for.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArgs {
-    /// The scene, a TOML file; or with --machine a job, a file of G-code
+    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG), a table of poses (CSV)
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// The job in a file of its own.
@@ -23,6 +23,9 @@ pub struct CheckArgs {
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
+    /// Draw the path and where the machine reaches into this SVG file, of a job that is refused, too
+    #[arg(long, value_name = "FILE.svg")]
+    pub figure: Option<PathBuf>,
 }
 
 /// Checks the scene or the job, and prints what it asks for.
@@ -30,7 +33,7 @@ pub struct CheckArgs {
 /// # Errors
 /// Refused: everything that is found wrong, each with its line.
 pub fn command(args: &CheckArgs) -> Result<(), CliError> {
-    let job = job_file::load(&args.scene, &args.job)?;
+    let job = job_file::load_drawn(&args.scene, &args.job, args.figure.as_deref())?;
     job.warn_of_pauses();
     let LoadedJob { scene, pauses, .. } = job;
     let text = match args.json {

@@ -1,4 +1,4 @@
-//! Jobs in files of G-code, on the machine of a scene.
+//! Jobs in files of their own, on the machine of a scene.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -213,6 +213,195 @@ fn a_job_is_checked_without_a_trace() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("plate.ngc:"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Writes `content` as the job `file` into `folder`, and checks it.
+fn check(folder: &TempDir, file: &str, content: &str, arguments: &[&str]) -> (i32, String) {
+    fs::write(folder.path().join(file), content).unwrap();
+    let output = trirrr(folder, "check", Path::new(file), arguments);
+    (output.status.code().unwrap(), text(&output.stderr))
+}
+
+/// The tool is on along the strokes of the file, where `--fit` says that it has put them.
+#[test]
+fn a_drawing_is_placed_and_drawn() {
+    let folder = TempDir::new().unwrap();
+    let job = repository("scenes/jobs/badge.svg");
+    let fit = ["--fast", "--speed", "6000", "--pen", "#ff0000=off", "--fit"];
+    let output = trirrr(&folder, "run", &job, &fit);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    let (_, placed) = said.split_once("--scale 1.0000 --origin ").unwrap();
+    let numbers: Vec<f64> = placed
+        .split(['\n', ','])
+        .take(2)
+        .map(|number| 1e-3 * number.parse::<f64>().unwrap())
+        .collect();
+    let rows = columns(&folder, "badge", ["x", "y", "vx", "vy", "tool"]);
+    let on: Vec<_> = rows.iter().filter(|row| row[4] > 0.0).collect();
+    assert!(
+        on.iter()
+            .all(|row| row[2].hypot(row[3]) <= 0.1 * (1.0 + 1e-5))
+    );
+    // Two circles of 7 mm; the rim is left out; what is left of the star is its outline.
+    let mut drawn = [0; 3];
+    for row in on {
+        let at = [row[0] - numbers[0], row[1] - numbers[1]];
+        let around = |x: f64| (at[0] - x).hypot(at[1] - 0.03);
+        let circle = |x: f64| (around(x) - 0.007).abs() < 3e-5;
+        let shape = [circle(0.015), around(0.045) < 0.0165, circle(0.075)];
+        assert_eq!(shape.iter().filter(|is_on| **is_on).count(), 1, "{at:?}");
+        for (count, is_on) in drawn.iter_mut().zip(shape) {
+            *count += usize::from(is_on);
+        }
+    }
+    // 44 mm each at 0.1 m/s and 1000 ticks/s.
+    assert!(
+        drawn[0] > 400 && drawn[2] > 400 && drawn[1] > 900,
+        "{drawn:?}"
+    );
+    // As --fit says: the same job.
+    let there = placed.lines().next().unwrap();
+    let again = [&fit[..5], &["--scale", "1", "--origin", there]].concat();
+    let output = trirrr(&folder, "run", &job, &again);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(columns(&folder, "badge", ["x"]).len(), rows.len());
+    // Three times as large it has no room.
+    let larger = [&fit[1..], &["--scale", "9"]].concat();
+    let output = trirrr(&folder, "check", &job, &larger);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    let scale = said.split_once("--scale ").unwrap().1;
+    let scale: f64 = scale.split(' ').next().unwrap().parse().unwrap();
+    assert!((1.5..5.0).contains(&scale), "{said}");
+}
+
+/// The order of a table is the user's, and each row is a pose.
+#[test]
+fn a_table_is_followed_row_by_row() {
+    let folder = TempDir::new().unwrap();
+    let job = repository("scenes/jobs/poses.csv");
+    let placed = ["--fast", "--origin", "230,250,22.9", "--corner", "0"];
+    let output = trirrr(&folder, "run", &job, &placed);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rows = columns(&folder, "poses", ["x", "y", "alpha", "vx", "vy", "tool"]);
+    let mut next = rows.iter();
+    for [x, y, degrees] in [
+        [0.0, 0.0, 0.0],
+        [40.0, 0.0, 5.0],
+        [40.0, 40.0, 0.0],
+        [0.0, 40.0, -5.0],
+        [0.0, 0.0, 0.0],
+        [20.0, -5.0, 0.0],
+    ] {
+        let pose = [
+            0.23 + 1e-3 * x,
+            0.25 + 1e-3 * y,
+            f64::to_radians(22.9 + degrees),
+        ];
+        let there = |row: &&[f64; 6]| (0..3).all(|axis| (row[axis] - pose[axis]).abs() < 1e-6);
+        assert!(next.any(|row| there(&row)), "{x} {y}");
+    }
+    let on = rows.iter().filter(|row| row[5] > 0.0);
+    // 160 mm at 50 mm/s, and from rest to rest at each corner.
+    assert!((3190..3800).contains(&on.clone().count()));
+    let last = rows.iter().rposition(|row| row[5] > 0.0).unwrap();
+    let stands = rows[last + 1..]
+        .iter()
+        .filter(|row| row[3].hypot(row[4]) == 0.0);
+    assert!(stands.count() >= 499);
+    assert!(
+        on.clone()
+            .all(|row| row[3].hypot(row[4]) <= 0.05 * (1.0 + 1e-5))
+    );
+}
+
+#[test]
+fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
+    let folder = TempDir::new().unwrap();
+    let svg = |content: &str| {
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='50mm' height='50mm' viewBox='0 0 50 50'>{content}</svg>"
+        )
+    };
+    let bar = "<path id='bar' d='M0 0H9' stroke='red'/>";
+    let feed = ["--speed", "600"];
+    let text = svg("<text>a</text>");
+    for (file, content, arguments, parts) in [
+        ("a.svg", svg(bar), &[][..], ["a.svg: ", "--speed"]),
+        (
+            "a.svg",
+            svg(bar),
+            &feed[..],
+            ["a.svg: way to shape 1 (bar): ", "leg"],
+        ),
+        ("a.svg", text, &feed, ["a.svg:1: text: ", "paths"]),
+        (
+            "a.svg",
+            svg(bar),
+            &["--speed", "6", "--pen", "#ff0000=off"],
+            ["a.svg: ", "left out"],
+        ),
+        (
+            "a.svg",
+            svg(bar),
+            &["--speed", "6", "--origin", "1,2,3"],
+            ["a.svg: --origin", "ALPHA"],
+        ),
+        (
+            "a.svg",
+            svg(bar),
+            &["--speed", "6", "--pen", "red=1"],
+            ["--pen", "#ff0000"],
+        ),
+        (
+            "a.csv",
+            "x_mm,y_mm\n9,9\n".into(),
+            &[],
+            ["a.csv:2: ", "leg"],
+        ),
+        (
+            "a.csv",
+            "x_mm,y_mm\n9,b\n".into(),
+            &[],
+            ["a.csv:2: y_mm: ", "number"],
+        ),
+        (
+            "a.csv",
+            "x_mm,y_mm\n9,9\n".into(),
+            &["--hatch", "1"],
+            ["a.csv: --hatch", "table"],
+        ),
+        (
+            "a.ngc",
+            "G0 X1\n".into(),
+            &feed,
+            ["a.ngc: --speed", "G-code"],
+        ),
+    ] {
+        let (code, error) = check(&folder, file, &content, arguments);
+        assert_eq!(code, 2, "{content}: {error}");
+        for part in parts {
+            assert!(error.contains(part), "{part:?} of {content} in {error}");
+        }
+    }
+}
+
+/// A path is drawn before it is planned: of a refused job, too, with the place marked.
+#[test]
+fn a_path_is_drawn_before_anything_moves() {
+    let folder = TempDir::new().unwrap();
+    let job = repository("scenes/jobs/plate.ngc");
+    for (origin, code, marked) in [("180,245", 0, false), ("300,245", 2, true)] {
+        let arguments = ["--origin", origin, "--figure", "path.svg"];
+        let output = trirrr(&folder, "check", &job, &arguments);
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+        let figure = fs::read_to_string(folder.path().join("path.svg")).unwrap();
+        assert!(figure.contains("tool on"));
+        assert_eq!(figure.contains("here the path is refused"), marked);
+        // The shades of the reach.
+        assert!(figure.matches("<polygon").count() > 200);
+    }
 }
 
 #[test]

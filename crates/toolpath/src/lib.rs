@@ -1,4 +1,4 @@
-//! Tool paths of the files that users have: G-code.
+//! Tool paths of the files that users have: G-code, drawings, tables of poses.
 //!
 //! A tool path is a chain of [`Element`]s: motions of the tool point, and stands between them. Nothing here knows a
 //! machine: limits, reach and durations come when the path is planned.
@@ -6,7 +6,9 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+pub mod drawing;
 pub mod gcode;
+pub mod table;
 
 use std::fmt;
 

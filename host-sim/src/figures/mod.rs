@@ -6,12 +6,14 @@ mod drives;
 mod machine;
 mod plan;
 mod plant;
+mod preview;
 mod tolerances;
 mod traces;
 
 pub use drives::DriveTraces;
 pub use plan::PlanTraces;
 pub use plant::PlantTraces;
+pub use preview::Preview;
 pub use tolerances::ToleranceTraces;
 pub use traces::Traces;
 
@@ -30,27 +32,28 @@ pub fn write_all(
     mut traces: Traces,
 ) -> Result<Vec<PathBuf>, FigureError> {
     let mut written = Vec::new();
-    let mut save = |file: &str, drawn: trirrr_figures::canvas::Drawn| {
-        let path = folder.join(file);
-        drawn
-            .map_err(|error| io::Error::other(error.to_string()))
-            .and_then(|svg| std::fs::write(&path, svg))
-            .map_err(|source| FigureError {
-                path: path.clone(),
-                source,
-            })?;
-        written.push(path);
+    let mut add = |file: &str, drawn: trirrr_figures::canvas::Drawn| {
+        written.push(save(folder.join(file), drawn)?);
         Ok(())
     };
     for (file, title, panels) in traces.panels() {
-        save(
+        add(
             file,
             trirrr_figures::panel::draw(&format!("{heading}: {title}"), &panels),
         )?;
     }
     let title = format!("{heading}: the machine and its path");
-    save("machine.svg", machine::draw(&title, &traces.scenery()))?;
+    add("machine.svg", machine::draw(&title, &traces.scenery()))?;
     Ok(written)
+}
+
+/// Writes a figure to `path`, and returns that.
+fn save(path: PathBuf, drawn: trirrr_figures::canvas::Drawn) -> Result<PathBuf, FigureError> {
+    drawn
+        .map_err(|error| io::Error::other(error.to_string()))
+        .and_then(|svg| std::fs::write(&path, svg))
+        .map(|()| path.clone())
+        .map_err(|source| FigureError { path, source })
 }
 
 /// A figure that could not be drawn or written.

@@ -1,7 +1,6 @@
 //! Figure of a plan: speed along the path beside the bound of any motion's speed; alpha where it was chosen.
 
-use super::FigureError;
-use std::io;
+use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
@@ -54,11 +53,7 @@ impl PlanTraces {
                 curves: vec![curve(2, "chosen")],
             });
         }
-        let path = folder.join("plan.svg");
-        draw(&format!("{name}: the plan and its bound"), &panels)
-            .map_err(|error| io::Error::other(error.to_string()))
-            .and_then(|svg| std::fs::write(&path, svg))
-            .map(|()| path.clone())
-            .map_err(|source| FigureError { path, source })
+        let drawn = draw(&format!("{name}: the plan and its bound"), &panels);
+        save(folder.join("plan.svg"), drawn)
     }
 }

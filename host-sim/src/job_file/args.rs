@@ -1,5 +1,6 @@
 //! Arguments of commands that take a job file in place of a scene.
 
+use super::drawing_args::DrawingArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,6 +22,9 @@ pub struct JobFileArgs {
     /// Leave out words of Z: the machine has no such axis
     #[arg(long, requires = "machine")]
     pub ignore_z: bool,
+    /// What a drawing or a table leaves open.
+    #[command(flatten)]
+    pub drawing: DrawingArgs,
 }
 
 impl Default for JobFileArgs {
@@ -32,6 +36,7 @@ impl Default for JobFileArgs {
             corner: 0.01,
             full_power: 1000.0,
             ignore_z: false,
+            drawing: DrawingArgs::default(),
         }
     }
 }

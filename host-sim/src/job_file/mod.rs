@@ -1,20 +1,22 @@
-//! Jobs in files of their own: G-code, planned for the machine of a scene.
+//! Jobs in files of their own: G-code, drawings and tables, planned for the machine of a scene.
 
 mod args;
+mod drawing;
+mod drawing_args;
 mod path;
+mod read;
 
 pub use args::JobFileArgs;
+pub use drawing_args::{DrawingArgs, PenArg};
 
 use crate::arguments::scene_to_move;
 use crate::failure::CliError;
+use crate::figures::Preview;
+use crate::recording::unwritable;
 use crate::terminal::say;
-use path::PathBuilder;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
-use trirrr_scene::{Scene, Unplanned};
-use trirrr_toolpath::gcode::{self, GcodeSetup};
-use trirrr_toolpath::{PathFault, ToolPlace};
+use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned};
+use trirrr_toolpath::PathFault;
 
 /// Longest name of a job: that of a folder, and on the wire.
 const LONGEST_NAME: usize = 32;
@@ -45,88 +47,129 @@ impl LoadedJob {
 /// # Errors
 /// Refused: the scene, a line of the job, or a job without a plan.
 pub(crate) fn load(file: &Path, args: &JobFileArgs) -> Result<LoadedJob, CliError> {
+    load_drawn(file, args, None)
+}
+
+/// Reads as [`load`], and draws the path into `figure`, even if it has no plan.
+///
+/// # Errors
+/// As [`load`]. Failed: the figure cannot be written.
+pub(crate) fn load_drawn(
+    file: &Path,
+    args: &JobFileArgs,
+    figure: Option<&Path>,
+) -> Result<LoadedJob, CliError> {
     let is_scene = file
         .extension()
         .is_some_and(|extension| extension == "toml");
     match &args.machine {
-        None if is_scene => Ok(LoadedJob {
-            scene: scene_to_move(file)?,
-            machine: None,
-            pauses: Vec::new(),
-        }),
+        None if is_scene => {
+            let scene = scene_to_move(file)?;
+            if let Some(figure) = figure {
+                let path = scene.job.path.as_ref().ok_or_else(|| {
+                    CliError::Refused(format!(
+                        "{}: --figure draws a path, and the job has no [[job.path]]; `trirrr run --fast` draws its moves",
+                        file.display()
+                    ))
+                })?;
+                preview(&scene, path, None, figure)?;
+            }
+            Ok(LoadedJob {
+                scene,
+                machine: None,
+                pauses: Vec::new(),
+            })
+        }
         None => Err(CliError::Refused(format!(
             "{}: a job needs a machine: add --machine SCENE.toml",
             file.display()
         ))),
         Some(_) if is_scene => Err(CliError::Refused(format!(
-            "{}: a scene has a machine and a job: leave --machine out, or give a file of G-code",
+            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG or CSV",
             file.display()
         ))),
-        Some(machine) => load_for(file, machine, args),
+        Some(machine) => load_for(file, machine, args, figure),
     }
 }
 
-fn load_for(file: &Path, machine: &Path, args: &JobFileArgs) -> Result<LoadedJob, CliError> {
+fn load_for(
+    file: &Path,
+    machine: &Path,
+    args: &JobFileArgs,
+    figure: Option<&Path>,
+) -> Result<LoadedJob, CliError> {
     let machine = scene_to_move(machine)?;
     let name = file.display();
-    let refused = |fault: PathFault| CliError::Refused(format!("{name}:{fault}"));
-    let opened = File::open(file)
-        .map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))?;
-    let start = machine.job.start;
-    let mut builder = PathBuilder::new(start, machine.tick_rate_hz);
-    let mut elements = gcode::elements(BufReader::new(opened), setup(&machine, args));
-    for element in elements.by_ref() {
-        builder.push(&element.map_err(refused)?).map_err(refused)?;
-    }
-    let corner_m = match elements.interpreter().modal().blend_m {
-        Some(blend_m) => blend_m,
-        None => 1e-3 * args.corner,
-    };
-    let pauses = std::mem::take(&mut builder.pauses);
-    let path = builder.finish(corner_m).map_err(refused)?;
+    let refused = |fault: PathFault| CliError::Refused(format!("{name}:{}", in_line(&fault)));
+    let read = read::read(file, &machine, args)?.map_err(refused)?;
     let mut scene = Scene {
         name: job_name(file, &machine.name),
         description: format!("{name} on the machine {}", machine.name),
         ..machine.clone()
     };
-    scene
-        .take_path(&path)
-        .map_err(|error| CliError::Refused(format!("{name}:{}", in_file(&error))))?;
+    let planned = scene.take_path(&read.path);
+    if let Some(figure) = figure {
+        let breach = planned.as_ref().err().and_then(breach);
+        preview(&scene, &read.path, breach, figure)?;
+    }
+    planned.map_err(|error| {
+        let place = number(&error).map_or(String::new(), |number| read.place(number + 1) + ":");
+        CliError::Refused(format!("{name}:{place} {error}"))
+    })?;
     Ok(LoadedJob {
         scene,
         machine: Some(machine),
-        pauses,
+        pauses: read.pauses,
     })
 }
 
-fn setup(machine: &Scene, args: &JobFileArgs) -> GcodeSetup {
-    let start = machine.job.start;
-    let start = ToolPlace {
-        position_m: [start.position.x, start.position.y],
-        alpha_rad: start.angle,
+/// Draws the path on the machine of `scene` into `file`.
+fn preview(
+    scene: &Scene,
+    path: &JobPath,
+    breach: Option<[f64; 2]>,
+    file: &Path,
+) -> Result<(), CliError> {
+    let reach = ReachMap::new(scene, &scene.job.start)
+        .map_err(|error| CliError::Refused(error.to_string()))?;
+    let drawn = Preview {
+        name: &scene.name,
+        path,
+        start_m: scene.job.start.position.into(),
+        reach: &reach,
+        breach,
     };
-    let [x, y, alpha] = args.origin.unwrap_or([0.0; 3]);
-    let origin = ToolPlace {
-        position_m: [1e-3 * x, 1e-3 * y],
-        alpha_rad: alpha.to_radians(),
-    };
-    GcodeSetup {
-        start,
-        origins: [origin; 6],
-        full_power: args.full_power,
-        home: Some(start),
-        ignore_z: args.ignore_z,
-    }
+    let file = drawn
+        .write(file)
+        .map_err(|error| unwritable(&error.path, &error.source))?;
+    say(&format!("wrote {}", file.display()));
+    Ok(())
 }
 
-/// Line and reason, where the reason stands in a line of the file.
-fn in_file(error: &Unplanned) -> String {
+/// A fault behind the name of its file.
+fn in_line(fault: &PathFault) -> String {
+    let space = if fault.line == 0 { " " } else { "" };
+    format!("{space}{fault}")
+}
+
+/// Number of the element that cannot be planned, from 0.
+fn number(error: &Unplanned) -> Option<u32> {
     match error {
         Unplanned::Path { number, .. }
         | Unplanned::NoAlpha { number, .. }
         | Unplanned::Dwell { number }
-        | Unplanned::LongDwell { number, .. } => format!("{}: {error}", number + 1),
-        Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => format!(" {error}"),
+        | Unplanned::LongDwell { number, .. } => Some(*number as u32),
+        Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => None,
+    }
+}
+
+/// Place at which a path cannot be planned, m.
+fn breach(error: &Unplanned) -> Option<[f64; 2]> {
+    match error {
+        Unplanned::Path { refusal, .. } | Unplanned::NoAlpha { refusal, .. } => {
+            Some(refusal.pose.position.into())
+        }
+        _ => None,
     }
 }
 

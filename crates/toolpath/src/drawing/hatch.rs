@@ -1,0 +1,144 @@
+//! Fill of an area with parallel lines.
+
+use super::{Area, Drawing, FLATNESS_M, Stroke, StrokeCurve};
+use crate::PathFault;
+
+/// Most lines of a drawing's fill.
+const LINES_MAX: f64 = 1e6;
+
+impl Drawing {
+    /// Fills every area with lines along x at a distance of `pitch_m`, in the colour of its fill. Outlines without a
+    /// colour of their own are no longer drawn.
+    ///
+    /// # Errors
+    /// The fill has more than a million lines.
+    pub fn fill(&mut self, pitch_m: f64) -> Result<(), PathFault> {
+        let areas = std::mem::take(&mut self.areas);
+        // Where areas are filled, only outlines with a stroke remain.
+        let bare: Vec<usize> = areas
+            .iter()
+            .filter(|area| !area.stroked)
+            .map(|area| area.shape)
+            .collect();
+        self.strokes
+            .retain(|stroke| bare.binary_search(&stroke.shape).is_err());
+        for area in &areas {
+            hatch(area, pitch_m, &mut self.strokes)?;
+        }
+        Ok(())
+    }
+}
+
+/// Edge of an outline that crosses horizontal lines.
+struct Edge {
+    from: [f64; 2],
+    to: [f64; 2],
+    /// +1: upward, -1: downward.
+    winding: i32,
+}
+
+fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), PathFault> {
+    let edges = edges(area);
+    let low = edges
+        .iter()
+        .map(|edge| edge.from[1])
+        .fold(f64::INFINITY, f64::min);
+    let high = edges
+        .iter()
+        .map(|edge| edge.to[1])
+        .fold(f64::NEG_INFINITY, f64::max);
+    let lines = ((high - low) / pitch_m).floor();
+    if lines + strokes.len() as f64 > LINES_MAX {
+        return Err(PathFault {
+            line: 0,
+            word: String::new(),
+            reason: format!(
+                "the fill has more than {LINES_MAX} lines; take a larger distance of lines than {} mm",
+                1e3 * pitch_m
+            ),
+        });
+    }
+    if edges.is_empty() {
+        return Ok(());
+    }
+    // The lines stand in the middle of the height.
+    let first = low + 0.5 * (high - low - lines * pitch_m);
+    let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); lines as usize + 1];
+    for edge in &edges {
+        let row = |y: f64| (y - first) / pitch_m;
+        let rows = row(edge.from[1]).ceil().max(0.0) as usize..crossings.len();
+        for index in rows {
+            let y = first + index as f64 * pitch_m;
+            // A line through a corner crosses the edge above it, so that it counts once.
+            if y >= edge.to[1] {
+                break;
+            }
+            if y < edge.from[1] {
+                continue;
+            }
+            let p = (y - edge.from[1]) / (edge.to[1] - edge.from[1]);
+            let x = edge.from[0] + p * (edge.to[0] - edge.from[0]);
+            crossings[index].push((x, edge.winding));
+        }
+    }
+    for (index, row) in crossings.iter_mut().enumerate() {
+        row.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let y = first + index as f64 * pitch_m;
+        for [from, to] in inside(row, area.non_zero) {
+            strokes.push(Stroke {
+                shape: area.shape,
+                colour: area.colour,
+                start: [from, y],
+                curves: vec![StrokeCurve::Line([to, y])],
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Edges of the area, upward. Level ones are left out, outlines are closed.
+fn edges(area: &Area) -> Vec<Edge> {
+    let mut edges = Vec::new();
+    for outline in &area.outlines {
+        let mut points = outline.points(FLATNESS_M);
+        points.push(outline.start);
+        for pair in points.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            if from[1] < to[1] {
+                edges.push(Edge {
+                    from,
+                    to,
+                    winding: 1,
+                });
+            } else if to[1] < from[1] {
+                edges.push(Edge {
+                    from: to,
+                    to: from,
+                    winding: -1,
+                });
+            }
+        }
+    }
+    edges
+}
+
+/// Stretches of a line inside the area, from its crossings in ascending order.
+fn inside(row: &[(f64, i32)], non_zero: bool) -> Vec<[f64; 2]> {
+    let mut stretches: Vec<[f64; 2]> = Vec::new();
+    let mut winding = 0;
+    for pair in row.windows(2) {
+        winding += if non_zero { pair[0].1 } else { 1 };
+        let within = match non_zero {
+            true => winding != 0,
+            false => winding % 2 == 1,
+        };
+        if !within || pair[1].0 <= pair[0].0 {
+            continue;
+        }
+        match stretches.last_mut() {
+            Some(last) if last[1] == pair[0].0 => last[1] = pair[1].0,
+            _ => stretches.push([pair[0].0, pair[1].0]),
+        }
+    }
+    stretches
+}

@@ -1,0 +1,157 @@
+//! Drawings: strokes in the plane, the pens that draw them, and the order in which they are drawn.
+//!
+//! A drawing has its zero point at the lower left corner of its page, x to the right and y upward, in m. [`read_svg`]
+//! reads one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
+
+mod hatch;
+mod order;
+mod stroke;
+mod svg;
+
+pub use stroke::{Stroke, StrokeCurve};
+pub use svg::read_svg;
+
+use crate::{Act, Element, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+
+/// Largest distance of a chord from its curve, m, where a curve is measured or filled.
+const FLATNESS_M: f64 = 1e-5;
+
+/// Colour: red, green, blue.
+pub type Rgb = [u8; 3];
+
+/// Drawing: strokes, and the names of the shapes that they belong to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// Strokes, in the order in which they are drawn.
+    pub strokes: Vec<Stroke>,
+    /// Areas that [`Drawing::fill`] may fill with lines.
+    pub(crate) areas: Vec<Area>,
+    /// Names of the shapes, as the file has them, possibly empty.
+    pub(crate) shapes: Vec<String>,
+}
+
+/// Area inside closed strokes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Area {
+    pub(crate) shape: usize,
+    pub(crate) colour: Option<Rgb>,
+    /// Inside is where the outlines wind around at all, else where they do an odd number of times.
+    pub(crate) non_zero: bool,
+    pub(crate) outlines: Vec<Stroke>,
+    /// The outline is drawn as well, in a colour of its own.
+    pub(crate) stroked: bool,
+}
+
+/// Pen: feed and work of the tool for the strokes of a colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// Greatest speed of the tool point, m/s, positive.
+    pub feed_m_s: f64,
+    /// Work of the tool. None: strokes with this pen are left out.
+    pub work: Option<ToolWork>,
+}
+
+/// Pens, and the place of a drawing on the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawingSetup {
+    /// Zero point of the drawing in the fixed frame; alpha of the platform all along.
+    pub origin: ToolPlace,
+    /// Length on the machine of a length 1 in the drawing, positive.
+    pub scale: f64,
+    /// Pen of the colours without an own one.
+    pub pen: Pen,
+    /// Pens of colours.
+    pub pens: Vec<(Rgb, Pen)>,
+}
+
+impl DrawingSetup {
+    /// Pen of a colour.
+    pub fn pen_of(&self, colour: Option<Rgb>) -> Pen {
+        let own = self.pens.iter().find(|(rgb, _)| Some(*rgb) == colour);
+        own.map_or(self.pen, |(_, pen)| *pen)
+    }
+
+    fn place(&self, point: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.origin.position_m;
+        [x + self.scale * point[0], y + self.scale * point[1]]
+    }
+}
+
+impl Drawing {
+    /// Lower left and upper right corner of what is drawn, m in the drawing. None: nothing is drawn.
+    pub fn bounds_m(&self) -> Option<[[f64; 2]; 2]> {
+        let mut points = self
+            .strokes
+            .iter()
+            .flat_map(|stroke| stroke.points(FLATNESS_M));
+        let first = points.next()?;
+        let grown = |[low, high]: [[f64; 2]; 2], point: [f64; 2]| {
+            [
+                [low[0].min(point[0]), low[1].min(point[1])],
+                [high[0].max(point[0]), high[1].max(point[1])],
+            ]
+        };
+        Some(points.fold([first, first], grown))
+    }
+
+    /// Leaves out the strokes and areas that no pen draws.
+    pub fn leave_out(&mut self, setup: &DrawingSetup) {
+        let drawn = |colour| setup.pen_of(colour).work.is_some();
+        self.strokes.retain(|stroke| drawn(stroke.colour));
+        self.areas.retain(|area| drawn(area.colour));
+    }
+
+    /// Tool path of the drawing. The numbers of its elements are places for [`Drawing::place_of`].
+    pub fn elements(&self, setup: &DrawingSetup) -> Vec<Element> {
+        let mut elements = Vec::new();
+        let motion = |to, curve, feed_m_s| {
+            Act::Motion(ToolMotion {
+                curve,
+                to: ToolPlace {
+                    position_m: setup.place(to),
+                    alpha_rad: setup.origin.alpha_rad,
+                },
+                feed_m_s,
+                stops: false,
+            })
+        };
+        for (index, stroke) in self.strokes.iter().enumerate() {
+            let pen = setup.pen_of(stroke.colour);
+            let line = 2 * index as u32 + 1;
+            elements.push(Element {
+                line,
+                tool: None,
+                act: motion(stroke.start, ToolCurve::Line, None),
+            });
+            for curve in &stroke.curves {
+                let (to, kind) = match *curve {
+                    StrokeCurve::Line(to) => (to, ToolCurve::Line),
+                    StrokeCurve::Bezier([first, second, to]) => {
+                        let controls_m = [first, second].map(|point| setup.place(point));
+                        (to, ToolCurve::Bezier { controls_m })
+                    }
+                };
+                elements.push(Element {
+                    line: line + 1,
+                    tool: pen.work,
+                    act: motion(to, kind, Some(pen.feed_m_s)),
+                });
+            }
+        }
+        elements
+    }
+
+    /// Shape of an element, by the number of the element: its number in the file, and its name.
+    pub fn place_of(&self, line: u32) -> String {
+        let stroke = self.strokes.get((line.max(1) as usize - 1) / 2);
+        let Some(stroke) = stroke else {
+            return String::new();
+        };
+        let way = if line % 2 == 1 { "way to " } else { "" };
+        let number = stroke.shape + 1;
+        match self.shapes.get(stroke.shape).map_or("", String::as_str) {
+            "" => format!("{way}shape {number}"),
+            name => format!("{way}shape {number} ({name})"),
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! One stroke: a chain of lines and curves.
+
+use super::Rgb;
+
+/// Most chords of a curve.
+const CHORDS_MAX: f64 = 1000.0;
+
+/// Chain of lines and curves that is drawn without a break.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Number of its shape in the file, from 0.
+    pub shape: usize,
+    /// Colour. None: none that a pen could be chosen by (a gradient, a pattern).
+    pub colour: Option<Rgb>,
+    /// First point, m.
+    pub start: [f64; 2],
+    /// Lines and curves, each from where the last one ends.
+    pub curves: Vec<StrokeCurve>,
+}
+
+/// Part of a stroke: its points behind the first, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StrokeCurve {
+    /// Straight line to a point.
+    Line([f64; 2]),
+    /// Cubic Bezier curve: two inner control points, and the end.
+    Bezier([[f64; 2]; 3]),
+}
+
+impl StrokeCurve {
+    /// Last point, m.
+    pub fn end(&self) -> [f64; 2] {
+        match *self {
+            Self::Line(to) | Self::Bezier([_, _, to]) => to,
+        }
+    }
+}
+
+impl Stroke {
+    /// Last point, m.
+    pub fn end(&self) -> [f64; 2] {
+        self.curves.last().map_or(self.start, StrokeCurve::end)
+    }
+
+    /// The same stroke, drawn from its end to its start.
+    pub fn reversed(self) -> Self {
+        let mut froms = vec![self.start];
+        froms.extend(self.curves.iter().map(StrokeCurve::end));
+        let start = froms.pop().unwrap_or(self.start);
+        let pairs = self.curves.into_iter().zip(froms).rev();
+        let curves = pairs.map(|(curve, from)| match curve {
+            StrokeCurve::Line(_) => StrokeCurve::Line(from),
+            StrokeCurve::Bezier([first, second, _]) => StrokeCurve::Bezier([second, first, from]),
+        });
+        Self {
+            start,
+            curves: curves.collect(),
+            ..self
+        }
+    }
+
+    /// Points along the stroke whose chords are at most `flatness_m` off it.
+    pub fn points(&self, flatness_m: f64) -> Vec<[f64; 2]> {
+        let mut at = self.start;
+        let mut points = vec![at];
+        for curve in &self.curves {
+            if let StrokeCurve::Bezier([first, second, to]) = *curve {
+                let chords = chords(at, first, second, to, flatness_m);
+                for chord in 1..chords {
+                    let p = f64::from(chord) / f64::from(chords);
+                    points.push(at_parameter([at, first, second, to], p));
+                }
+            }
+            at = curve.end();
+            points.push(at);
+        }
+        points
+    }
+}
+
+/// Chords that keep a distance: a chord over a part h is off by at most h^2 / 8 of the greatest second derivative.
+fn chords(from: [f64; 2], first: [f64; 2], second: [f64; 2], to: [f64; 2], flatness_m: f64) -> u32 {
+    let bend = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        6.0 * (a[0] - 2.0 * b[0] + c[0]).hypot(a[1] - 2.0 * b[1] + c[1])
+    };
+    let most = bend(from, first, second).max(bend(first, second, to));
+    (most / (8.0 * flatness_m))
+        .sqrt()
+        .ceil()
+        .clamp(1.0, CHORDS_MAX) as u32
+}
+
+fn at_parameter([a, b, c, d]: [[f64; 2]; 4], p: f64) -> [f64; 2] {
+    let q = 1.0 - p;
+    let weights = [q * q * q, 3.0 * q * q * p, 3.0 * q * p * p, p * p * p];
+    [0, 1].map(|axis| {
+        weights[0] * a[axis] + weights[1] * b[axis] + weights[2] * c[axis] + weights[3] * d[axis]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quarter() -> Stroke {
+        // Quarter of the unit circle to 3e-4, by the usual control points.
+        let k = 0.5522847498;
+        Stroke {
+            shape: 0,
+            colour: None,
+            start: [1.0, 0.0],
+            curves: vec![
+                StrokeCurve::Bezier([[1.0, k], [k, 1.0], [0.0, 1.0]]),
+                StrokeCurve::Line([0.0, 2.0]),
+            ],
+        }
+    }
+
+    #[test]
+    fn a_reversed_stroke_has_the_same_points() {
+        let stroke = quarter();
+        let mut points = stroke.points(1e-3);
+        let back = stroke.clone().reversed();
+        assert_eq!([back.start, back.end()], [stroke.end(), stroke.start]);
+        points.reverse();
+        for (one, other) in points.iter().zip(back.points(1e-3)) {
+            assert!((one[0] - other[0]).abs() < 1e-12 && (one[1] - other[1]).abs() < 1e-12);
+        }
+        assert_eq!(back.reversed(), stroke);
+    }
+
+    #[test]
+    fn chords_keep_their_distance() {
+        for flatness in [1e-2, 1e-3, 1e-4] {
+            let points = quarter().points(flatness);
+            let round = &points[..points.len() - 1];
+            for pair in round.windows(2) {
+                let middle = [0, 1].map(|axis| 0.5 * (pair[0][axis] + pair[1][axis]));
+                let off = (middle[0].hypot(middle[1]) - 1.0).abs();
+                assert!(off <= flatness + 3e-4, "{off} at {flatness}");
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Figure of a path before anything moves: its strokes, the ways between them, and the reach of the machine.
+
+use super::{FigureError, save};
+use std::path::{Path, PathBuf};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::plane::View;
+use trirrr_figures::style::{FRAME, GREEN, INK, PURPLE, VERMILLION, faded};
+use trirrr_plan::piece::Piece;
+use trirrr_scene::{JobPath, ReachMap};
+
+const LEFT: f64 = 84.0;
+const TOP: f64 = 56.0;
+const BOTTOM: f64 = 150.0;
+const SIDE: f64 = 640.0;
+
+/// Places on each curve that are joined by lines.
+const PLACES: u32 = 16;
+
+/// Shades of the reach: from which distance to a singularity on, and how strong.
+const SHADES: [(f64, f64); 4] = [(0.0, 0.12), (0.2, 0.22), (0.4, 0.34), (0.6, 0.46)];
+
+/// Contents of the figure.
+pub struct Preview<'a> {
+    /// Name of the job.
+    pub name: &'a str,
+    /// The path.
+    pub path: &'a JobPath,
+    /// Place of D where it begins, m.
+    pub start_m: [f64; 2],
+    /// Places of D that the machine reaches.
+    pub reach: &'a ReachMap,
+    /// Place at which the path is refused, m.
+    pub breach: Option<[f64; 2]>,
+}
+
+impl Preview<'_> {
+    /// Draws the figure into `file`, and returns that.
+    ///
+    /// # Errors
+    /// The file that could not be written, and why.
+    pub fn write(&self, file: &Path) -> Result<PathBuf, FigureError> {
+        save(file.to_owned(), self.draw())
+    }
+
+    fn draw(&self) -> Drawn {
+        let curves: Vec<_> = self
+            .path
+            .pieces
+            .iter()
+            .map(|each| places(&each.piece))
+            .collect();
+        let shown: Vec<[f64; 2]> = self
+            .corners()
+            .into_iter()
+            .chain(curves.iter().flatten().copied())
+            .collect();
+        let view = View::around(&shown, "m", (LEFT, TOP), SIDE);
+        let title = format!("{}: the path, and the reach of the machine", self.name);
+        let width = (LEFT + view.width + 40.0)
+            .max(Size::Title.width(&title) + 40.0)
+            .max(600.0);
+        page(width, TOP + view.height + BOTTOM, |canvas| {
+            canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+            self.reach(canvas, &view)?;
+            view.grid(canvas, ["x of D", "y of D"])?;
+            // Strokes on top of the ways.
+            for tool_is_on in [false, true] {
+                for (each, curve) in self.path.pieces.iter().zip(&curves) {
+                    let tool = self.path.tools.get(each.source).copied().flatten();
+                    let is_on = tool.is_some_and(|tool| tool.power > 0.0);
+                    let points: Vec<_> = curve.iter().map(|place| view.at(*place)).collect();
+                    match (is_on == tool_is_on, is_on) {
+                        (true, true) => canvas.line(&points, PURPLE, 1.6)?,
+                        (true, false) => way(canvas, &points)?,
+                        (false, _) => {}
+                    }
+                }
+            }
+            canvas.dot(view.at(self.start_m), 3.6, INK)?;
+            if let Some(breach) = self.breach {
+                cross(canvas, view.at(breach))?;
+            }
+            self.legend(canvas, TOP + view.height + 66.0)
+        })
+    }
+
+    /// Lower left and upper right corner of the nodes that are reached.
+    fn corners(&self) -> Vec<[f64; 2]> {
+        let [columns, rows] = self.reach.size();
+        let nodes = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let reached = nodes.filter(|(column, row)| self.reach.margin(*column, *row).is_some());
+        let places = reached.map(|(column, row)| self.reach.place_m(column, row));
+        places.collect()
+    }
+
+    /// The reach: a rectangle for each run of nodes of the same shade in a row.
+    fn reach(&self, canvas: &Canvas<'_>, view: &View) -> Draw {
+        let [columns, rows] = self.reach.size();
+        let half = 0.5 * self.reach.step_m();
+        for row in 0..rows {
+            let shades: Vec<_> = (0..columns)
+                .map(|column| self.reach.margin(column, row).map(shade))
+                .collect();
+            let mut column = 0;
+            for run in shades.chunk_by(|one, other| one == other) {
+                let (first, last) = (column, column + run.len() - 1);
+                column += run.len();
+                let Some(shade) = run[0] else {
+                    continue;
+                };
+                let ([left, y], [right, _]) = (
+                    self.reach.place_m(first, row),
+                    self.reach.place_m(last, row),
+                );
+                let (low, high) = (
+                    view.at([left - half, y - half]),
+                    view.at([right + half, y + half]),
+                );
+                let corners = [low, (high.0, low.1), high, (low.0, high.1)];
+                canvas.polygon(&corners, faded(GREEN, SHADES[shade].1))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn legend(&self, canvas: &Canvas<'_>, top: f64) -> Draw {
+        let line = |row: f64| top + 20.0 * row;
+        let text = |row: f64, text: &str| {
+            canvas.text(text, (LEFT + 48.0, line(row)), Size::Tick, RIGHT_OF, INK)
+        };
+        canvas.line(&[(LEFT, line(0.0)), (LEFT + 36.0, line(0.0))], PURPLE, 1.6)?;
+        text(0.0, "tool on")?;
+        canvas.dashed((LEFT, line(1.0)), (LEFT + 36.0, line(1.0)), FRAME)?;
+        text(1.0, "tool off; the dot is the start")?;
+        for (index, (_, strength)) in SHADES.iter().enumerate() {
+            let (left, right) = (LEFT + 9.0 * index as f64, LEFT + 9.0 * (index + 1) as f64);
+            let (low, high) = (line(2.0) + 6.0, line(2.0) - 6.0);
+            let corners = [(left, low), (right, low), (right, high), (left, high)];
+            canvas.polygon(&corners, faded(GREEN, *strength))?;
+        }
+        text(
+            2.0,
+            "reach at the angle of the start: distance to singularities from 0, 0.2, 0.4, 0.6",
+        )?;
+        if self.breach.is_some() {
+            cross(canvas, (LEFT + 18.0, line(3.0)))?;
+            text(3.0, "here the path is refused")?;
+        }
+        Ok(())
+    }
+}
+
+fn shade(margin: f64) -> usize {
+    SHADES
+        .iter()
+        .rposition(|(from, _)| margin >= *from)
+        .unwrap_or(0)
+}
+
+fn places(piece: &Piece<f64>) -> Vec<[f64; 2]> {
+    let place = |index: u32| {
+        let at = piece.at(f64::from(index) / f64::from(PLACES));
+        at.pose.position
+    };
+    // A line needs no places between.
+    let middle = 0.5 * (place(0) + place(PLACES));
+    let quarter = 0.5 * (place(0) + middle);
+    let is_line = (place(PLACES / 2) - middle).amax() + (place(PLACES / 4) - quarter).amax() < 1e-9;
+    let step = if is_line { PLACES } else { 1 };
+    let indices = (0..=PLACES).step_by(step as usize);
+    indices.map(|index| place(index).into()).collect()
+}
+
+fn way(canvas: &Canvas<'_>, points: &[(f64, f64)]) -> Draw {
+    for pair in points.windows(2) {
+        canvas.dashed(pair[0], pair[1], FRAME)?;
+    }
+    Ok(())
+}
+
+fn cross(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Draw {
+    for turn in [-6.0, 6.0] {
+        canvas.line(&[(x - 6.0, y - turn), (x + 6.0, y + turn)], VERMILLION, 3.0)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,158 @@
+//! Arguments that say what a drawing or a table of poses leaves open.
+
+use crate::arguments::factor;
+use clap::Args;
+use trirrr_toolpath::ToolWork;
+use trirrr_toolpath::drawing::{Pen, Rgb};
+
+/// Feed, pens and place of a drawing; feed of a table.
+#[derive(Args, Clone, Debug, Default)]
+pub struct DrawingArgs {
+    /// Drawing: speed along its strokes, mm/min, which it needs. Table: speed of the rows without one
+    #[arg(long, value_name = "MM_PER_MIN", requires = "machine", value_parser = factor)]
+    pub speed: Option<f64>,
+    /// Drawing: power of the tool along its strokes, 0 to 1 [default: 1]
+    #[arg(long, value_name = "PART", requires = "machine", value_parser = part)]
+    pub power: Option<f64>,
+    /// Drawing, table: the power is the same at every speed. Without it the power is in proportion to the true speed
+    #[arg(long, requires = "machine")]
+    pub constant_power: bool,
+    /// Drawing: power, and feed in mm/min, of the strokes of a colour; `off`: they are left out. For each colour once
+    #[arg(long, value_name = "#RRGGBB=POWER[@FEED]|off", requires = "machine", value_parser = pen)]
+    pub pen: Vec<PenArg>,
+    /// Drawing: fill areas with lines at this distance, mm
+    #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
+    pub hatch: Option<f64>,
+    /// Drawing: length on the machine of a length 1 in the drawing [default: 1]
+    #[arg(long, value_name = "FACTOR", requires = "machine", value_parser = factor)]
+    pub scale: Option<f64>,
+    /// Drawing: put it where the machine has the most room for its shape, and make it smaller where it does not fit
+    #[arg(long, requires = "machine", conflicts_with = "origin")]
+    pub fit: bool,
+}
+
+impl DrawingArgs {
+    /// First argument that is for drawings and not for tables.
+    pub(super) fn for_drawings(&self) -> Option<&'static str> {
+        let given = [
+            (self.power.is_some(), "--power"),
+            (!self.pen.is_empty(), "--pen"),
+            (self.hatch.is_some(), "--hatch"),
+            (self.scale.is_some(), "--scale"),
+            (self.fit, "--fit"),
+        ];
+        given
+            .iter()
+            .find(|(is_given, _)| *is_given)
+            .map(|(_, name)| *name)
+    }
+
+    /// First argument that is not for G-code.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let speed = self.speed.is_some().then_some("--speed");
+        let constant = self.constant_power.then_some("--constant-power");
+        speed.or(constant).or(self.for_drawings())
+    }
+
+    /// Speed of a drawing or a table, m/s.
+    pub(super) fn speed_m_s(&self) -> Option<f64> {
+        self.speed.map(metres_per_second)
+    }
+
+    /// Pen of the strokes without an own one at `feed_m_s`, and those of colours.
+    pub(super) fn pens(&self, feed_m_s: f64) -> (Pen, Vec<(Rgb, Pen)>) {
+        let pen = |power: Option<f64>, feed_m_s: f64| Pen {
+            feed_m_s,
+            work: power.map(|power| ToolWork {
+                power,
+                follows_speed: !self.constant_power,
+            }),
+        };
+        let own = self.pen.iter().map(|each| {
+            let feed_m_s = each.feed.map_or(feed_m_s, metres_per_second);
+            (each.colour, pen(each.power, feed_m_s))
+        });
+        (
+            pen(Some(self.power.unwrap_or(1.0)), feed_m_s),
+            own.collect(),
+        )
+    }
+}
+
+fn metres_per_second(mm_per_min: f64) -> f64 {
+    1e-3 * mm_per_min / 60.0
+}
+
+/// Pen of a colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PenArg {
+    /// Colour of the strokes.
+    pub colour: Rgb,
+    /// Power, 0 to 1. None: the strokes are left out.
+    pub power: Option<f64>,
+    /// Speed along the strokes, mm/min. None: that of all strokes.
+    pub feed: Option<f64>,
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("expected a part from 0 to 1".into()),
+    }
+}
+
+fn pen(text: &str) -> Result<PenArg, String> {
+    let (colour, work) = text
+        .split_once('=')
+        .ok_or("expected a colour, = and a power, as #ff0000=0.5")?;
+    let digits = colour.strip_prefix('#').unwrap_or(colour);
+    let is_colour = digits.len() == 6 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let value = match is_colour {
+        true => u32::from_str_radix(digits, 16).map_err(|error| error.to_string())?,
+        false => {
+            return Err(format!(
+                "{colour:?} is no colour; one has six digits, as #ff0000"
+            ));
+        }
+    };
+    let [_, red, green, blue] = value.to_be_bytes();
+    let (power, feed) = match work.split_once('@') {
+        None if work == "off" => (None, None),
+        None => (Some(part(work)?), None),
+        Some((power, feed)) => (Some(part(power)?), Some(factor(feed)?)),
+    };
+    Ok(PenArg {
+        colour: [red, green, blue],
+        power,
+        feed,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pen_is_a_colour_a_power_and_a_feed() {
+        let of = |power, feed| PenArg {
+            colour: [255, 128, 0],
+            power,
+            feed,
+        };
+        assert_eq!(pen("#ff8000=0.5"), Ok(of(Some(0.5), None)));
+        assert_eq!(pen("FF8000=1@1500"), Ok(of(Some(1.0), Some(1500.0))));
+        assert_eq!(pen("#ff8000=off"), Ok(of(None, None)));
+        for wrong in [
+            "",
+            "#ff8000",
+            "red=1",
+            "#ff800=1",
+            "#+f8000=1",
+            "#ff8000=2",
+            "#ff8000=1@0",
+            "#ff8000=off@9",
+        ] {
+            assert!(pen(wrong).is_err(), "{wrong}");
+        }
+    }
+}
