@@ -51,7 +51,7 @@ pub fn read_table(text: &str, setup: &TableSetup) -> Result<Vec<Element>, PathFa
     for row in reader.into_records() {
         let row = row.map_err(|error| unread(&error))?;
         let line = row.position().map_or(0, |place| line_of(text, place));
-        let row = Row { line, columns, row };
+        let row = Reading { line, columns, row };
         if let Some(seconds) = row.number(5, SMALLEST..=LARGEST)? {
             if (0..5).any(|column| !row.cell(column).is_empty()) {
                 return Err(row.fault(
@@ -146,13 +146,13 @@ fn columns(header: &csv::StringRecord) -> Result<[Option<usize>; 6], PathFault> 
     Ok(places)
 }
 
-struct Row {
+struct Reading {
     line: u32,
     columns: [Option<usize>; 6],
     row: csv::StringRecord,
 }
 
-impl Row {
+impl Reading {
     fn fault(&self, column: usize, reason: &str) -> PathFault {
         PathFault {
             line: self.line,
