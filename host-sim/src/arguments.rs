@@ -2,31 +2,43 @@
 
 use crate::failure::CliError;
 use crate::terminal::say;
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::Path;
+use trirrr_scene::read::Setting;
 use trirrr_scene::{NumberType, Scene};
 
 /// Scene that is run when none is named.
 pub(crate) const DEFAULT_SCENE: &str = "scenes/thesis.toml";
 
-/// Reads a scene. Every line of a refusal names the file already.
-///
-/// # Errors
-/// Refused: the scene.
-pub(crate) fn scene(file: &Path) -> Result<Scene, CliError> {
-    Scene::read(file).map_err(|error| CliError::Refused(error.to_string()))
+/// Values in place of those of a scene.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SetArgs {
+    /// Value in place of that of the scene: limits.rate_rad_s=3, machine.leg[1].elbow=-1. May stand several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
 }
 
-/// Reads a scene whose machine is to move, and warns of limits that it lacks.
-///
-/// # Errors
-/// As [`scene`].
-pub(crate) fn scene_to_move(file: &Path) -> Result<Scene, CliError> {
-    let scene = scene(file)?;
-    if let Some(warning) = scene.limits_warning() {
-        say(&format!("warning: {warning}"));
+impl SetArgs {
+    /// Reads a scene. Every line of a refusal names the file, or the argument, already.
+    ///
+    /// # Errors
+    /// Refused: the scene.
+    pub(crate) fn scene(&self, file: &Path) -> Result<Scene, CliError> {
+        Scene::read_set(file, &self.set).map_err(|error| CliError::Refused(error.to_string()))
     }
-    Ok(scene)
+
+    /// Reads a scene whose machine is to move, and warns of limits that it lacks.
+    ///
+    /// # Errors
+    /// As [`scene`](Self::scene).
+    pub(crate) fn scene_to_move(&self, file: &Path) -> Result<Scene, CliError> {
+        let scene = self.scene(file)?;
+        if let Some(warning) = scene.limits_warning() {
+            say(&format!("warning: {warning}"));
+        }
+        Ok(scene)
+    }
 }
 
 /// Parser of a number type by its name.

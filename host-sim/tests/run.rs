@@ -392,3 +392,48 @@ fn ctrl_c_ends_the_run_cleanly() {
     );
     assert_all_files(&out);
 }
+
+/// `--set` goes before the file; `--json` prints one object, whose figures are those of the table.
+#[test]
+fn a_run_is_one_json_object_with_the_loads_of_the_motors() {
+    let folder = TempDir::new().unwrap();
+    let scene = scene_file("thesis.toml");
+    let set = ["--fast", "--json", "--set", "platform.mass_kg=0.6"];
+    let output = run(&scene, folder.path(), &set);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said: serde_json::Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    assert_eq!(said["end"], "complete");
+    assert_eq!(said["setpoints"], 101);
+    let rows = rows(folder.path());
+    for motor in 0..3 {
+        let of = |name: &str| column(&format!("{name}{}", motor + 1));
+        let peak = rows
+            .iter()
+            .map(|row| row[of("tau")].abs())
+            .fold(0.0, f64::max);
+        let motor = &said["motors"][motor];
+        let said = |key: &str| motor[key].as_f64().unwrap();
+        let read = motor["peak_torque_nm"]["value"].as_f64().unwrap();
+        // Reading JSON may round the last bit.
+        assert!((read.abs() - peak).abs() < 1e-15);
+        // The motion begins and ends at rest: the work is the change of the kinetic energy, which is none.
+        let work: f64 = rows.iter().map(|row| row[of("P")]).sum::<f64>() * 0.01;
+        assert!((said("work_given_j") - said("work_returned_j") - work).abs() < 1e-12);
+        let square: f64 = rows.iter().map(|row| row[of("tau")].powi(2)).sum();
+        // The rule takes the ends half.
+        let ends = rows[0][of("tau")].powi(2) + rows[100][of("tau")].powi(2);
+        let rms = ((square - ends / 2.0) * 0.01).sqrt();
+        assert!((said("rms_torque_nm") - rms).abs() < 1e-12);
+    }
+    let wrong = run(&scene, folder.path(), &["--set", "platform.mas=1"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    let message = text(&wrong.stderr);
+    assert!(
+        message.contains("--set: platform.mas = 1: unknown key"),
+        "{message}"
+    );
+    let wrong = run(&scene, folder.path(), &["--set", "platform"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    let message = text(&wrong.stderr);
+    assert!(message.contains("expected KEY=VALUE"), "{message}");
+}

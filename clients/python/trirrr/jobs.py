@@ -161,6 +161,15 @@ def scene_key(text: bytes) -> int:
 def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
     try:
         scene = tomllib.loads(data.decode())
+        if isinstance(scene.get("machine"), str):
+            # The machine stands in a file beside the scene, whose values go before those of the machine.
+            file = Path(path).parent / scene.pop("machine")
+            machine = _bytes(str(file))
+            data += b"" if data.endswith(b"\n") else b"\n"
+            data += machine
+            taken = tomllib.loads(machine.decode())
+            own = ("name", "description", "job")
+            scene = {**{key: taken[key] for key in taken if key not in own}, **scene}
         job = scene["job"]
         start = _pose(job["start"])
         is_path = job.get("timing") == "shortest"

@@ -10,7 +10,9 @@ use std::path::PathBuf;
 /// drives are counted from 1, in keys as in reasons. What the file says is [visible](visible()): it commands no terminal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Line in the file, from 1. For a missing key, the line of the table it is missing from.
+    /// Name of another file or of the argument, if the problem is not in the file of the scene.
+    pub source: Option<String>,
+    /// Line in the file, from 1; 0 in an argument. For a missing key, the line of the table it is missing from.
     pub line: usize,
     /// Path of the key, such as `job.move[2].duration_s`; empty where a line is no TOML at all.
     pub key: String,
@@ -22,7 +24,10 @@ pub struct Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.line)?;
+        match self.line {
+            0 => write!(f, " ")?,
+            line => write!(f, "{line}: ")?,
+        }
         if !self.key.is_empty() {
             write!(f, "{}", visible(&self.key))?;
             if let Some(value) = &self.value {
@@ -57,8 +62,11 @@ pub enum SceneError {
 
 /// One line per problem, each with the file's name in the form that editors can jump to.
 fn list(file: &str, problems: &[Problem]) -> String {
-    let file = visible(file);
-    let lines: Vec<String> = problems.iter().map(|p| format!("{file}:{p}")).collect();
+    let lines = problems.iter().map(|problem| {
+        let file = problem.source.as_deref().unwrap_or(file);
+        format!("{}:{problem}", visible(file))
+    });
+    let lines: Vec<String> = lines.collect();
     lines.join("\n")
 }
 
@@ -69,6 +77,7 @@ mod tests {
     #[test]
     fn every_problem_has_a_line_of_its_own_with_the_file_name() {
         let problem = |line, value: Option<&str>| Problem {
+            source: None,
             line,
             key: "platform.mass_kg".into(),
             value: value.map(Into::into),
@@ -89,6 +98,7 @@ mod tests {
     fn a_file_commands_no_terminal() {
         let hostile = || "\u{1b}[31m\u{9b}\n\u{7f}".to_owned();
         let problem = Problem {
+            source: None,
             line: 3,
             key: hostile(),
             value: Some(hostile()),
@@ -115,6 +125,7 @@ mod tests {
     #[test]
     fn a_problem_without_a_key_is_just_line_and_reason() {
         let problem = Problem {
+            source: None,
             line: 9,
             key: String::new(),
             value: None,

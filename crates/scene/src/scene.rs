@@ -14,12 +14,13 @@ use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::{Plant, read_plant};
 use crate::power::{Power, read_power, read_reactions};
-use crate::read::{Bound, Document, Place, Section, text_of, with_root};
+use crate::read::{Bound, Document, Place, SceneText, Section, Setting, refuse_faults, text_of};
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use toml::de::DeTable;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::ModelKind;
@@ -35,6 +36,7 @@ const SHORT_TICKS: u32 = 10;
 const TOP_KEYS: &[&str] = &[
     "name",
     "description",
+    "machine",
     "tick_rate_hz",
     "number",
     "torque",
@@ -44,9 +46,11 @@ const TOP_KEYS: &[&str] = &[
 /// A checked scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// [Key](trirrr_service::key) of the file's text: by it a board and a host know that they
-    /// have the same scene.
+    /// [Key](trirrr_service::key) of the file's text, followed by that of the machine's file and of settings: by it a board and a host
+    /// know that they have the same scene.
     pub key: u32,
+    /// File of the machine, if it is another than that of the scene.
+    pub machine_file: Option<PathBuf>,
     /// Name of the scene: letters, digits, `-` and `_`, fit to name a folder.
     pub name: String,
     /// Description of the scene in the author's words; may be empty.
@@ -171,23 +175,50 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with everything found wrong.
     pub fn read(file: impl AsRef<Path>) -> Result<Self, SceneError> {
-        let file = file.as_ref();
-        Self::parse(&text_of(file)?, &file.display().to_string())
+        Self::read_set(file, &[])
     }
 
-    /// Checks the scene in `text`; `file` is only named in errors.
+    /// Reads the scene in `file` with `settings` in place of its own values.
+    ///
+    /// # Errors
+    /// [`SceneError`] with everything found wrong.
+    pub fn read_set(file: impl AsRef<Path>, settings: &[Setting]) -> Result<Self, SceneError> {
+        let file = file.as_ref();
+        Self::parse_set(&text_of(file)?, &file.display().to_string(), settings)
+    }
+
+    /// Checks the scene in `text`; `file` is named in errors, and the file of the machine is looked for beside it.
     ///
     /// # Errors
     /// [`SceneError::Refused`] with everything found wrong. Poses and paths are only looked at
     /// once nothing else is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
-        let document = Document::new(text, TOP_KEYS);
-        let read = with_root(&document, text, |root| {
-            read_scene(&document, root, key(text.as_bytes()))
-        });
-        let Some((scene, placed, homing, places)) = read.filter(|_| document.is_clean()) else {
+        Self::parse_set(text, file, &[])
+    }
+
+    fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
+        let (root, faults) = DeTable::parse_recoverable(text);
+        let whole = SceneText::new(text, file, root.get_ref(), settings);
+        let document = Document::new(&whole.text, TOP_KEYS).with_parts(whole.parts.clone());
+        refuse_faults(&document, &faults);
+        if !document.is_clean() {
+            return Err(document.into_error(file));
+        }
+        let padded = whole.padded(settings);
+        let mut root = root.into_inner();
+        whole.merge(&document, &mut root, &padded, settings);
+        if !document.is_clean() {
+            return Err(document.into_error(file));
+        }
+        let read = read_scene(
+            &document,
+            &Section::root(&document, &root),
+            key(whole.text.as_bytes()),
+        );
+        let Some((mut scene, placed, homing, places)) = read.filter(|_| document.is_clean()) else {
             return Err(document.into_error(file));
         };
+        scene.machine_file = whole.machine_file.clone();
         check_machine(&document, &scene, &placed, homing.as_ref(), &places);
         match document.is_clean() {
             true => Ok(scene),
@@ -285,6 +316,7 @@ fn read_scene(
     let plant = plant?;
     let mut scene = Scene {
         key,
+        machine_file: None,
         name: name?,
         description: description.into_owned(),
         tick_rate_hz: rate?,

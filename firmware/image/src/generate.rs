@@ -82,6 +82,9 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     let file = root.join(file);
     println!("cargo:rerun-if-changed={}", file.display());
     let scene = Scene::read(&file)?;
+    if let Some(machine) = &scene.machine_file {
+        println!("cargo:rerun-if-changed={}", machine.display());
+    }
     if let Some(warning) = scene.limits_warning() {
         println!("cargo:warning={warning}");
     }

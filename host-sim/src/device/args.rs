@@ -1,6 +1,6 @@
 //! Arguments of `trirrr device`.
 
-use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::serve::ListenArgs;
 use clap::Args;
 use std::path::PathBuf;
@@ -19,6 +19,9 @@ pub struct DeviceArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// Values in place of those of the scene.
+    #[command(flatten)]
+    pub set: SetArgs,
     /// Ports that clients and watchers connect to.
     #[command(flatten)]
     pub listen: ListenArgs,

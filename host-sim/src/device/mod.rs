@@ -8,7 +8,6 @@ mod server;
 
 pub use args::DeviceArgs;
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
 use crate::serve::{Doors, Hub};
@@ -35,7 +34,7 @@ const LOOK: Duration = Duration::from_micros(500);
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = scene_to_move(&args.scene)?;
+    let scene = args.set.scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
     let doors = args.listen.open()?;
     print_line(&format!(

@@ -1,6 +1,6 @@
 //! Arguments of `trirrr goto`, `jog` and `follow`.
 
-use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::failure::CliError;
 use crate::stream::{Port, PortArgs, patience};
 use clap::Args;
@@ -17,6 +17,9 @@ pub struct MachineArgs {
     /// The scene, a TOML file
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// Values in place of those of the scene.
+    #[command(flatten)]
+    pub set: SetArgs,
     /// The line to the board.
     #[command(flatten)]
     pub line: PortArgs,

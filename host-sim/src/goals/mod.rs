@@ -10,7 +10,6 @@ mod session;
 
 pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs, ParkArgs};
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::terminal::print;
 use session::{GoalSession, Goals};
@@ -32,7 +31,7 @@ pub fn goto(args: &GotoArgs, stop: &AtomicBool) -> Result<bool, CliError> {
 /// # Errors
 /// As [`goto()`].
 pub fn park(args: &ParkArgs, stop: &AtomicBool) -> Result<bool, CliError> {
-    let scene = scene_to_move(&args.machine.scene)?;
+    let scene = args.machine.set.scene_to_move(&args.machine.scene)?;
     let scalar = args.machine.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => park::park::<N>(args, &scene, stop))
 }
@@ -60,7 +59,7 @@ fn command(
     strict: bool,
     stop: &AtomicBool,
 ) -> Result<bool, CliError> {
-    let scene = scene_to_move(&args.scene)?;
+    let scene = args.set.scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
     in_number_type!(scalar, N => run::<N>(args, &scene, goals, strict, stop))
 }

@@ -1,6 +1,7 @@
 //! Arguments of commands that take a job file in place of a scene.
 
 use super::drawing_args::DrawingArgs;
+use crate::arguments::SetArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -10,6 +11,9 @@ pub struct JobFileArgs {
     /// Scene of the machine that does the job of the file: the scene's own job gives the start pose alone
     #[arg(long, value_name = "SCENE.toml")]
     pub machine: Option<PathBuf>,
+    /// Values in place of those of the scene.
+    #[command(flatten)]
+    pub set: SetArgs,
     /// Zero point of the file in the frame of the machine: x and y in mm, and alpha in degrees if it is not 0
     #[arg(long, value_name = "X,Y[,ALPHA]", requires = "machine", allow_hyphen_values = true, value_parser = origin)]
     pub origin: Option<[f64; 3]>,
@@ -32,6 +36,7 @@ impl Default for JobFileArgs {
     fn default() -> Self {
         Self {
             machine: None,
+            set: SetArgs::default(),
             origin: None,
             corner: 0.01,
             full_power: 1000.0,

@@ -9,7 +9,6 @@ mod read;
 pub use args::JobFileArgs;
 pub use drawing_args::{DrawingArgs, PenArg};
 
-use crate::arguments::scene_to_move;
 use crate::failure::CliError;
 use crate::figures::Preview;
 use crate::recording::unwritable;
@@ -64,7 +63,7 @@ pub(crate) fn load_drawn(
         .is_some_and(|extension| extension == "toml");
     match &args.machine {
         None if is_scene => {
-            let scene = scene_to_move(file)?;
+            let scene = args.set.scene_to_move(file)?;
             if let Some(figure) = figure {
                 let path = scene.job.path.as_ref().ok_or_else(|| {
                     CliError::Refused(format!(
@@ -98,7 +97,7 @@ fn load_for(
     args: &JobFileArgs,
     figure: Option<&Path>,
 ) -> Result<LoadedJob, CliError> {
-    let machine = scene_to_move(machine)?;
+    let machine = args.set.scene_to_move(machine)?;
     let name = file.display();
     let refused = |fault: PathFault| CliError::Refused(format!("{name}:{}", in_line(&fault)));
     let read = read::read(file, &machine, args)?.map_err(refused)?;

@@ -2,7 +2,6 @@
 
 mod talk;
 
-use crate::arguments::scene;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::terminal::print;
@@ -67,7 +66,7 @@ pub struct DrivesArgs {
 /// # Errors
 /// Refused: the scene. Failed: the port, the board, a fault, or a drive that does not go on.
 pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = scene(&args.machine.scene)?;
+    let scene = args.machine.set.scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
         if args.clear {
@@ -94,7 +93,7 @@ pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// # Errors
 /// As [`enable`].
 pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = scene(&args.machine.scene)?;
+    let scene = args.machine.set.scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
         talk.done(Command::Disable)?;
@@ -114,7 +113,7 @@ pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// # Errors
 /// As [`enable`]; refused: a machine whose drives tell nothing.
 pub fn drives(args: &DrivesArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = scene(&args.machine.scene)?;
+    let scene = args.machine.set.scene(&args.machine.scene)?;
     in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => show::<N>(args, &scene, stop))
 }
 

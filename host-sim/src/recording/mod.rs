@@ -1,15 +1,18 @@
 //! Table, figures and peaks of a job, from the records of a run or of a board.
 
 mod drives;
+mod load;
 mod peaks;
 
 pub use drives::{DrivePeaks, DriveRecorder, RecordedDrives};
+pub use load::MotorLoad;
 pub use peaks::{At, MotorPeaks, Peaks};
 
 use crate::failure::CliError;
 use crate::figures;
 use crate::figures::Traces;
 use crate::results::ResultFolder;
+use load::LoadMeter;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -24,6 +27,7 @@ pub struct Recorder {
     torque: bool,
     traces: Traces,
     peaks: Option<Peaks>,
+    load: LoadMeter,
     rows: u64,
     line: String,
 }
@@ -35,6 +39,8 @@ pub struct Recorded {
     pub rows: u64,
     /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
+    /// Loads of the motors.
+    pub loads: [MotorLoad; 3],
     /// Written files, the table first.
     pub files: Vec<PathBuf>,
 }
@@ -58,6 +64,7 @@ impl Recorder {
             torque,
             traces: Traces::new(ticks, torque),
             peaks: None,
+            load: LoadMeter::default(),
             rows: 0,
             line: String::new(),
         })
@@ -85,6 +92,7 @@ impl Recorder {
             Some(peaks) => peaks.merge(record),
             none => *none = Some(Peaks::new(record)),
         }
+        self.load.push(record);
         self.rows += 1;
         Ok(())
     }
@@ -110,6 +118,7 @@ impl Recorder {
             let nothing = Recorded {
                 rows: 0,
                 peaks: None,
+                loads: Default::default(),
                 files: Vec::new(),
             };
             return Ok((nothing, self.results));
@@ -126,6 +135,7 @@ impl Recorder {
         let recorded = Recorded {
             rows: self.rows,
             peaks: self.peaks,
+            loads: self.load.loads(),
             files: std::iter::once(self.path).chain(figures).collect(),
         };
         Ok((recorded, self.results))

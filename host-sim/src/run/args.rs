@@ -33,6 +33,9 @@ pub struct RunArgs {
     /// Number type to compute in [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
+    /// Print one JSON object instead of text
+    #[arg(long, conflicts_with = "tolerances")]
+    pub json: bool,
     /// After the run, bound the error at the tool and the torques for every machine within the
     /// scene's `[tolerances]`: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures
     #[arg(long)]
@@ -48,6 +51,7 @@ impl Default for RunArgs {
             fast: false,
             out: None,
             scalar: None,
+            json: false,
             tolerances: false,
         }
     }

@@ -2,6 +2,7 @@
 //! computer can.
 
 mod args;
+mod json;
 mod plant;
 mod play;
 mod progress;
@@ -15,9 +16,9 @@ use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::job_file::{self, LoadedJob};
 use crate::realtime::Deadlines;
-use crate::recording::{DriveRecorder, Peaks, Recorded, RecordedDrives, Recorder};
+use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
-use crate::terminal::printed;
+use crate::terminal::{print, printed};
 use plant::PlantRecorder;
 use play::{ClosedLoop, SentTick, play};
 use progress::ProgressDisplay;
@@ -87,6 +88,8 @@ pub struct RunReport {
     pub deadlines: Option<Deadlines>,
     /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
+    /// Loads of the motors.
+    pub loads: [MotorLoad; 3],
     /// Number type of the computation.
     pub scalar: NumberType,
     /// Written files.
@@ -133,6 +136,11 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
     };
     let scalar = args.scalar.unwrap_or(scene.number);
     let report = simulate(&scene, scalar, !args.fast, &folder, stop)?;
+    if args.json {
+        let text = json::summary(&args.scene, &scene, &report);
+        print(&format!("{text}\n"))?;
+        return ended(&report);
+    }
     let mut out = io::stdout().lock();
     printed(summary::print(&mut out, &args.scene, &scene, &report))?;
     if report.end != JobEnd::Complete {
@@ -152,14 +160,22 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
             return Ok(JobEnd::Stopped);
         }
     }
-    let Some(simulated) = report.plant else {
-        return Ok(report.end);
+    if let Some(simulated) = &report.plant {
+        printed(plant::print(&mut out, simulated))?;
+    }
+    ended(&report)
+}
+
+/// End of the job and of its plant.
+fn ended(report: &RunReport) -> Result<JobEnd, CliError> {
+    let end = report.end.clone();
+    let Some(simulated) = report.plant.as_ref().filter(|_| end == JobEnd::Complete) else {
+        return Ok(end);
     };
-    printed(plant::print(&mut out, &simulated))?;
     match (&simulated.outcome.end, simulated.reason()) {
         (trirrr_plant::PlantEnd::Interrupted { .. }, _) => Ok(JobEnd::Stopped),
         (_, Some(reason)) => Err(CliError::Failed(reason)),
-        (_, None) => Ok(report.end),
+        (_, None) => Ok(end),
     }
 }
 
@@ -243,7 +259,13 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let is_complete = played.end == JobEnd::Complete;
     let (recorder, drives, open) = recorded?;
     let plant = plant.or(open);
-    let (Recorded { rows, peaks, files }, results) = recorder.finish(&scene.name, is_complete)?;
+    let (recorded, results) = recorder.finish(&scene.name, is_complete)?;
+    let Recorded {
+        rows,
+        peaks,
+        loads,
+        files,
+    } = recorded;
     let drives = drives.filter(|_| results.has_begun());
     let drives = drives
         .map(|drives| drives.finish(&scene.name))
@@ -259,6 +281,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
         computation: played.computation,
         deadlines: played.deadlines,
         peaks,
+        loads,
         scalar,
         files,
         drives,

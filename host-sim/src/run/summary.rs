@@ -104,6 +104,18 @@ fn motion(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
         ];
         line(out, &format!("motor {}", i + 1), &row(&cells))?;
     }
+    if scene.torque {
+        let header = ["rms torque", "work given", "work returned"].map(String::from);
+        line(out, "", &row(&header))?;
+        for (i, load) in report.loads.iter().enumerate() {
+            let cells = [
+                quantity(load.rms_torque_nm, "N m"),
+                quantity(load.given_j, "J"),
+                quantity(load.returned_j, "J"),
+            ];
+            line(out, &format!("motor {}", i + 1), &row(&cells))?;
+        }
+    }
     writeln!(out)?;
     let nearest = |at: At| format!("{} at t = {} s", digits(at.value), at.t);
     let (leg, serial) = least(&peaks.serial);

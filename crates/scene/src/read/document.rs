@@ -18,9 +18,25 @@ pub struct Place {
     pub value: Option<String>,
 }
 
+/// Part of a text, behind the file of the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct TextPart {
+    /// Offset of its begin: that of a line.
+    pub(crate) begin: usize,
+    /// Name in messages.
+    pub(crate) name: String,
+    /// It has lines: false for an argument.
+    pub(crate) has_lines: bool,
+}
+
 /// The text of a scene. Problems are collected, so that one reading reports all of them.
+///
+/// The text may be put together of parts: the scene, the file of its machine, arguments. Spans and lines count through all
+/// of them; a problem names the part and the line in it.
 pub struct Document<'t> {
     text: &'t str,
+    /// Parts behind the first one, in the order of the text.
+    parts: Vec<TextPart>,
     /// Offsets of the line ends: a job of a million moves asks for as many lines.
     line_ends: Vec<usize>,
     /// Keys that stand before the first table, for whoever writes one after it.
@@ -35,10 +51,16 @@ impl<'t> Document<'t> {
         let ends = bytes.filter_map(|(offset, byte)| (byte == b'\n').then_some(offset));
         Self {
             text,
+            parts: Vec::new(),
             line_ends: ends.collect(),
             top_keys,
             problems: RefCell::default(),
         }
+    }
+
+    /// The document, of which `parts` stand behind the first part of the text.
+    pub(crate) fn with_parts(self, parts: Vec<TextPart>) -> Self {
+        Self { parts, ..self }
     }
 
     /// Line, from 1, of a byte offset.
@@ -61,8 +83,18 @@ impl<'t> Document<'t> {
 
     /// Adds a problem at `place`.
     pub fn refuse(&self, place: &Place, reason: impl Into<String>) {
+        let parts = self.parts.iter().rev();
+        let part = parts
+            .map(|part| (part, self.line(part.begin)))
+            .find(|(_, first)| *first <= place.line);
+        let line = match part {
+            None => place.line,
+            Some((part, first)) if part.has_lines => place.line - first + 1,
+            Some(_) => 0,
+        };
         self.problems.borrow_mut().push(Problem {
-            line: place.line,
+            source: part.map(|(part, _)| part.name.clone()),
+            line,
             key: place.key.clone(),
             value: place.value.clone(),
             reason: reason.into(),
@@ -78,7 +110,11 @@ impl<'t> Document<'t> {
     /// problem was found.
     pub fn into_error(self, file: &str) -> SceneError {
         let mut problems = self.problems.into_inner();
-        problems.sort_by_key(|problem| problem.line);
+        problems.sort_by_key(|problem| {
+            let names = |part: &TextPart| Some(&part.name) == problem.source.as_ref();
+            let part = self.parts.iter().position(names);
+            (part.map(|part| part + 1), problem.line)
+        });
         SceneError::Refused {
             file: file.to_owned(),
             problems,

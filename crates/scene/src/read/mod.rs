@@ -4,13 +4,19 @@
 
 mod bound;
 mod document;
+mod parts;
 mod section;
+mod setting;
 mod suggest;
 mod values;
 
 pub use bound::Bound;
 pub use document::{Document, Place};
 pub use section::Section;
+pub use setting::{Setting, SettingError};
+
+pub(crate) use document::TextPart;
+pub(crate) use parts::SceneText;
 
 use crate::error::SceneError;
 use std::path::Path;
@@ -35,8 +41,20 @@ pub fn with_root<'t, T>(
     text: &'t str,
     read: impl FnOnce(&Section<'_, 't>) -> Option<T>,
 ) -> Option<T> {
+    let root = root_of(document, text)?;
+    read(&Section::root(document, &root))
+}
+
+/// Parses as [`with_root`], and returns the table.
+fn root_of<'t>(document: &Document, text: &'t str) -> Option<DeTable<'t>> {
     let (root, faults) = DeTable::parse_recoverable(text);
-    for fault in &faults {
+    refuse_faults(document, &faults);
+    faults.is_empty().then(|| root.into_inner())
+}
+
+/// Makes problems of what the parser found.
+pub(crate) fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
+    for fault in faults {
         let place = Place {
             line: document.line(fault.span().map_or(0, |span| span.start)),
             key: String::new(),
@@ -45,8 +63,4 @@ pub fn with_root<'t, T>(
         let message = fault.message().trim_end().replace('\n', ", ");
         document.refuse(&place, format!("not TOML: {message}"));
     }
-    if !faults.is_empty() {
-        return None;
-    }
-    read(&Section::root(document, root.get_ref()))
 }

@@ -22,7 +22,7 @@ pub struct Section<'d, 't> {
 
 impl<'d, 't> Section<'d, 't> {
     /// The whole file.
-    pub(super) fn root(document: &'d Document<'t>, table: &'d DeTable<'t>) -> Self {
+    pub(crate) fn root(document: &'d Document<'t>, table: &'d DeTable<'t>) -> Self {
         Self::new(document, table, String::new(), 1)
     }
 
