@@ -18,7 +18,7 @@ use toml::de::{DeTable, DeValue};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    steps: Vec<Step>,
+    steps: Vec<KeyStep>,
     /// Path of the key, as it was given.
     pub(super) key: String,
     /// The value in TOML.
@@ -27,7 +27,7 @@ pub struct Setting {
 
 /// Key of a table, and the element of a list under it, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Step {
+struct KeyStep {
     key: String,
     element: Option<usize>,
 }
@@ -52,7 +52,7 @@ impl FromStr for Setting {
     fn from_str(text: &str) -> Result<Self, SettingError> {
         let (key, value) = text.split_once('=').ok_or(SettingError::NoValue)?;
         let (key, value) = (key.trim(), value.trim());
-        let steps: Option<Vec<Step>> = key.split('.').map(Step::of).collect();
+        let steps: Option<Vec<KeyStep>> = key.split('.').map(KeyStep::of).collect();
         let steps = steps.ok_or(SettingError::Key)?;
         if value.contains(['\n', '\r']) {
             return Err(SettingError::Value);
@@ -79,7 +79,7 @@ fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(letter)
 }
 
-impl Step {
+impl KeyStep {
     fn of(text: &str) -> Option<Self> {
         let (key, element) = match text.split_once('[') {
             None => (text, None),
@@ -116,7 +116,7 @@ impl Setting {
     }
 }
 
-impl Step {
+impl KeyStep {
     /// The value under the step, which is an empty table where there was none.
     fn place<'a, 't>(
         &self,
