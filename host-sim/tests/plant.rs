@@ -25,9 +25,6 @@ fn edited(text: &str, edits: &[(&str, &str)]) -> String {
 fn run(scene: &str, folder: &Path) -> Output {
     let file = folder.join("scene.toml");
     fs::write(&file, scene).unwrap();
-    // The machine of some.
-    let thesis = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/thesis.toml");
-    fs::copy(thesis, folder.join("thesis.toml")).unwrap();
     Command::new(env!("CARGO_BIN_EXE_trirrr"))
         .arg("run")
         .arg(&file)
