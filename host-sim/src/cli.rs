@@ -6,6 +6,7 @@ use crate::completions::CompletionsArgs;
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
+use crate::grbl::GrblArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs};
@@ -47,6 +48,8 @@ pub enum Command {
     Key(KeyArgs),
     /// Stream a scene's job to a board, write its telemetry and figures
     Stream(StreamArgs),
+    /// Speak GRBL to senders of G-code, on one side of a machine
+    Grbl(GrblArgs),
     /// Switch the drives of a machine on, where its motors are
     Enable(EnableArgs),
     /// Bring a machine to rest and switch its drives off

@@ -19,6 +19,7 @@ pub mod eval;
 pub mod failure;
 pub mod figures;
 pub mod goals;
+pub mod grbl;
 pub mod histogram;
 pub mod job_file;
 pub mod key;

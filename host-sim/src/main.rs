@@ -12,8 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    bridge, check, completions, device, eval, goals, key, linkage, machine, plan, report, run,
-    stream, watch,
+    bridge, check, completions, device, eval, goals, grbl, key, linkage, machine, plan, report,
+    run, stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -37,6 +37,7 @@ fn main() -> ExitCode {
         Command::Enable(args) => switch(|stop| machine::enable(args, stop)),
         Command::Disable(args) => switch(|stop| machine::disable(args, stop)),
         Command::Drives(args) => switch(|stop| machine::drives(args, stop)),
+        Command::Grbl(args) => switch(|stop| grbl::command(args, stop)),
         Command::Goto(args) => to_goals(|stop| goals::goto(args, stop)),
         Command::Park(args) => to_goals(|stop| goals::park(args, stop)),
         Command::Jog(args) => to_goals(|stop| goals::jog(args, stop)),

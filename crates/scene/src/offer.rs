@@ -1,11 +1,10 @@
 //! Moves of a scene's job, as a client offers them to a service.
 
 use crate::Scene;
-use crate::job::JobMove;
+use crate::job::{JobMove, Tool};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_plan::course;
-use trirrr_plan::piece::PlaneCurve;
+use trirrr_plan::piece::{Piece, PlaneCurve};
 use trirrr_protocol::message::{AnyMove, Move, PathCurve, PathPiece, Transmit};
 
 /// Moves for which the service of a host has room; that of a board has no more. The longest move follows from it.
@@ -29,48 +28,66 @@ pub fn pieces<N: Transmit>(scene: &Scene, units: &Units) -> Result<Vec<PathPiece
             dwell.source + 1
         ));
     }
+    let pieces = path.pieces.iter().enumerate();
+    let offered = pieces.map(|(number, each)| {
+        let tool = path.tools[each.source];
+        let piece = piece(&each.piece, each.feed_m_s, tool, units);
+        let piece = piece.ok_or_else(|| {
+            format!(
+                "job.path[{}]: a machine plans no arc on which alpha bends; send moves",
+                each.source + 1
+            )
+        })?;
+        Ok(PathPiece {
+            number: number as u32,
+            last: number + 1 == path.pieces.len(),
+            ..piece
+        })
+    });
+    offered.collect()
+}
+
+/// Returns one piece with its feed and its tool for a machine that plans it, numbered 0 and not the last. `None` for an arc on which
+/// alpha bends: a machine plans none.
+pub fn piece<N: Transmit>(
+    piece: &Piece<f64>,
+    feed_m_s: Option<f64>,
+    tool: Option<Tool>,
+    units: &Units,
+) -> Option<PathPiece<N>> {
     let metres = units.length_m();
     let speed = |speed: f64| N::from_f64(speed * units.time_s() / metres);
     let pose = |at: Pose<f64>| {
         Pose::<N>::from_f64(at.position.x / metres, at.position.y / metres, at.angle)
     };
-    let piece = |(number, each): (usize, &course::PathPiece)| {
-        let [c1, c2, c3] = each.piece.turning;
-        let is_linear = c2 == 0.0 && c3 == 0.0;
-        let curve = match each.piece.curve {
-            PlaneCurve::Line { .. } if is_linear => PathCurve::Line {
-                to: pose(each.piece.end()),
-            },
-            PlaneCurve::Arc { centre, turn, .. } if is_linear => PathCurve::Arc {
-                centre: [centre.x, centre.y].map(|each| N::from_f64(each / metres)),
-                turn: N::from_f64(turn),
-                to_angle: N::angle_from_f64(each.piece.angle + c1),
-            },
-            PlaneCurve::Arc { .. } => {
-                return Err(format!(
-                    "job.path[{}]: a machine plans no arc on which alpha bends; send moves",
-                    each.source + 1
-                ));
+    let [c1, c2, c3] = piece.turning;
+    let is_linear = c2 == 0.0 && c3 == 0.0;
+    let curve = match piece.curve {
+        PlaneCurve::Line { .. } if is_linear => PathCurve::Line {
+            to: pose(piece.end()),
+        },
+        PlaneCurve::Arc { centre, turn, .. } if is_linear => PathCurve::Arc {
+            centre: [centre.x, centre.y].map(|each| N::from_f64(each / metres)),
+            turn: N::from_f64(turn),
+            to_angle: N::angle_from_f64(piece.angle + c1),
+        },
+        PlaneCurve::Arc { .. } => return None,
+        PlaneCurve::Line { .. } | PlaneCurve::Cubic { .. } => {
+            let [_, first, second, to] = piece.controls().map(pose);
+            PathCurve::Bezier {
+                controls: [first, second],
+                to,
             }
-            PlaneCurve::Line { .. } | PlaneCurve::Cubic { .. } => {
-                let [_, first, second, to] = each.piece.controls().map(pose);
-                PathCurve::Bezier {
-                    controls: [first, second],
-                    to,
-                }
-            }
-        };
-        let tool = path.tools[each.source];
-        Ok(PathPiece {
-            number: number as u32,
-            curve,
-            feed: speed(each.feed_m_s.unwrap_or(0.0)),
-            tool_power: N::from_f64(tool.map_or(0.0, |tool| tool.power)),
-            tool_speed: speed(tool.map_or(0.0, |tool| tool.speed_m_s)),
-            last: number + 1 == path.pieces.len(),
-        })
+        }
     };
-    path.pieces.iter().enumerate().map(piece).collect()
+    Some(PathPiece {
+        number: 0,
+        curve,
+        feed: speed(feed_m_s.unwrap_or(0.0)),
+        tool_power: N::from_f64(tool.map_or(0.0, |tool| tool.power)),
+        tool_speed: speed(tool.map_or(0.0, |tool| tool.speed_m_s)),
+        last: false,
+    })
 }
 
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.

@@ -9,6 +9,8 @@ use trirrr_scene::visible;
 /// Event log of one device.
 pub(super) struct EventLog {
     units: Units,
+    /// Nothing is printed.
+    is_quiet: bool,
     ticks: u64,
     requests: u64,
     /// Number and ticks of the last move that was offered, for the text of its verdict.
@@ -16,9 +18,10 @@ pub(super) struct EventLog {
 }
 
 impl EventLog {
-    pub(super) fn new(units: Units) -> Self {
+    pub(super) fn new(units: Units, is_quiet: bool) -> Self {
         Self {
             units,
+            is_quiet,
             ticks: 0,
             requests: 0,
             offered: (0, 0),
@@ -92,6 +95,9 @@ impl EventLog {
 
     /// Notes `text`.
     pub(super) fn note(&self, text: &str) {
+        if self.is_quiet {
+            return;
+        }
         let t = self.ticks as f64 / self.units.tick_rate_hz;
         // A closed standard output does not stop the device.
         let mut out = io::stdout().lock();

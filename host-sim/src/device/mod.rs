@@ -10,12 +10,13 @@ pub use args::DeviceArgs;
 
 use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
-use crate::serve::{Doors, Hub};
+use crate::serve::{Doors, Hub, ListenArgs};
 use crate::terminal::print_line;
 use event_log::EventLog;
 use motors::Motors;
 use server::Server;
 use std::io;
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::Units;
@@ -53,8 +54,57 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
             Some([a, b, c]) => Some([*a, *b, *c]),
             _ => None,
         },
+        is_quiet: false,
     };
     in_number_type!(scalar, N => device.play::<N>())
+}
+
+/// Machine that another command brings along, at a port of this computer that is free.
+pub(crate) struct Simulated {
+    doors: Doors,
+}
+
+impl Simulated {
+    /// Listens.
+    ///
+    /// # Errors
+    /// Failed: there is no free port.
+    pub(crate) fn listen() -> Result<Self, CliError> {
+        let doors = ListenArgs {
+            listen: "127.0.0.1:0".into(),
+            watch: None,
+            key: None,
+            beyond_loopback: false,
+        };
+        Ok(Self {
+            doors: doors.open()?,
+        })
+    }
+
+    /// Address of the machine.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.doors.address()
+    }
+
+    /// Plays `scene` in real time until `stop` is raised.
+    ///
+    /// # Errors
+    /// As [`command`].
+    pub(crate) fn play<N: ServiceNumber>(
+        self,
+        scene: &Scene,
+        stop: &AtomicBool,
+    ) -> Result<(), CliError> {
+        let device = Device {
+            scene,
+            doors: self.doors,
+            rate_hz: scene.tick_rate_hz,
+            stop,
+            offset: None,
+            is_quiet: true,
+        };
+        device.play::<N>()
+    }
 }
 
 /// A device before its number type is chosen.
@@ -66,6 +116,8 @@ struct Device<'a> {
     stop: &'a AtomicBool,
     /// Offset of the motors, rad. `None` takes one that depends on the scene.
     offset: Option<[f64; 3]>,
+    /// Another command speaks to the user.
+    is_quiet: bool,
 }
 
 impl Device<'_> {
@@ -76,6 +128,7 @@ impl Device<'_> {
             rate_hz,
             stop,
             offset,
+            is_quiet,
         } = self;
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
@@ -96,7 +149,7 @@ impl Device<'_> {
                 let angle = |i: usize| N::angle_from_f64(motors::wrapped(stand[i] + off[i]));
                 ObeyingDrives::new([angle(0), angle(1), angle(2)])
             });
-            let log = EventLog::new(Units::of_scene(scene, &units));
+            let log = EventLog::new(Units::of_scene(scene, &units), is_quiet);
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
@@ -106,6 +159,9 @@ impl Device<'_> {
         })?;
         let (log, clients, deadlines) =
             played.map_err(|error| CliError::Failed(format!("the listener failed: {error}")))?;
+        if is_quiet {
+            return Ok(());
+        }
         let [ticks, requests] = log.totals();
         print_line(&format!(
             "ended by Ctrl-C after {ticks} ticks, {} of them late; {clients} clients, \

@@ -61,7 +61,7 @@ fn origin(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-fn distance(text: &str) -> Result<f64, String> {
+pub(crate) fn distance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
         _ => Err("expected a distance from 0 to 100 (mm)".into()),

@@ -7,7 +7,9 @@ mod path;
 mod read;
 
 pub use args::JobFileArgs;
+pub(crate) use args::distance;
 pub use drawing_args::{DrawingArgs, PenArg};
+pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
 
 use crate::failure::CliError;
 use crate::figures::Preview;

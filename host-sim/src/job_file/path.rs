@@ -58,7 +58,7 @@ impl PathBuilder {
         match &element.act {
             Act::Motion(motion) => {
                 let tool = tool_of(element.tool, motion.feed_m_s);
-                let piece = self.piece(motion);
+                let piece = piece_from(self.at, motion);
                 if has_length(&piece) {
                     self.note_tool(source, tool);
                     let setting = self.setting(tool);
@@ -96,26 +96,6 @@ impl PathBuilder {
             }
         }
         Ok(())
-    }
-
-    fn piece(&self, motion: &ToolMotion) -> Piece<f64> {
-        let to = pose_of(&motion.to);
-        match motion.curve {
-            ToolCurve::Line => Piece::line(self.at, to),
-            ToolCurve::Arc { centre_m, turn_rad } => {
-                Piece::arc(self.at, Vector2::from(centre_m), turn_rad, to.angle)
-            }
-            ToolCurve::Bezier { controls_m } => {
-                let third = (to.angle - self.at.angle) / 3.0;
-                let [[x1, y1], [x2, y2]] = controls_m;
-                Piece::bezier([
-                    self.at,
-                    Pose::from_f64(x1, y1, self.at.angle + third),
-                    Pose::from_f64(x2, y2, to.angle - third),
-                    to,
-                ])
-            }
-        }
     }
 
     fn note_tool(&mut self, source: usize, tool: Option<Tool>) {
@@ -166,13 +146,35 @@ pub(crate) fn pose_of(place: &ToolPlace) -> Pose<f64> {
     Pose::from_f64(x, y, place.alpha_rad)
 }
 
-fn has_length(piece: &Piece<f64>) -> bool {
+/// Piece of a motion from `at`.
+pub(crate) fn piece_from(at: Pose<f64>, motion: &ToolMotion) -> Piece<f64> {
+    let to = pose_of(&motion.to);
+    match motion.curve {
+        ToolCurve::Line => Piece::line(at, to),
+        ToolCurve::Arc { centre_m, turn_rad } => {
+            Piece::arc(at, Vector2::from(centre_m), turn_rad, to.angle)
+        }
+        ToolCurve::Bezier { controls_m } => {
+            let third = (to.angle - at.angle) / 3.0;
+            let [[x1, y1], [x2, y2]] = controls_m;
+            Piece::bezier([
+                at,
+                Pose::from_f64(x1, y1, at.angle + third),
+                Pose::from_f64(x2, y2, to.angle - third),
+                to,
+            ])
+        }
+    }
+}
+
+/// Returns false for what the rounding of decimals has left.
+pub(crate) fn has_length(piece: &Piece<f64>) -> bool {
     let first = [0.0, 0.5, 1.0].map(|p| piece.at(p).first);
     first.iter().any(|first| first.amax() > LENGTH_MIN)
 }
 
 /// Tool of a motion at a feed. A power that follows the speed is the given one at the feed.
-fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
+pub(crate) fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
     work.map(|work| Tool {
         power: work.power,
         speed_m_s: match work.follows_speed {

@@ -1,0 +1,45 @@
+//! Numbers of GRBL's errors and alarms.
+
+use trirrr_toolpath::PathFault;
+
+/// A letter was expected.
+pub(crate) const LETTER: u8 = 1;
+/// A number is none.
+pub(crate) const NUMBER: u8 = 2;
+/// A `$` command is not known or not supported.
+pub(crate) const STATEMENT: u8 = 3;
+/// There is no homing.
+pub(crate) const SETTING: u8 = 5;
+/// The command needs a machine that stands idle.
+pub(crate) const NOT_IDLE: u8 = 8;
+/// The machine is locked.
+pub(crate) const LOCKED: u8 = 9;
+/// A line is too long.
+pub(crate) const OVERFLOW: u8 = 11;
+/// A jog goes out of reach.
+pub(crate) const TRAVEL: u8 = 15;
+/// A jog without `=`, or with a code that a jog has not.
+pub(crate) const JOG: u8 = 16;
+/// A code is not supported.
+const CODE: u8 = 20;
+/// There is no feed.
+const FEED: u8 = 22;
+
+/// A fault of the machine.
+pub(crate) const ALARM_FAULT: u8 = 1;
+/// A motion beyond what the machine can do. The position is known.
+pub(crate) const ALARM_TRAVEL: u8 = 2;
+/// Homing failed.
+pub(crate) const ALARM_HOMING: u8 = 8;
+
+/// Number for a line that the interpreter refuses.
+pub(crate) fn number(fault: &PathFault) -> u8 {
+    let reason = fault.reason.as_str();
+    match () {
+        _ if reason.contains("no feed") => FEED,
+        _ if reason.contains("longer than") => OVERFLOW,
+        _ if reason.contains("not a number") => NUMBER,
+        _ if reason.contains("needs a letter") => LETTER,
+        _ => CODE,
+    }
+}

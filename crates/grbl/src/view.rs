@@ -1,0 +1,77 @@
+//! Machine, as a sender of G-code sees it.
+
+use trirrr_toolpath::{Element, ToolMotion, ToolPlace};
+
+/// Phase of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachinePhase {
+    /// Drives are off, or the machine does not know where it stands: only `$X` and `$H` help.
+    Off,
+    /// A fault is latched.
+    Fault,
+    /// Drives go on, or the machine is on the way to where it can begin.
+    Waking,
+    /// The machine stands and is ready.
+    Idle,
+    /// The machine moves along the path.
+    Running,
+    /// The machine comes to rest on the path, to go on later.
+    Slowing,
+    /// The machine stands on the path.
+    Holding,
+    /// The machine comes to rest and drops the path.
+    Stopping,
+}
+
+/// Machine as the owner of the port knows it now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineView {
+    /// Phase.
+    pub phase: MachinePhase,
+    /// Reason of a fault, or why the machine cannot be used, in words.
+    pub reason: Option<String>,
+    /// Place of the tool point in the fixed frame.
+    pub place: ToolPlace,
+    /// Speed of the tool point, m/s.
+    pub speed_m_s: f64,
+    /// Power of the tool, 0 to 1.
+    pub power: f64,
+    /// Motions that the machine takes now.
+    pub room: usize,
+    /// The machine stands, and has nothing left to play.
+    pub is_empty: bool,
+    /// Pace that the machine plays at, percent.
+    pub feed_percent: u8,
+}
+
+/// Demand on the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MachineAct {
+    /// Take this motion behind the others. It has the number of its line.
+    Motion(Element),
+    /// No other motion follows soon: the machine comes to rest at the end of what it has.
+    Flush,
+    /// Switch the drives on, and clear a fault.
+    Unlock,
+    /// Switch the drives on, find the reference, and go to the start.
+    Home,
+    /// Switch the drives off.
+    Sleep,
+    /// Come to rest on the path.
+    Hold,
+    /// Go on.
+    Resume,
+    /// Come to rest on the path and drop the rest.
+    Stop,
+    /// Play at so many percent of normal speed, 1 to 100.
+    Feed(u8),
+}
+
+/// Look at a motion before it is taken.
+pub trait Reach {
+    /// Returns the reason why the machine cannot follow `motion` from `from`, if it knows one.
+    ///
+    /// # Errors
+    /// The reason, in words.
+    fn check(&self, from: ToolPlace, motion: &ToolMotion) -> Result<(), String>;
+}

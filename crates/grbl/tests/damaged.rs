@@ -1,0 +1,201 @@
+//! Damaged lines, on a machine that obeys at once.
+
+use std::time::Duration;
+use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, Reach};
+use trirrr_toolpath::{Act, ToolMotion, ToolPlace};
+
+/// A square around the origin, m.
+const SIDE_M: f64 = 0.5;
+
+struct Square;
+
+impl Reach for Square {
+    fn check(&self, _: ToolPlace, motion: &ToolMotion) -> Result<(), String> {
+        let inside = motion.to.position_m.iter().all(|each| each.abs() <= SIDE_M);
+        inside.then_some(()).ok_or_else(|| "out of reach".into())
+    }
+}
+
+struct Machine {
+    dialect: Dialect,
+    view: MachineView,
+    now: Duration,
+    motions: u64,
+}
+
+impl Machine {
+    fn new() -> Self {
+        let facts = MachineFacts {
+            name: "test".into(),
+            travel_m: [1.0, 1.0],
+            has_homing: false,
+            ignore_z: false,
+        };
+        let view = MachineView {
+            phase: MachinePhase::Off,
+            reason: None,
+            place: ToolPlace::default(),
+            speed_m_s: 0.0,
+            power: 0.0,
+            room: 16,
+            is_empty: true,
+            feed_percent: 100,
+        };
+        Self {
+            dialect: Dialect::new(facts, ToolPlace::default(), false),
+            view,
+            now: Duration::ZERO,
+            motions: 0,
+        }
+    }
+
+    /// Takes bytes, and works until nothing changes. Returns what the dialect says.
+    fn send(&mut self, bytes: &[u8]) -> String {
+        self.dialect.bytes(bytes);
+        let mut said = Vec::new();
+        for _ in 0..6 {
+            self.now += Duration::from_secs(10);
+            for act in self.dialect.step(self.now, &self.view, &Square) {
+                match act {
+                    MachineAct::Motion(element) => {
+                        self.motions += 1;
+                        if let Act::Motion(motion) = element.act {
+                            let [x, y] = motion.to.position_m;
+                            assert!(x.abs() <= SIDE_M && y.abs() <= SIDE_M, "{motion:?}");
+                            self.view.place = motion.to;
+                        }
+                    }
+                    MachineAct::Unlock | MachineAct::Home => self.view.phase = MachinePhase::Idle,
+                    MachineAct::Sleep => self.view.phase = MachinePhase::Off,
+                    _ => {}
+                }
+            }
+            said.extend(self.dialect.take_output());
+        }
+        String::from_utf8(said).unwrap()
+    }
+}
+
+fn answers(said: &str) -> usize {
+    let is_answer = |line: &&str| *line == "ok" || line.starts_with("error:");
+    said.lines().filter(is_answer).count()
+}
+
+/// xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, most: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % most
+    }
+}
+
+const GOOD: [&str; 14] = [
+    "G1 X10 Y20 F600",
+    "G0 X-30.5",
+    "G2 X10 Y10 I5 J0 F100",
+    "M3 S500",
+    "M5",
+    "G4 P0.1",
+    "G92 X0 Y0",
+    "G10 L20 P1 X0",
+    "$J=G91 X1 F100",
+    "$10=1",
+    "$G",
+    "(comment) G91",
+    "G90 G21",
+    "G20",
+];
+
+/// Each line is answered once, and nothing moves beyond the reach.
+#[test]
+fn a_hundred_thousand_damaged_lines_are_each_answered_once() {
+    let seed = 0x7472_6972_7272_0020;
+    println!("seed {seed:#x}");
+    let (mut random, mut machine) = (Random(seed), Machine::new());
+    machine.send(b"$X\n");
+    for number in 0..100_000 {
+        let mut line = GOOD[random.below(GOOD.len())].as_bytes().to_vec();
+        for _ in 0..random.below(4) {
+            let at = random.below(line.len());
+            // Everything but the ends of lines, and the real-time bytes that drop lines, unlock or pause.
+            let byte = match random.below(256) as u8 {
+                b'\n' | b'\r' | 0x18 | b'?' | b'!' | b'~' | 0x84 | 0x85 => b'#',
+                byte => byte,
+            };
+            match random.below(3) {
+                0 => line[at] = byte,
+                1 => line.insert(at, byte),
+                _ if line.len() > 1 => drop(line.remove(at)),
+                _ => {}
+            }
+        }
+        let shown = String::from_utf8_lossy(&line).into_owned();
+        line.push(b'\n');
+        let mut said = machine.send(&line);
+        // It may have become a pause.
+        if said.is_empty() {
+            said = machine.send(b"~");
+        }
+        assert_eq!(answers(&said), 1, "{number}: {shown:?}: {said:?}");
+        // A sleep, or a pause: both are ended by the user.
+        if machine.view.phase == MachinePhase::Off {
+            machine.send(b"$X\n");
+        }
+    }
+    assert!(machine.motions > 1000, "{}", machine.motions);
+}
+
+#[test]
+fn a_pause_waits_for_the_user_and_a_stand_for_its_time() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    assert_eq!(answers(&machine.send(b"G1 X1 F100\nM0\nG1 X2\n")), 1);
+    assert!(machine.send(b"?").starts_with("<Hold:0"));
+    assert_eq!(machine.view.place.position_m[0], 1e-3);
+    assert_eq!(answers(&machine.send(b"~")), 2);
+    assert_eq!(machine.view.place.position_m[0], 2e-3);
+}
+
+#[test]
+fn a_refused_motion_locks_the_machine_until_the_user_unlocks_it() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    machine.dialect.refused("line 3: torque of motor 1");
+    let said = machine.send(b"G1 X1 F100\n?");
+    assert!(
+        said.contains("ALARM:2") && said.contains("torque of motor 1"),
+        "{said}"
+    );
+    assert!(
+        said.contains("<Alarm") && said.contains("error:9"),
+        "{said}"
+    );
+    assert!(machine.send(b"$X\n").contains("ok"));
+    assert!(machine.send(b"G1 X1 F100\n").contains("ok"));
+}
+
+#[test]
+fn settings_coordinates_and_units_are_reported() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    machine.send(b"G10 L20 P2 X5 Y-5\nG55\nG1 X30.4 Y20.4 F100\n$10=0\n");
+    let said = machine.send(b"?");
+    assert!(said.contains("|WPos:30.400,20.400,0.000,0.000|"), "{said}");
+    machine.send(b"$10=1\n$13=1\n");
+    let said = machine.send(b"?");
+    assert!(said.contains("|MPos:1.0000,1.0000,0.000,0.000|"), "{said}");
+    assert!(
+        machine
+            .send(b"$G\n")
+            .contains("[GC:G1 G55 G17 G21 G90 G94 M5 M9 T0 F100 S0]")
+    );
+    assert!(machine.send(b"$30=255\n$$\n").contains("$30=255"));
+    assert!(
+        machine.send(b"$G\n").contains("G54"),
+        "a new scale begins anew"
+    );
+}
