@@ -5,10 +5,10 @@ mod motion;
 mod real_time;
 
 use crate::fault;
-use crate::input::{Input, RealTime, SentLine};
+use crate::input::{RealTime, SentBytes, SentLine};
 use crate::report::Overrides;
 use crate::settings::{MachineFacts, Settings};
-use crate::view::{MachineAct, MachinePhase, MachineView, Reach};
+use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
@@ -35,7 +35,7 @@ enum Wait {
 #[derive(Debug)]
 pub struct Dialect {
     settings: Settings,
-    input: Input,
+    input: SentBytes,
     output: Vec<u8>,
     commands: Vec<RealTime>,
     acts: Vec<MachineAct>,
@@ -78,7 +78,7 @@ impl Dialect {
         let interpreter = interpreter(&settings, start);
         let mut dialect = Self {
             settings,
-            input: Input::default(),
+            input: SentBytes::default(),
             output: Vec::new(),
             commands: Vec::new(),
             acts: Vec::new(),
@@ -144,7 +144,7 @@ impl Dialect {
         &mut self,
         now: Duration,
         view: &MachineView,
-        reach: &dyn Reach,
+        reach: &dyn MotionCheck,
     ) -> Vec<MachineAct> {
         self.watch(view);
         for command in std::mem::take(&mut self.commands) {
@@ -251,7 +251,7 @@ impl Dialect {
         true
     }
 
-    fn carry_out(&mut self, line: &SentLine, view: &MachineView, reach: &dyn Reach) {
+    fn carry_out(&mut self, line: &SentLine, view: &MachineView, reach: &dyn MotionCheck) {
         let text = match line {
             SentLine::Text(text) => text.trim(),
             SentLine::TooLong => {

@@ -50,7 +50,7 @@ pub(crate) enum SentLine {
 
 /// Bytes that came, taken apart.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Input {
+pub(crate) struct SentBytes {
     line: Vec<u8>,
     is_too_long: bool,
     lines: VecDeque<(SentLine, usize)>,
@@ -60,7 +60,7 @@ pub(crate) struct Input {
     after_return: bool,
 }
 
-impl Input {
+impl SentBytes {
     /// Takes bytes. Real-time commands come back in their order. Returns `None` if the bytes are a request of the web.
     pub(crate) fn take(&mut self, bytes: &[u8], commands: &mut Vec<RealTime>) -> Option<()> {
         for &byte in bytes {
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     fn taken(bytes: &[u8]) -> (Vec<SentLine>, Vec<RealTime>) {
-        let (mut input, mut commands) = (Input::default(), Vec::new());
+        let (mut input, mut commands) = (SentBytes::default(), Vec::new());
         input.take(bytes, &mut commands).expect("no web");
         let lines = std::iter::from_fn(|| input.next()).collect();
         (lines, commands)
@@ -196,15 +196,18 @@ mod tests {
     fn a_request_of_the_web_is_known() {
         let mut commands = Vec::new();
         assert_eq!(
-            Input::default().take(b"POST / HTTP/1.1\r\n", &mut commands),
+            SentBytes::default().take(b"POST / HTTP/1.1\r\n", &mut commands),
             None
         );
-        assert_eq!(Input::default().take(b"G1 X1\n", &mut commands), Some(()));
+        assert_eq!(
+            SentBytes::default().take(b"G1 X1\n", &mut commands),
+            Some(())
+        );
     }
 
     #[test]
     fn free_bytes_are_those_that_no_line_takes() {
-        let (mut input, mut commands) = (Input::default(), Vec::new());
+        let (mut input, mut commands) = (SentBytes::default(), Vec::new());
         input.take(b"G1 X1\nG0", &mut commands).expect("no web");
         assert_eq!(input.free(), RECEIVE_BUFFER - 8);
         assert_eq!(input.next(), Some(SentLine::Text("G1 X1".into())));

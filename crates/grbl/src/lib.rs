@@ -10,7 +10,7 @@
 //!
 //! A line is answered by `ok` once the machine has taken all its motions, and by `error:N` with the reason in a `[MSG:...]` before it
 //! if any part is refused: then nothing of the line moves. Lines are read by the interpreter of `trirrr-toolpath`, the one of job files.
-//! A motion is looked at by a [`Reach`] before it is taken. A refusal that comes later, from the machine's own proof, is
+//! A motion is looked at by a [`MotionCheck`] before it is taken. A refusal that comes later, from the machine's own proof, is
 //! `ALARM:2`: the machine stands on its path, and everything behind is dropped.
 #![forbid(unsafe_code)]
 
@@ -23,4 +23,4 @@ mod view;
 
 pub use dialect::Dialect;
 pub use settings::MachineFacts;
-pub use view::{MachineAct, MachinePhase, MachineView, Reach};
+pub use view::{MachineAct, MachinePhase, MachineView, MotionCheck};

@@ -68,7 +68,7 @@ pub enum MachineAct {
 }
 
 /// Look at a motion before it is taken.
-pub trait Reach {
+pub trait MotionCheck {
     /// Returns the reason why the machine cannot follow `motion` from `from`, if it knows one.
     ///
     /// # Errors

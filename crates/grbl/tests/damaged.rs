@@ -1,7 +1,7 @@
 //! Damaged lines, on a machine that obeys at once.
 
 use std::time::Duration;
-use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, Reach};
+use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck};
 use trirrr_toolpath::{Act, ToolMotion, ToolPlace};
 
 /// A square around the origin, m.
@@ -9,7 +9,7 @@ const SIDE_M: f64 = 0.5;
 
 struct Square;
 
-impl Reach for Square {
+impl MotionCheck for Square {
     fn check(&self, _: ToolPlace, motion: &ToolMotion) -> Result<(), String> {
         let inside = motion.to.position_m.iter().all(|each| each.abs() <= SIDE_M);
         inside.then_some(()).ok_or_else(|| "out of reach".into())

@@ -4,7 +4,7 @@ use crate::job_file::{piece_from, pose_of};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
-use trirrr_grbl::Reach;
+use trirrr_grbl::MotionCheck;
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_toolpath::{ToolMotion, ToolPlace};
@@ -71,7 +71,7 @@ impl<'a> SceneReach<'a> {
     }
 }
 
-impl Reach for SceneReach<'_> {
+impl MotionCheck for SceneReach<'_> {
     fn check(&self, from: ToolPlace, motion: &ToolMotion) -> Result<(), String> {
         let piece = piece_from(pose_of(&from), motion);
         let way = piece.length_m();

@@ -23,11 +23,11 @@ pub(super) enum SenderDoor {
 
 /// Sender that is there.
 pub(super) struct Sender {
-    line: Line,
+    line: SenderLine,
     waiting: Vec<u8>,
 }
 
-enum Line {
+enum SenderLine {
     Tcp(TcpStream),
     #[cfg(unix)]
     Terminal(TTYPort),
@@ -93,13 +93,13 @@ impl SenderDoor {
                 Ok((stream, _)) => {
                     stream.set_nonblocking(true)?;
                     stream.set_nodelay(true)?;
-                    Some(Line::Tcp(stream))
+                    Some(SenderLine::Tcp(stream))
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => None,
                 Err(error) => return Err(error),
             },
             #[cfg(unix)]
-            Self::Terminal(near, _) => near.take().map(Line::Terminal),
+            Self::Terminal(near, _) => near.take().map(SenderLine::Terminal),
         };
         Ok(line.map(|line| Sender {
             line,
@@ -116,12 +116,12 @@ impl Sender {
     pub(super) fn receive(&mut self) -> io::Result<Vec<u8>> {
         let mut bytes = [0; CHUNK];
         let read = match &mut self.line {
-            Line::Tcp(stream) => match stream.read(&mut bytes) {
+            SenderLine::Tcp(stream) => match stream.read(&mut bytes) {
                 Ok(0) => return Err(ErrorKind::ConnectionReset.into()),
                 read => read,
             },
             #[cfg(unix)]
-            Line::Terminal(port) => match port.bytes_to_read() {
+            SenderLine::Terminal(port) => match port.bytes_to_read() {
                 Ok(0) => Ok(0),
                 Ok(_) => port.read(&mut bytes),
                 Err(error) => Err(error.into()),
@@ -142,9 +142,9 @@ impl Sender {
         self.waiting.extend_from_slice(bytes);
         while !self.waiting.is_empty() {
             let written = match &mut self.line {
-                Line::Tcp(stream) => stream.write(&self.waiting),
+                SenderLine::Tcp(stream) => stream.write(&self.waiting),
                 #[cfg(unix)]
-                Line::Terminal(port) => port.write(&self.waiting),
+                SenderLine::Terminal(port) => port.write(&self.waiting),
             };
             match written {
                 Ok(length) => drop(self.waiting.drain(..length)),

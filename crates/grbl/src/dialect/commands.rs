@@ -4,7 +4,7 @@ use super::{Dialect, Wait, interpreter};
 use crate::fault;
 use crate::report::axes;
 use crate::settings::Settings;
-use crate::view::{MachineAct, MachinePhase, MachineView, Reach};
+use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
 use trirrr_toolpath::ToolPlace;
 use trirrr_toolpath::gcode::ORIGINS;
 
@@ -12,7 +12,7 @@ const HELP: &str = "[HLP:$$ $# $G $I $N $x=val $J=line $SLP $C $X $H ~ ! ? ctrl-
 
 impl Dialect {
     /// Carries out the command behind a `$`.
-    pub(super) fn command(&mut self, command: &str, view: &MachineView, reach: &dyn Reach) {
+    pub(super) fn command(&mut self, command: &str, view: &MachineView, reach: &dyn MotionCheck) {
         let upper = command.to_ascii_uppercase();
         if let Some(line) = upper.strip_prefix("J=") {
             return self.jog(line, view, reach);

@@ -2,13 +2,13 @@
 
 use super::{Dialect, Wait};
 use crate::fault;
-use crate::view::{MachineAct, MachinePhase, MachineView, Reach};
+use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
 use trirrr_toolpath::gcode::{Interpreter, LineWork};
 use trirrr_toolpath::{Act, Element, ToolMotion};
 
 impl Dialect {
     /// Reads a line of G-code. All of it is taken, or nothing.
-    pub(super) fn gcode(&mut self, text: &str, view: &MachineView, reach: &dyn Reach) {
+    pub(super) fn gcode(&mut self, text: &str, view: &MachineView, reach: &dyn MotionCheck) {
         let may_move = self.may_move(view);
         if !may_move && !text.is_empty() {
             return self.refuse(
@@ -45,7 +45,7 @@ impl Dialect {
     }
 
     /// Reads `$J=...`: a line at a feed, with modes of its own.
-    pub(super) fn jog(&mut self, text: &str, view: &MachineView, reach: &dyn Reach) {
+    pub(super) fn jog(&mut self, text: &str, view: &MachineView, reach: &dyn MotionCheck) {
         let is_free = view.phase == MachinePhase::Idle && view.is_empty;
         if !self.may_move(view) {
             return self.refuse(fault::LOCKED, "the machine is locked: $X unlocks it");
@@ -89,7 +89,7 @@ impl Dialect {
     }
 
     /// Looks at all motions of a line.
-    fn check(&self, work: &LineWork, reach: &dyn Reach) -> Result<(), String> {
+    fn check(&self, work: &LineWork, reach: &dyn MotionCheck) -> Result<(), String> {
         let mut from = self.interpreter.place();
         for element in &work.elements {
             if let Act::Motion(motion) = &element.act {
