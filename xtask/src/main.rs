@@ -24,6 +24,7 @@ mod qemu;
 mod reference;
 mod repository;
 mod rp2040;
+mod senders;
 mod size;
 mod steps;
 mod symbols;
@@ -56,6 +57,8 @@ enum Chore {
     Emulate(emulate::EmulateArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
+    /// Drive trirrr grbl by senders of G-code that users have
+    Senders,
     /// Print the tables of docs/footprints.md and docs/cycles.md, from the figures checked in
     Footprints(footprints::FootprintsArgs),
     /// Fuzz the decoder and the service's commands
@@ -81,6 +84,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Rp2040 => rp2040::run(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
+        Chore::Senders => senders::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),
