@@ -277,6 +277,38 @@ fn a_drawing_is_placed_and_drawn() {
     assert!((1.5..5.0).contains(&scale), "{said}");
 }
 
+/// Layers of a DXF file are drawn by their pens, where the file has them.
+#[test]
+fn a_dxf_file_is_drawn_by_its_layers() {
+    let folder = TempDir::new().unwrap();
+    let job = repository("scenes/jobs/bracket.dxf");
+    let arguments = [
+        "--fast",
+        "--fit",
+        "--speed",
+        "6000",
+        "--pen",
+        "mark=0.4@3000",
+    ];
+    let output = trirrr(&folder, "run", &job, &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rows = columns(&folder, "bracket", ["x", "y", "alpha", "vx", "vy", "tool"]);
+    // Smallest or largest coordinate where the tool has at least a power.
+    let edge = |axis: usize, power: f64, pick: fn(f64, f64) -> f64| {
+        let drawn = rows.iter().filter(|row| row[5] >= power);
+        drawn.map(|row| row[axis]).reduce(pick).unwrap()
+    };
+    for (axis, length) in [(0, 0.08), (1, 0.05)] {
+        // At full power the layer `cut` alone is drawn, and it has the outline. The tool is slower near corners.
+        for power in [0.01, 0.99] {
+            let found = edge(axis, power, f64::max) - edge(axis, power, f64::min);
+            assert!((found - length).abs() < 2e-4, "{axis} {power}: {found}");
+        }
+    }
+    let mark = rows.iter().filter(|row| (0.39..0.41).contains(&row[5]));
+    assert!(mark.count() > 1000);
+}
+
 /// The order of a table is the user's, and each row is a pose.
 #[test]
 fn a_table_is_followed_row_by_row() {
@@ -325,6 +357,10 @@ fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
             "<svg xmlns='http://www.w3.org/2000/svg' width='50mm' height='50mm' viewBox='0 0 50 50'>{content}</svg>"
         )
     };
+    let dxf = |entity: &str| {
+        let pairs = format!("0 SECTION 2 ENTITIES 0 {entity} 0 ENDSEC 0 EOF ");
+        pairs.replace(' ', "\n")
+    };
     let bar = "<path id='bar' d='M0 0H9' stroke='red'/>";
     let feed = ["--speed", "600"];
     let text = svg("<text>a</text>");
@@ -352,8 +388,26 @@ fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
         (
             "a.svg",
             svg(bar),
-            &["--speed", "6", "--pen", "red=1"],
+            &["--speed", "6", "--pen", "#red=1"],
             ["--pen", "#ff0000"],
+        ),
+        (
+            "a.dxf",
+            dxf("LINE 8 cut 10 0 20 0 11 9 21 0"),
+            &feed,
+            ["a.dxf: way to shape 1 (LINE in line 6, layer cut): ", "leg"],
+        ),
+        (
+            "a.dxf",
+            dxf("TEXT 8 notes 10 0 20 0 1 a"),
+            &feed,
+            ["a.dxf:6: TEXT: ", "explode"],
+        ),
+        (
+            "a.dxf",
+            dxf("LINE 8 cut 10 0 20 0 11 9 21 0"),
+            &["--speed", "6", "--pen", "cut=off"],
+            ["a.dxf: ", "drawn"],
         ),
         (
             "a.csv",

@@ -1,6 +1,8 @@
 //! Drawings: what SVG files give, in m and upward.
 
-use trirrr_toolpath::drawing::{Drawing, DrawingSetup, Pen, Rgb, Stroke, StrokeCurve, read_svg};
+use trirrr_toolpath::drawing::{
+    Drawing, DrawingSetup, Pen, PenKey, Rgb, Stroke, StrokeCurve, read_svg,
+};
 use trirrr_toolpath::{Act, ToolCurve, ToolPlace, ToolWork};
 
 const RED: Rgb = [255, 0, 0];
@@ -236,7 +238,10 @@ fn the_tool_is_on_along_strokes_alone() {
         },
         scale: 2.0,
         pen: pen(0.5),
-        pens: vec![(BLUE, pen(1.0)), ([0; 3], off)],
+        pens: vec![
+            (PenKey::Colour(BLUE), pen(1.0)),
+            (PenKey::Colour([0; 3]), off),
+        ],
     };
     found.leave_out(&setup);
     let elements = found.elements(&setup);
@@ -262,4 +267,32 @@ fn the_tool_is_on_along_strokes_alone() {
     assert_near(controls_m[0], [0.202, 0.198]);
     assert_near(motion(3).to.position_m, [0.224, 0.2]);
     assert!(matches!(found.strokes[1].curves[0], StrokeCurve::Line(_)));
+}
+
+/// Layers are those of Inkscape by their labels; in other files, the groups by their id.
+#[test]
+fn layers_have_pens_of_their_own() {
+    let bar = r#"<path d="M0 0H9" stroke="red"/>"#;
+    let inkscape = format!(
+        r#"<g xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:groupmode="layer" inkscape:label="to cut" id="layer1">
+        <g id="part">{bar}</g></g>{bar}"#
+    );
+    let plain = format!(r#"<g id="outer"><g id="inner">{bar}</g>{bar}</g>{bar}"#);
+    for (content, layers) in [
+        (&inkscape, &["to cut", ""][..]),
+        (&plain, &["inner", "outer", ""]),
+    ] {
+        let found = drawing(content);
+        let places: Vec<_> = (1..=layers.len())
+            .map(|index| found.place_of(2 * index as u32))
+            .collect();
+        let expected = layers
+            .iter()
+            .enumerate()
+            .map(|(index, layer)| match *layer {
+                "" => format!("shape {}", index + 1),
+                layer => format!("shape {} (layer {layer})", index + 1),
+            });
+        assert_eq!(places, expected.collect::<Vec<_>>());
+    }
 }

@@ -3,7 +3,7 @@
 use super::DrawingArgs;
 use trirrr_core::setpoint::Pose;
 use trirrr_scene::{ReachMap, Scene};
-use trirrr_toolpath::drawing::{Drawing, DrawingSetup, read_svg};
+use trirrr_toolpath::drawing::{Drawing, DrawingSetup};
 use trirrr_toolpath::{PathFault, ToolPlace};
 
 /// Part of the room that a drawing takes: between the nodes of the map nothing is known.
@@ -23,12 +23,12 @@ fn fault(reason: String) -> PathFault {
     }
 }
 
-/// Reads the drawing in `text` for the machine of `scene`, with its lower left corner at `origin_m` if that is given.
+/// Places `drawing` on the machine of `scene`, with its zero point at `origin_m` if that is given.
 ///
 /// # Errors
-/// The drawing is refused, has no feed, or the machine has no room for it.
+/// The drawing is left out, has no feed, or the machine has no room for it.
 pub(super) fn place(
-    text: &str,
+    mut drawing: Drawing,
     scene: &Scene,
     origin_m: Option<[f64; 2]>,
     args: &DrawingArgs,
@@ -36,7 +36,6 @@ pub(super) fn place(
     let feed_m_s = args.speed_m_s().ok_or_else(|| {
         fault("a drawing has no speed: add --speed MM_PER_MIN, the speed along its strokes".into())
     })?;
-    let mut drawing = read_svg(text)?;
     let (pen, pens) = args.pens(feed_m_s);
     let start = &scene.job.start;
     let mut setup = DrawingSetup {

@@ -3,7 +3,7 @@
 use crate::arguments::factor;
 use clap::Args;
 use trirrr_toolpath::ToolWork;
-use trirrr_toolpath::drawing::{Pen, Rgb};
+use trirrr_toolpath::drawing::{Pen, PenKey};
 
 /// Feed, pens and place of a drawing; feed of a table.
 #[derive(Args, Clone, Debug, Default)]
@@ -17,10 +17,10 @@ pub struct DrawingArgs {
     /// Drawing, table: the power is the same at every speed. Without it the power is in proportion to the true speed
     #[arg(long, requires = "machine")]
     pub constant_power: bool,
-    /// Drawing: power, and feed in mm/min, of the strokes of a colour; `off`: they are left out. For each colour once
-    #[arg(long, value_name = "#RRGGBB=POWER[@FEED]|off", requires = "machine", value_parser = pen)]
+    /// Drawing: power, and feed in mm/min, of the strokes of a colour or a layer; `off`: they are left out. For each once
+    #[arg(long, value_name = "#RRGGBB|LAYER=POWER[@FEED]|off", requires = "machine", value_parser = pen)]
     pub pen: Vec<PenArg>,
-    /// Drawing: fill areas with lines at this distance, mm
+    /// Drawing: fill areas with lines at this distance, mm. Areas of DXF are those inside closed outlines of a layer
     #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
     pub hatch: Option<f64>,
     /// Drawing: length on the machine of a length 1 in the drawing [default: 1]
@@ -59,8 +59,15 @@ impl DrawingArgs {
         self.speed.map(metres_per_second)
     }
 
-    /// Pen of the strokes without an own one at `feed_m_s`, and those of colours.
-    pub(super) fn pens(&self, feed_m_s: f64) -> (Pen, Vec<(Rgb, Pen)>) {
+    /// Returns true for a layer that is left out.
+    pub(super) fn leaves_out(&self, layer: &str) -> bool {
+        self.pen.iter().any(|each| {
+            each.power.is_none() && matches!(&each.key, PenKey::Layer(name) if name == layer)
+        })
+    }
+
+    /// Pen of the strokes without an own one at `feed_m_s`, and those of colours and layers.
+    pub(super) fn pens(&self, feed_m_s: f64) -> (Pen, Vec<(PenKey, Pen)>) {
         let pen = |power: Option<f64>, feed_m_s: f64| Pen {
             feed_m_s,
             work: power.map(|power| ToolWork {
@@ -70,7 +77,7 @@ impl DrawingArgs {
         };
         let own = self.pen.iter().map(|each| {
             let feed_m_s = each.feed.map_or(feed_m_s, metres_per_second);
-            (each.colour, pen(each.power, feed_m_s))
+            (each.key.clone(), pen(each.power, feed_m_s))
         });
         (
             pen(Some(self.power.unwrap_or(1.0)), feed_m_s),
@@ -83,11 +90,11 @@ fn metres_per_second(mm_per_min: f64) -> f64 {
     1e-3 * mm_per_min / 60.0
 }
 
-/// Pen of a colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Pen of a colour or a layer.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PenArg {
-    /// Colour of the strokes.
-    pub colour: Rgb,
+    /// The strokes.
+    pub key: PenKey,
     /// Power, 0 to 1. None: the strokes are left out.
     pub power: Option<f64>,
     /// Speed along the strokes, mm/min. None: that of all strokes.
@@ -102,30 +109,37 @@ fn part(text: &str) -> Result<f64, String> {
 }
 
 fn pen(text: &str) -> Result<PenArg, String> {
-    let (colour, work) = text
-        .split_once('=')
-        .ok_or("expected a colour, = and a power, as #ff0000=0.5")?;
-    let digits = colour.strip_prefix('#').unwrap_or(colour);
-    let is_colour = digits.len() == 6 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
-    let value = match is_colour {
-        true => u32::from_str_radix(digits, 16).map_err(|error| error.to_string())?,
-        false => {
-            return Err(format!(
-                "{colour:?} is no colour; one has six digits, as #ff0000"
-            ));
-        }
-    };
-    let [_, red, green, blue] = value.to_be_bytes();
+    // The name of a layer may have a sign of equality itself.
+    let (key, work) = text
+        .rsplit_once('=')
+        .filter(|(key, _)| !key.is_empty())
+        .ok_or("expected a colour or a layer, = and a power, as #ff0000=0.5")?;
     let (power, feed) = match work.split_once('@') {
         None if work == "off" => (None, None),
         None => (Some(part(work)?), None),
         Some((power, feed)) => (Some(part(power)?), Some(factor(feed)?)),
     };
     Ok(PenArg {
-        colour: [red, green, blue],
+        key: pen_key(key)?,
         power,
         feed,
     })
+}
+
+fn pen_key(text: &str) -> Result<PenKey, String> {
+    let Some(digits) = text.strip_prefix('#') else {
+        return Ok(PenKey::Layer(text.to_owned()));
+    };
+    let is_colour = digits.len() == 6 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    match u32::from_str_radix(digits, 16) {
+        Ok(value) if is_colour => {
+            let [_, red, green, blue] = value.to_be_bytes();
+            Ok(PenKey::Colour([red, green, blue]))
+        }
+        _ => Err(format!(
+            "{text:?} is no colour; one has six digits, as #ff0000"
+        )),
+    }
 }
 
 #[cfg(test)]
@@ -133,22 +147,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pen_is_a_colour_a_power_and_a_feed() {
-        let of = |power, feed| PenArg {
-            colour: [255, 128, 0],
-            power,
-            feed,
-        };
-        assert_eq!(pen("#ff8000=0.5"), Ok(of(Some(0.5), None)));
-        assert_eq!(pen("FF8000=1@1500"), Ok(of(Some(1.0), Some(1500.0))));
-        assert_eq!(pen("#ff8000=off"), Ok(of(None, None)));
+    fn a_pen_is_a_colour_or_a_layer_a_power_and_a_feed() {
+        let of = |key, power, feed| PenArg { key, power, feed };
+        let orange = || PenKey::Colour([255, 128, 0]);
+        let layer = |name: &str| PenKey::Layer(name.into());
+        assert_eq!(pen("#ff8000=0.5"), Ok(of(orange(), Some(0.5), None)));
+        assert_eq!(
+            pen("#FF8000=1@1500"),
+            Ok(of(orange(), Some(1.0), Some(1500.0)))
+        );
+        assert_eq!(pen("#ff8000=off"), Ok(of(orange(), None, None)));
+        assert_eq!(
+            pen("cut 1=0.5@9"),
+            Ok(of(layer("cut 1"), Some(0.5), Some(9.0)))
+        );
+        assert_eq!(pen("a=b=off"), Ok(of(layer("a=b"), None, None)));
         for wrong in [
             "",
+            "=1",
             "#ff8000",
-            "red=1",
+            "red",
             "#ff800=1",
             "#+f8000=1",
             "#ff8000=2",
+            "cut=2",
             "#ff8000=1@0",
             "#ff8000=off@9",
         ] {

@@ -86,7 +86,7 @@ pub(crate) fn load_drawn(
             file.display()
         ))),
         Some(_) if is_scene => Err(CliError::Refused(format!(
-            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG or CSV",
+            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG, DXF or CSV",
             file.display()
         ))),
         Some(machine) => load_for(file, machine, args, figure),

@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::Path;
 use trirrr_scene::{JobPath, Scene};
-use trirrr_toolpath::drawing::Drawing;
+use trirrr_toolpath::drawing::{Drawing, read_dxf, read_svg};
 use trirrr_toolpath::gcode::{self, GcodeSetup};
 use trirrr_toolpath::table::{TableSetup, read_table};
 use trirrr_toolpath::{PathFault, ToolPlace};
@@ -45,7 +45,7 @@ pub(super) fn read(
     let refused = |error: io::Error| CliError::Refused(format!("{name}: cannot be read: {error}"));
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     let (kind, not_for_it) = match extension.to_str() {
-        Some("svg") => ("a drawing", None),
+        Some("svg" | "dxf") => ("a drawing", None),
         Some("csv") => ("a table", args.drawing.for_drawings()),
         _ => ("G-code", args.drawing.given()),
     };
@@ -56,7 +56,15 @@ pub(super) fn read(
     let read = match kind {
         "G-code" => from_gcode(File::open(file).map_err(refused)?, machine, args),
         "a table" => from_table(&fs::read_to_string(file).map_err(refused)?, machine, args),
-        _ => from_drawing(&fs::read_to_string(file).map_err(refused)?, machine, args),
+        _ => {
+            let drawing = match extension == "dxf" {
+                true => read_dxf(&fs::read(file).map_err(refused)?, |layer| {
+                    args.drawing.leaves_out(layer)
+                }),
+                false => read_svg(&fs::read_to_string(file).map_err(refused)?),
+            };
+            drawing.and_then(|drawing| from_drawing(drawing, machine, args))
+        }
     };
     Ok(read)
 }
@@ -85,7 +93,11 @@ fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPat
     finish(builder, 1e-3 * args.corner, None)
 }
 
-fn from_drawing(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
+fn from_drawing(
+    drawing: Drawing,
+    machine: &Scene,
+    args: &JobFileArgs,
+) -> Result<ReadPath, PathFault> {
     if args.origin.is_some_and(|[_, _, alpha]| alpha != 0.0) {
         return Err(PathFault {
             line: 0,
@@ -94,7 +106,8 @@ fn from_drawing(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadP
         });
     }
     let origin_m = args.origin.map(|_| origin(args).position_m);
-    let PlacedDrawing { drawing, setup } = drawing::place(text, machine, origin_m, &args.drawing)?;
+    let PlacedDrawing { drawing, setup } =
+        drawing::place(drawing, machine, origin_m, &args.drawing)?;
     if args.drawing.fit {
         let [x, y] = setup.origin.position_m.map(|metres| 1e3 * metres);
         say(&format!(

@@ -1,13 +1,16 @@
 //! Drawings: strokes in the plane, the pens that draw them, and the order in which they are drawn.
 //!
-//! A drawing has its zero point at the lower left corner of its page, x to the right and y upward, in m. [`read_svg`]
-//! reads one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
+//! A drawing has x to the right and y upward, in m. [`read_svg`]
+//! and [`read_dxf`] read one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
 
+mod dxf;
 mod hatch;
+mod join;
 mod order;
 mod stroke;
 mod svg;
 
+pub use dxf::read_dxf;
 pub use stroke::{Stroke, StrokeCurve};
 pub use svg::read_svg;
 
@@ -26,8 +29,17 @@ pub struct Drawing {
     pub strokes: Vec<Stroke>,
     /// Areas that [`Drawing::fill`] may fill with lines.
     pub(crate) areas: Vec<Area>,
-    /// Names of the shapes, as the file has them, possibly empty.
-    pub(crate) shapes: Vec<String>,
+    /// Shapes of the file.
+    pub(crate) shapes: Vec<Shape>,
+}
+
+/// Shape of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Shape {
+    /// Name, as the file has it, possibly empty.
+    pub(crate) name: String,
+    /// Layer, possibly none: "".
+    pub(crate) layer: String,
 }
 
 /// Area inside closed strokes.
@@ -51,6 +63,15 @@ pub struct Pen {
     pub work: Option<ToolWork>,
 }
 
+/// Strokes that a pen draws.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PenKey {
+    /// Those of a colour.
+    Colour(Rgb),
+    /// Those of a layer.
+    Layer(String),
+}
+
 /// Pens, and the place of a drawing on the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawingSetup {
@@ -58,16 +79,18 @@ pub struct DrawingSetup {
     pub origin: ToolPlace,
     /// Length on the machine of a length 1 in the drawing, positive.
     pub scale: f64,
-    /// Pen of the colours without an own one.
+    /// Pen of the strokes without an own one.
     pub pen: Pen,
-    /// Pens of colours.
-    pub pens: Vec<(Rgb, Pen)>,
+    /// Pens of layers and colours.
+    pub pens: Vec<(PenKey, Pen)>,
 }
 
 impl DrawingSetup {
-    /// Pen of a colour.
-    pub fn pen_of(&self, colour: Option<Rgb>) -> Pen {
-        let own = self.pens.iter().find(|(rgb, _)| Some(*rgb) == colour);
+    /// Pen of a layer and a colour. That of the layer goes before that of the colour.
+    pub fn pen_of(&self, layer: &str, colour: Option<Rgb>) -> Pen {
+        let of = |is_own: &dyn Fn(&PenKey) -> bool| self.pens.iter().find(|(key, _)| is_own(key));
+        let own = of(&|key| matches!(key, PenKey::Layer(name) if name == layer))
+            .or_else(|| of(&|key| matches!(key, PenKey::Colour(rgb) if Some(*rgb) == colour)));
         own.map_or(self.pen, |(_, pen)| *pen)
     }
 
@@ -96,9 +119,14 @@ impl Drawing {
 
     /// Leaves out the strokes and areas that no pen draws.
     pub fn leave_out(&mut self, setup: &DrawingSetup) {
-        let drawn = |colour| setup.pen_of(colour).work.is_some();
-        self.strokes.retain(|stroke| drawn(stroke.colour));
-        self.areas.retain(|area| drawn(area.colour));
+        let shapes = &self.shapes;
+        let drawn = |shape: usize, colour| {
+            let layer = shapes.get(shape).map_or("", |shape| &shape.layer);
+            setup.pen_of(layer, colour).work.is_some()
+        };
+        self.strokes
+            .retain(|stroke| drawn(stroke.shape, stroke.colour));
+        self.areas.retain(|area| drawn(area.shape, area.colour));
     }
 
     /// Tool path of the drawing. The numbers of its elements are places for [`Drawing::place_of`].
@@ -116,7 +144,11 @@ impl Drawing {
             })
         };
         for (index, stroke) in self.strokes.iter().enumerate() {
-            let pen = setup.pen_of(stroke.colour);
+            let layer = self
+                .shapes
+                .get(stroke.shape)
+                .map_or("", |shape| &shape.layer);
+            let pen = setup.pen_of(layer, stroke.colour);
             let line = 2 * index as u32 + 1;
             elements.push(Element {
                 line,
@@ -126,6 +158,11 @@ impl Drawing {
             for curve in &stroke.curves {
                 let (to, kind) = match *curve {
                     StrokeCurve::Line(to) => (to, ToolCurve::Line),
+                    StrokeCurve::Arc { centre, turn, to } => {
+                        let centre_m = setup.place(centre);
+                        let turn_rad = turn;
+                        (to, ToolCurve::Arc { centre_m, turn_rad })
+                    }
                     StrokeCurve::Bezier([first, second, to]) => {
                         let controls_m = [first, second].map(|point| setup.place(point));
                         (to, ToolCurve::Bezier { controls_m })
@@ -149,9 +186,12 @@ impl Drawing {
         };
         let way = if line % 2 == 1 { "way to " } else { "" };
         let number = stroke.shape + 1;
-        match self.shapes.get(stroke.shape).map_or("", String::as_str) {
-            "" => format!("{way}shape {number}"),
-            name => format!("{way}shape {number} ({name})"),
+        let shape = self.shapes.get(stroke.shape);
+        match shape.map_or(("", ""), |shape| (&shape.name, &shape.layer)) {
+            ("", "") => format!("{way}shape {number}"),
+            (name, "") => format!("{way}shape {number} ({name})"),
+            ("", layer) => format!("{way}shape {number} (layer {layer})"),
+            (name, layer) => format!("{way}shape {number} ({name}, layer {layer})"),
         }
     }
 }

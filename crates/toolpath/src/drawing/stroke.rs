@@ -23,6 +23,15 @@ pub struct Stroke {
 pub enum StrokeCurve {
     /// Straight line to a point.
     Line([f64; 2]),
+    /// Arc of a circle.
+    Arc {
+        /// Centre.
+        centre: [f64; 2],
+        /// Angle of the arc, rad, counter-clockwise positive, at most a whole turn.
+        turn: f64,
+        /// End.
+        to: [f64; 2],
+    },
     /// Cubic Bezier curve: two inner control points, and the end.
     Bezier([[f64; 2]; 3]),
 }
@@ -31,7 +40,7 @@ impl StrokeCurve {
     /// Last point, m.
     pub fn end(&self) -> [f64; 2] {
         match *self {
-            Self::Line(to) | Self::Bezier([_, _, to]) => to,
+            Self::Line(to) | Self::Bezier([_, _, to]) | Self::Arc { to, .. } => to,
         }
     }
 }
@@ -50,6 +59,11 @@ impl Stroke {
         let pairs = self.curves.into_iter().zip(froms).rev();
         let curves = pairs.map(|(curve, from)| match curve {
             StrokeCurve::Line(_) => StrokeCurve::Line(from),
+            StrokeCurve::Arc { centre, turn, .. } => StrokeCurve::Arc {
+                centre,
+                turn: -turn,
+                to: from,
+            },
             StrokeCurve::Bezier([first, second, _]) => StrokeCurve::Bezier([second, first, from]),
         });
         Self {
@@ -59,16 +73,44 @@ impl Stroke {
         }
     }
 
+    /// Returns true if every point that makes the stroke is a number, and at most `largest_m` from each axis.
+    pub(super) fn is_within(&self, largest_m: f64) -> bool {
+        let within = |point: &[f64; 2]| point.iter().all(|value| value.abs() <= largest_m);
+        let curve = |curve: &StrokeCurve| match curve {
+            StrokeCurve::Line(to) => within(to),
+            StrokeCurve::Arc { centre, turn, to } => {
+                within(centre) && turn.is_finite() && within(to)
+            }
+            StrokeCurve::Bezier(points) => points.iter().all(within),
+        };
+        within(&self.start) && self.curves.iter().all(curve)
+    }
+
     /// Points along the stroke whose chords are at most `flatness_m` off it.
     pub fn points(&self, flatness_m: f64) -> Vec<[f64; 2]> {
         let mut at = self.start;
         let mut points = vec![at];
         for curve in &self.curves {
-            if let StrokeCurve::Bezier([first, second, to]) = *curve {
-                let chords = chords(at, first, second, to, flatness_m);
-                for chord in 1..chords {
-                    let p = f64::from(chord) / f64::from(chords);
-                    points.push(at_parameter([at, first, second, to], p));
+            match *curve {
+                StrokeCurve::Line(_) => {}
+                StrokeCurve::Arc { centre, turn, .. } => {
+                    let from = [at[0] - centre[0], at[1] - centre[1]];
+                    let chords = arc_chords(from[0].hypot(from[1]), turn, flatness_m);
+                    for chord in 1..chords {
+                        let angle = turn * f64::from(chord) / f64::from(chords);
+                        let (sin, cos) = angle.sin_cos();
+                        points.push([
+                            centre[0] + cos * from[0] - sin * from[1],
+                            centre[1] + sin * from[0] + cos * from[1],
+                        ]);
+                    }
+                }
+                StrokeCurve::Bezier([first, second, to]) => {
+                    let chords = chords(at, first, second, to, flatness_m);
+                    for chord in 1..chords {
+                        let p = f64::from(chord) / f64::from(chords);
+                        points.push(at_parameter([at, first, second, to], p));
+                    }
                 }
             }
             at = curve.end();
@@ -76,6 +118,12 @@ impl Stroke {
         }
         points
     }
+}
+
+/// Chords of an arc that keep a distance: one over the angle a is off by at most a^2 / 8 of the radius.
+fn arc_chords(radius: f64, turn: f64, flatness_m: f64) -> u32 {
+    let chords = turn.abs() * (radius / (8.0 * flatness_m)).sqrt();
+    chords.ceil().clamp(3.0, CHORDS_MAX) as u32
 }
 
 /// Chords that keep a distance: a chord over a part h is off by at most h^2 / 8 of the greatest second derivative.

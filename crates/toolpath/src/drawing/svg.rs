@@ -1,13 +1,17 @@
 //! SVG files.
 
-use super::{Area, Drawing, Rgb, Stroke, StrokeCurve};
+use super::{Area, Drawing, Rgb, Shape, Stroke, StrokeCurve};
 use crate::PathFault;
+use std::collections::HashMap;
 use usvg::roxmltree::{Document, Node as XmlNode, ParsingOptions};
 use usvg::tiny_skia_path::{PathSegment, Point};
 use usvg::{Group, Node, Options, Paint, Tree};
 
 /// Length of a pixel of SVG, m: 96 of them are an inch.
 const PIXEL_M: f64 = 0.0254 / 96.0;
+
+/// Names of Inkscape's attributes.
+const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 
 /// Most elements of a file.
 const ELEMENTS_MAX: u32 = 2_000_000;
@@ -36,7 +40,8 @@ pub fn read_svg(text: &str) -> Result<Drawing, PathFault> {
         .map_err(|error| fault(String::new(), format!("no SVG drawing: {error}")))?;
     let mut drawing = Drawing::default();
     let height = f64::from(tree.size().height());
-    add(tree.root(), height, &mut drawing)?;
+    let layers = layers(&document);
+    add(tree.root(), (height, ""), &layers, &mut drawing)?;
     match drawing.strokes.is_empty() {
         true => Err(fault(String::new(), "nothing in the file is drawn".into())),
         false => Ok(drawing),
@@ -73,7 +78,33 @@ fn refuse_unknown(document: &Document, node: XmlNode) -> Result<(), PathFault> {
     })
 }
 
-fn add(group: &Group, height: f64, drawing: &mut Drawing) -> Result<(), PathFault> {
+/// Names of layers by the `id` of their group: the layers of Inkscape with their labels, in other files all groups.
+fn layers(document: &Document) -> HashMap<String, String> {
+    let groups = |is_layer: &dyn Fn(&XmlNode) -> bool| -> HashMap<String, String> {
+        let groups = document.root().descendants();
+        let groups = groups.filter(|node| node.tag_name().name() == "g" && is_layer(node));
+        let named = groups.filter_map(|node| {
+            let id = node.attribute("id")?;
+            let label = node.attribute((INKSCAPE, "label")).unwrap_or(id);
+            Some((id.to_owned(), label.to_owned()))
+        });
+        named.collect()
+    };
+    let layers = groups(&|node| node.attribute((INKSCAPE, "groupmode")) == Some("layer"));
+    match layers.is_empty() {
+        true => groups(&|_| true),
+        false => layers,
+    }
+}
+
+/// Adds the shapes of a group, on a page of a height, and on a layer.
+fn add(
+    group: &Group,
+    (height, layer): (f64, &str),
+    layers: &HashMap<String, String>,
+    drawing: &mut Drawing,
+) -> Result<(), PathFault> {
+    let layer = layers.get(group.id()).map_or(layer, String::as_str);
     if group.clip_path().is_some() || group.mask().is_some() {
         return Err(fault(
             group.id().to_owned(),
@@ -82,8 +113,8 @@ fn add(group: &Group, height: f64, drawing: &mut Drawing) -> Result<(), PathFaul
     }
     for node in group.children() {
         match node {
-            Node::Group(group) => add(group, height, drawing)?,
-            Node::Path(path) if path.is_visible() => add_path(path, height, drawing),
+            Node::Group(group) => add(group, (height, layer), layers, drawing)?,
+            Node::Path(path) if path.is_visible() => add_path(path, (height, layer), drawing),
             Node::Path(_) => {}
             Node::Image(node) => {
                 return Err(fault(node.id().to_owned(), "images cannot be drawn".into()));
@@ -103,7 +134,7 @@ fn rgb(paint: &Paint) -> Option<Rgb> {
     }
 }
 
-fn add_path(path: &usvg::Path, height: f64, drawing: &mut Drawing) {
+fn add_path(path: &usvg::Path, (height, layer): (f64, &str), drawing: &mut Drawing) {
     let colours = [
         path.stroke().map(|stroke| rgb(stroke.paint())),
         path.fill().map(|fill| rgb(fill.paint())),
@@ -116,7 +147,10 @@ fn add_path(path: &usvg::Path, height: f64, drawing: &mut Drawing) {
     if outlines.is_empty() {
         return;
     }
-    drawing.shapes.push(path.id().to_owned());
+    drawing.shapes.push(Shape {
+        name: path.id().to_owned(),
+        layer: layer.to_owned(),
+    });
     if let Some(fill) = path.fill() {
         drawing.areas.push(Area {
             shape,

@@ -1,0 +1,341 @@
+//! Entities of a DXF file, as strokes of a drawing.
+
+use super::colour::{LayerLook, colour};
+use super::curves::{Chain, sweep};
+use super::fault;
+use super::names::{Named, Names};
+use super::place::Affine;
+use super::spline::Nurbs;
+use crate::PathFault;
+use crate::drawing::{Drawing, Rgb, Shape, Stroke};
+use dxf::entities::{Ellipse, Entity, EntityType, Insert, Polyline};
+use dxf::{Point, Vector};
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// Deepest nesting of blocks.
+const DEPTH_MAX: u32 = 16;
+
+/// Most strokes of a file, with all copies of its blocks.
+const STROKES_MAX: usize = 1_000_000;
+
+/// Largest size of a coordinate in the drawing, m.
+const LARGEST_M: f64 = 1e3;
+
+/// Flag of a vertex that only shapes a fitted curve.
+const CONTROL_VERTEX: i32 = 16;
+
+/// Reader of a file.
+pub(super) struct Reader<'f, F> {
+    pub(super) file: &'f dxf::Drawing,
+    pub(super) names: &'f Names,
+    pub(super) layers: HashMap<String, LayerLook>,
+    pub(super) left_out: &'f F,
+    pub(super) drawing: Drawing,
+}
+
+/// Place of entities: the drawing itself, or a copy of a block.
+pub(super) struct Frame {
+    place: Affine,
+    /// Layer of what is on layer 0 of a block.
+    layer: Option<String>,
+    /// Colour of what takes that of its block.
+    colour: Option<Rgb>,
+    depth: u32,
+}
+
+impl Frame {
+    /// Frame of the drawing itself.
+    pub(super) fn whole(place: Affine) -> Self {
+        Self {
+            place,
+            layer: None,
+            colour: None,
+            depth: 0,
+        }
+    }
+}
+
+impl<F: Fn(&str) -> bool> Reader<'_, F> {
+    /// Adds what is drawn of `entities`, which the file has at `named`.
+    ///
+    /// # Errors
+    /// An entity that cannot be drawn, or that cannot be read.
+    pub(super) fn add<'e>(
+        &mut self,
+        entities: impl Iterator<Item = &'e Entity>,
+        named: &[Named],
+        frame: &Frame,
+    ) -> Result<(), PathFault> {
+        let mut entities = entities.filter(|entity| is_drawn(&entity.specific));
+        for named in named {
+            let layer = match &frame.layer {
+                Some(layer) if named.layer == "0" => layer.as_str(),
+                _ => named.layer.as_str(),
+            };
+            let look = self.layers.get(layer).copied();
+            let shows = look.is_none_or(|look| look.shows);
+            let seen = shows && !named.hidden && !(self.left_out)(layer);
+            if let Some(reason) = named.refusal() {
+                match seen {
+                    true => return Err(fault(named.line, &named.name, reason)),
+                    false => continue,
+                }
+            }
+            let Some(entity) = entities.next() else {
+                return Err(fault(
+                    named.line,
+                    &named.name,
+                    "it cannot be read: a number of it is none",
+                ));
+            };
+            if !seen {
+                continue;
+            }
+            let layer_colour = look.and_then(|look| look.colour);
+            let colour = colour(&entity.common, layer_colour, frame.colour);
+            match &entity.specific {
+                EntityType::Insert(insert) => self.insert(insert, named, (layer, colour), frame)?,
+                other => self.draw(other, named, (layer, colour), frame)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the copies of a block.
+    fn insert(
+        &mut self,
+        insert: &Insert,
+        named: &Named,
+        (layer, colour): (&str, Option<Rgb>),
+        frame: &Frame,
+    ) -> Result<(), PathFault> {
+        let refused = |reason: &str| fault(named.line, &named.name, reason);
+        let block = self.file.blocks().find(|block| block.name == insert.name);
+        let block =
+            block.ok_or_else(|| refused(&format!("there is no block {:?}", insert.name)))?;
+        if frame.depth == DEPTH_MAX {
+            return Err(refused("blocks are nested too deeply, or in themselves"));
+        }
+        let names = self.names;
+        let own = names.blocks.get(&block.name).map_or(&[][..], Vec::as_slice);
+        let outer = frame
+            .place
+            .after(&facing(&insert.extrusion_direction, named)?);
+        let turn = insert.rotation.to_radians();
+        let spacing = Affine::new([1.0; 2], turn, xy(&insert.location));
+        let scales = [insert.x_scale_factor, insert.y_scale_factor];
+        let base = xy(&block.base_point).map(|base| -base);
+        for row in 0..insert.row_count.max(1) {
+            for column in 0..insert.column_count.max(1) {
+                let corner = [
+                    f64::from(column) * insert.column_spacing,
+                    f64::from(row) * insert.row_spacing,
+                ];
+                let copy = Affine::new(scales, turn, spacing.point(corner));
+                let frame = Frame {
+                    place: outer.after(&copy).after(&Affine::new([1.0; 2], 0.0, base)),
+                    layer: Some(layer.to_owned()),
+                    colour,
+                    depth: frame.depth + 1,
+                };
+                self.add(block.entities.iter(), own, &frame)?;
+                // A block without strokes may have copies without number, too.
+                self.count(named)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn count(&self, named: &Named) -> Result<(), PathFault> {
+        match self.drawing.strokes.len() > STROKES_MAX {
+            true => {
+                let reason = format!("with it the drawing has more than {STROKES_MAX} strokes");
+                Err(fault(named.line, &named.name, &reason))
+            }
+            false => Ok(()),
+        }
+    }
+
+    /// Adds the stroke of an entity.
+    fn draw(
+        &mut self,
+        entity: &EntityType,
+        named: &Named,
+        (layer, colour): (&str, Option<Rgb>),
+        frame: &Frame,
+    ) -> Result<(), PathFault> {
+        let flat = |normal: &Vector| Ok(frame.place.after(&facing(normal, named)?));
+        let (start, curves) = match entity {
+            EntityType::Line(line) => polygon(&frame.place, &[&line.p1, &line.p2], false),
+            EntityType::Solid(solid) => {
+                let corners = [
+                    &solid.first_corner,
+                    &solid.second_corner,
+                    &solid.fourth_corner,
+                    &solid.third_corner,
+                ];
+                polygon(&flat(&solid.extrusion_direction)?, &corners, true)
+            }
+            EntityType::Trace(trace) => {
+                let corners = [
+                    &trace.first_corner,
+                    &trace.second_corner,
+                    &trace.fourth_corner,
+                    &trace.third_corner,
+                ];
+                polygon(&flat(&trace.extrusion_direction)?, &corners, true)
+            }
+            EntityType::Arc(arc) => {
+                let [from, to] = [arc.start_angle, arc.end_angle].map(f64::to_radians);
+                round(
+                    &flat(&arc.normal)?,
+                    &arc.center,
+                    arc.radius,
+                    [from, sweep(from, to)],
+                )
+            }
+            EntityType::Circle(circle) => round(
+                &flat(&circle.normal)?,
+                &circle.center,
+                circle.radius,
+                [0.0, TAU],
+            ),
+            EntityType::Ellipse(part) => ellipse(&frame.place, part, named)?,
+            EntityType::LwPolyline(line) => {
+                let place = flat(&line.extrusion_direction)?;
+                let vertices = line
+                    .vertices
+                    .iter()
+                    .map(|vertex| ([vertex.x, vertex.y], vertex.bulge));
+                polyline(&place, vertices.collect(), line.is_closed())
+            }
+            EntityType::Polyline(line) => {
+                let (vertices, is_closed) = (vertices(line, named)?, line.is_closed());
+                polyline(&flat(&line.normal)?, vertices, is_closed)
+            }
+            EntityType::Spline(spline) => {
+                let nurbs = Nurbs::new(spline, named.line)?;
+                let mut chain = Chain::new(&frame.place, nurbs.start());
+                nurbs.add_to(&mut chain);
+                (chain.start, chain.curves)
+            }
+            _ => return Ok(()),
+        };
+        let stroke = Stroke {
+            shape: self.drawing.shapes.len(),
+            colour,
+            start,
+            curves,
+        };
+        if stroke.curves.is_empty() {
+            return Ok(());
+        }
+        if !stroke.is_within(LARGEST_M) {
+            let reason = format!("it has a coordinate that is no number, or beyond {LARGEST_M} m");
+            return Err(fault(named.line, &named.name, &reason));
+        }
+        self.drawing.shapes.push(Shape {
+            name: format!("{} in line {}", named.name, named.line),
+            layer: layer.to_owned(),
+        });
+        self.drawing.strokes.push(stroke);
+        self.count(named)
+    }
+}
+
+/// Returns true for the kinds of [`Named::refusal`] that are drawn.
+fn is_drawn(entity: &EntityType) -> bool {
+    matches!(
+        entity,
+        EntityType::Line(_)
+            | EntityType::LwPolyline(_)
+            | EntityType::Polyline(_)
+            | EntityType::Arc(_)
+            | EntityType::Circle(_)
+            | EntityType::Ellipse(_)
+            | EntityType::Spline(_)
+            | EntityType::Insert(_)
+            | EntityType::Solid(_)
+            | EntityType::Trace(_)
+    )
+}
+
+fn xy(point: &Point) -> [f64; 2] {
+    [point.x, point.y]
+}
+
+/// Frame of an entity that faces along `normal`: from below, x is mirrored.
+fn facing(normal: &Vector, named: &Named) -> Result<Affine, PathFault> {
+    let flat = normal.x.abs().max(normal.y.abs()) <= 1e-9 * normal.z.abs();
+    match flat {
+        true if normal.z > 0.0 => Ok(Affine::scale(1.0)),
+        true if normal.z < 0.0 => Ok(Affine::mirror_x()),
+        _ => Err(fault(
+            named.line,
+            &named.name,
+            "it is tilted out of the plane of x and y; draw it flat",
+        )),
+    }
+}
+
+/// Start and curves of a stroke.
+type Course = ([f64; 2], Vec<crate::drawing::StrokeCurve>);
+
+fn polygon(place: &Affine, corners: &[&Point], is_closed: bool) -> Course {
+    let corners = corners.iter().map(|corner| (xy(corner), 0.0));
+    polyline(place, corners.collect(), is_closed)
+}
+
+/// Line through vertices, each with the bulge of the way behind it.
+fn polyline(place: &Affine, vertices: Vec<([f64; 2], f64)>, is_closed: bool) -> Course {
+    let Some((&(start, _), last)) = vertices.first().zip(vertices.last()) else {
+        return ([0.0; 2], Vec::new());
+    };
+    let mut chain = Chain::new(place, start);
+    for pair in vertices.windows(2) {
+        chain.bulged(pair[0].1, pair[1].0);
+    }
+    if is_closed {
+        chain.bulged(last.1, start);
+    }
+    (chain.start, chain.curves)
+}
+
+fn round(place: &Affine, centre: &Point, radius: f64, [from, turn]: [f64; 2]) -> Course {
+    let (sin, cos) = from.sin_cos();
+    let centre = xy(centre);
+    let start = [centre[0] + radius * cos, centre[1] + radius * sin];
+    let mut chain = Chain::new(place, start);
+    if radius != 0.0 {
+        chain.arc(centre, turn);
+    }
+    (chain.start, chain.curves)
+}
+
+fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<Course, PathFault> {
+    facing(&part.normal, named)?;
+    let along = [part.major_axis.x, part.major_axis.y];
+    let ratio = part.minor_axis_ratio * part.normal.z.signum();
+    let across = [-ratio * along[1], ratio * along[0]];
+    let (from, centre) = (part.start_parameter, xy(&part.center));
+    let (sin, cos) = from.sin_cos();
+    let start = [0, 1].map(|i| centre[i] + cos * along[i] + sin * across[i]);
+    let mut chain = Chain::new(place, start);
+    let to = from + sweep(from, part.end_parameter);
+    chain.ellipse(centre, [along, across], [from, to]);
+    Ok((chain.start, chain.curves))
+}
+
+fn vertices(line: &Polyline, named: &Named) -> Result<Vec<([f64; 2], f64)>, PathFault> {
+    if line.is_3d_polygon_mesh() || line.is_polyface_mesh() {
+        let reason = "a mesh of surfaces is no line; explode it";
+        return Err(fault(named.line, &named.name, reason));
+    }
+    let shown = line
+        .vertices()
+        .filter(|vertex| vertex.flags & CONTROL_VERTEX == 0);
+    Ok(shown
+        .map(|vertex| (xy(&vertex.location), vertex.bulge))
+        .collect())
+}
