@@ -14,7 +14,7 @@ use trirrr_scene::Scene;
 /// admission of the machine's service. Moves nothing, and writes nothing but a figure that is asked for.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArgs {
-    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), a table of poses (CSV)
+    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// The job in a file of its own.

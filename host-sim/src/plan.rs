@@ -21,7 +21,7 @@ use trirrr_scene::{Dwell, JobPath, PlannedJob, Scene, limited, plan_job};
 /// plan.csv (the plan and the bound along the path), moves.csv (the moves that a machine plays) and a figure.
 #[derive(Args, Clone, Debug)]
 pub struct PlanArgs {
-    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), a table of poses (CSV)
+    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// The job in a file of its own.

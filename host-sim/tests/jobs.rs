@@ -309,6 +309,76 @@ fn a_dxf_file_is_drawn_by_its_layers() {
     assert!(mark.count() > 1000);
 }
 
+/// Each pixel is burnt with its tone, at the same dose whatever the speed, and nothing beside the image is.
+#[test]
+fn an_image_is_burnt_pixel_by_pixel() {
+    let folder = TempDir::new().unwrap();
+    // From above, in a portable form: BMP with 24 bits, rows from below, each 4 pixels and no filling.
+    let tones: [[u8; 4]; 3] = [[0, 255, 128, 0], [255; 4], [64, 64, 255, 192]];
+    let mut file = Vec::from(*b"BM");
+    for word in [90_u32, 0, 54, 40, 4, 3, 0x18_0001, 0, 36, 2835, 2835, 0, 0] {
+        file.extend(word.to_le_bytes());
+    }
+    let bytes = tones.iter().rev().flatten().flat_map(|tone| [*tone; 3]);
+    file.extend(bytes);
+    fs::write(folder.path().join("tones.bmp"), file).unwrap();
+    let arguments = [
+        "--fast",
+        "--speed",
+        "3000",
+        "--power",
+        "0.5",
+        "--origin",
+        "230,300",
+        "--pitch",
+        "2",
+        "--overscan",
+        "4",
+    ];
+    let output = trirrr(&folder, "run", Path::new("tones.bmp"), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let rows = columns(&folder, "tones", ["x", "y", "vx", "vy", "tool"]);
+    let mut seen = [[0; 4]; 3];
+    let mut dose = 0.0;
+    for [x, y, vx, vy, tool] in rows {
+        dose += 1e-3 * tool;
+        let [column, row] = [(x - 0.23) / 2e-3, (y - 0.30) / 2e-3];
+        // A tick is 0.05 mm, and the tool changes at the nearest one.
+        let edge = (column - column.round()).abs() < 0.05;
+        let inside = (0.0..4.0).contains(&column) && (0.0..3.0).contains(&row);
+        if !inside {
+            assert!(tool == 0.0 || edge, "{x} {y}");
+            continue;
+        }
+        let tone = tones[2 - row as usize][column as usize];
+        let is_row = (row.fract() - 0.5).abs() < 1e-3 && vx.abs() > 1e-3;
+        if edge || !is_row {
+            continue;
+        }
+        // At the full speed along the row: the overscan is long enough.
+        let part = vx.hypot(vy) / 0.05;
+        assert!((0.998..1.0 + 1e-5).contains(&part) || tone == 255, "{part}");
+        let power = 0.5 * part * (1.0 - f64::from(tone) / 255.0);
+        assert!(
+            (tool - power).abs() < 1e-4,
+            "{column} {row}: {tool} is not {power}"
+        );
+        seen[row as usize][column as usize] += 1;
+    }
+    for (row, tones) in seen.iter().zip(tones.iter().rev()) {
+        for (count, tone) in row.iter().zip(tones) {
+            assert!(*count > 30 || *tone == 255, "{seen:?}");
+        }
+    }
+    // 2 mm at 50 mm/s for each pixel.
+    let tones: f64 = tones
+        .iter()
+        .flatten()
+        .map(|tone| 1.0 - f64::from(*tone) / 255.0)
+        .sum();
+    assert!((dose / (0.5 * 0.04 * tones) - 1.0).abs() < 0.01, "{dose}");
+}
+
 /// The order of a table is the user's, and each row is a pose.
 #[test]
 fn a_table_is_followed_row_by_row() {
@@ -384,6 +454,19 @@ fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
             svg(bar),
             &["--speed", "6", "--origin", "1,2,3"],
             ["a.svg: --origin", "ALPHA"],
+        ),
+        ("a.png", "no".into(), &feed, ["a.png: ", "no image"]),
+        (
+            "a.png",
+            "no".into(),
+            &["--pen", "a=1"],
+            ["a.png: --pen", "an image"],
+        ),
+        (
+            "a.svg",
+            svg(bar),
+            &["--pitch", "1"],
+            ["a.svg: --pitch", "a drawing"],
         ),
         (
             "a.svg",

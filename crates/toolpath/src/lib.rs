@@ -1,4 +1,4 @@
-//! Tool paths of the files that users have: G-code, drawings, tables of poses.
+//! Tool paths of the files that users have: G-code, drawings, raster images, tables of poses.
 //!
 //! A tool path is a chain of [`Element`]s: motions of the tool point, and stands between them. Nothing here knows a
 //! machine: limits, reach and durations come when the path is planned.
@@ -8,6 +8,7 @@
 
 pub mod drawing;
 pub mod gcode;
+pub mod raster;
 pub mod table;
 
 use std::fmt;
@@ -24,7 +25,7 @@ pub struct ToolPlace {
 /// One element of a tool path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
-    /// Line of the file, from 1, or number of the shape, of the row in a table, of the row of a raster.
+    /// Line of the file, from 1, or number of the shape, of the row in a table, of the run of an image.
     pub line: u32,
     /// Work of the tool in it. None: it is off.
     pub tool: Option<ToolWork>,

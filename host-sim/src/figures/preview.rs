@@ -4,7 +4,7 @@ use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{FRAME, GREEN, INK, PURPLE, VERMILLION, faded};
+use trirrr_figures::style::{FRAME, GREEN, INK, PURPLE, RGBColor, VERMILLION, faded};
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, ReachMap};
 
@@ -15,6 +15,9 @@ const SIDE: f64 = 640.0;
 
 /// Places on each curve that are joined by lines.
 const PLACES: u32 = 16;
+
+/// Pieces from which on strokes are thin.
+const MANY: usize = 4_000;
 
 /// Shades of the reach: from which distance to a singularity on, and how strong.
 const SHADES: [(f64, f64); 4] = [(0.0, 0.12), (0.2, 0.22), (0.4, 0.34), (0.6, 0.46)];
@@ -63,25 +66,47 @@ impl Preview<'_> {
             canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
             self.reach(canvas, &view)?;
             view.grid(canvas, ["x of D", "y of D"])?;
-            // Strokes on top of the ways.
-            for tool_is_on in [false, true] {
-                for (each, curve) in self.path.pieces.iter().zip(&curves) {
-                    let tool = self.path.tools.get(each.source).copied().flatten();
-                    let is_on = tool.is_some_and(|tool| tool.power > 0.0);
-                    let points: Vec<_> = curve.iter().map(|place| view.at(*place)).collect();
-                    match (is_on == tool_is_on, is_on) {
-                        (true, true) => canvas.line(&points, PURPLE, 1.6)?,
-                        (true, false) => way(canvas, &points)?,
-                        (false, _) => {}
-                    }
-                }
-            }
+            let curves: Vec<Vec<_>> = curves
+                .iter()
+                .map(|curve| curve.iter().map(|place| view.at(*place)).collect())
+                .collect();
+            self.motions(canvas, &curves)?;
             canvas.dot(view.at(self.start_m), 3.6, INK)?;
             if let Some(breach) = self.breach {
                 cross(canvas, view.at(breach))?;
             }
             self.legend(canvas, TOP + view.height + 66.0)
         })
+    }
+
+    /// The ways, and on top of them what is worked, in the shade of its power.
+    fn motions(&self, canvas: &Canvas<'_>, curves: &[Vec<(f64, f64)>]) -> Draw {
+        let powers: Vec<f64> = self
+            .path
+            .pieces
+            .iter()
+            .map(|each| self.path.tools.get(each.source).copied().flatten())
+            .map(|tool| tool.map_or(0.0, |tool| tool.power))
+            .collect();
+        for (curve, _) in curves
+            .iter()
+            .zip(&powers)
+            .filter(|(_, power)| **power == 0.0)
+        {
+            way(canvas, curve)?;
+        }
+        // Rows of an image lie closer to each other than a line is wide.
+        let width = if curves.len() > MANY { 0.5 } else { 1.6 };
+        let mut stroke = Stroke::default();
+        for (curve, &power) in curves.iter().zip(&powers) {
+            if power == 0.0 || stroke.is_seen() {
+                stroke.draw(canvas, width)?;
+            }
+            if power > 0.0 {
+                stroke.add(curve, power);
+            }
+        }
+        stroke.draw(canvas, width)
     }
 
     /// Lower left and upper right corner of the nodes that are reached.
@@ -129,7 +154,7 @@ impl Preview<'_> {
             canvas.text(text, (LEFT + 48.0, line(row)), Size::Tick, RIGHT_OF, INK)
         };
         canvas.line(&[(LEFT, line(0.0)), (LEFT + 36.0, line(0.0))], PURPLE, 1.6)?;
-        text(0.0, "tool on")?;
+        text(0.0, "tool on, paler at less power")?;
         canvas.dashed((LEFT, line(1.0)), (LEFT + 36.0, line(1.0)), FRAME)?;
         text(1.0, "tool off; the dot is the start")?;
         for (index, (_, strength)) in SHADES.iter().enumerate() {
@@ -148,6 +173,50 @@ impl Preview<'_> {
         }
         Ok(())
     }
+}
+
+/// What is worked without a gap, until it is long enough to be seen.
+#[derive(Default)]
+struct Stroke {
+    points: Vec<(f64, f64)>,
+    length: f64,
+    /// Sum of length times power.
+    work: f64,
+}
+
+impl Stroke {
+    fn add(&mut self, curve: &[(f64, f64)], power: f64) {
+        let length = curve.windows(2).map(|pair| {
+            let [(x, y), (to_x, to_y)] = [pair[0], pair[1]];
+            (to_x - x).hypot(to_y - y)
+        });
+        let length: f64 = length.sum();
+        self.points.extend(curve);
+        self.length += length;
+        self.work += length * power;
+    }
+
+    fn is_seen(&self) -> bool {
+        self.length >= 1.0
+    }
+
+    /// Draws the stroke, and forgets it.
+    fn draw(&mut self, canvas: &Canvas<'_>, width: f64) -> Draw {
+        let Self {
+            points,
+            length,
+            work,
+        } = std::mem::take(self);
+        match length > 0.0 {
+            true => canvas.line(&points, tone(work / length), width),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Shade of a power, 0 to 1.
+fn tone(power: f64) -> RGBColor {
+    faded(PURPLE, 0.12 + 0.88 * power.clamp(0.0, 1.0))
 }
 
 fn shade(margin: f64) -> usize {

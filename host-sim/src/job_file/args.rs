@@ -1,6 +1,7 @@
 //! Arguments of commands that take a job file in place of a scene.
 
 use super::drawing_args::DrawingArgs;
+use super::image_args::ImageArgs;
 use crate::arguments::SetArgs;
 use clap::Args;
 use std::path::PathBuf;
@@ -29,6 +30,9 @@ pub struct JobFileArgs {
     /// What a drawing or a table leaves open.
     #[command(flatten)]
     pub drawing: DrawingArgs,
+    /// What an image leaves open.
+    #[command(flatten)]
+    pub image: ImageArgs,
 }
 
 impl Default for JobFileArgs {
@@ -42,6 +46,7 @@ impl Default for JobFileArgs {
             full_power: 1000.0,
             ignore_z: false,
             drawing: DrawingArgs::default(),
+            image: ImageArgs::default(),
         }
     }
 }

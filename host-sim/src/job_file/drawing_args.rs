@@ -1,20 +1,21 @@
-//! Arguments that say what a drawing or a table of poses leaves open.
+//! Arguments that say what a drawing, an image or a table of poses leaves open.
 
+use super::JobKind;
 use crate::arguments::factor;
 use clap::Args;
 use trirrr_toolpath::ToolWork;
 use trirrr_toolpath::drawing::{Pen, PenKey};
 
-/// Feed, pens and place of a drawing; feed of a table.
+/// Feed, pens and place of a drawing; feed and place of an image; feed of a table.
 #[derive(Args, Clone, Debug, Default)]
 pub struct DrawingArgs {
-    /// Drawing: speed along its strokes, mm/min, which it needs. Table: speed of the rows without one
+    /// Drawing, image: speed along strokes or rows, mm/min, which it needs. Table: speed of the rows without one
     #[arg(long, value_name = "MM_PER_MIN", requires = "machine", value_parser = factor)]
     pub speed: Option<f64>,
-    /// Drawing: power of the tool along its strokes, 0 to 1 [default: 1]
+    /// Drawing, image: power of the tool along strokes or at the full tone, 0 to 1 [default: 1]
     #[arg(long, value_name = "PART", requires = "machine", value_parser = part)]
     pub power: Option<f64>,
-    /// Drawing, table: the power is the same at every speed. Without it the power is in proportion to the true speed
+    /// Drawing, image, table: the power is the same at every speed. Without it the power is in proportion to the true speed
     #[arg(long, requires = "machine")]
     pub constant_power: bool,
     /// Drawing: power, and feed in mm/min, of the strokes of a colour or a layer; `off`: they are left out. For each once
@@ -23,35 +24,34 @@ pub struct DrawingArgs {
     /// Drawing: fill areas with lines at this distance, mm. Areas of DXF are those inside closed outlines of a layer
     #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
     pub hatch: Option<f64>,
-    /// Drawing: length on the machine of a length 1 in the drawing [default: 1]
+    /// Drawing, image: length on the machine of a length 1 in the drawing [default: 1]
     #[arg(long, value_name = "FACTOR", requires = "machine", value_parser = factor)]
     pub scale: Option<f64>,
-    /// Drawing: put it where the machine has the most room for its shape, and make it smaller where it does not fit
+    /// Drawing, image: put it where the machine has the most room for its shape, and make it smaller where it does not fit
     #[arg(long, requires = "machine", conflicts_with = "origin")]
     pub fit: bool,
 }
 
 impl DrawingArgs {
-    /// First argument that is for drawings and not for tables.
-    pub(super) fn for_drawings(&self) -> Option<&'static str> {
-        let given = [
-            (self.power.is_some(), "--power"),
-            (!self.pen.is_empty(), "--pen"),
-            (self.hatch.is_some(), "--hatch"),
-            (self.scale.is_some(), "--scale"),
-            (self.fit, "--fit"),
+    /// Arguments that are given, each with the kinds of files that it is for.
+    pub(super) fn given(&self) -> impl Iterator<Item = (&'static str, &'static [JobKind])> {
+        use JobKind::{Drawing, Image, Table};
+        let given: [(bool, &str, &[JobKind]); 7] = [
+            (self.speed.is_some(), "--speed", &[Drawing, Image, Table]),
+            (self.power.is_some(), "--power", &[Drawing, Image]),
+            (
+                self.constant_power,
+                "--constant-power",
+                &[Drawing, Image, Table],
+            ),
+            (!self.pen.is_empty(), "--pen", &[Drawing]),
+            (self.hatch.is_some(), "--hatch", &[Drawing]),
+            (self.scale.is_some(), "--scale", &[Drawing, Image]),
+            (self.fit, "--fit", &[Drawing, Image]),
         ];
         given
-            .iter()
-            .find(|(is_given, _)| *is_given)
-            .map(|(_, name)| *name)
-    }
-
-    /// First argument that is not for G-code.
-    pub(super) fn given(&self) -> Option<&'static str> {
-        let speed = self.speed.is_some().then_some("--speed");
-        let constant = self.constant_power.then_some("--constant-power");
-        speed.or(constant).or(self.for_drawings())
+            .into_iter()
+            .filter_map(|(is_given, name, kinds)| is_given.then_some((name, kinds)))
     }
 
     /// Speed of a drawing or a table, m/s.

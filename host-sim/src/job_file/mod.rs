@@ -1,14 +1,20 @@
-//! Jobs in files of their own: G-code, drawings and tables, planned for the machine of a scene.
+//! Jobs in files of their own: G-code, drawings, images and tables, planned for the machine of a scene.
 
 mod args;
 mod drawing;
 mod drawing_args;
+mod fit;
+mod image;
+mod image_args;
 mod path;
 mod read;
 
 pub use args::JobFileArgs;
 pub(crate) use args::distance;
 pub use drawing_args::{DrawingArgs, PenArg};
+pub use image_args::ImageArgs;
+use read::JobKind;
+
 pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
 
 use crate::failure::CliError;
@@ -86,7 +92,7 @@ pub(crate) fn load_drawn(
             file.display()
         ))),
         Some(_) if is_scene => Err(CliError::Refused(format!(
-            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG, DXF or CSV",
+            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG, DXF, PNG, JPEG, BMP or CSV",
             file.display()
         ))),
         Some(machine) => load_for(file, machine, args, figure),

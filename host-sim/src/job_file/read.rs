@@ -2,15 +2,16 @@
 
 use super::JobFileArgs;
 use super::drawing::{self, PlacedDrawing};
+use super::image;
 use super::path::PathBuilder;
 use crate::failure::CliError;
-use crate::terminal::say;
 use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::Path;
 use trirrr_scene::{JobPath, Scene};
 use trirrr_toolpath::drawing::{Drawing, read_dxf, read_svg};
 use trirrr_toolpath::gcode::{self, GcodeSetup};
+use trirrr_toolpath::raster::{RasterPath, read_image};
 use trirrr_toolpath::table::{TableSetup, read_table};
 use trirrr_toolpath::{PathFault, ToolPlace};
 
@@ -18,16 +19,62 @@ use trirrr_toolpath::{PathFault, ToolPlace};
 pub(super) struct ReadPath {
     pub(super) path: JobPath,
     pub(super) pauses: Vec<u32>,
-    /// The drawing that the numbers of elements are places in.
-    drawing: Option<Drawing>,
+    places: PlacesIn,
+}
+
+/// PlacesIn in a file, by the numbers of elements.
+enum PlacesIn {
+    Lines,
+    Drawing(Drawing),
+    Image(RasterPath),
+}
+
+/// Kind of a job's file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum JobKind {
+    Gcode,
+    Table,
+    Drawing,
+    Image,
+}
+
+impl JobKind {
+    /// Kind of a file with this extension.
+    fn of(extension: &str) -> Self {
+        match extension {
+            "svg" | "dxf" => Self::Drawing,
+            "png" | "jpg" | "jpeg" | "bmp" => Self::Image,
+            "csv" => Self::Table,
+            _ => Self::Gcode,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Gcode => "G-code",
+            Self::Table => "a table",
+            Self::Drawing => "a drawing",
+            Self::Image => "an image",
+        }
+    }
+
+    /// First argument that is given and not for this kind.
+    fn not_for_it(self, args: &JobFileArgs) -> Option<&'static str> {
+        let of_images = args.image.given().map(|name| (name, &[Self::Image][..]));
+        let mut given = args.drawing.given().chain(of_images);
+        given
+            .find(|(_, kinds)| !kinds.contains(&self))
+            .map(|(name, _)| name)
+    }
 }
 
 impl ReadPath {
     /// Place in the file of an element.
     pub(super) fn place(&self, number: u32) -> String {
-        match &self.drawing {
-            Some(drawing) => format!(" {}", drawing.place_of(number)),
-            None => number.to_string(),
+        match &self.places {
+            PlacesIn::Drawing(drawing) => format!(" {}", drawing.place_of(number)),
+            PlacesIn::Image(rows) => format!(" {}", rows.place_of(number)),
+            PlacesIn::Lines => number.to_string(),
         }
     }
 }
@@ -44,29 +91,28 @@ pub(super) fn read(
     let name = file.display();
     let refused = |error: io::Error| CliError::Refused(format!("{name}: cannot be read: {error}"));
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-    let (kind, not_for_it) = match extension.to_str() {
-        Some("svg" | "dxf") => ("a drawing", None),
-        Some("csv") => ("a table", args.drawing.for_drawings()),
-        _ => ("G-code", args.drawing.given()),
-    };
-    if let Some(argument) = not_for_it {
-        let reason = format!("{name}: {argument} is not for {kind}; leave it out");
+    let kind = JobKind::of(extension.to_str().unwrap_or_default());
+    if let Some(argument) = kind.not_for_it(args) {
+        let reason = format!(
+            "{name}: {argument} is not for {}; leave it out",
+            kind.name()
+        );
         return Err(CliError::Refused(reason));
     }
-    let read = match kind {
-        "G-code" => from_gcode(File::open(file).map_err(refused)?, machine, args),
-        "a table" => from_table(&fs::read_to_string(file).map_err(refused)?, machine, args),
-        _ => {
+    let bytes = || fs::read(file).map_err(refused);
+    let text = || fs::read_to_string(file).map_err(refused);
+    Ok(match kind {
+        JobKind::Gcode => from_gcode(File::open(file).map_err(refused)?, machine, args),
+        JobKind::Table => from_table(&text()?, machine, args),
+        JobKind::Image => from_image(&bytes()?, machine, args),
+        JobKind::Drawing => {
             let drawing = match extension == "dxf" {
-                true => read_dxf(&fs::read(file).map_err(refused)?, |layer| {
-                    args.drawing.leaves_out(layer)
-                }),
-                false => read_svg(&fs::read_to_string(file).map_err(refused)?),
+                true => read_dxf(&bytes()?, |layer| args.drawing.leaves_out(layer)),
+                false => read_svg(&text()?),
             };
             drawing.and_then(|drawing| from_drawing(drawing, machine, args))
         }
-    };
-    Ok(read)
+    })
 }
 
 fn from_gcode(file: File, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
@@ -76,7 +122,11 @@ fn from_gcode(file: File, machine: &Scene, args: &JobFileArgs) -> Result<ReadPat
         builder.push(&element?)?;
     }
     let blend_m = elements.interpreter().modal().blend_m;
-    finish(builder, blend_m.unwrap_or(1e-3 * args.corner), None)
+    finish(
+        builder,
+        blend_m.unwrap_or(1e-3 * args.corner),
+        PlacesIn::Lines,
+    )
 }
 
 fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
@@ -90,7 +140,7 @@ fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPat
     for element in read_table(text, &setup)? {
         builder.push(&element)?;
     }
-    finish(builder, 1e-3 * args.corner, None)
+    finish(builder, 1e-3 * args.corner, PlacesIn::Lines)
 }
 
 fn from_drawing(
@@ -98,39 +148,34 @@ fn from_drawing(
     machine: &Scene,
     args: &JobFileArgs,
 ) -> Result<ReadPath, PathFault> {
-    if args.origin.is_some_and(|[_, _, alpha]| alpha != 0.0) {
-        return Err(PathFault {
-            line: 0,
-            word: "--origin".into(),
-            reason: "a drawing does not turn the platform; leave ALPHA out".into(),
-        });
-    }
-    let origin_m = args.origin.map(|_| origin(args).position_m);
+    let origin_m = level_origin(args)?;
     let PlacedDrawing { drawing, setup } =
         drawing::place(drawing, machine, origin_m, &args.drawing)?;
-    if args.drawing.fit {
-        let [x, y] = setup.origin.position_m.map(|metres| 1e3 * metres);
-        say(&format!(
-            "--fit: as --scale {:.4} --origin {x:.3},{y:.3}",
-            setup.scale
-        ));
-    }
     let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
     for element in drawing.elements(&setup) {
         builder.push(&element)?;
     }
-    finish(builder, 1e-3 * args.corner, Some(drawing))
+    finish(builder, 1e-3 * args.corner, PlacesIn::Drawing(drawing))
+}
+
+fn from_image(bytes: &[u8], machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
+    let mut rows = image::rows(&read_image(bytes)?, machine, level_origin(args)?, args)?;
+    let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
+    for element in std::mem::take(&mut rows.elements) {
+        builder.push(&element)?;
+    }
+    finish(builder, 1e-3 * args.corner, PlacesIn::Image(rows))
 }
 
 fn finish(
     mut builder: PathBuilder,
     corner_m: f64,
-    drawing: Option<Drawing>,
+    places: PlacesIn,
 ) -> Result<ReadPath, PathFault> {
     Ok(ReadPath {
         pauses: std::mem::take(&mut builder.pauses),
         path: builder.finish(corner_m)?,
-        drawing,
+        places,
     })
 }
 
@@ -146,6 +191,18 @@ fn setup(machine: &Scene, args: &JobFileArgs) -> GcodeSetup {
         full_power: args.full_power,
         home: Some(start),
         ignore_z: args.ignore_z,
+    }
+}
+
+/// Zero point of a file that does not turn the platform, m.
+fn level_origin(args: &JobFileArgs) -> Result<[f64; 2], PathFault> {
+    match args.origin {
+        Some([_, _, alpha]) if alpha != 0.0 => Err(PathFault {
+            line: 0,
+            word: "--origin".into(),
+            reason: "drawings and images do not turn the platform; leave ALPHA out".into(),
+        }),
+        _ => Ok(origin(args).position_m),
     }
 }
 

@@ -17,7 +17,7 @@ Ctrl-C ends the run cleanly: what was computed so far is written. So does a move
 refuses (unreachable, singular, beyond a limit); the move, the leg or motor and the time in it are \
 named.")]
 pub struct RunArgs {
-    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), a table of poses (CSV)
+    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
     /// The job in a file of its own.

@@ -35,7 +35,7 @@ path and ends the stream; a second one ends the stream at once, and the board's 
 stops the machine. With --keys, a line `hold`, `resume`, `stop` or `feed PERCENT` on standard input \
 does that.")]
 pub struct StreamArgs {
-    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), a table of poses (CSV)
+    /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
     /// The job in a file of its own.

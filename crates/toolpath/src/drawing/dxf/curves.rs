@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 /// Largest part of an ellipse for a cubic curve, rad: the curve is off by 6e-8 of the long half axis.
 const PART: f64 = PI / 8.0;
 
-/// Chain of curves under construction: points come in the frame of the entity.
-pub(super) struct Chain<'p> {
+/// Outline of curves under construction: points come in the frame of the entity.
+pub(super) struct Outline<'p> {
     pub(super) place: &'p Affine,
     /// Start, in the drawing.
     pub(super) start: [f64; 2],
@@ -17,7 +17,7 @@ pub(super) struct Chain<'p> {
     at: [f64; 2],
 }
 
-impl<'p> Chain<'p> {
+impl<'p> Outline<'p> {
     pub(super) fn new(place: &'p Affine, start: [f64; 2]) -> Self {
         Self {
             place,

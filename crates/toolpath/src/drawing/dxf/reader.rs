@@ -1,7 +1,7 @@
 //! Entities of a DXF file, as strokes of a drawing.
 
 use super::colour::{LayerLook, colour};
-use super::curves::{Chain, sweep};
+use super::curves::{Outline, sweep};
 use super::fault;
 use super::names::{Named, Names};
 use super::place::Affine;
@@ -216,7 +216,7 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
             }
             EntityType::Spline(spline) => {
                 let nurbs = Nurbs::new(spline, named.line)?;
-                let mut chain = Chain::new(&frame.place, nurbs.start());
+                let mut chain = Outline::new(&frame.place, nurbs.start());
                 nurbs.add_to(&mut chain);
                 (chain.start, chain.curves)
             }
@@ -292,7 +292,7 @@ fn polyline(place: &Affine, vertices: Vec<([f64; 2], f64)>, is_closed: bool) -> 
     let Some((&(start, _), last)) = vertices.first().zip(vertices.last()) else {
         return ([0.0; 2], Vec::new());
     };
-    let mut chain = Chain::new(place, start);
+    let mut chain = Outline::new(place, start);
     for pair in vertices.windows(2) {
         chain.bulged(pair[0].1, pair[1].0);
     }
@@ -306,7 +306,7 @@ fn round(place: &Affine, centre: &Point, radius: f64, [from, turn]: [f64; 2]) ->
     let (sin, cos) = from.sin_cos();
     let centre = xy(centre);
     let start = [centre[0] + radius * cos, centre[1] + radius * sin];
-    let mut chain = Chain::new(place, start);
+    let mut chain = Outline::new(place, start);
     if radius != 0.0 {
         chain.arc(centre, turn);
     }
@@ -321,7 +321,7 @@ fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<Course, Path
     let (from, centre) = (part.start_parameter, xy(&part.center));
     let (sin, cos) = from.sin_cos();
     let start = [0, 1].map(|i| centre[i] + cos * along[i] + sin * across[i]);
-    let mut chain = Chain::new(place, start);
+    let mut chain = Outline::new(place, start);
     let to = from + sweep(from, part.end_parameter);
     chain.ellipse(centre, [along, across], [from, to]);
     Ok((chain.start, chain.curves))

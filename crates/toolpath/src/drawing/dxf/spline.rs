@@ -1,6 +1,6 @@
 //! Splines of DXF: rational B-splines of any degree, as cubic curves.
 
-use super::curves::Chain;
+use super::curves::Outline;
 use super::fault;
 use crate::PathFault;
 
@@ -68,7 +68,7 @@ impl<'s> Nurbs<'s> {
     }
 
     /// Adds the spline to a chain that ends at its start.
-    pub(super) fn add_to(&self, chain: &mut Chain) {
+    pub(super) fn add_to(&self, chain: &mut Outline) {
         let size = self.size();
         for span in self.degree..self.points.len() {
             let (from, to) = (self.knots[span], self.knots[span + 1]);
@@ -93,7 +93,7 @@ impl<'s> Nurbs<'s> {
     /// Adds the part of a span between two parameters.
     fn add_span(
         &self,
-        chain: &mut Chain,
+        chain: &mut Outline,
         span: usize,
         [from, to]: [f64; 2],
         near: f64,

@@ -1,0 +1,135 @@
+//! Image files, and their tones.
+
+use super::{Raster, Tones};
+use crate::PathFault;
+use image::imageops::{self, FilterType};
+use image::{ImageBuffer, ImageReader, Limits, Luma, LumaA};
+use std::io::Cursor;
+
+/// Most pixels of a side of a file.
+const SIDE_MAX: u32 = 30_000;
+
+/// Most pixels on the machine.
+const PIXELS_MAX: f64 = 1e8;
+
+fn fault(reason: String) -> PathFault {
+    PathFault {
+        line: 0,
+        word: String::new(),
+        reason,
+    }
+}
+
+/// Image in grey, from 0 for black to 1 for white.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GreyImage {
+    pixels: ImageBuffer<Luma<f32>, Vec<f32>>,
+}
+
+/// Reads an image: PNG, JPEG or BMP. Colours become grey by their luma (BT.709, as the file has them); what is
+/// transparent shows white.
+///
+/// # Errors
+/// No such file, a damaged one, or one with more than 30,000 pixels a side.
+pub fn read_image(bytes: &[u8]) -> Result<GreyImage, PathFault> {
+    let unread = |error: &dyn std::fmt::Display| fault(format!("no image: {error}"));
+    let mut reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| unread(&error))?;
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(SIDE_MAX), Some(SIDE_MAX));
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| unread(&error))?;
+    let image = image.into_luma_alpha8();
+    let pixels = ImageBuffer::from_fn(image.width(), image.height(), |column, row| {
+        let LumaA([luma, alpha]) = *image.get_pixel(column, row);
+        let [luma, alpha] = [luma, alpha].map(|value| f32::from(value) / 255.0);
+        Luma([1.0 - alpha * (1.0 - luma)])
+    });
+    Ok(GreyImage { pixels })
+}
+
+impl GreyImage {
+    /// Height over width.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.pixels.height()) / f64::from(self.pixels.width())
+    }
+
+    /// Pixels of a row of the file.
+    pub fn columns(&self) -> u32 {
+        self.pixels.width()
+    }
+
+    /// Powers for an image of `width` pitches on the machine. Where a pixel of the machine holds several of the file, it
+    /// has their mean; between pixels of the file tones go evenly.
+    ///
+    /// # Errors
+    /// The image has no row or column on the machine, more than 1e8 pixels, or nothing to burn.
+    pub fn raster(&self, width: f64, tones: Tones) -> Result<Raster, PathFault> {
+        let [columns, rows] = [width, width * self.aspect()].map(|side| side.round().max(1.0));
+        if columns * rows > PIXELS_MAX {
+            return Err(fault(format!(
+                "the image has {columns} by {rows} pixels on the machine, at most {PIXELS_MAX} are read; take a larger --pitch"
+            )));
+        }
+        let (columns, rows) = (columns as u32, rows as u32);
+        let same = (columns, rows) == self.pixels.dimensions();
+        let mut pixels = match same {
+            true => self.pixels.clone(),
+            false => imageops::resize(&self.pixels, columns, rows, FilterType::Triangle),
+        };
+        // A file has its rows from above, the machine from below.
+        imageops::flip_vertical_in_place(&mut pixels);
+        let mut burnt = pixels.into_raw();
+        if !tones.negative {
+            burnt.iter_mut().for_each(|tone| *tone = 1.0 - *tone);
+        }
+        let full = (tones.count.clamp(2, 256) - 1) as u8;
+        let columns = columns as usize;
+        let levels: Vec<u8> = match tones.dither {
+            true => dithered(burnt, columns, full),
+            false => burnt.into_iter().map(|tone| level(tone, full)).collect(),
+        };
+        match levels.iter().any(|&level| level > 0) {
+            true => Ok(Raster {
+                columns,
+                levels,
+                full,
+            }),
+            false => Err(fault(
+                "nothing in the image is burnt: all of it is as bright as a level of power allows; see --negative".into(),
+            )),
+        }
+    }
+}
+
+fn level(tone: f32, full: u8) -> u8 {
+    // Casts of numbers beyond a byte take the nearest one.
+    (tone.clamp(0.0, 1.0) * f32::from(full)).round() as u8
+}
+
+/// Levels whose mean over some pixels is that of `tones`, by the weights of Floyd and Steinberg; every other row goes backwards.
+fn dithered(mut tones: Vec<f32>, columns: usize, full: u8) -> Vec<u8> {
+    let mut levels = vec![0; tones.len()];
+    for start in (0..tones.len()).step_by(columns) {
+        let is_back = (start / columns) % 2 == 1;
+        for step in 0..columns {
+            let column = if is_back { columns - 1 - step } else { step };
+            let at = start + column;
+            let found = level(tones[at], full);
+            levels[at] = found;
+            let lost = tones[at] - f32::from(found) / f32::from(full);
+            let ahead = if is_back { -1 } else { 1 };
+            for (row, side, weight) in [(0, 1, 7.0), (1, -1, 3.0), (1, 0, 5.0), (1, 1, 1.0)] {
+                let column = column.checked_add_signed(ahead * side);
+                let Some(column) = column.filter(|&column| column < columns) else {
+                    continue;
+                };
+                if let Some(tone) = tones.get_mut(start + row * columns + column) {
+                    *tone += lost * weight / 16.0;
+                }
+            }
+        }
+    }
+    levels
+}

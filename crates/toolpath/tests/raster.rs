@@ -1,0 +1,250 @@
+//! Raster images: powers, rows and runs, against what the pixels say.
+
+use image::{GrayImage, ImageFormat, Luma, LumaA, Rgb, RgbImage};
+use std::io::Cursor;
+use trirrr_toolpath::raster::{GreyImage, Raster, RasterSetup, Tones, read_image};
+use trirrr_toolpath::{Act, Element, ToolPlace, ToolWork};
+
+const TONES: Tones = Tones {
+    count: 256,
+    dither: false,
+    negative: false,
+};
+
+const SETUP: RasterSetup = RasterSetup {
+    origin: ToolPlace {
+        position_m: [0.2, 0.1],
+        alpha_rad: 0.3,
+    },
+    pitch_m: 1e-3,
+    feed_m_s: 0.1,
+    work: ToolWork {
+        power: 0.8,
+        follows_speed: true,
+    },
+    overscan_m: 0.0,
+    one_way: false,
+};
+
+/// An image of `columns` with these tones, row by row from above.
+fn image(columns: usize, tones: &[u8]) -> GreyImage {
+    let rows = (tones.len() / columns) as u32;
+    let pixels = GrayImage::from_raw(columns as u32, rows, tones.to_vec()).unwrap();
+    let mut file = Vec::new();
+    pixels
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Png)
+        .unwrap();
+    read_image(&file).expect("an image")
+}
+
+fn raster(columns: usize, tones: &[u8], how: Tones) -> Raster {
+    image(columns, tones)
+        .raster(columns as f64, how)
+        .expect("something to burn")
+}
+
+/// End of each element in mm of the image, its power, and true where it has a feed.
+fn steps(elements: &[Element]) -> Vec<([f64; 2], f64, bool)> {
+    let step = |each: &Element| {
+        let Act::Motion(motion) = each.act else {
+            panic!("no motion");
+        };
+        assert_eq!(motion.to.alpha_rad, 0.3);
+        let [x, y] = motion.to.position_m;
+        let place = [x - 0.2, y - 0.1].map(|metres| (1e9 * metres).round() / 1e6);
+        let power = each.tool.map_or(0.0, |tool| tool.power);
+        (
+            place,
+            (1e6 * power).round() / 1e6,
+            motion.feed_m_s.is_some(),
+        )
+    };
+    elements.iter().map(step).collect()
+}
+
+#[test]
+fn rows_are_runs_of_equal_power_from_below_and_to_and_fro() {
+    let tones = [
+        255, 255, 255, 255, 255, // from above: nothing,
+        255, 0, 0, 255, 255, // a bar,
+        0, 255, 153, 153, 255, // and two tones with a gap.
+    ];
+    let path = raster(5, &tones, TONES).path(&SETUP).unwrap();
+    let expected = [
+        ([0.0, 0.5], 0.0, false),
+        ([0.0, 0.5], 0.0, true),
+        ([1.0, 0.5], 0.8, true),
+        ([2.0, 0.5], 0.0, true),
+        ([4.0, 0.5], 0.32, true),
+        ([4.0, 0.5], 0.0, true),
+        ([3.0, 1.5], 0.0, false),
+        ([3.0, 1.5], 0.0, true),
+        ([1.0, 1.5], 0.8, true),
+        ([1.0, 1.5], 0.0, true),
+    ];
+    assert_eq!(steps(&path.elements), expected);
+    let lines: Vec<u32> = path.elements.iter().map(|each| each.line).collect();
+    assert_eq!(lines, (1..=10).collect::<Vec<_>>());
+    assert_eq!(path.place_of(6), "row 1 from below");
+    assert_eq!(path.place_of(7), "row 2 from below");
+    let one_way = RasterSetup {
+        one_way: true,
+        ..SETUP
+    };
+    let path = raster(5, &tones, TONES).path(&one_way).unwrap();
+    assert_eq!(steps(&path.elements)[8], ([3.0, 1.5], 0.8, true));
+}
+
+#[test]
+fn the_machine_has_its_speed_along_the_overscan_and_hurries_across_wide_gaps() {
+    let mut tones = [255; 12];
+    (tones[0], tones[11]) = (0, 0);
+    let setup = RasterSetup {
+        overscan_m: 2e-3,
+        ..SETUP
+    };
+    let path = raster(12, &tones, TONES).path(&setup).unwrap();
+    let expected = [
+        ([-2.0, 0.5], 0.0, false),
+        ([0.0, 0.5], 0.0, true),
+        ([1.0, 0.5], 0.8, true),
+        ([3.0, 0.5], 0.0, true),
+        ([9.0, 0.5], 0.0, false),
+        ([11.0, 0.5], 0.0, true),
+        ([12.0, 0.5], 0.8, true),
+        ([14.0, 0.5], 0.0, true),
+    ];
+    assert_eq!(steps(&path.elements), expected);
+    let Act::Motion(last) = path.elements[7].act else {
+        panic!("no motion");
+    };
+    assert!(last.stops);
+}
+
+/// Sum of the powers over all pixels.
+fn burnt(raster: &Raster) -> f64 {
+    let path = raster.path(&SETUP).unwrap();
+    let mut at = [0.0; 2];
+    let mut sum = 0.0;
+    for (to, power, _) in steps(&path.elements) {
+        sum += power / 0.8 * (to[0] - at[0]).abs();
+        at = to;
+    }
+    sum
+}
+
+#[test]
+fn few_levels_keep_the_mean_tone_where_they_are_dithered() {
+    let (columns, rows) = (120, 90);
+    let tones: Vec<u8> = (0..columns * rows)
+        .map(|at| (at % columns * 255 / (columns - 1)) as u8)
+        .collect();
+    let mean: f64 = tones
+        .iter()
+        .map(|tone| 1.0 - f64::from(*tone) / 255.0)
+        .sum();
+    for count in [2, 3, 8] {
+        let how = Tones {
+            count,
+            dither: true,
+            negative: false,
+        };
+        let found = burnt(&raster(columns, &tones, how));
+        assert!((found / mean - 1.0).abs() < 0.01, "{count}: {found} {mean}");
+        // The darker half has as much in itself.
+        let half: Vec<u8> = tones
+            .chunks(columns)
+            .flat_map(|row| &row[..columns / 2])
+            .copied()
+            .collect();
+        let part = burnt(&raster(columns / 2, &half, how));
+        assert!((part / mean - 0.75).abs() < 0.01, "{count}: {part}");
+    }
+    // Without it, two levels are black and white.
+    let plain = Tones { count: 2, ..TONES };
+    assert_eq!(burnt(&raster(columns, &tones, plain)), (rows * 60) as f64);
+    let inverse = Tones {
+        negative: true,
+        ..TONES
+    };
+    let both = burnt(&raster(columns, &tones, inverse)) + burnt(&raster(columns, &tones, TONES));
+    assert!(
+        (both - (columns * rows) as f64).abs() < 1e-6 * both,
+        "{both}"
+    );
+}
+
+#[test]
+fn an_image_is_brought_to_the_pitch() {
+    // Stripes of 2 pixels; four of the file on one of the machine are their mean.
+    let tones: Vec<u8> = (0..64 * 8)
+        .map(|at| if at / 2 % 2 == 0 { 0 } else { 255 })
+        .collect();
+    let small = image(64, &tones).raster(16.0, TONES).unwrap();
+    let path = small.path(&SETUP).unwrap();
+    let inner = steps(&path.elements)
+        .into_iter()
+        .filter(|([x, _], power, _)| *power > 0.0 && (2.0..15.0).contains(x));
+    for (_, power, _) in inner {
+        assert!((power - 0.4).abs() < 0.02, "{power}");
+    }
+    assert!(path.place_of(u32::MAX).starts_with("row 2 "));
+    assert_eq!(image(64, &tones).aspect(), 0.125);
+}
+
+#[test]
+fn colours_are_luma_and_what_is_transparent_is_white() {
+    let mut file = Vec::new();
+    RgbImage::from_pixel(2, 2, Rgb([0, 255, 0]))
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Bmp)
+        .unwrap();
+    let green = read_image(&file).unwrap().raster(2.0, TONES).unwrap();
+    // BT.709: green is 0.7152 of white.
+    assert!((burnt(&green) / 4.0 - 0.2848).abs() < 0.005);
+    let mut file = Vec::new();
+    let glass = image::ImageBuffer::from_fn(2, 1, |column, _| LumaA([0_u8, 255 * column as u8]));
+    glass
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Png)
+        .unwrap();
+    let path = read_image(&file).unwrap().raster(2.0, TONES).unwrap();
+    assert!((burnt(&path) - 1.0).abs() < 1e-6);
+    let mut file = Vec::new();
+    GrayImage::from_pixel(16, 16, Luma([128_u8]))
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Jpeg)
+        .unwrap();
+    let grey = read_image(&file).unwrap().raster(16.0, TONES).unwrap();
+    assert!((burnt(&grey) / 256.0 - 0.5).abs() < 0.02);
+}
+
+#[test]
+fn what_is_no_image_is_refused() {
+    for (bytes, word) in [
+        (&b"GIF89a"[..], "image"),
+        (b"", "image"),
+        (b"\x89PNG\r\n\x1a\n", "image"),
+    ] {
+        let fault = read_image(bytes).expect_err("no image");
+        assert!(fault.reason.contains(word), "{fault}");
+    }
+    let white = image(4, &[255; 16]);
+    let fault = white.raster(4.0, TONES).expect_err("nothing");
+    assert!(fault.reason.contains("--negative"), "{fault}");
+    let fault = white.raster(1e6, TONES).expect_err("too fine");
+    assert!(fault.reason.contains("--pitch"), "{fault}");
+    // A whole file with any byte changed, or cut off, gives an image or a fault.
+    let mut file = Vec::new();
+    GrayImage::from_fn(9, 9, |x, y| Luma([(x * y) as u8]))
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Png)
+        .unwrap();
+    for place in 0..file.len() {
+        let mut damaged = file.clone();
+        damaged[place] ^= 0xff;
+        let _ = read_image(&damaged).map(|image| image.raster(9.0, TONES));
+        // The last chunk only says that it is the last one.
+        let is_cut = place < file.len() - 12;
+        assert!(
+            !is_cut || read_image(&file[..place]).is_err(),
+            "cut at {place}"
+        );
+    }
+}
