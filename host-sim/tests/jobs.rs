@@ -277,6 +277,135 @@ fn a_drawing_is_placed_and_drawn() {
     assert!((1.5..5.0).contains(&scale), "{said}");
 }
 
+/// Times the same job: the machine goes back with the tool off, and does the same again.
+#[test]
+fn a_job_is_played_as_often_as_asked() {
+    let folder = TempDir::new().unwrap();
+    let lines = "G21 G90\nM4 S500 F3000\nG0 X10 Y10\nG1 X30\nG4 P0.1\nG1 Y25\nM0\nM2\n";
+    let names = ["x", "y", "tool"];
+    let placed = ["--origin", "220,280"];
+    assert_eq!(run(&folder, lines, &placed).0, 0);
+    let once = columns(&folder, "job", names);
+    let (code, error) = run(&folder, lines, &[&placed[..], &["--repeat", "3"]].concat());
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(error.matches("waits for the user").count(), 1, "{error}");
+    let thrice = columns(&folder, "job", names);
+    let worked = |rows: &[[f64; 3]]| -> Vec<[f64; 3]> {
+        rows.iter().filter(|row| row[2] > 0.0).copied().collect()
+    };
+    let (one, all) = (worked(&once), worked(&thrice));
+    assert_eq!(all.len(), 3 * one.len());
+    for (found, expected) in all.iter().zip(one.iter().cycle()) {
+        assert!((found[0] - expected[0]).hypot(found[1] - expected[1]) < 1e-6);
+    }
+    // The second time a line cannot be followed is named as the first.
+    let wide = lines.replace("X30", "X300");
+    let (code, error) = run(&folder, &wide, &[&placed[..], &["--repeat", "3"]].concat());
+    assert_eq!(code, 2);
+    assert!(error.contains("job.ngc:4 (time 1 of 3): "), "{error}");
+    let (code, error) = run(&folder, lines, &[&placed[..], &["--repeat", "0"]].concat());
+    assert_eq!(code, 2, "{error}");
+}
+
+#[test]
+fn jobs_wait_for_each_other_and_all_are_read_first() {
+    let folder = TempDir::new().unwrap();
+    for (file, lines) in [
+        ("one.ngc", "G21 G90\nG0 X230 Y290\n"),
+        ("two.ngc", "G21 G90\nG0 X235 Y290\n"),
+        ("wrong.ngc", "G21 G90\nG0 X900 Y290\n"),
+    ] {
+        fs::write(folder.path().join(file), lines).unwrap();
+    }
+    fs::create_dir(folder.path().join("a")).unwrap();
+    fs::copy(
+        folder.path().join("one.ngc"),
+        folder.path().join("a/one.ngc"),
+    )
+    .unwrap();
+    let queue = |then: &str| {
+        trirrr(
+            &folder,
+            "run",
+            Path::new("one.ngc"),
+            &[then, "--fast", "--every", "10"],
+        )
+    };
+    for (then, parts) in [
+        ("wrong.ngc", ["wrong.ngc:2", "leg"]),
+        ("a/one.ngc", ["one.ngc and a/one.ngc", "--repeat"]),
+    ] {
+        let output = queue(then);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+        assert!(!folder.path().join("out").exists());
+    }
+    let output = queue("two.ngc");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for (job, x) in [("one", 0.23), ("two", 0.235)] {
+        let rows = columns(&folder, job, ["t", "x"]);
+        assert!((rows[rows.len() - 1][1] - x).abs() < 1e-4);
+        assert!(
+            rows.windows(2)
+                .all(|pair| (pair[1][0] - pair[0][0] - 0.01).abs() < 1e-9)
+        );
+    }
+}
+
+/// A job of many thousand lines is planned in blocks: nothing of it is lost, and the place of a fault is known.
+#[test]
+fn long_jobs_keep_every_line() {
+    let folder = TempDir::new().unwrap();
+    let mut lines = String::from("G21 G90\nG0 X10 Y0\nM4 S500 F6000\n");
+    let count = 9_000;
+    for index in 1..=count {
+        let (sin, cos) = (f64::from(index) * 0.013).sin_cos();
+        let [x, y] = [10.0 * cos, 10.0 * sin];
+        lines += &format!("G1 X{x:.4} Y{y:.4}\n");
+        if index % 2_500 == 0 {
+            lines += "G4 P0.02\n";
+        }
+    }
+    let placed = ["--origin", "250,300"];
+    let (code, error) = run(&folder, &lines, &placed);
+    assert_eq!(code, 0, "{error}");
+    let rows = columns(&folder, "job", ["x", "y", "vx", "vy", "tool"]);
+    let mut turned = 0.0;
+    let mut before: Option<f64> = None;
+    let mut stands = 0;
+    for [x, y, vx, vy, tool] in &rows {
+        let (dx, dy) = (x - 0.25, y - 0.30);
+        if *tool > 0.0 {
+            // A chord of 0.13 mm is 0.2 um within the circle.
+            assert!((dx.hypot(dy) - 0.01).abs() < 2e-5, "{dx} {dy}");
+            let angle = dy.atan2(dx);
+            if let Some(before) = before {
+                turned += (angle - before + 3.0).rem_euclid(std::f64::consts::TAU) - 3.0;
+            }
+            before = Some(angle);
+        }
+        stands += u32::from(vx.hypot(*vy) == 0.0);
+    }
+    let way = 0.013 * f64::from(count);
+    assert!((turned / way - 1.0).abs() < 1e-3, "{turned} of {way}");
+    // Three dwells of 20 ticks, the ends, and between two blocks an instant.
+    assert!((60..80).contains(&stands), "{stands}");
+    // At the feed nearly everywhere: 0.1 m/s.
+    let least = 0.01 * way / 0.1 / 1e-3;
+    assert!(
+        (rows.len() as f64) < 1.05 * least + 300.0,
+        "{} {least}",
+        rows.len()
+    );
+    // Out of reach in the last block.
+    let wrong = lines + "G1 X400\n";
+    let (code, error) = run(&folder, &wrong, &placed);
+    let line = wrong.lines().count();
+    assert_eq!(code, 2);
+    assert!(error.contains(&format!("job.ngc:{line}: ")), "{error}");
+}
+
 /// Layers of a DXF file are drawn by their pens, where the file has them.
 #[test]
 fn a_dxf_file_is_drawn_by_its_layers() {

@@ -49,6 +49,8 @@ pub(crate) struct Draft<'a> {
     knots: Vec<f64>,
     /// Ticks of the shortest move.
     least: f64,
+    /// Ticks between changes of the tool's setting at least.
+    least_change: f64,
     fit: Fit<f64>,
     /// Largest jerk of the spline, where it is limited.
     jerk: Option<f64>,
@@ -74,6 +76,8 @@ impl<'a> Draft<'a> {
             moves: Vec::new(),
             knots: vec![0.0],
             least,
+            least_change: change_ticks(run, pieces, &sampling)
+                .max((least_s / sampling.period_s).ceil()),
             fit: Fit {
                 period: sampling.period_s,
                 tolerances: [sampling.tolerance_m, sampling.tolerance_rad],
@@ -106,13 +110,14 @@ impl<'a> Draft<'a> {
         draft
     }
 
-    /// Ticks at which moves end because the tool's setting changes, so far apart that there is room for a move between them.
+    /// Ticks at which moves end because the tool's setting changes, so far apart that there is room for a move between them. Where
+    /// settings change faster than other moves follow each other, as along a row of an image, moves are as short as they.
     fn changes(&self, end: f64) -> Vec<f64> {
         let mut last = 0.0;
         let mut changes = self.spline.changes();
         changes.retain_mut(|change| {
-            *change = change.max(last + self.least);
-            let fits = *change <= end - self.least;
+            *change = change.max(last + self.least_change);
+            let fits = *change <= end - self.least_change;
             if fits {
                 last = *change;
             }
@@ -272,9 +277,26 @@ fn least_at_feed_s(run: &Run, pieces: &[PathPiece], sampling: &Sampling) -> f64 
     (sampling.rounded_speed(1.0) / (ROUNDING * feed)).min(LONGEST_S)
 }
 
+/// Ticks between changes of the tool's setting at the feeds of `run`, at least 1 and at most those of the shortest move.
+fn change_ticks(run: &Run, pieces: &[PathPiece], sampling: &Sampling) -> f64 {
+    let pieces = &pieces[run.pieces.clone()];
+    let equal = pieces.chunk_by(|before, here| before.setting == here.setting);
+    // The first and the last group begin and end at rest.
+    let within = equal.skip(1).filter_map(|group| {
+        let times = group
+            .iter()
+            .map(|each| each.feed_m_s.map(|feed| each.piece.length_m() / feed));
+        times.sum::<Option<f64>>()
+    });
+    let shortest_s = within.fold(f64::INFINITY, f64::min);
+    (shortest_s / sampling.period_s)
+        .round()
+        .clamp(1.0, f64::from(sampling.ticks_min))
+}
+
 /// Lowers the limits of `run` to what moves can use of them: a feed, by what rounding adds to the speed of short moves.
 pub(crate) fn leave_room(run: &mut Run, pieces: &[PathPiece], sampling: &Sampling) {
-    let period_s = f64::from(sampling.ticks_min) * sampling.period_s;
+    let period_s = change_ticks(run, pieces, sampling) * sampling.period_s;
     let least_s = least_at_feed_s(run, pieces, sampling).max(period_s);
     for index in 0..run.cells.len() {
         let feed = pieces[run.places[index].piece].feed_m_s;

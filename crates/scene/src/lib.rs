@@ -11,6 +11,7 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+mod blocks;
 pub mod cases;
 mod contact;
 mod controller;

@@ -1,5 +1,6 @@
 //! Moves for a job's path: planned in the least time, and judged as the scene's service judges them.
 
+use crate::blocks::{blocks, plan_blocks};
 use crate::job::{Job, JobMove};
 use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
@@ -70,6 +71,21 @@ pub enum Unplanned {
         /// Place and reason, with one alpha.
         refusal: PathRefusal,
     },
+}
+
+impl Unplanned {
+    /// The same of a whole path, from a block of it that begins at `source` in the file, and at `piece`.
+    pub(crate) fn in_block(mut self, source: usize, piece: usize) -> Self {
+        match &mut self {
+            Self::Path { number, refusal } | Self::NoAlpha { number, refusal } => {
+                *number += source;
+                refusal.place.piece += piece;
+            }
+            Self::Dwell { number } | Self::LongDwell { number, .. } => *number += source,
+            Self::Machine(_) | Self::Units | Self::Ticks(_) => {}
+        }
+        self
+    }
 }
 
 /// A job's path with its plan.
@@ -396,14 +412,32 @@ fn shortest_reach_m(scene: &Scene) -> f64 {
 
 impl Scene {
     /// Gives the machine another job: `path`, which begins where the job of the scene does. The planned moves take the
-    /// place of the job's; nothing else changes.
+    /// place of the job's; nothing else changes. A path of many thousand pieces is planned in blocks: the machine stands between two
+    /// of them, where it does so anyway, or where the tool is off, or where its power follows the speed.
     ///
     /// # Errors
     /// [`Unplanned`]; the scene is as it was.
     pub fn take_path(&mut self, path: &JobPath) -> Result<(), Unplanned> {
-        let planned = plan_job(self, path, Effort::default())?;
-        self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
-        self.job.path = Some(planned.path);
+        let effort = Effort::default();
+        match &blocks(self, path)[..] {
+            [_] => {
+                let planned = plan_job(self, path, effort)?;
+                self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
+                self.job.path = Some(planned.path);
+            }
+            blocks => {
+                let moves = plan_blocks(self, path, blocks, effort)?;
+                let ticks = moves
+                    .iter()
+                    .map(|each| u64::from(each.duration_ticks))
+                    .sum();
+                if ticks > u64::from(u32::MAX) {
+                    return Err(Unplanned::Ticks(ticks));
+                }
+                self.job.moves = moves;
+                self.job.path = Some(path.clone());
+            }
+        }
         Ok(())
     }
 }

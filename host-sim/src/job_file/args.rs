@@ -27,6 +27,9 @@ pub struct JobFileArgs {
     /// Leave out words of Z: the machine has no such axis
     #[arg(long, requires = "machine")]
     pub ignore_z: bool,
+    /// Play the file so many times, one after the other
+    #[arg(long, value_name = "TIMES", requires = "machine", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: u32,
     /// What a drawing or a table leaves open.
     #[command(flatten)]
     pub drawing: DrawingArgs,
@@ -45,6 +48,7 @@ impl Default for JobFileArgs {
             corner: 0.01,
             full_power: 1000.0,
             ignore_z: false,
+            repeat: 1,
             drawing: DrawingArgs::default(),
             image: ImageArgs::default(),
         }

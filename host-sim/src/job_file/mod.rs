@@ -7,6 +7,7 @@ mod fit;
 mod image;
 mod image_args;
 mod path;
+mod queue;
 mod read;
 
 pub use args::JobFileArgs;
@@ -16,6 +17,7 @@ pub use image_args::ImageArgs;
 use read::JobKind;
 
 pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
+pub(crate) use queue::{QueuedJob, load_queue};
 
 use crate::failure::CliError;
 use crate::figures::Preview;

@@ -14,6 +14,9 @@ const LENGTH_MIN: f64 = 1e-9;
 /// Largest distance of the played motion from the path, m.
 const TOLERANCE_M: f64 = 1e-5;
 
+/// Most motions of a path.
+const PIECES_MAX: usize = 20_000_000;
+
 /// Largest deviation of alpha from the path, rad.
 const TOLERANCE_RAD: f64 = 1e-4;
 
@@ -111,6 +114,59 @@ impl PathBuilder {
             self.settings.push(tool);
             self.settings.len() - 1
         })
+    }
+
+    /// Numbers of elements so far, and one for a way back.
+    pub(crate) fn pass(&self) -> u32 {
+        self.tools.len() as u32 + 1
+    }
+
+    /// Lets the machine play the path so far `times` times. Between them it goes back to where it began: straight, as fast as it may,
+    /// with the tool off. It waits for the user as often as the file says, the first time.
+    ///
+    /// # Errors
+    /// The path becomes longer than a machine is told.
+    pub(crate) fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
+        let pass = self.pass() as usize;
+        let Some(first) = self.pieces.first().filter(|_| times > 1) else {
+            return Ok(());
+        };
+        let start = first.piece.at(0.0).pose;
+        if self.pieces.len().max(pass) * times as usize > PIECES_MAX {
+            return Err(PathFault {
+                line: 0,
+                word: "--repeat".into(),
+                reason: format!(
+                    "{times} times have more than {PIECES_MAX} motions; take fewer, or start the job several times"
+                ),
+            });
+        }
+        let back = Piece::line(self.at, start);
+        let off = self.setting(None);
+        let (pieces, dwells, tools) =
+            (self.pieces.clone(), self.dwells.clone(), self.tools.clone());
+        for offset in (1..times as usize).map(|index| index * pass) {
+            if has_length(&back) {
+                self.pieces.push(PathPiece {
+                    piece: back,
+                    feed_m_s: None,
+                    source: offset - 1,
+                    stops: self.stops,
+                    setting: off,
+                });
+            }
+            self.tools.push(None);
+            self.tools.extend(&tools);
+            self.pieces.extend(pieces.iter().map(|each| PathPiece {
+                source: each.source + offset,
+                ..*each
+            }));
+            self.dwells.extend(dwells.iter().map(|each| Dwell {
+                source: each.source + offset,
+                ..*each
+            }));
+        }
+        Ok(())
     }
 
     /// Ends the path. Corners are rounded within `corner_m`, if it is positive.

@@ -13,13 +13,16 @@ use trirrr_toolpath::drawing::{Drawing, read_dxf, read_svg};
 use trirrr_toolpath::gcode::{self, GcodeSetup};
 use trirrr_toolpath::raster::{RasterPath, read_image};
 use trirrr_toolpath::table::{TableSetup, read_table};
-use trirrr_toolpath::{PathFault, ToolPlace};
+use trirrr_toolpath::{Element, PathFault, ToolPlace};
 
 /// Path of a file, before it is planned.
 pub(super) struct ReadPath {
     pub(super) path: JobPath,
     pub(super) pauses: Vec<u32>,
     places: PlacesIn,
+    /// Numbers of elements that each pass through the file has.
+    pass: u32,
+    repeat: u32,
 }
 
 /// PlacesIn in a file, by the numbers of elements.
@@ -71,10 +74,17 @@ impl JobKind {
 impl ReadPath {
     /// Place in the file of an element.
     pub(super) fn place(&self, number: u32) -> String {
-        match &self.places {
+        let behind = number.saturating_sub(1);
+        let (pass, number) = (behind / self.pass + 1, behind % self.pass + 1);
+        let place = match &self.places {
             PlacesIn::Drawing(drawing) => format!(" {}", drawing.place_of(number)),
             PlacesIn::Image(rows) => format!(" {}", rows.place_of(number)),
             PlacesIn::Lines => number.to_string(),
+        };
+        match self.repeat {
+            1 => place,
+            repeat if number == self.pass => format!(" way back after time {pass} of {repeat}"),
+            repeat => format!("{place} (time {pass} of {repeat})"),
         }
     }
 }
@@ -122,11 +132,8 @@ fn from_gcode(file: File, machine: &Scene, args: &JobFileArgs) -> Result<ReadPat
         builder.push(&element?)?;
     }
     let blend_m = elements.interpreter().modal().blend_m;
-    finish(
-        builder,
-        blend_m.unwrap_or(1e-3 * args.corner),
-        PlacesIn::Lines,
-    )
+    let corner_m = blend_m.unwrap_or(1e-3 * args.corner);
+    finish(builder, corner_m, args.repeat, PlacesIn::Lines)
 }
 
 fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
@@ -136,11 +143,7 @@ fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPat
         feed_m_s: args.drawing.speed_m_s(),
         follows_speed: !args.drawing.constant_power,
     };
-    let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
-    for element in read_table(text, &setup)? {
-        builder.push(&element)?;
-    }
-    finish(builder, 1e-3 * args.corner, PlacesIn::Lines)
+    with_elements(read_table(text, &setup)?, machine, args, PlacesIn::Lines)
 }
 
 fn from_drawing(
@@ -151,31 +154,43 @@ fn from_drawing(
     let origin_m = level_origin(args)?;
     let PlacedDrawing { drawing, setup } =
         drawing::place(drawing, machine, origin_m, &args.drawing)?;
-    let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
-    for element in drawing.elements(&setup) {
-        builder.push(&element)?;
-    }
-    finish(builder, 1e-3 * args.corner, PlacesIn::Drawing(drawing))
+    let elements = drawing.elements(&setup);
+    with_elements(elements, machine, args, PlacesIn::Drawing(drawing))
 }
 
 fn from_image(bytes: &[u8], machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
     let mut rows = image::rows(&read_image(bytes)?, machine, level_origin(args)?, args)?;
+    let elements = std::mem::take(&mut rows.elements);
+    with_elements(elements, machine, args, PlacesIn::Image(rows))
+}
+
+fn with_elements(
+    elements: Vec<Element>,
+    machine: &Scene,
+    args: &JobFileArgs,
+    places: PlacesIn,
+) -> Result<ReadPath, PathFault> {
     let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
-    for element in std::mem::take(&mut rows.elements) {
-        builder.push(&element)?;
+    for element in &elements {
+        builder.push(element)?;
     }
-    finish(builder, 1e-3 * args.corner, PlacesIn::Image(rows))
+    finish(builder, 1e-3 * args.corner, args.repeat, places)
 }
 
 fn finish(
     mut builder: PathBuilder,
     corner_m: f64,
+    repeat: u32,
     places: PlacesIn,
 ) -> Result<ReadPath, PathFault> {
+    let pass = builder.pass();
+    builder.repeat(repeat)?;
     Ok(ReadPath {
         pauses: std::mem::take(&mut builder.pauses),
         path: builder.finish(corner_m)?,
         places,
+        pass,
+        repeat,
     })
 }
 

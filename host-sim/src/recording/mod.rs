@@ -29,13 +29,15 @@ pub struct Recorder {
     peaks: Option<Peaks>,
     load: LoadMeter,
     rows: u64,
+    /// Records from one row of the table to the next.
+    every: u64,
     line: String,
 }
 
 /// Written job.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// Number of rows of the table.
+    /// Number of records.
     pub rows: u64,
     /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
@@ -66,8 +68,16 @@ impl Recorder {
             peaks: None,
             load: LoadMeter::default(),
             rows: 0,
+            every: 1,
             line: String::new(),
         })
+    }
+
+    /// Writes the first of so many records into the table; peaks, loads and figures are of all.
+    #[must_use]
+    pub fn thinned(mut self, every: u32) -> Self {
+        self.every = u64::from(every.max(1));
+        self
     }
 
     /// Adds the record of the next tick.
@@ -77,16 +87,18 @@ impl Recorder {
     pub fn record(&mut self, record: &Record) -> Result<(), CliError> {
         use std::fmt::Write as _;
         self.results.begin()?;
-        self.line.clear();
-        for (column, value) in record.tick_row(self.torque).enumerate() {
-            let comma = if column > 0 { "," } else { "" };
-            // Writing to a String does not fail. `Debug` has the fewest digits that read back as the same bits.
-            let _ = write!(self.line, "{comma}{value:?}");
+        if self.rows.is_multiple_of(self.every) {
+            self.line.clear();
+            for (column, value) in record.tick_row(self.torque).enumerate() {
+                let comma = if column > 0 { "," } else { "" };
+                // Writing to a String does not fail. `Debug` has the fewest digits that read back as the same bits.
+                let _ = write!(self.line, "{comma}{value:?}");
+            }
+            self.line.push('\n');
+            self.table
+                .write_all(self.line.as_bytes())
+                .map_err(|error| unwritable(&self.path, &error))?;
         }
-        self.line.push('\n');
-        self.table
-            .write_all(self.line.as_bytes())
-            .map_err(|error| unwritable(&self.path, &error))?;
         self.traces.push(record);
         match &mut self.peaks {
             Some(peaks) => peaks.merge(record),

@@ -20,6 +20,8 @@ pub struct RunArgs {
     /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// More of them, played one after the other; all are read and planned before the first is played
+    pub then: Vec<PathBuf>,
     /// The job in a file of its own.
     #[command(flatten)]
     pub job: JobFileArgs,
@@ -27,9 +29,12 @@ pub struct RunArgs {
     #[arg(long)]
     pub fast: bool,
     /// Folder for what is written, made if missing; results of an earlier run go with the first tick
-    /// [default: out/NAME, after the scene's name]
+    /// [default: out/NAME, after the scene's name]. Of several jobs each has a folder in it
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Write the first of so many ticks into ticks.csv; figures, peaks and loads are of all
+    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
     /// Number type to compute in [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
@@ -47,6 +52,8 @@ impl Default for RunArgs {
     fn default() -> Self {
         Self {
             scene: DEFAULT_SCENE.into(),
+            then: Vec::new(),
+            every: 1,
             job: JobFileArgs::default(),
             fast: false,
             out: None,

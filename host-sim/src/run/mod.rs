@@ -14,7 +14,7 @@ pub use plant::Simulated;
 
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::job_file::{self, LoadedJob};
+use crate::job_file::{self, QueuedJob};
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
@@ -122,35 +122,46 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
-    let job = job_file::load(&args.scene, &args.job)?;
-    job.warn_of_pauses();
-    let LoadedJob { scene, .. } = job;
+    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
+    for QueuedJob { file, job, folder } in &jobs {
+        let end = run_job(args, file, &job.scene, folder, stop)?;
+        if end != JobEnd::Complete {
+            return Ok(end);
+        }
+    }
+    Ok(JobEnd::Complete)
+}
+
+fn run_job(
+    args: &RunArgs,
+    file: &Path,
+    scene: &Scene,
+    folder: &Path,
+    stop: &AtomicBool,
+) -> Result<JobEnd, CliError> {
     // First: a scene that is refused leaves no files.
     let analysis = match args.tolerances {
-        true => Some(tolerances::prepare(&args.scene, &scene)?),
+        true => Some(tolerances::prepare(file, scene)?),
         false => None,
     };
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out").join(&scene.name),
-    };
     let scalar = args.scalar.unwrap_or(scene.number);
-    let report = simulate(&scene, scalar, !args.fast, &folder, stop)?;
+    let report = simulate(scene, scalar, !args.fast, args.every, folder, stop)?;
     if args.json {
-        let text = json::summary(&args.scene, &scene, &report);
+        let text = json::summary(file, scene, &report);
         print(&format!("{text}\n"))?;
         return ended(&report);
     }
     let mut out = io::stdout().lock();
-    printed(summary::print(&mut out, &args.scene, &scene, &report))?;
+    printed(summary::print(&mut out, file, scene, &report))?;
     if report.end != JobEnd::Complete {
         return Ok(report.end);
     }
     if let Some(analysis) = analysis {
-        let results = ResultFolder::reopen(&folder, "run");
+        let results = ResultFolder::reopen(folder, "run");
         let mut files = report.all_files();
         results.end(&files, Err("the tolerances are under way"))?;
-        let bounded = tolerances::bound(&scene, analysis, &folder, stop)?;
+        let bounded = tolerances::bound(scene, analysis, folder, stop)?;
         files.extend_from_slice(bounded.files());
         let why = bounded.is_stopped().then(|| STOPPED.into());
         let why = why.or_else(|| report.reason());
@@ -180,7 +191,7 @@ fn ended(report: &RunReport) -> Result<JobEnd, CliError> {
 }
 
 /// Runs `scene` in the number type `scalar`, paced in real time if `paced`, and writes
-/// `ticks.csv` and the figures into `folder`, which is made if it is missing. `stop` ends the run
+/// `ticks.csv`, with the first of `every` ticks, and the figures into `folder`, which is made if it is missing. `stop` ends the run
 /// early; what was computed until then is written.
 ///
 /// # Errors
@@ -190,16 +201,18 @@ pub fn simulate(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
+    every: u32,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
-    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, folder, stop))
+    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, every, folder, stop))
 }
 
 fn simulate_in<N: ServiceNumber + Countable>(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
+    every: u32,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
@@ -222,7 +235,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
         true => DriveRecorder::create(&mut results, scene, units, 1)?,
         false => None,
     };
-    let recorder = Recorder::create(results, setpoints, scene.torque)?;
+    let recorder = Recorder::create(results, setpoints, scene.torque)?.thinned(every);
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
         samples: Samples::new(&*pipeline, units),

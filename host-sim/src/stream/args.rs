@@ -38,6 +38,9 @@ pub struct StreamArgs {
     /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
+    /// More of them, played one after the other; all are read and planned before the first is played
+    #[arg(conflicts_with = "resume")]
+    pub then: Vec<PathBuf>,
     /// The job in a file of its own.
     #[command(flatten)]
     pub job: JobFileArgs,
@@ -45,7 +48,7 @@ pub struct StreamArgs {
     #[command(flatten)]
     pub line: PortArgs,
     /// Folder for what is written, made if missing; results of an earlier run go with the first sample
-    /// [default: out/NAME, after the scene's name]
+    /// [default: out/NAME, after the scene's name]. Of several jobs each has a folder in it
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Number type of the board's image [default: the scene's]

@@ -14,7 +14,7 @@ pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
-use crate::job_file::{self, LoadedJob};
+use crate::job_file::{self, LoadedJob, QueuedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -54,12 +54,21 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    let job = job_file::load(&args.scene, &args.job)?;
-    let scalar = args.scalar.unwrap_or(job.scene.number);
-    in_number_type!(scalar, N => {
-        check_board::<N>(&job).map_err(|why| CliError::Refused(format!("{}:{why}", args.scene.display())))?;
-        stream::<N>(args, &job.scene, scalar, stop)
-    })
+    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    let scalar = |job: &LoadedJob| args.scalar.unwrap_or(job.scene.number);
+    for QueuedJob { file, job, .. } in &jobs {
+        in_number_type!(scalar(job), N => {
+            check_board::<N>(job).map_err(|why| CliError::Refused(format!("{}:{why}", file.display())))?
+        });
+    }
+    for queued in &jobs {
+        let scalar = scalar(&queued.job);
+        let end = in_number_type!(scalar, N => stream::<N>(args, queued, scalar, stop))?;
+        if end != StreamEnd::Complete {
+            return Ok(end);
+        }
+    }
+    Ok(StreamEnd::Complete)
 }
 
 /// Checks that a board with the image of the machine's own scene can play the job.
@@ -95,23 +104,22 @@ fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
 
 fn stream<N: ServiceNumber>(
     args: &StreamArgs,
-    scene: &Scene,
+    queued: &QueuedJob,
     scalar: NumberType,
     stop: &AtomicBool,
 ) -> Result<StreamEnd, CliError> {
+    let QueuedJob { file, job, folder } = queued;
+    let scene = &job.scene;
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out").join(&scene.name),
-    };
     let stream = Stream {
         args,
+        file,
         scene,
         scalar,
         stop,
         units,
-        folder: &folder,
+        folder,
     };
     let from = JobPlace::default();
     if args.path {
@@ -120,10 +128,10 @@ fn stream<N: ServiceNumber>(
         let work = JobWork::Path { start, pieces };
         let key = stream.key(&work);
         let taken = match args.resume {
-            true => Some(Journal::read(&folder, &key)?.taken),
+            true => Some(Journal::read(folder, &key)?.taken),
             false => None,
         };
-        let journal = Journal::new(&folder, key, from);
+        let journal = Journal::new(folder, key, from);
         return stream.play(work, taken, journal, &|_| from).end;
     }
     let moves = offer::moves::<N>(scene, &units);
@@ -134,14 +142,14 @@ fn stream<N: ServiceNumber>(
     };
     let play = |from: JobPlace, taken| {
         let rest: JobRest<N> = rest(from);
-        let journal = Journal::new(&folder, key.clone(), from);
+        let journal = Journal::new(folder, key.clone(), from);
         let work = JobWork::from(rest.moves().to_vec());
         stream.play(work, taken, journal, &|place| rest.place(place))
     };
     if !args.resume {
         return play(from, None).end;
     }
-    let entry = Journal::read(&folder, &key)?;
+    let entry = Journal::read(folder, &key)?;
     let played = play(entry.from, Some(entry.taken));
     if !played.is_lost {
         return played.end;
@@ -150,7 +158,7 @@ fn stream<N: ServiceNumber>(
     let from = played.reached.max(entry.reached);
     let JobPlace { index, at } = from;
     if rest(from).moves().is_empty() {
-        Journal::new(&folder, key, from).end();
+        Journal::new(folder, key, from).end();
         return Err(CliError::Refused("the job was played to its end".into()));
     }
     let count = index + 1;
@@ -163,6 +171,7 @@ fn stream<N: ServiceNumber>(
 /// Stream of one scene to one port.
 struct Stream<'a> {
     args: &'a StreamArgs,
+    file: &'a Path,
     scene: &'a Scene,
     scalar: NumberType,
     stop: &'a AtomicBool,
@@ -333,7 +342,7 @@ impl Stream<'_> {
             return result;
         }
         summary::print(&summary::Summary {
-            file: &args.scene,
+            file: self.file,
             scene,
             scalar: self.scalar,
             address: &args.line.port,
