@@ -59,6 +59,30 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "jobs of a million lines",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "long_jobs",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
+            "169 programs of G-code",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "programs",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "a million retargets",
             "test",
             &[

@@ -51,6 +51,14 @@ impl LoadedJob {
     }
 }
 
+/// Scene of a job, planned, as the commands play it.
+///
+/// # Errors
+/// Refused: as [`CliError`] says, with file, line and reason.
+pub fn read_job(file: &Path, args: &JobFileArgs) -> Result<Scene, CliError> {
+    load(file, args).map(|job| job.scene)
+}
+
 /// Reads `file`: a scene, or with `--machine` a job for the machine of that scene.
 ///
 /// # Errors
