@@ -3,6 +3,7 @@
 use crate::bridge::BridgeArgs;
 use crate::check::CheckArgs;
 use crate::completions::CompletionsArgs;
+use crate::design::DesignArgs;
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
@@ -64,6 +65,8 @@ pub enum Command {
     Jog(JogArgs),
     /// Send a machine to poses as they come, from standard input or a file
     Follow(FollowArgs),
+    /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
+    Design(DesignArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row

@@ -14,6 +14,7 @@ pub mod bridge;
 pub mod check;
 pub mod cli;
 pub mod completions;
+pub mod design;
 pub mod device;
 pub mod eval;
 pub mod failure;

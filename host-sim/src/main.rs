@@ -12,8 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    bridge, check, completions, device, eval, goals, grbl, key, linkage, machine, plan, report,
-    run, stream, watch,
+    bridge, check, completions, design, device, eval, goals, grbl, key, linkage, machine, plan,
+    report, run, stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         Command::Park(args) => to_goals(|stop| goals::park(args, stop)),
         Command::Jog(args) => to_goals(|stop| goals::jog(args, stop)),
         Command::Follow(args) => to_goals(|stop| goals::follow(args, stop)),
+        Command::Design(args) => design::command(args).map(|()| ExitCode::SUCCESS),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),

@@ -33,7 +33,11 @@ pub(crate) fn program(kind: usize, parameter: usize) -> Program {
         2 => line_arc_line(0.3 + 14.0 * part),
         3 => arc_arc(
             1.0 + 12.0 * part,
-            if parameter % 2 == 0 { 1.0 } else { -1.0 },
+            if parameter.is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            },
         ),
         4 => circles(0.5 + 19.0 * part, 600.0 + 9_000.0 * part),
         5 => short_lines(0.02 * 50f64.powf(part)),
@@ -93,7 +97,7 @@ fn line_arc_line(radius: f64) -> Program {
 fn arc_arc(radius: f64, sense: f64) -> Program {
     let mut program = Program::new([-26.0, 0.0], 6_000.0, 0.02);
     let count = (52.0 / (2.0 * radius)).floor() as usize;
-    for index in 0..count.max(2).min(12) {
+    for index in 0..count.clamp(2, 12) {
         let [x, y] = program.at;
         let turn = if index % 2 == 0 { 180.0 } else { 180.0 * sense };
         program.arc([x + radius, y], -turn);

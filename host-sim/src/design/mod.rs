@@ -1,0 +1,55 @@
+//! `trirrr design`: where a machine can work, in which working mode, with which motors and bearings.
+
+mod args;
+mod maps;
+mod page;
+mod study;
+mod text;
+
+pub use args::DesignArgs;
+
+use crate::failure::CliError;
+use crate::recording::unwritable;
+use crate::results::ResultFolder;
+use crate::terminal::print;
+use std::path::{Path, PathBuf};
+use study::Study;
+
+/// Studies the machine of a scene, writes the report, and prints a summary.
+///
+/// # Errors
+/// Refused: the scene, in all working modes. Failed: a file cannot be written.
+pub fn command(args: &DesignArgs) -> Result<(), CliError> {
+    let study = Study::of(args)?;
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(format!("{}-design", study.scene.name)),
+    };
+    let mut results = ResultFolder::create(&folder, "design")?;
+    results.begin()?;
+    let json = text::as_json(&study, args);
+    let json = format!("{json:#}\n");
+    let mut files = Vec::new();
+    let figures = maps::all(&study);
+    for (name, drawn) in &figures {
+        files.push(write(&folder, &format!("{name}.svg"), drawn)?);
+    }
+    files.push(write(&folder, "design.json", &json)?);
+    files.push(write(&folder, "map.csv", &text::map_table(&study))?);
+    files.push(write(
+        &folder,
+        "report.html",
+        &page::html(&study, args, &figures),
+    )?);
+    results.end(&files, Ok(()))?;
+    match args.json {
+        true => print(&json),
+        false => print(&text::summary(&study, args, &files)),
+    }
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> Result<PathBuf, CliError> {
+    let path = folder.join(name);
+    std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
+    Ok(path)
+}

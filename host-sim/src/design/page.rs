@@ -1,0 +1,126 @@
+//! A study as a page that opens from disk: one file, with its figures in it.
+
+use super::DesignArgs;
+use super::maps::short;
+use super::study::Study;
+use super::text::{MODE_HEADS, area, connected_m2, mode_cells};
+use std::fmt::Write;
+
+const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
+table{border-collapse:collapse;font-size:14px}th,td{border:1px solid #bbb;padding:.25em .6em;text-align:right}\
+td:first-child,th{text-align:left}svg{max-width:100%;height:auto}.no{text-align:left;color:#a33}.own{background:#eef7f3}";
+
+/// Text for HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+/// The page.
+pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, String)]) -> String {
+    let name = escaped(&study.scene.name);
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: design report</title><style>{STYLE}</style>\n<h1>{name}: design report</h1>\n<p>{}</p>\n",
+        escaped(&study.scene.description)
+    );
+    let figure = |page: &mut String, wanted: &str| {
+        for (_, svg) in figures.iter().filter(|(name, _)| *name == wanted) {
+            *page += svg;
+            page.push('\n');
+        }
+    };
+    page += "<h2>The machine</h2>\n";
+    figure(&mut page, "geometry");
+    page += "<h2>Working modes</h2>\n<p>Each row is the job of the scene with other elbows. A job that asks for the least time is planned in each mode. \
+        The shaded row is the mode of the scene.</p>\n";
+    modes(&mut page, study);
+    if let Some(best) = study.best_mode() {
+        let signs = best.result.elbows.map(|elbow| elbow.sign().to_string());
+        let _ = writeln!(
+            page,
+            "<p>The least peak torque has the mode with the elbows {}.</p>",
+            signs.join(", ")
+        );
+    }
+    figure(&mut page, "modes");
+    let turn = match args.turn > 0.0 {
+        true => format!(
+            ", and with all angles up to {} degrees to both sides of it",
+            args.turn
+        ),
+        false => String::new(),
+    };
+    let _ = writeln!(
+        page,
+        "<h2>Workspace</h2>\n<p>With the platform at {:.3} degrees{turn}. Every pose of a coloured cell is proven to keep the conditions, and every pose of a white one to break one. \
+        The legs reach {}. The machine keeps its distances to singularities in {}; {:.2} cm^2 of that are connected with the start. \
+        {:.3} % of the map are undecided.</p>",
+        study.alpha_rad.to_degrees(),
+        area(study.reach.area_m2()),
+        area(study.work.area_m2()),
+        1e4 * connected_m2(study),
+        100.0 * study.work.undecided()
+    );
+    figure(&mut page, "workspace");
+    figure(&mut page, "angles");
+    page += "<h2>Speeds, forces, accuracy</h2>\n<p>Ratios at the centres of cells, at rest and without friction. Near a serial singularity the motors have to be fast; \
+        near the parallel one they have to be strong, and the platform is hardly held.</p>\n";
+    for name in ["singularities", "rates", "forces", "accuracy"] {
+        figure(&mut page, name);
+    }
+    page += "<h2>Bearings and pins</h2>\n<p>Sizes of the forces in the joints along the job, N. A: motor, B: elbow, C: platform.</p>\n<table><tr><th>leg</th>";
+    for joint in ["A", "B", "C"] {
+        let _ = write!(page, "<th>{joint} peak</th><th>{joint} RMS</th>");
+    }
+    page += "</tr>\n";
+    for (leg, joints) in study.joints.iter().enumerate() {
+        let _ = write!(page, "<tr><td>{}</td>", leg + 1);
+        for force in joints {
+            let _ = write!(
+                page,
+                "<td>{}</td><td>{}</td>",
+                short(force.peak_n),
+                short(force.rms_n)
+            );
+        }
+        page += "</tr>\n";
+    }
+    page +=
+        "</table>\n<h2>Duration</h2>\n<p>The same motion of the platform, faster and slower.</p>\n";
+    figure(&mut page, "durations");
+    page += "</html>\n";
+    page
+}
+
+fn modes(page: &mut String, study: &Study) {
+    *page += "<table><tr>";
+    for head in MODE_HEADS {
+        let _ = write!(page, "<th>{head}</th>");
+    }
+    *page += "</tr>\n";
+    for row in &study.modes {
+        let own = if row.result.elbows == study.own_mode() {
+            " class=\"own\""
+        } else {
+            ""
+        };
+        let _ = write!(page, "<tr{own}><td>{}</td>", row.result.name());
+        match row.reason() {
+            Some(reason) => {
+                let _ = write!(
+                    page,
+                    "<td class=\"no\" colspan=\"8\">{}</td>",
+                    escaped(&reason)
+                );
+            }
+            None => {
+                for cell in mode_cells(row) {
+                    let _ = write!(page, "<td>{cell}</td>");
+                }
+            }
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table>\n";
+}

@@ -1,0 +1,242 @@
+//! Study of a machine: everything that its report shows.
+
+use super::DesignArgs;
+use crate::failure::CliError;
+use nalgebra::Vector3;
+use trirrr_core::machine::Elbow;
+use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::units::Units;
+use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, all_modes, job_in};
+use trirrr_design::ratios::Ratios;
+use trirrr_design::reactions::{JointForce, along_job};
+use trirrr_design::workspace::{CellGrid, Conditions, Disc, Rectangle, Workspace};
+use trirrr_scene::record::Record;
+use trirrr_scene::{JobPlayer, Scene, pipeline};
+
+/// Cells along the longer side of maps for which many are made.
+const COARSE: usize = 96;
+
+/// Degrees from one angle of the platform to the next.
+const ALPHA_STEP: i32 = 10;
+
+/// Durations at which the job is looked at, in parts of its own.
+const FACTORS: [f64; 15] = [
+    0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0,
+];
+
+/// Points of the job's path in figures, at most.
+const PATH_POINTS: u32 = 2_000;
+
+/// Working mode on the job.
+pub(super) struct ModeRow {
+    pub(super) result: ModeResult,
+    /// Duration of the job, s, planned in this mode where the scene asks for the least time.
+    pub(super) duration_s: Option<f64>,
+    /// First line of the refusal of the scene in this mode.
+    pub(super) refusal: Option<String>,
+}
+
+impl ModeRow {
+    /// Returns true if the scene is good in this mode.
+    pub(super) fn is_feasible(&self) -> bool {
+        self.refusal.is_none() && self.result.fault.is_none()
+    }
+
+    /// Why it is not.
+    pub(super) fn reason(&self) -> Option<String> {
+        match (&self.result.fault, &self.refusal) {
+            (Some(ModeFault { t_s, reason }), _) => Some(format!("at {t_s:.3} s: {reason}")),
+            (None, Some(refusal)) => Some(refusal.clone()),
+            (None, None) => None,
+        }
+    }
+}
+
+/// Area that is reached with one angle of the platform.
+pub(super) struct AlphaRow {
+    pub(super) degrees: f64,
+    /// Bounds of the area, m^2.
+    pub(super) area_m2: [f64; 2],
+}
+
+/// Everything that is found of a machine.
+pub(super) struct Study {
+    pub(super) scene: Scene,
+    pub(super) modes: Vec<ModeRow>,
+    /// Angle of the maps, rad.
+    pub(super) alpha_rad: f64,
+    /// Map of what the legs reach.
+    pub(super) reach: Workspace,
+    /// Map of what keeps the distances of the scene's limits, with all angles within the turn.
+    pub(super) work: Workspace,
+    /// Whole cells of it that are connected with the start of the job.
+    pub(super) connected: Vec<bool>,
+    pub(super) disc: Option<Disc>,
+    pub(super) rectangle: Option<Rectangle>,
+    pub(super) alphas: Vec<AlphaRow>,
+    /// Grid of the ratios, and the ratios at centres of cells that the machine works in.
+    pub(super) ratios: (CellGrid, Vec<Option<Ratios>>),
+    /// Forces in the joints A, B and C of each leg.
+    pub(super) joints: [[JointForce; 3]; 3],
+    /// Figures of the job in other durations, s.
+    pub(super) durations: Vec<(f64, ModeFigures)>,
+    /// Path of D along the job, m.
+    pub(super) path: Vec<[f64; 2]>,
+    /// The machine at the start of the job.
+    pub(super) start: Record,
+}
+
+impl Study {
+    /// Reads the scene and studies its machine.
+    pub(super) fn of(args: &DesignArgs) -> Result<Self, CliError> {
+        let refused =
+            |reason: String| CliError::Refused(format!("{}: {reason}", args.scene.display()));
+        let (scene, modes) = modes(args)?;
+        let machine = pipeline::of_scene::<f64>(&scene, Units::SI)
+            .map_err(|error| refused(error.to_string()))?;
+        let at_rest = |pose| Setpoint {
+            pose,
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        };
+        let start = machine
+            .evaluate(0.0, &at_rest(scene.job.start))
+            .map_err(|status| refused(format!("the start of the job: {status}")))?;
+        let alpha_rad = args.alpha.map_or(scene.job.start.angle, f64::to_radians);
+        let side = Some(start.det_a > 0.0);
+        let turn = args.turn.to_radians();
+        let limits = &scene.limits;
+        let conditions = |alpha_rad: [f64; 2]| Conditions {
+            serial_min: limits.serial_distance_min,
+            parallel_min: limits.parallel_distance_min,
+            side,
+            alpha_rad,
+        };
+        let grid = CellGrid::around(&scene.parameters, args.cells as usize);
+        let reach = Conditions {
+            serial_min: 0.0,
+            parallel_min: 0.0,
+            side: None,
+            alpha_rad: [alpha_rad; 2],
+        };
+        let reach = Workspace::map(&scene.parameters, &reach, grid);
+        let turned = conditions([alpha_rad - turn, alpha_rad + turn]);
+        let work = Workspace::map(&scene.parameters, &turned, grid);
+        let connected = work
+            .connected(scene.job.start.position.into())
+            .unwrap_or_else(|| vec![false; work.cells.len()]);
+        let coarse = CellGrid::around(&scene.parameters, COARSE);
+        let alphas = (-180..=180)
+            .step_by(ALPHA_STEP as usize)
+            .map(|degrees: i32| {
+                let alpha = f64::from(degrees).to_radians();
+                let map = Workspace::map(&scene.parameters, &conditions([alpha; 2]), coarse);
+                AlphaRow {
+                    degrees: f64::from(degrees),
+                    area_m2: map.area_m2(),
+                }
+            });
+        let alphas = alphas.collect();
+        let [columns, rows] = coarse.size;
+        let mut ratios = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                let [x, y] = coarse.centre_m(column, row);
+                let cell = grid.cell_of([x, y]);
+                let is_kept =
+                    cell.is_some_and(|[column, row]| connected[row * grid.size[0] + column]);
+                let pose = Pose::from_f64(x, y, alpha_rad);
+                ratios.push(is_kept.then(|| Ratios::at(&*machine, pose)).flatten());
+            }
+        }
+        let own_s = f64::from(scene.ticks()) * scene.period_s();
+        let durations = FACTORS.iter().filter_map(|&factor| {
+            let found = job_in(&scene, factor).ok()?;
+            Some((factor * own_s, found.figures?))
+        });
+        let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
+        let step = player.ticks() / PATH_POINTS + 1;
+        let path = (0..=player.ticks())
+            .step_by(step as usize)
+            .chain([player.ticks()])
+            .map(|tick| player.at(tick).pose.position.into());
+        Ok(Self {
+            modes,
+            alpha_rad,
+            disc: grid.largest_disc(&connected),
+            rectangle: grid.largest_rectangle(&connected),
+            reach,
+            work,
+            connected,
+            alphas,
+            ratios: (coarse, ratios),
+            joints: along_job(&scene).map_err(refused)?,
+            durations: durations.collect(),
+            path: path.collect(),
+            start,
+            scene,
+        })
+    }
+
+    /// The mode of the scene.
+    pub(super) fn own_mode(&self) -> [Elbow; 3] {
+        self.scene.parameters.legs.each_ref().map(|leg| leg.elbow)
+    }
+
+    /// The feasible mode with the least peak torque.
+    pub(super) fn best_mode(&self) -> Option<&ModeRow> {
+        let peak = |row: &&ModeRow| {
+            let figures = row.result.figures;
+            figures.map_or(f64::INFINITY, |figures| largest(figures.torque_peak_nm))
+        };
+        let feasible = self.modes.iter().filter(|row| row.is_feasible());
+        feasible.min_by(|one, other| peak(one).total_cmp(&peak(other)))
+    }
+}
+
+pub(super) fn largest(values: [f64; 3]) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
+/// The scene, and its job in all working modes: each is read, and planned, as its own scene.
+fn modes(args: &DesignArgs) -> Result<(Scene, Vec<ModeRow>), CliError> {
+    let own = args.set.scene(&args.scene);
+    let mut read = Vec::new();
+    for elbows in MODES {
+        let mut set = args.set.clone();
+        for (leg, elbow) in elbows.into_iter().enumerate() {
+            let setting = format!("machine.leg[{}].elbow={}", leg + 1, elbow.sign());
+            set.set.push(
+                setting
+                    .parse()
+                    .map_err(|_| CliError::Failed(format!("{setting} is no setting")))?,
+            );
+        }
+        read.push((elbows, set.scene(&args.scene)));
+    }
+    let scene = match own {
+        Ok(scene) => scene,
+        Err(refusal) => match read.iter().find_map(|(_, scene)| scene.as_ref().ok()) {
+            Some(scene) => scene.clone(),
+            None => return Err(refusal),
+        },
+    };
+    let failed = |reason: String| CliError::Failed(reason);
+    let same_motion = all_modes(&scene).map_err(failed)?;
+    let rows = read.into_iter().zip(same_motion).map(|((_, read), same)| {
+        Ok(match read {
+            Ok(scene) => ModeRow {
+                result: job_in(&scene, 1.0).map_err(failed)?,
+                duration_s: Some(f64::from(scene.ticks()) * scene.period_s()),
+                refusal: None,
+            },
+            Err(refusal) => ModeRow {
+                result: same,
+                duration_s: None,
+                refusal: refusal.to_string().lines().next().map(str::to_owned),
+            },
+        })
+    });
+    let rows = rows.collect::<Result<Vec<_>, CliError>>()?;
+    Ok((scene, rows))
+}

@@ -1,0 +1,225 @@
+//! A study as text, JSON and a table.
+
+use super::DesignArgs;
+use super::maps::short;
+use super::study::{ModeRow, Study, largest};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+const CM2: f64 = 1e4;
+
+/// Bounds of an area in words, cm^2.
+pub(super) fn area([low, high]: [f64; 2]) -> String {
+    format!("{:.2} to {:.2} cm^2", CM2 * low, CM2 * high)
+}
+
+/// Area of the whole cells that are connected with the start, m^2.
+pub(super) fn connected_m2(study: &Study) -> f64 {
+    let cell = study.work.grid.cell_m;
+    let count = study.connected.iter().filter(|is_kept| **is_kept).count();
+    count as f64 * cell * cell
+}
+
+/// Cells of a row of the table of modes, after its name.
+pub(super) fn mode_cells(row: &ModeRow) -> [String; 8] {
+    let number = |value: Option<f64>| value.map_or("-".into(), short);
+    let figures = row.result.figures.filter(|_| row.is_feasible());
+    let of =
+        |value: fn(&trirrr_design::modes::ModeFigures) -> f64| number(figures.as_ref().map(value));
+    [
+        number(row.duration_s.filter(|_| row.is_feasible())),
+        of(|figures| largest(figures.torque_peak_nm)),
+        of(|figures| largest(figures.torque_rms_nm)),
+        of(|figures| largest(figures.rate_peak_rad_s)),
+        of(|figures| figures.work_j),
+        of(|figures| figures.serial_min),
+        of(|figures| figures.parallel_min),
+        of(|figures| 100.0 * figures.time_at_limits),
+    ]
+}
+
+/// Heads of the table of modes.
+pub(super) const MODE_HEADS: [&str; 9] = [
+    "elbows",
+    "duration, s",
+    "peak torque, N m",
+    "RMS torque, N m",
+    "peak rate, rad/s",
+    "work, J",
+    "least serial distance",
+    "least parallel distance",
+    "time at limits, %",
+];
+
+/// Summary for a terminal.
+pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> String {
+    let mut text = format!("{}: {}\n\n", study.scene.name, study.scene.description);
+    let _ = writeln!(
+        text,
+        "{:<7} {:>9} {:>10} {:>10} {:>10} {:>9} {:>8} {:>9} {:>8}",
+        "elbows",
+        "time s",
+        "peak N m",
+        "rms N m",
+        "rad/s",
+        "work J",
+        "serial",
+        "parallel",
+        "limit %"
+    );
+    for row in &study.modes {
+        let [time, peak, rms, rate, work, serial, parallel, limits] = mode_cells(row);
+        let own = if row.result.elbows == study.own_mode() {
+            "*"
+        } else {
+            ""
+        };
+        let _ = match row.reason() {
+            Some(reason) => writeln!(text, "{:<7} no: {reason}", row.result.name() + own),
+            None => writeln!(
+                text,
+                "{:<7} {time:>9} {peak:>10} {rms:>10} {rate:>10} {work:>9} {serial:>8} {parallel:>9} {limits:>8}",
+                row.result.name() + own
+            ),
+        };
+    }
+    text += "* the mode of the scene\n\n";
+    if let Some(best) = study
+        .best_mode()
+        .filter(|best| best.result.elbows != study.own_mode())
+    {
+        let signs = best.result.elbows.map(|elbow| elbow.sign());
+        let _ = writeln!(
+            text,
+            "least peak torque: elbows {}, {}, {}\n",
+            signs[0], signs[1], signs[2]
+        );
+    }
+    let alpha = study.alpha_rad.to_degrees();
+    let turn = if args.turn > 0.0 {
+        format!(" +- {}", args.turn)
+    } else {
+        String::new()
+    };
+    let _ = writeln!(text, "alpha       {alpha:.3}{turn} degrees");
+    let _ = writeln!(text, "reach       {}", area(study.reach.area_m2()));
+    let _ = writeln!(
+        text,
+        "workspace   {}, {:.2} cm^2 connected with the start, undecided {:.3} % of the map",
+        area(study.work.area_m2()),
+        CM2 * connected_m2(study),
+        100.0 * study.work.undecided()
+    );
+    if let Some(disc) = study.disc {
+        let [x, y] = disc.centre_m;
+        let _ = writeln!(
+            text,
+            "circle      radius {:.4} m about {x:.4}, {y:.4}",
+            disc.radius_m
+        );
+    }
+    if let Some(rectangle) = study.rectangle {
+        let ([x, y], [width, height]) = (rectangle.low_m, rectangle.size_m);
+        let _ = writeln!(
+            text,
+            "rectangle   {width:.4} m by {height:.4} m from {x:.4}, {y:.4}"
+        );
+    }
+    text += "\njoint       peak N      rms N\n";
+    for (leg, joints) in study.joints.iter().enumerate() {
+        for (joint, force) in ["A", "B", "C"].iter().zip(joints) {
+            let name = format!("{joint}{}", leg + 1);
+            let _ = writeln!(
+                text,
+                "{name:<8} {:>9} {:>10}",
+                short(force.peak_n),
+                short(force.rms_n)
+            );
+        }
+    }
+    text.push('\n');
+    for (index, file) in files.iter().enumerate() {
+        let head = if index == 0 { "written" } else { "" };
+        let _ = writeln!(text, "{head:<11} {}", file.display());
+    }
+    text
+}
+
+/// Everything as JSON, in SI units.
+pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
+    let mode = |row: &ModeRow| {
+        let figures = row.result.figures.map(|figures| {
+            json!({
+                "torque_peak_nm": figures.torque_peak_nm,
+                "torque_rms_nm": figures.torque_rms_nm,
+                "rate_peak_rad_s": figures.rate_peak_rad_s,
+                "power_peak_w": figures.power_peak_w,
+                "work_j": figures.work_j,
+                "serial_distance_min": figures.serial_min,
+                "parallel_distance_min": figures.parallel_min,
+                "limit_part": figures.limit_part,
+                "time_at_limits": figures.time_at_limits,
+            })
+        });
+        json!({
+            "elbows": row.result.elbows.map(|elbow| elbow.sign() as i32),
+            "feasible": row.is_feasible(),
+            "reason": row.reason(),
+            "duration_s": row.duration_s,
+            "figures": figures,
+        })
+    };
+    let map = |map: &trirrr_design::workspace::Workspace| json!({ "area_m2": map.area_m2(), "undecided": map.undecided() });
+    json!({
+        "scene": study.scene.name,
+        "elbows": study.own_mode().map(|elbow| elbow.sign() as i32),
+        "best_elbows": study.best_mode().map(|row| row.result.elbows.map(|elbow| elbow.sign() as i32)),
+        "modes": study.modes.iter().map(mode).collect::<Vec<_>>(),
+        "alpha_rad": study.alpha_rad,
+        "turn_rad": args.turn.to_radians(),
+        "cells": study.work.grid.size,
+        "reach": map(&study.reach),
+        "workspace": map(&study.work),
+        "connected_m2": connected_m2(study),
+        "disc": study.disc.map(|disc| json!({ "centre_m": disc.centre_m, "radius_m": disc.radius_m })),
+        "rectangle": study.rectangle.map(|each| json!({ "low_m": each.low_m, "size_m": each.size_m })),
+        "alphas": study.alphas.iter().map(|row| json!({
+            "alpha_rad": row.degrees.to_radians(),
+            "area_m2": row.area_m2,
+        })).collect::<Vec<_>>(),
+        "joints": study.joints.map(|leg| leg.map(|force| json!({ "peak_n": force.peak_n, "rms_n": force.rms_n }))),
+        "durations": study.durations.iter().map(|(seconds, figures)| json!({
+            "duration_s": seconds,
+            "torque_peak_nm": figures.torque_peak_nm,
+            "work_j": figures.work_j,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+/// Ratios at the cells that the machine works in, as CSV in SI units.
+pub(super) fn map_table(study: &Study) -> String {
+    let mut text = String::from(
+        "x_m,y_m,serial,parallel,rate_per_speed_rad_m,torque_per_force_m,offset_per_error_m_rad\n",
+    );
+    let (grid, ratios) = &study.ratios;
+    for (index, each) in ratios.iter().enumerate() {
+        let Some(each) = each else {
+            continue;
+        };
+        let [x, y] = grid.centre_m(index % grid.size[0], index / grid.size[0]);
+        let [serial, parallel] = each.distances;
+        let values = [
+            x,
+            y,
+            serial,
+            parallel,
+            each.rate_per_speed(),
+            each.torque_per_force(),
+            each.offset_per_error(),
+        ];
+        let cells = values.map(|value| format!("{value:?}"));
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
