@@ -86,6 +86,10 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
             fs::read_to_string(folder.path().join("out/engraving-design").join(file)).unwrap();
         assert!(text.len() > 100, "{file}");
     }
+    let motors = design["motors"].as_array().unwrap();
+    assert_eq!(motors.len(), 20);
+    let margins = motors.iter().map(|motor| motor["margin"].as_f64().unwrap());
+    assert!(margins.rev().is_sorted());
     let page = fs::read_to_string(folder.path().join("out/engraving-design/report.html")).unwrap();
     assert_eq!(page.matches("<svg").count(), 9);
     // Nothing comes from elsewhere.
@@ -108,6 +112,12 @@ fn a_scene_that_is_wrong_in_its_mode_is_studied_in_another() {
     let output = trirrr(&folder, &["design", &thesis, "--set", "job.start.x_m=3"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("leg"));
+    fs::write(folder.path().join("own.toml"), "[[motor]]\nname = 'a'\n").unwrap();
+    for file in ["own.toml", "none.toml"] {
+        let output = trirrr(&folder, &["design", &thesis, "--motors", file]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(file));
+    }
     for wrong in [["--alpha", "x"], ["--turn", "-1"], ["--cells", "3"]] {
         let output = trirrr(&folder, &[&["design", &thesis][..], &wrong].concat());
         assert_eq!(output.status.code(), Some(2), "{wrong:?}");

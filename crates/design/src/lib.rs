@@ -4,6 +4,7 @@
 
 pub mod interval;
 pub mod modes;
+pub mod motors;
 pub mod ratios;
 pub mod reactions;
 pub mod workspace;

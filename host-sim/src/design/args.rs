@@ -26,6 +26,9 @@ pub struct DesignArgs {
     /// Angle by which the platform must be able to turn to both sides, degrees: a place counts if it can
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = turn)]
     pub turn: f64,
+    /// Catalogue of motors, a TOML file [default: the one that is shipped]
+    #[arg(long, value_name = "FILE.toml")]
+    pub motors: Option<PathBuf>,
     /// Cells along the longer side of the map
     #[arg(long, value_name = "COUNT", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
     pub cells: u32,

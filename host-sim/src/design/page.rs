@@ -3,7 +3,7 @@
 use super::DesignArgs;
 use super::maps::short;
 use super::study::Study;
-use super::text::{MODE_HEADS, area, connected_m2, mode_cells};
+use super::text::{MODE_HEADS, MOTOR_HEADS, area, connected_m2, mode_cells, motor_cells};
 use std::fmt::Write;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
@@ -86,8 +86,9 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
         }
         page += "</tr>\n";
     }
-    page +=
-        "</table>\n<h2>Duration</h2>\n<p>The same motion of the platform, faster and slower.</p>\n";
+    page += "</table>\n<h2>Motors</h2>\n";
+    motors(&mut page, study);
+    page += "<h2>Duration</h2>\n<p>The same motion of the platform, faster and slower.</p>\n";
     figure(&mut page, "durations");
     page += "</html>\n";
     page
@@ -119,6 +120,30 @@ fn modes(page: &mut String, study: &Study) {
                     let _ = write!(page, "<td>{cell}</td>");
                 }
             }
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table>\n";
+}
+
+fn motors(page: &mut String, study: &Study) {
+    *page += "<p>Each motor of the catalogue with the gear that leaves the most. A margin is what there is over what is asked for: at every instant the torque at the \
+        speed, and over the job the continuous torque over the root mean square. Below 1 the motor does not do the job. The inertia of its rotor counts, friction does not.</p>\n<table><tr>";
+    for head in MOTOR_HEADS {
+        let _ = write!(page, "<th>{head}</th>");
+    }
+    *page += "</tr>\n";
+    for row in &study.motors {
+        let does = if row.1.margin() >= 1.0 {
+            " class=\"own\""
+        } else {
+            ""
+        };
+        let name = escaped(&row.0.name);
+        let source = escaped(&row.0.source).replace('"', "&quot;");
+        let _ = write!(page, "<tr{does}><td><a href=\"{source}\">{name}</a></td>");
+        for cell in motor_cells(row) {
+            let _ = write!(page, "<td>{cell}</td>");
         }
         *page += "</tr>\n";
     }

@@ -7,6 +7,7 @@ use trirrr_core::machine::Elbow;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, all_modes, job_in};
+use trirrr_design::motors::{Candidate, CatalogueMotor, SHIPPED, candidates, read_catalogue};
 use trirrr_design::ratios::Ratios;
 use trirrr_design::reactions::{JointForce, along_job};
 use trirrr_design::workspace::{CellGrid, Conditions, Disc, Rectangle, Workspace};
@@ -80,6 +81,8 @@ pub(super) struct Study {
     pub(super) joints: [[JointForce; 3]; 3],
     /// Figures of the job in other durations, s.
     pub(super) durations: Vec<(f64, ModeFigures)>,
+    /// Motors of the catalogue on the job, those with the greatest margins first.
+    pub(super) motors: Vec<(CatalogueMotor, Candidate)>,
     /// Path of D along the job, m.
     pub(super) path: Vec<[f64; 2]>,
     /// The machine at the start of the job.
@@ -91,6 +94,7 @@ impl Study {
     pub(super) fn of(args: &DesignArgs) -> Result<Self, CliError> {
         let refused =
             |reason: String| CliError::Refused(format!("{}: {reason}", args.scene.display()));
+        let catalogue = catalogue(args)?;
         let (scene, modes) = modes(args)?;
         let machine = pipeline::of_scene::<f64>(&scene, Units::SI)
             .map_err(|error| refused(error.to_string()))?;
@@ -172,6 +176,11 @@ impl Study {
             ratios: (coarse, ratios),
             joints: along_job(&scene).map_err(refused)?,
             durations: durations.collect(),
+            motors: candidates(&scene, &catalogue)
+                .map_err(refused)?
+                .into_iter()
+                .map(|each| (catalogue[each.motor].clone(), each))
+                .collect(),
             path: path.collect(),
             start,
             scene,
@@ -192,6 +201,19 @@ impl Study {
         let feasible = self.modes.iter().filter(|row| row.is_feasible());
         feasible.min_by(|one, other| peak(one).total_cmp(&peak(other)))
     }
+}
+
+fn catalogue(args: &DesignArgs) -> Result<Vec<CatalogueMotor>, CliError> {
+    let (name, text) = match &args.motors {
+        None => ("the shipped catalogue".into(), SHIPPED.to_owned()),
+        Some(file) => {
+            let name = file.display().to_string();
+            let text = std::fs::read_to_string(file)
+                .map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))?;
+            (name, text)
+        }
+    };
+    read_catalogue(&text).map_err(|error| CliError::Refused(format!("{name}: {error}")))
 }
 
 pub(super) fn largest(values: [f64; 3]) -> f64 {

@@ -6,8 +6,12 @@ use super::study::{ModeRow, Study, largest};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
+use trirrr_design::motors::{Candidate, CatalogueMotor};
 
 const CM2: f64 = 1e4;
+
+/// Motors in the summary for a terminal.
+const MOTORS_SHOWN: usize = 8;
 
 /// Bounds of an area in words, cm^2.
 pub(super) fn area([low, high]: [f64; 2]) -> String {
@@ -51,6 +55,34 @@ pub(super) const MODE_HEADS: [&str; 9] = [
     "least parallel distance",
     "time at limits, %",
 ];
+
+/// Heads of the table of motors.
+pub(super) const MOTOR_HEADS: [&str; 8] = [
+    "motor",
+    "gear",
+    "supply, V",
+    "torque margin",
+    "heat margin",
+    "limited by",
+    "part of the speed",
+    "rotor / machine inertia",
+];
+
+/// Cells of a row of the table of motors, after its name.
+pub(super) fn motor_cells((motor, candidate): &(CatalogueMotor, Candidate)) -> [String; 7] {
+    [
+        candidate.gear_ratio.to_string(),
+        motor.supply_v.to_string(),
+        short(candidate.peak_margin),
+        candidate.heat_margin.map_or("-".into(), short),
+        candidate.limited_by().into(),
+        short(candidate.speed_part),
+        match motor.rotor_inertia_kgm2 > 0.0 {
+            true => short(candidate.inertia_ratio),
+            false => "-".into(),
+        },
+    ]
+}
 
 /// Summary for a terminal.
 pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> String {
@@ -138,6 +170,21 @@ pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> St
             );
         }
     }
+    let _ = writeln!(
+        text,
+        "\n{:<26} {:>5} {:>6} {:>8} {:>8} {:>7}",
+        "motor", "gear", "V", "torque", "heat", "limit"
+    );
+    for row in study.motors.iter().take(MOTORS_SHOWN) {
+        let [gear, supply, torque, heat, limit, ..] = motor_cells(row);
+        let _ = writeln!(
+            text,
+            "{:<26} {gear:>5} {supply:>6} {torque:>8} {heat:>8} {limit:>7}",
+            row.0.name
+        );
+    }
+    text +=
+        "margins: what there is over what is asked for; below 1 the motor does not do the job\n";
     text.push('\n');
     for (index, file) in files.iter().enumerate() {
         let head = if index == 0 { "written" } else { "" };
@@ -187,6 +234,20 @@ pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
         "alphas": study.alphas.iter().map(|row| json!({
             "alpha_rad": row.degrees.to_radians(),
             "area_m2": row.area_m2,
+        })).collect::<Vec<_>>(),
+        "motors": study.motors.iter().map(|(motor, candidate)| json!({
+            "name": motor.name,
+            "gear_ratio": candidate.gear_ratio,
+            "supply_v": motor.supply_v,
+            "peak_margin": candidate.peak_margin,
+            "heat_margin": candidate.heat_margin,
+            "margin": candidate.margin(),
+            "limited_by": candidate.limited_by(),
+            "speed_part": candidate.speed_part,
+            "inertia_ratio": candidate.inertia_ratio,
+            "regenerated_j": candidate.regenerated_j,
+            "mass_kg": motor.mass_kg,
+            "source": motor.source,
         })).collect::<Vec<_>>(),
         "joints": study.joints.map(|leg| leg.map(|force| json!({ "peak_n": force.peak_n, "rms_n": force.rms_n }))),
         "durations": study.durations.iter().map(|(seconds, figures)| json!({
