@@ -11,6 +11,17 @@ use trirrr_scene::{NumberType, Scene};
 /// Scene that is run when none is named.
 pub(crate) const DEFAULT_SCENE: &str = "scenes/thesis.toml";
 
+/// Scenes that are built in, by their names: a program that is installed has no folder of scenes. The first is the default.
+pub(crate) const BUILT_IN: [(&str, &str); 4] = [
+    ("thesis", include_str!("../../scenes/thesis.toml")),
+    ("vertical", include_str!("../../scenes/vertical.toml")),
+    (
+        "pick-stepper",
+        include_str!("../../scenes/pick-stepper.toml"),
+    ),
+    ("engraving", include_str!("../../scenes/engraving.toml")),
+];
+
 /// Values in place of those of a scene.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SetArgs {
@@ -20,12 +31,16 @@ pub struct SetArgs {
 }
 
 impl SetArgs {
-    /// Reads a scene. Every line of a refusal names the file, or the argument, already.
+    /// Reads a scene; where there is no file of the default one, that which is built in. Every line of a refusal names the file, or the argument, already.
     ///
     /// # Errors
     /// Refused: the scene.
     pub(crate) fn scene(&self, file: &Path) -> Result<Scene, CliError> {
-        Scene::read_set(file, &self.set).map_err(|error| CliError::Refused(error.to_string()))
+        let read = match file == Path::new(DEFAULT_SCENE) && !file.exists() {
+            true => Scene::parse_set(BUILT_IN[0].1, "the scene that is built in", &self.set),
+            false => Scene::read_set(file, &self.set),
+        };
+        read.map_err(|error| CliError::Refused(error.to_string()))
     }
 
     /// Reads a scene whose machine is to move, and warns of limits that it lacks.

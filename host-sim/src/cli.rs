@@ -8,6 +8,7 @@ use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
+use crate::init::InitArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs};
@@ -37,6 +38,8 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene's job tick by tick at its rate, write a table and figures
     Run(RunArgs),
+    /// Write a scene to begin with
+    Init(InitArgs),
     /// Check a scene or a job, and say what it asks for
     Check(CheckArgs),
     /// Play a board: a scene's service behind a TCP port, in real time

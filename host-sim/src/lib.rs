@@ -22,6 +22,7 @@ pub mod figures;
 pub mod goals;
 pub mod grbl;
 pub mod histogram;
+pub mod init;
 pub mod job_file;
 pub mod key;
 pub mod linkage;

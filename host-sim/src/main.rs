@@ -12,8 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    bridge, check, completions, design, device, eval, goals, grbl, key, linkage, machine, plan,
-    report, run, stream, watch,
+    bridge, check, completions, design, device, eval, goals, grbl, init, key, linkage, machine,
+    plan, report, run, stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         .unwrap_or_else(|| Command::Run(RunArgs::default()));
     let done = match &command {
         Command::Run(args) => run(args),
+        Command::Init(args) => init::command(args).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => check::command(args).map(|()| ExitCode::SUCCESS),
         Command::Device(args) => on_interrupt()
             .and_then(|stop| device::command(args, &stop))

@@ -196,7 +196,11 @@ impl Scene {
         Self::parse_set(text, file, &[])
     }
 
-    fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
+    /// Checks the scene in `text` with `settings` in place of its own values, as [`parse`](Self::parse).
+    ///
+    /// # Errors
+    /// [`SceneError::Refused`] with everything found wrong.
+    pub fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
         let (root, faults) = DeTable::parse_recoverable(text);
         let whole = SceneText::new(text, file, root.get_ref(), settings);
         let document = Document::new(&whole.text, TOP_KEYS).with_parts(whole.parts.clone());

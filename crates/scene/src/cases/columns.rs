@@ -64,27 +64,33 @@ const MOVE: [&str; 8] = ["x0", "xf", "y0", "yf", "a0", "af", "T", "t"];
 impl Columns {
     /// Finds the columns in the header.
     ///
+    /// Columns of other names may stand beside them, but for one that was meant to be a column with a default.
+    ///
     /// # Errors
-    /// Which columns are missing, or which one is there twice.
+    /// Which columns are missing, which one is there twice, or which one has a name that was probably meant otherwise.
     pub fn find(header: &ByteRecord) -> Result<Self, String> {
         let mut finder = Finder {
             header,
             missing: Vec::new(),
             twice: Vec::new(),
+            absent: Vec::new(),
         };
         let columns = Self {
-            case: finder.optional("case"),
+            case: finder.defaulted("case"),
             legs: [1, 2, 3].map(|leg| finder.leg(leg)),
             mass: finder.required("m"),
             inertia: finder.required("I"),
-            link_mass: finder.optional("ml"),
-            gravity: ["gx", "gy"].map(|name| finder.optional(name)),
-            wrench: ["Wx", "Wy", "Wa"].map(|name| finder.optional(name)),
+            link_mass: finder.defaulted("ml"),
+            gravity: ["gx", "gy"].map(|name| finder.defaulted(name)),
+            wrench: ["Wx", "Wy", "Wa"].map(|name| finder.defaulted(name)),
             motion: finder.motion(),
             width: header.len(),
         };
         if let Some(name) = finder.twice.first() {
             return Err(format!("column {name} is there more than once"));
+        }
+        if let Some((name, meant)) = finder.misspelt() {
+            return Err(format!("column {name} is not known; did you mean {meant}?"));
         }
         match finder.missing.as_slice() {
             [] => Ok(columns),
@@ -134,6 +140,8 @@ struct Finder<'a> {
     header: &'a ByteRecord,
     missing: Vec<String>,
     twice: Vec<String>,
+    /// Columns with a default that are not there.
+    absent: Vec<&'static str>,
 }
 
 impl Finder<'_> {
@@ -150,6 +158,29 @@ impl Finder<'_> {
         Some(Column {
             name: name.into(),
             index,
+        })
+    }
+
+    /// A column that has a default: where it is not there, its name is noted.
+    fn defaulted(&mut self, name: &'static str) -> Option<Column> {
+        let found = self.optional(name);
+        if found.is_none() {
+            self.absent.push(name);
+        }
+        found
+    }
+
+    /// A column whose name differs from that of an absent one in capitals, blanks or signs alone, and that one: it would be
+    /// left out silently.
+    fn misspelt(&self) -> Option<(String, &'static str)> {
+        let letters = |name: &[u8]| -> Vec<u8> {
+            let letters = name.iter().filter(|byte| byte.is_ascii_alphanumeric());
+            letters.map(u8::to_ascii_lowercase).collect()
+        };
+        self.header.iter().find_map(|field| {
+            let meant = |name: &&&str| letters(field) == letters(name.as_bytes());
+            let name = String::from_utf8_lossy(field.trim_ascii()).into_owned();
+            self.absent.iter().find(meant).map(|meant| (name, *meant))
         })
     }
 
@@ -231,6 +262,24 @@ mod tests {
             error,
             "columns x, y, alpha, vx, vy, valpha, acx, acy, acalpha are missing"
         );
+    }
+
+    /// Without gravity, a row would have other torques, and no word about it.
+    #[test]
+    fn a_column_that_was_meant_otherwise_is_refused() {
+        for (name, meant) in [("g_y", "gy"), (" GX", "gx"), ("W-a", "Wa"), ("m_l", "ml")] {
+            let mut table = header(&STATE, "");
+            table.push_field(name.as_bytes());
+            let error = Columns::find(&table).unwrap_err();
+            let name = name.trim();
+            assert_eq!(
+                error,
+                format!("column {name} is not known; did you mean {meant}?")
+            );
+            // Beside the column itself it may hold what it wants.
+            table.push_field(meant.as_bytes());
+            assert!(Columns::find(&table).is_ok(), "{name}");
+        }
     }
 
     #[test]
