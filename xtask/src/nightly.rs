@@ -71,6 +71,20 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "ten million poses of a proven workspace",
+            "test",
+            &[
+                "--release",
+                "--package",
+                "trirrr-design",
+                "--test",
+                "workspace",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "169 programs of G-code",
             "test",
             &[
