@@ -101,7 +101,9 @@ pub const MODES: [[Elbow; 3]; 8] = {
 /// # Errors
 /// The machine is refused.
 pub fn job_in(scene: &Scene, factor: f64) -> Result<ModeResult, String> {
-    let machine = pipeline::of_scene::<f64>(scene, Units::SI).map_err(|error| error.to_string())?;
+    // With torques, also where the tick of the scene computes none.
+    let machine = pipeline::build_in::<f64>(&scene.parameters, Units::SI)
+        .map_err(|error| error.to_string())?;
     let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
     let period_s = factor * scene.period_s();
     let mut sums = Sums::default();

@@ -1,6 +1,6 @@
 //! Forces in the nine joints along a job, for bearings and pins.
 
-use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::reaction::Reactions;
 use trirrr_core::tick::Tick;
 use trirrr_scene::{JobPlayer, Scene};
@@ -19,7 +19,7 @@ pub struct JointForce {
 /// # Errors
 /// The machine is refused, or a setpoint of the job has no motion.
 pub fn along_job(scene: &Scene) -> Result<[[JointForce; 3]; 3], String> {
-    scene.model().visit(Along { scene })
+    ModelKind::of(&scene.parameters, true).visit(Along { scene })
 }
 
 struct Along<'a> {

@@ -5,8 +5,9 @@ use std::path::Path;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_design::interval::Interval;
-use trirrr_design::modes::all_modes;
+use trirrr_design::modes::{all_modes, job_in};
 use trirrr_design::ratios::Ratios;
+use trirrr_design::reactions::along_job;
 use trirrr_design::workspace::{CellGrid, Conditions, Workspace};
 use trirrr_scene::{Scene, pipeline};
 
@@ -229,6 +230,36 @@ fn the_mode_of_the_scene_does_the_job_with_its_figures() {
         if let Some(fault) = &mode.fault {
             assert!(!fault.reason.is_empty() && fault.t_s >= 0.0);
         }
+    }
+}
+
+/// A scene for steppers computes no torques in its tick; its design has them.
+#[test]
+fn torques_are_there_for_scenes_without_them() {
+    let scene = scene("plotter.toml");
+    assert!(!scene.torque);
+    let own = job_in(&scene, 1.0)
+        .expect("a machine")
+        .figures
+        .expect("a job");
+    assert!(
+        own.torque_peak_nm.iter().all(|torque| *torque > 0.0),
+        "{own:?}"
+    );
+    let forces = along_job(&scene).expect("a job");
+    assert!(
+        forces
+            .as_flattened()
+            .iter()
+            .all(|force| force.peak_n > force.rms_n && force.rms_n > 0.0)
+    );
+    // Four times as slow, a sixteenth of the torque: there is no gravity.
+    let slow = job_in(&scene, 4.0)
+        .expect("a machine")
+        .figures
+        .expect("a job");
+    for (slow, own) in slow.torque_peak_nm.iter().zip(own.torque_peak_nm) {
+        assert!((16.0 * slow / own - 1.0).abs() < 1e-9);
     }
 }
 
