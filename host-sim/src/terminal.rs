@@ -41,3 +41,29 @@ pub(crate) fn printed(result: io::Result<()>) -> Result<(), CliError> {
         _ => Ok(()),
     }
 }
+
+/// Four digits of a number; an exponent only where zeros would hide the size.
+pub(crate) fn digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".into()
+    } else if (1e-4..1e6).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        assert_eq!(digits(0.012345678), "0.01235");
+        assert_eq!(digits(-123.456), "-123.5");
+        assert_eq!(digits(54321.9), "54322");
+        assert_eq!(digits(1.5e-9), "1.500e-9");
+    }
+}

@@ -124,7 +124,7 @@ fn a_scene_that_is_wrong_in_its_mode_is_studied_in_another() {
     }
 }
 
-/// Where the platform has to turn, less is left; how much is bounded on both sides.
+/// A platform that has to turn has less room; how much is bounded on both sides.
 #[test]
 fn a_turn_leaves_less_room() {
     let folder = TempDir::new().unwrap();

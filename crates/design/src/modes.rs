@@ -66,19 +66,16 @@ impl ModeResult {
     }
 }
 
-/// Does the job of `scene`, the same motion of the platform, in all eight working modes.
+/// Does the job of `scene`, the same motion of the platform, in another working mode.
 ///
 /// # Errors
 /// The machine is refused.
-pub fn all_modes(scene: &Scene) -> Result<Vec<ModeResult>, String> {
-    let of_mode = |elbows: [Elbow; 3]| {
-        let mut changed = scene.clone();
-        for (leg, elbow) in changed.parameters.legs.iter_mut().zip(elbows) {
-            leg.elbow = elbow;
-        }
-        job_in(&changed, 1.0)
-    };
-    MODES.into_iter().map(of_mode).collect()
+pub fn in_mode(scene: &Scene, elbows: [Elbow; 3]) -> Result<ModeResult, String> {
+    let mut changed = scene.clone();
+    for (leg, elbow) in changed.parameters.legs.iter_mut().zip(elbows) {
+        leg.elbow = elbow;
+    }
+    job_in(&changed, 1.0)
 }
 
 /// The eight working modes.

@@ -52,22 +52,17 @@ impl CatalogueMotor {
     /// Largest torque at a speed, N m.
     pub fn torque_at(&self, speed_rad_s: f64) -> f64 {
         let speed = speed_rad_s.abs();
-        let line = (1.0 - speed / self.speed_no_load_rad_s).max(0.0) * self.torque_peak_nm;
-        let Some([first, .., last]) = self.curve.get(..).filter(|curve| curve.len() > 1) else {
-            return line;
+        let [first, _, ..] = &self.curve[..] else {
+            return (1.0 - speed / self.speed_no_load_rad_s).max(0.0) * self.torque_peak_nm;
         };
         if speed <= first[0] {
             return first[1].min(self.torque_peak_nm);
         }
         let pair = self.curve.windows(2).find(|pair| speed <= pair[1][0]);
-        match pair {
-            Some(pair) => {
-                let part = (speed - pair[0][0]) / (pair[1][0] - pair[0][0]);
-                pair[0][1] + part * (pair[1][1] - pair[0][1])
-            }
-            None if speed > last[0] => 0.0,
-            None => last[1],
-        }
+        pair.map_or(0.0, |pair| {
+            let part = (speed - pair[0][0]) / (pair[1][0] - pair[0][0]);
+            pair[0][1] + part * (pair[1][1] - pair[0][1])
+        })
     }
 
     fn fault(&self) -> Option<String> {
@@ -160,7 +155,7 @@ pub struct Candidate {
     pub heat_margin: Option<f64>,
     /// Quotient of the largest speed that is asked for and that without load.
     pub speed_part: f64,
-    /// Inertia of the rotor at the joint, over that of the machine at the joint at the start of the job.
+    /// Inertia of the rotor at the joint, over that which the joints feel along the job.
     pub inertia_ratio: f64,
     /// Work that comes back in braking, J, losses not counted.
     pub regenerated_j: f64,
@@ -173,7 +168,7 @@ impl Candidate {
             .map_or(self.peak_margin, |heat| heat.min(self.peak_margin))
     }
 
-    /// What limits it.
+    /// Reason for the least margin: heat, speed or torque.
     pub fn limited_by(&self) -> &'static str {
         match () {
             () if self.heat_margin.is_some_and(|heat| heat < self.peak_margin) => "heat",
@@ -207,6 +202,9 @@ pub fn candidates(scene: &Scene, motors: &[CatalogueMotor]) -> Result<Vec<Candid
     });
     let points = points.collect::<Result<Vec<JointPoint>, String>>()?;
     let inertia = joint_inertia(&points);
+    let joints = points.iter().flatten();
+    let returned_w = joints.map(|[rate, _, torque]| (-torque * rate).max(0.0));
+    let regenerated_j = returned_w.sum::<f64>() * bare.period_s();
     let mut found: Vec<Candidate> = motors
         .iter()
         .enumerate()
@@ -216,12 +214,16 @@ pub fn candidates(scene: &Scene, motors: &[CatalogueMotor]) -> Result<Vec<Candid
             } else {
                 &GEAR_RATIOS
             };
-            let each = ratios.iter().map(|&gear_ratio| {
-                let candidate = on_job(motor, gear_ratio, &points, bare.period_s());
+            let each = ratios.iter().map(|&gear| {
+                let [peak_margin, heat_margin, speed_part] = margins(motor, gear, &points);
                 Candidate {
                     motor: index,
-                    inertia_ratio: motor.rotor_inertia_kgm2 * gear_ratio * gear_ratio / inertia,
-                    ..candidate
+                    gear_ratio: gear,
+                    peak_margin,
+                    heat_margin: motor.torque_continuous_nm.map(|_| heat_margin),
+                    speed_part,
+                    inertia_ratio: motor.rotor_inertia_kgm2 * gear * gear / inertia,
+                    regenerated_j,
                 }
             });
             each.max_by(|one, other| one.margin().total_cmp(&other.margin()))
@@ -250,11 +252,11 @@ fn joint_inertia(points: &[JointPoint]) -> f64 {
     }
 }
 
-fn on_job(motor: &CatalogueMotor, gear: f64, points: &[JointPoint], period_s: f64) -> Candidate {
+/// Margins of torque and of heat, and the part of the speed, with a gear. Without a continuous torque the margin of heat is none.
+fn margins(motor: &CatalogueMotor, gear: f64, points: &[JointPoint]) -> [f64; 3] {
     let mut peak_margin = f64::INFINITY;
     let mut speed: f64 = 0.0;
     let mut squares = [0.0; 3];
-    let mut regenerated_j = 0.0;
     for point in points {
         for ([rate, acceleration, torque], square) in point.iter().zip(&mut squares) {
             let own = torque / gear + motor.rotor_inertia_kgm2 * gear * acceleration;
@@ -264,7 +266,6 @@ fn on_job(motor: &CatalogueMotor, gear: f64, points: &[JointPoint], period_s: f6
             }
             speed = speed.max(gear * rate.abs());
             *square += own * own;
-            regenerated_j += (-torque * rate).max(0.0) * period_s;
         }
     }
     if speed >= motor.speed_no_load_rad_s {
@@ -272,13 +273,6 @@ fn on_job(motor: &CatalogueMotor, gear: f64, points: &[JointPoint], period_s: f6
     }
     let rms = squares.map(|sum| (sum / points.len().max(1) as f64).sqrt());
     let rms = rms.into_iter().fold(0.0, f64::max);
-    Candidate {
-        motor: 0,
-        gear_ratio: gear,
-        peak_margin,
-        heat_margin: motor.torque_continuous_nm.map(|torque| torque / rms),
-        speed_part: speed / motor.speed_no_load_rad_s,
-        inertia_ratio: 0.0,
-        regenerated_j,
-    }
+    let heat_margin = motor.torque_continuous_nm.unwrap_or(f64::NAN) / rms;
+    [peak_margin, heat_margin, speed / motor.speed_no_load_rad_s]
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_design::interval::Interval;
-use trirrr_design::modes::{all_modes, job_in};
+use trirrr_design::modes::{MODES, in_mode, job_in};
 use trirrr_design::ratios::Ratios;
 use trirrr_design::reactions::along_job;
 use trirrr_design::workspace::{CellGrid, Conditions, Workspace};
@@ -211,7 +211,7 @@ fn ratios_are_those_of_torques_and_of_differences() {
 #[test]
 fn the_mode_of_the_scene_does_the_job_with_its_figures() {
     let scene = scene("engraving.toml");
-    let modes = all_modes(&scene).expect("a machine");
+    let modes = MODES.map(|elbows| in_mode(&scene, elbows).expect("a machine"));
     assert_eq!(modes.len(), 8);
     let own = modes
         .iter()

@@ -3,7 +3,7 @@
 use crate::canvas::{BELOW, Canvas, Draw, LEFT_OF, Size};
 use crate::panel::{axis_title, range};
 use crate::scale::{Axis, Margin};
-use crate::style::{FRAME, GRID, INK};
+use crate::style::{FRAME, GRID, INK, RGBColor};
 
 /// Distance of the grid's lines, about, in logical pixels.
 const INTERVAL: f64 = 80.0;
@@ -60,6 +60,40 @@ impl View {
     /// Returns the upper left corner.
     pub fn corner(&self) -> (f64, f64) {
         (self.left, self.top)
+    }
+
+    /// Fills the square cells of a grid with sides of `side`, whose centres and colours are given by column and row. Cells beside each other in a
+    /// row that have the same colour become one rectangle.
+    ///
+    /// # Errors
+    /// Failures of plotters.
+    pub fn cells(
+        &self,
+        canvas: &Canvas<'_>,
+        ([columns, rows], side): ([usize; 2], f64),
+        centre: impl Fn(usize, usize) -> [f64; 2],
+        colour: impl Fn(usize, usize) -> Option<RGBColor>,
+    ) -> Draw {
+        let half = 0.5 * side;
+        for row in 0..rows {
+            let colours: Vec<_> = (0..columns).map(|column| colour(column, row)).collect();
+            let mut column = 0;
+            for run in colours.chunk_by(|one, other| one == other) {
+                let (first, last) = (column, column + run.len() - 1);
+                column += run.len();
+                let Some(colour) = run[0] else {
+                    continue;
+                };
+                let ([left, y], [right, _]) = (centre(first, row), centre(last, row));
+                let (low, high) = (
+                    self.at([left - half, y - half]),
+                    self.at([right + half, y + half]),
+                );
+                let corners = [low, (high.0, low.1), high, (low.0, high.1)];
+                canvas.polygon(&corners, colour)?;
+            }
+        }
+        Ok(())
     }
 
     /// Draws grid, frame, ticks and the titles of the axes.

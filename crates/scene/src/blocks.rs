@@ -1,7 +1,7 @@
 //! Long paths: planned in blocks, several at a time, each in memory of its own.
 
 use crate::job::{JobMove, Tool};
-use crate::job_path::JobPath;
+use crate::job_path::{Dwell, JobPath};
 use crate::planning::{Unplanned, plan_job};
 use crate::{NumberType, Scene};
 use core::ops::Range;
@@ -125,17 +125,19 @@ fn plan_block(
         piece.source -= first;
     }
     pieces[0].stops = true;
-    let mut dwells = path.dwells.clone();
-    dwells.retain(|dwell| {
-        dwell.source >= first && source(index + 1).is_none_or(|next| dwell.source < next)
+    let end = source(index + 1).unwrap_or(usize::MAX);
+    let own = path
+        .dwells
+        .iter()
+        .filter(|dwell| (first..end).contains(&dwell.source));
+    let dwells = own.map(|dwell| Dwell {
+        source: dwell.source - first,
+        ..*dwell
     });
-    for dwell in &mut dwells {
-        dwell.source -= first;
-    }
     let block = JobPath {
         pieces,
         free: None,
-        dwells,
+        dwells: dwells.collect(),
         tools: path.tools[first..behind].to_vec(),
         ..*path
     };

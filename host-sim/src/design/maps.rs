@@ -1,6 +1,7 @@
 //! Figures of a study.
 
 use super::study::Study;
+use crate::terminal::digits;
 use trirrr_core::machine::Parameters;
 use trirrr_design::ratios::Ratios;
 use trirrr_design::workspace::CellGrid;
@@ -107,34 +108,19 @@ fn map(
     })
 }
 
-/// Runs of cells of one colour in each row, as rectangles.
+/// Cells of `grid`, with colours by their number.
 fn cells(
     canvas: &Canvas<'_>,
     view: &View,
     grid: &CellGrid,
     colour: impl Fn(usize) -> Option<RGBColor>,
 ) -> Draw {
-    let half = 0.5 * grid.cell_m;
-    for row in 0..grid.size[1] {
-        let colours: Vec<_> = (0..grid.size[0])
-            .map(|column| colour(row * grid.size[0] + column))
-            .collect();
-        let mut column = 0;
-        for run in colours.chunk_by(|one, other| one == other) {
-            let (first, last) = (column, column + run.len() - 1);
-            column += run.len();
-            let Some(colour) = run[0] else {
-                continue;
-            };
-            let ([left, y], [right, _]) = (grid.centre_m(first, row), grid.centre_m(last, row));
-            let (low, high) = (
-                view.at([left - half, y - half]),
-                view.at([right + half, y + half]),
-            );
-            canvas.polygon(&[low, (high.0, low.1), high, (low.0, high.1)], colour)?;
-        }
-    }
-    Ok(())
+    view.cells(
+        canvas,
+        (grid.size, grid.cell_m),
+        |column, row| grid.centre_m(column, row),
+        |column, row| colour(row * grid.size[0] + column),
+    )
 }
 
 fn entry(canvas: &Canvas<'_>, top: f64, row: f64, colour: RGBColor, text: &str) -> Draw {
@@ -248,23 +234,14 @@ fn values(study: &Study, title: &str, unit: &str, of: fn(&Ratios) -> f64) -> Dra
                     (x, y + 6.0),
                 ];
                 canvas.polygon(&corners, colour(index))?;
-                let text = format!("from {}", short(edge(index)));
+                let text = format!("from {}", digits(edge(index)));
                 canvas.text(&text, (x + 32.0, y), Size::Tick, RIGHT_OF, INK)?;
             }
             let most = sorted.last().copied().unwrap_or(0.0);
-            let text = format!("each shade has as many cells; up to {}", short(most));
+            let text = format!("each shade has as many cells; up to {}", digits(most));
             canvas.text(&text, (LEFT, top + 44.0), Size::Tick, RIGHT_OF, INK)
         },
     )
-}
-
-/// A number with four digits.
-pub(super) fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let digits = 3 - value.abs().log10().floor() as i32;
-    format!("{value:.*}", digits.clamp(0, 9) as usize)
 }
 
 /// The machine at the start of its job, with the names of its joints and lengths.
@@ -455,7 +432,7 @@ fn modes(study: &Study) -> Drawn {
                 ];
                 canvas.polygon(&corners, colour)?;
             }
-            let peak = short(super::study::largest(figures.torque_peak_nm));
+            let peak = digits(super::study::largest(figures.torque_peak_nm));
             canvas.text(
                 &format!("{peak} N m"),
                 (left + 30.0, floor + 30.0),

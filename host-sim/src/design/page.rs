@@ -1,9 +1,9 @@
 //! A study as a page that opens from disk: one file, with its figures in it.
 
 use super::DesignArgs;
-use super::maps::short;
 use super::study::Study;
 use super::text::{MODE_HEADS, MOTOR_HEADS, area, connected_m2, mode_cells, motor_cells};
+use crate::terminal::digits;
 use std::fmt::Write;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
@@ -80,8 +80,8 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
             let _ = write!(
                 page,
                 "<td>{}</td><td>{}</td>",
-                short(force.peak_n),
-                short(force.rms_n)
+                digits(force.peak_n),
+                digits(force.rms_n)
             );
         }
         page += "</tr>\n";

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use trirrr_core::machine::Elbow;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
-use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, all_modes, job_in};
+use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, in_mode, job_in};
 use trirrr_design::motors::{Candidate, CatalogueMotor, SHIPPED, candidates, read_catalogue};
 use trirrr_design::ratios::Ratios;
 use trirrr_design::reactions::{JointForce, along_job};
@@ -189,7 +189,7 @@ impl Study {
 
     /// The mode of the scene.
     pub(super) fn own_mode(&self) -> [Elbow; 3] {
-        self.scene.parameters.legs.each_ref().map(|leg| leg.elbow)
+        elbows_of(&self.scene)
     }
 
     /// The feasible mode with the least peak torque.
@@ -225,27 +225,21 @@ fn modes(args: &DesignArgs) -> Result<(Scene, Vec<ModeRow>), CliError> {
     let own = args.set.scene(&args.scene);
     let mut read = Vec::new();
     for elbows in MODES {
-        let mut set = args.set.clone();
-        for (leg, elbow) in elbows.into_iter().enumerate() {
-            let setting = format!("machine.leg[{}].elbow={}", leg + 1, elbow.sign());
-            set.set.push(
-                setting
-                    .parse()
-                    .map_err(|_| CliError::Failed(format!("{setting} is no setting")))?,
-            );
-        }
-        read.push((elbows, set.scene(&args.scene)));
+        read.push(match &own {
+            // Its own mode is read, and planned, already.
+            Ok(scene) if elbows_of(scene) == elbows => Ok(scene.clone()),
+            _ => with_elbows(args, elbows)?,
+        });
     }
     let scene = match own {
         Ok(scene) => scene,
-        Err(refusal) => match read.iter().find_map(|(_, scene)| scene.as_ref().ok()) {
+        Err(refusal) => match read.iter().find_map(|scene| scene.as_ref().ok()) {
             Some(scene) => scene.clone(),
             None => return Err(refusal),
         },
     };
-    let failed = |reason: String| CliError::Failed(reason);
-    let same_motion = all_modes(&scene).map_err(failed)?;
-    let rows = read.into_iter().zip(same_motion).map(|((_, read), same)| {
+    let rows = MODES.into_iter().zip(read).map(|(elbows, read)| {
+        let failed = CliError::Failed;
         Ok(match read {
             Ok(scene) => ModeRow {
                 result: job_in(&scene, 1.0).map_err(failed)?,
@@ -253,7 +247,7 @@ fn modes(args: &DesignArgs) -> Result<(Scene, Vec<ModeRow>), CliError> {
                 refusal: None,
             },
             Err(refusal) => ModeRow {
-                result: same,
+                result: in_mode(&scene, elbows).map_err(failed)?,
                 duration_s: None,
                 refusal: refusal.to_string().lines().next().map(str::to_owned),
             },
@@ -261,4 +255,22 @@ fn modes(args: &DesignArgs) -> Result<(Scene, Vec<ModeRow>), CliError> {
     });
     let rows = rows.collect::<Result<Vec<_>, CliError>>()?;
     Ok((scene, rows))
+}
+
+/// The scene with other elbows, as the reader takes or refuses it.
+fn with_elbows(args: &DesignArgs, elbows: [Elbow; 3]) -> Result<Result<Scene, CliError>, CliError> {
+    let mut set = args.set.clone();
+    for (leg, elbow) in elbows.into_iter().enumerate() {
+        let setting = format!("machine.leg[{}].elbow={}", leg + 1, elbow.sign());
+        set.set.push(
+            setting
+                .parse()
+                .map_err(|_| CliError::Failed(format!("{setting} is no setting")))?,
+        );
+    }
+    Ok(set.scene(&args.scene))
+}
+
+fn elbows_of(scene: &Scene) -> [Elbow; 3] {
+    scene.parameters.legs.each_ref().map(|leg| leg.elbow)
 }

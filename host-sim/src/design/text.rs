@@ -1,8 +1,8 @@
 //! A study as text, JSON and a table.
 
 use super::DesignArgs;
-use super::maps::short;
 use super::study::{ModeRow, Study, largest};
+use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub(super) fn connected_m2(study: &Study) -> f64 {
 
 /// Cells of a row of the table of modes, after its name.
 pub(super) fn mode_cells(row: &ModeRow) -> [String; 8] {
-    let number = |value: Option<f64>| value.map_or("-".into(), short);
+    let number = |value: Option<f64>| value.map_or("-".into(), digits);
     let figures = row.result.figures.filter(|_| row.is_feasible());
     let of =
         |value: fn(&trirrr_design::modes::ModeFigures) -> f64| number(figures.as_ref().map(value));
@@ -73,12 +73,12 @@ pub(super) fn motor_cells((motor, candidate): &(CatalogueMotor, Candidate)) -> [
     [
         candidate.gear_ratio.to_string(),
         motor.supply_v.to_string(),
-        short(candidate.peak_margin),
-        candidate.heat_margin.map_or("-".into(), short),
+        digits(candidate.peak_margin),
+        candidate.heat_margin.map_or("-".into(), digits),
         candidate.limited_by().into(),
-        short(candidate.speed_part),
+        digits(candidate.speed_part),
         match motor.rotor_inertia_kgm2 > 0.0 {
-            true => short(candidate.inertia_ratio),
+            true => digits(candidate.inertia_ratio),
             false => "-".into(),
         },
     ]
@@ -165,8 +165,8 @@ pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> St
             let _ = writeln!(
                 text,
                 "{name:<8} {:>9} {:>10}",
-                short(force.peak_n),
-                short(force.rms_n)
+                digits(force.peak_n),
+                digits(force.rms_n)
             );
         }
     }

@@ -118,34 +118,17 @@ impl Preview<'_> {
         places.collect()
     }
 
-    /// The reach: a rectangle for each run of nodes of the same shade in a row.
     fn reach(&self, canvas: &Canvas<'_>, view: &View) -> Draw {
-        let [columns, rows] = self.reach.size();
-        let half = 0.5 * self.reach.step_m();
-        for row in 0..rows {
-            let shades: Vec<_> = (0..columns)
-                .map(|column| self.reach.margin(column, row).map(shade))
-                .collect();
-            let mut column = 0;
-            for run in shades.chunk_by(|one, other| one == other) {
-                let (first, last) = (column, column + run.len() - 1);
-                column += run.len();
-                let Some(shade) = run[0] else {
-                    continue;
-                };
-                let ([left, y], [right, _]) = (
-                    self.reach.place_m(first, row),
-                    self.reach.place_m(last, row),
-                );
-                let (low, high) = (
-                    view.at([left - half, y - half]),
-                    view.at([right + half, y + half]),
-                );
-                let corners = [low, (high.0, low.1), high, (low.0, high.1)];
-                canvas.polygon(&corners, faded(GREEN, SHADES[shade].1))?;
-            }
-        }
-        Ok(())
+        let reach = self.reach;
+        view.cells(
+            canvas,
+            (reach.size(), reach.step_m()),
+            |column, row| reach.place_m(column, row),
+            |column, row| {
+                let shade = shade(reach.margin(column, row)?);
+                Some(faded(GREEN, SHADES[shade].1))
+            },
+        )
     }
 
     fn legend(&self, canvas: &Canvas<'_>, top: f64) -> Draw {
@@ -175,7 +158,7 @@ impl Preview<'_> {
     }
 }
 
-/// What is worked without a gap, until it is long enough to be seen.
+/// Chain of worked pieces without a gap, until it is long enough to be seen.
 #[derive(Default)]
 struct Stroke {
     points: Vec<(f64, f64)>,

@@ -33,7 +33,7 @@ pub struct JobFileArgs {
     /// What a drawing or a table leaves open.
     #[command(flatten)]
     pub drawing: DrawingArgs,
-    /// What an image leaves open.
+    /// Size, pitch and tones of an image.
     #[command(flatten)]
     pub image: ImageArgs,
 }

@@ -1,10 +1,11 @@
 //! The part of a run that simulates the scene's plant.
 
-use super::summary::{digits, line, seconds};
+use super::summary::{line, seconds};
 use crate::failure::CliError;
 use crate::figures::PlantTraces;
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
+use crate::terminal::digits;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;

@@ -3,6 +3,7 @@
 use super::{JobEnd, RunReport};
 use crate::histogram::Histogram;
 use crate::recording::At;
+use crate::terminal::digits;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
@@ -205,28 +206,12 @@ fn quantity(value: f64, unit: &str) -> String {
     format!("{} {unit}", digits(value))
 }
 
-pub(super) fn digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".into()
-    } else if (1e-4..1e6).contains(&size) {
-        let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_four_digits() {
-        assert_eq!(digits(0.012345678), "0.01235");
-        assert_eq!(digits(-123.456), "-123.5");
-        assert_eq!(digits(54321.9), "54322");
-        assert_eq!(digits(1.5e-9), "1.500e-9");
+    fn quantities_have_a_unit() {
         assert_eq!(quantity(0.0, "W"), "0 W");
     }
 

@@ -81,7 +81,7 @@ impl CellGrid {
     }
 }
 
-/// What is proven of a cell, in parts of its area.
+/// Proven and open parts of a cell's area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellShare {
     /// Proven to keep the conditions.

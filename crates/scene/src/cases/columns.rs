@@ -67,7 +67,7 @@ impl Columns {
     /// Columns of other names may stand beside them, but for one that was meant to be a column with a default.
     ///
     /// # Errors
-    /// Which columns are missing, which one is there twice, or which one has a name that was probably meant otherwise.
+    /// Columns that are missing, one that is there twice, or one whose name was probably meant otherwise.
     pub fn find(header: &ByteRecord) -> Result<Self, String> {
         let mut finder = Finder {
             header,

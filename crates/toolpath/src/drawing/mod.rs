@@ -120,10 +120,8 @@ impl Drawing {
     /// Leaves out the strokes and areas that no pen draws.
     pub fn leave_out(&mut self, setup: &DrawingSetup) {
         let shapes = &self.shapes;
-        let drawn = |shape: usize, colour| {
-            let layer = shapes.get(shape).map_or("", |shape| &shape.layer);
-            setup.pen_of(layer, colour).work.is_some()
-        };
+        let drawn =
+            |shape: usize, colour| setup.pen_of(layer(shapes, shape), colour).work.is_some();
         self.strokes
             .retain(|stroke| drawn(stroke.shape, stroke.colour));
         self.areas.retain(|area| drawn(area.shape, area.colour));
@@ -144,11 +142,7 @@ impl Drawing {
             })
         };
         for (index, stroke) in self.strokes.iter().enumerate() {
-            let layer = self
-                .shapes
-                .get(stroke.shape)
-                .map_or("", |shape| &shape.layer);
-            let pen = setup.pen_of(layer, stroke.colour);
+            let pen = setup.pen_of(layer(&self.shapes, stroke.shape), stroke.colour);
             let line = 2 * index as u32 + 1;
             elements.push(Element {
                 line,
@@ -194,4 +188,9 @@ impl Drawing {
             (name, layer) => format!("{way}shape {number} ({name}, layer {layer})"),
         }
     }
+}
+
+/// Layer of a shape, possibly none: "".
+fn layer(shapes: &[Shape], shape: usize) -> &str {
+    shapes.get(shape).map_or("", |shape| &shape.layer)
 }

@@ -1,7 +1,8 @@
 //! The bounds of a run, for a reader.
 
 use super::Bounded;
-use crate::run::summary::{digits, line};
+use crate::run::summary::line;
+use crate::terminal::digits;
 use std::io::{self, Write};
 use trirrr_tolerances::{Margin, Parameter, TimeSpan};
 

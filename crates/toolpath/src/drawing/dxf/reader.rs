@@ -168,24 +168,16 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
         let flat = |normal: &Vector| Ok(frame.place.after(&facing(normal, named)?));
         let (start, curves) = match entity {
             EntityType::Line(line) => polygon(&frame.place, &[&line.p1, &line.p2], false),
-            EntityType::Solid(solid) => {
-                let corners = [
-                    &solid.first_corner,
-                    &solid.second_corner,
-                    &solid.fourth_corner,
-                    &solid.third_corner,
-                ];
-                polygon(&flat(&solid.extrusion_direction)?, &corners, true)
-            }
-            EntityType::Trace(trace) => {
-                let corners = [
-                    &trace.first_corner,
-                    &trace.second_corner,
-                    &trace.fourth_corner,
-                    &trace.third_corner,
-                ];
-                polygon(&flat(&trace.extrusion_direction)?, &corners, true)
-            }
+            EntityType::Solid(each) => quadrangle(
+                &flat(&each.extrusion_direction)?,
+                [&each.first_corner, &each.second_corner],
+                [&each.third_corner, &each.fourth_corner],
+            ),
+            EntityType::Trace(each) => quadrangle(
+                &flat(&each.extrusion_direction)?,
+                [&each.first_corner, &each.second_corner],
+                [&each.third_corner, &each.fourth_corner],
+            ),
             EntityType::Arc(arc) => {
                 let [from, to] = [arc.start_angle, arc.end_angle].map(f64::to_radians);
                 round(
@@ -285,6 +277,11 @@ type Course = ([f64; 2], Vec<crate::drawing::StrokeCurve>);
 fn polygon(place: &Affine, corners: &[&Point], is_closed: bool) -> Course {
     let corners = corners.iter().map(|corner| (xy(corner), 0.0));
     polyline(place, corners.collect(), is_closed)
+}
+
+/// Outline of a solid: the file has its corners side by side, from below and from above.
+fn quadrangle(place: &Affine, below: [&Point; 2], above: [&Point; 2]) -> Course {
+    polygon(place, &[below[0], below[1], above[1], above[0]], true)
 }
 
 /// Line through vertices, each with the bulge of the way behind it.
