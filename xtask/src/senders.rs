@@ -3,18 +3,27 @@
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, ensure};
+use std::path::Path;
 use std::process::Command;
 
 /// Version of bCNC that the driver was written for.
 const BCNC: &str = "bCNC==0.9.16";
 
+/// Version of cncjs that the driver was written for.
+const CNCJS: &str = "cncjs@1.11.5";
+
 pub(crate) fn run() -> Result<()> {
     let trirrr = Programs::build()?.trirrr;
     let folder = target_directory().join("senders");
+    bcnc(&folder, &trirrr)?;
+    cncjs(&folder.join("cncjs"), &trirrr)
+}
+
+fn bcnc(folder: &Path, trirrr: &Path) -> Result<()> {
     let python = folder.join("bin/python");
     if !python.exists() {
         let mut venv = Command::new("python3");
-        succeed(venv.args(["-m", "venv"]).arg(&folder), "a place for bCNC")?;
+        succeed(venv.args(["-m", "venv"]).arg(folder), "a place for bCNC")?;
     }
     let mut install = Command::new(&python);
     install.args(["-m", "pip", "install", "--quiet", BCNC]);
@@ -22,6 +31,17 @@ pub(crate) fn run() -> Result<()> {
     let mut driver = Command::new(&python);
     driver.arg(root().join("tests/senders/bcnc.py")).arg(trirrr);
     succeed(&mut driver, "bCNC")
+}
+
+fn cncjs(folder: &Path, trirrr: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let mut install = Command::new("npm");
+    install.args(["install", "--silent", "--no-audit", "--no-fund", "--prefix"]);
+    install.arg(folder).arg(CNCJS);
+    succeed(&mut install, "the installation of cncjs")?;
+    let mut driver = Command::new("node");
+    driver.arg(root().join("tests/senders/cncjs.js"));
+    succeed(driver.arg(folder).arg(trirrr), "cncjs")
 }
 
 fn succeed(command: &mut Command, what: &str) -> Result<()> {

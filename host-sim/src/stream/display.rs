@@ -28,7 +28,7 @@ impl Display {
     pub(super) fn new(ticks: u64, torque: bool) -> Self {
         let bar = io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(ticks), ProgressDrawTarget::stderr());
-            match ProgressStyle::with_template("{wide_bar} {percent:>3} %\n{msg}") {
+            match ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left\n{msg}") {
                 Ok(style) => bar.with_style(style),
                 Err(_) => bar,
             }
@@ -57,18 +57,20 @@ impl Display {
         }
     }
 
-    /// The latest values; `at` ticks of the job are over.
-    pub(super) fn values(&mut self, at: u64, record: &Record) {
+    /// The latest values; `at` ticks of the job are over. `queued` are the moves that the machine holds, and the most that it
+    /// holds.
+    pub(super) fn values(&mut self, at: u64, record: &Record, queued: Option<[u16; 2]>) {
         if let Some(bar) = &self.bar {
             bar.set_position(at);
-            bar.set_message(values(record, self.torque));
+            bar.set_message(values(record, self.torque, queued));
             return;
         }
         let now = Instant::now();
         if now >= self.next {
             self.next = now + LINES;
             let percent = 100 * at / self.ticks.max(1);
-            self.note(&format!("{percent} %, {}", values(record, self.torque)));
+            let values = values(record, self.torque, queued);
+            self.note(&format!("{percent} %, {values}"));
         }
     }
 
@@ -81,15 +83,20 @@ impl Display {
 }
 
 /// One line of values.
-fn values(record: &Record, torque: bool) -> String {
+fn values(record: &Record, torque: bool, queued: Option<[u16; 2]>) -> String {
     let [x, y, alpha] = record.pose;
+    let [vx, vy, _] = record.velocity;
     let torques = match (torque, record.legs.map(|leg| leg.torque)) {
         (true, [t1, t2, t3]) => format!(" torques {t1:.4} {t2:.4} {t3:.4} N m,"),
         (false, _) => String::new(),
     };
+    let queued = queued.map_or(String::new(), |[held, most]| {
+        format!(", {held} of {most} moves queued")
+    });
     format!(
-        "t {:.3} s, x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad,{torques} tool {:.0} %",
+        "t {:.3} s, x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad, {:.4} m/s,{torques} tool {:.0} %{queued}",
         record.t,
+        vx.hypot(vy),
         100.0 * record.tool
     )
 }
@@ -103,17 +110,19 @@ mod tests {
         let record = Record {
             t: 1.25,
             pose: [0.25, -0.5, 1.0],
+            velocity: [0.03, -0.04, 1.0],
             tool: 0.6,
             ..Record::default()
         };
         assert_eq!(
-            values(&record, true),
-            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, \
+            values(&record, true, None),
+            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, 0.0500 m/s, \
              torques 0.0000 0.0000 0.0000 N m, tool 60 %"
         );
         assert_eq!(
-            values(&record, false),
-            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, tool 60 %"
+            values(&record, false, Some([200, 256])),
+            "t 1.250 s, x 0.2500 m, y -0.5000 m, alpha 1.0000 rad, 0.0500 m/s, tool 60 %, \
+             200 of 256 moves queued"
         );
     }
 }

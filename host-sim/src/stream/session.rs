@@ -177,7 +177,8 @@ impl<N: Transmit> Session<'_, N> {
             drives.command(sample)?;
         }
         let before = self.before.get(index as usize).copied().unwrap_or(0);
-        self.display.values(before + u64::from(sample.at), &record);
+        let at = before + u64::from(sample.at);
+        self.display.values(at, &record, self.client.queued());
         Ok(())
     }
 

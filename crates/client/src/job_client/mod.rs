@@ -288,6 +288,12 @@ impl<N: Transmit> JobClient<N> {
         dry.map_or(0, |dry| dry.wrapping_sub(self.dry_before))
     }
 
+    /// Returns the moves that the machine holds behind the one under way, and the most that it holds, as of the last status.
+    pub fn queued(&self) -> Option<[u16; 2]> {
+        let (identity, status) = (self.identity.as_ref()?, self.status.as_ref()?);
+        Some([identity.queue.saturating_sub(status.room), identity.queue])
+    }
+
     /// Returns the number of requests that had to be sent again.
     pub fn repeated(&self) -> u64 {
         self.exchange.repeated()
