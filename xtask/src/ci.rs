@@ -26,6 +26,13 @@ const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Examples that end only with a board at the other end of a port.
 const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
+/// Programs that install and run senders of G-code, and what they are asked.
+const SENDERS_NEED: [(&str, &[&str]); 3] = [
+    ("python3", &["-c", "import tkinter, ensurepip"]),
+    ("node", &["--version"]),
+    ("npm", &["--version"]),
+];
+
 pub(crate) fn run() -> Result<()> {
     check_tools()?;
     let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?;
@@ -58,6 +65,11 @@ fn check_tools() -> Result<()> {
             .join(core.target);
         if !library.is_dir() {
             missing.push(format!("rustup target add {}", core.target));
+        }
+    }
+    for (program, arguments) in SENDERS_NEED {
+        if !answers(program, arguments) {
+            missing.push(format!("{program} {}", arguments.join(" ")));
         }
     }
     if !answers("rustup", &["run", OLDEST_TOOLCHAIN, "cargo", "--version"]) {
@@ -215,7 +227,7 @@ fn figures() -> [Step; 4] {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> [Step; 5] {
+fn programs() -> [Step; 6] {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -231,6 +243,7 @@ fn programs() -> [Step; 5] {
         simulator("a scene run", &run, "thesis"),
         simulator("a batch evaluation", &eval, "extreme.csv"),
         Step::cargo("the Python client", &["xtask", "client"]),
+        Step::cargo("senders of G-code", &["xtask", "senders"]),
         Step::cargo("the emulated board", &board),
     ]
 }

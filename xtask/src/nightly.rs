@@ -234,7 +234,6 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
-        Step::cargo("senders of G-code", &["xtask", "senders"]),
         Step::on_host(
             "ten million ticks",
             "test",

@@ -1,5 +1,6 @@
 //! `cargo xtask senders`: programs that send G-code, as their users have them, against `trirrr grbl`.
 
+use crate::parallel;
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, ensure};
@@ -12,11 +13,18 @@ const BCNC: &str = "bCNC==0.9.16";
 /// Version of cncjs that the driver was written for.
 const CNCJS: &str = "cncjs@1.11.5";
 
+/// Installs a sender into a folder, and drives it against the program.
+type Sender = fn(&Path, &Path) -> Result<()>;
+
 pub(crate) fn run() -> Result<()> {
     let trirrr = Programs::build()?.trirrr;
     let folder = target_directory().join("senders");
-    bcnc(&folder, &trirrr)?;
-    cncjs(&folder.join("cncjs"), &trirrr)
+    // Both at a time: installing waits for a network, driving for motions.
+    let senders: [(&str, Sender); 2] = [("bcnc", bcnc), ("cncjs", cncjs)];
+    parallel::map(senders.len(), &senders, |(name, drive)| {
+        drive(&folder.join(name), &trirrr)
+    })?;
+    Ok(())
 }
 
 fn bcnc(folder: &Path, trirrr: &Path) -> Result<()> {
@@ -36,7 +44,8 @@ fn bcnc(folder: &Path, trirrr: &Path) -> Result<()> {
 fn cncjs(folder: &Path, trirrr: &Path) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut install = Command::new("npm");
-    install.args(["install", "--silent", "--no-audit", "--no-fund", "--prefix"]);
+    install.args(["install", "--silent", "--no-audit", "--no-fund"]);
+    install.arg("--prefix");
     install.arg(folder).arg(CNCJS);
     succeed(&mut install, "the installation of cncjs")?;
     let mut driver = Command::new("node");
