@@ -141,7 +141,8 @@ fn all_points(scene: &Scene, job: &PlannedJob) -> Vec<PlanPoint> {
 
 /// Seconds for which the machine stands in `dwells`.
 fn stands_s<'a>(scene: &Scene, dwells: impl Iterator<Item = &'a Dwell>) -> f64 {
-    scene.period_s() * dwells.map(|each| f64::from(each.ticks)).sum::<f64>()
+    let ticks: u64 = dwells.map(|each| u64::from(each.ticks)).sum();
+    scene.period_s() * ticks as f64
 }
 
 /// Writes tables and the figure; the files.
@@ -295,7 +296,7 @@ fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
     let runs = plan.runs.iter().map(|run| {
         json!({
             "duration_s": run.duration_s,
-            "least_s": run.least_s,
+            "lower_bound_s": run.least_s,
             "cells": run.cells.len(),
         })
     });
@@ -304,9 +305,9 @@ fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
         "scene": scene.name,
         "moves": job.moves.moves.len() + job.path.dwells.len(),
         "ticks": job.ticks(),
-        "played_s": job.ticks() as f64 * scene.period_s(),
+        "time_s": job.ticks() as f64 * scene.period_s(),
         "duration_s": stands + plan.duration_s(),
-        "least_s": stands + plan.least_s(),
+        "lower_bound_s": stands + plan.least_s(),
         "dwells_s": stands,
         "longest_stop_s": longest.map(|longest| longest.time_s),
         "longest_stop_m": longest.map(|longest| longest.way_m),

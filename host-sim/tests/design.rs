@@ -132,8 +132,8 @@ fn a_turn_leaves_less_room() {
     let area = |turn: &str| {
         let arguments = ["design", &thesis, "--json", "--cells", "64", "--turn", turn];
         let design = json(&trirrr(&folder, &arguments));
-        let bounds = &design["workspace"]["area_m2"];
-        [0, 1].map(|bound| bounds[bound].as_f64().unwrap())
+        let bounds = ["area_lower_m2", "area_upper_m2"];
+        bounds.map(|bound| design["workspace"][bound].as_f64().unwrap())
     };
     let (none, little, much) = (area("0"), area("10"), area("40"));
     assert!(

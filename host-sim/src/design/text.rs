@@ -209,21 +209,33 @@ pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
                 "time_at_limits": figures.time_at_limits,
             })
         });
+        // Of a mode that ends early, the peaks of a part would be taken for those of the job.
+        let whole = row.result.figures.filter(|_| row.is_feasible());
+        let greatest = |of_motors: [f64; 3]| of_motors.into_iter().fold(0.0, f64::max);
         json!({
             "elbows": row.result.elbows.map(|elbow| elbow.sign() as i32),
             "feasible": row.is_feasible(),
+            "peak_torque_nm": whole.map(|figures| greatest(figures.torque_peak_nm)),
+            "rms_torque_nm": whole.map(|figures| greatest(figures.torque_rms_nm)),
             "reason": row.reason(),
             "duration_s": row.duration_s,
             "figures": figures,
         })
     };
-    let map = |map: &trirrr_design::workspace::Workspace| json!({ "area_m2": map.area_m2(), "undecided": map.undecided() });
+    let map = |map: &trirrr_design::workspace::Workspace| {
+        let [lower, upper] = map.area_m2();
+        json!({
+            "alpha_rad": study.alpha_rad,
+            "area_lower_m2": lower,
+            "area_upper_m2": upper,
+            "undecided": map.undecided(),
+        })
+    };
     json!({
         "scene": study.scene.name,
         "elbows": study.own_mode().map(|elbow| elbow.sign() as i32),
         "best_elbows": study.best_mode().map(|row| row.result.elbows.map(|elbow| elbow.sign() as i32)),
         "modes": study.modes.iter().map(mode).collect::<Vec<_>>(),
-        "alpha_rad": study.alpha_rad,
         "turn_rad": args.turn.to_radians(),
         "cells": study.work.grid.size,
         "reach": map(&study.reach),
