@@ -14,7 +14,7 @@ pub use plant::Simulated;
 
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::job_file::{self, QueuedJob};
+use crate::job_file::{self, LongMoves, QueuedJob};
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
@@ -122,7 +122,13 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
-    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    let jobs = job_file::load_queue(
+        &args.scene,
+        &args.then,
+        &args.job,
+        LongMoves::InMemory,
+        args.out.as_deref(),
+    )?;
     jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
     for QueuedJob { file, job, folder } in &jobs {
         let end = run_job(args, file, &job.scene, folder, stop)?;

@@ -14,7 +14,7 @@ pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
-use crate::job_file::{self, LoadedJob, QueuedJob};
+use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -54,7 +54,13 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    let jobs = job_file::load_queue(
+        &args.scene,
+        &args.then,
+        &args.job,
+        LongMoves::InMemory,
+        args.out.as_deref(),
+    )?;
     let scalar = |job: &LoadedJob| args.scalar.unwrap_or(job.scene.number);
     for QueuedJob { file, job, .. } in &jobs {
         in_number_type!(scalar(job), N => {
