@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// Chords along circles: more of them than are held in memory.
@@ -60,6 +61,19 @@ fn rows(folder: &TempDir, out: &str) -> Vec<String> {
     table.lines().skip(1).map(behind).collect()
 }
 
+/// Waits until the journal of the stream says that the machine has reached a move.
+fn reach(folder: &TempDir, index: u64) {
+    let journal = folder.path().join("stream/job.json");
+    loop {
+        let text = fs::read_to_string(&journal).unwrap_or_default();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        if value["reached"]["index"].as_u64() >= Some(index) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// The host is killed on the way, then host and machine: each time the job goes on at its place, and ends as one that was never left.
 #[test]
 fn a_long_job_goes_on_on_a_machine_that_waits_and_on_one_that_has_lost_it() {
@@ -67,18 +81,23 @@ fn a_long_job_goes_on_on_a_machine_that_waits_and_on_one_that_has_lost_it() {
     let output = command(&folder, "run", &["--fast"]).output().unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
     let whole = rows(&folder, "run");
+    let summary = text(&output.stdout);
+    let moves = summary.lines().find_map(|line| {
+        let (count, _) = line.strip_prefix("job ")?.split_once(" moves")?;
+        count.trim().parse().ok()
+    });
+    let moves: u64 = moves.expect("a number of moves");
 
     let mut device = Device::start(&folder, &[]);
     let (stream, _lines) = start(&folder, &device.address, &[]);
-    device.lines.wait_for("running");
-    std::thread::sleep(std::time::Duration::from_secs(1));
+    reach(&folder, moves / 5);
     stream.kill();
     device.lines.wait_for("holding (host silent)");
 
     // It waits: the job goes on at the very bit.
     let (stream, _lines) = start(&folder, &device.address, &["--resume"]);
-    device.lines.wait_for("running");
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    // In the second of three blocks.
+    reach(&folder, moves / 2);
     stream.kill();
     device.process.kill();
 
