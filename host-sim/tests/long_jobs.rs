@@ -128,6 +128,7 @@ fn a_line_near_the_end_of_a_long_job_is_refused_before_anything_moves() {
 
 /// In another time through the file, too: the way back is a part of it.
 #[test]
+#[ignore = "plans a long job twice: part of `cargo xtask nightly`"]
 fn a_short_file_that_is_played_often_is_a_long_job() {
     let folder = TempDir::new().unwrap();
     write_job(&folder.path().join("long.ngc"), 900);

@@ -148,7 +148,7 @@ fn moves_in_a_file_are_those_in_memory() {
 #[test]
 fn a_path_that_is_refused_leaves_the_job_as_it_was() {
     let machine = Scene::parse(ENGRAVING, "engraving.toml").unwrap();
-    let mut far = chords(&machine, 13_000);
+    let mut far = chords(&machine, 8800);
     let number = far.pieces.len() - 100;
     for each in &mut far.pieces[number..] {
         // Out of reach.
