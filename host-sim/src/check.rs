@@ -1,7 +1,7 @@
 //! `trirrr check`: reads a scene or a job and says what is wrong with it, or what it asks for.
 
 use crate::failure::CliError;
-use crate::job_file::{self, JobFileArgs, LoadedJob};
+use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::terminal::print;
 use clap::Args;
 use serde_json::json;
@@ -33,7 +33,12 @@ pub struct CheckArgs {
 /// # Errors
 /// Refused: everything that is found wrong, each with its line.
 pub fn command(args: &CheckArgs) -> Result<(), CliError> {
-    let job = job_file::load_drawn(&args.scene, &args.job, args.figure.as_deref())?;
+    let job = job_file::load_drawn(
+        &args.scene,
+        &args.job,
+        LongMoves::InFile,
+        args.figure.as_deref(),
+    )?;
     job.warn_of_pauses();
     let LoadedJob { scene, pauses, .. } = job;
     let text = match args.json {
@@ -44,7 +49,7 @@ pub fn command(args: &CheckArgs) -> Result<(), CliError> {
 }
 
 fn as_text(scene: &Scene) -> String {
-    let moves = scene.job.moves.len();
+    let moves = scene.job.count();
     let duration_s = f64::from(scene.ticks()) * scene.period_s();
     let mut text = format!(
         "{}: good\n{moves} {}, {duration_s} s: {} ticks at {} Hz in {}\n",
@@ -68,7 +73,7 @@ fn as_json(scene: &Scene, pauses: &[u32]) -> serde_json::Value {
         "key": scene.key,
         "number": scene.number.name(),
         "tick_rate_hz": scene.tick_rate_hz,
-        "moves": scene.job.moves.len(),
+        "moves": scene.job.count(),
         "ticks": scene.ticks(),
         "duration_s": f64::from(scene.ticks()) * scene.period_s(),
         "longest_stop_s": longest.map(|longest| longest.time_s),

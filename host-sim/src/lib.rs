@@ -35,5 +35,6 @@ pub mod results;
 pub mod run;
 pub mod serve;
 pub mod stream;
+mod supply;
 pub mod terminal;
 pub mod watch;

@@ -2,7 +2,7 @@
 
 use crate::failure::CliError;
 use crate::figures::PlanTraces;
-use crate::job_file::{self, JobFileArgs, LoadedJob};
+use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
@@ -51,7 +51,7 @@ fn gap(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Refused: the scene, or it has no path. Failed: a file cannot be written.
 pub fn command(args: &PlanArgs) -> Result<(), CliError> {
-    let job = job_file::load(&args.scene, &args.job)?;
+    let job = job_file::load(&args.scene, &args.job, LongMoves::InMemory)?;
     job.warn_of_pauses();
     let LoadedJob { scene, .. } = job;
     let name = args.scene.display();

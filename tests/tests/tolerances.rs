@@ -48,6 +48,7 @@ impl Uncertain {
                     tool: None,
                 }],
                 path: None,
+                spool: None,
             },
             ..Scene::parse(THESIS, "thesis.toml").expect("the thesis scene")
         }

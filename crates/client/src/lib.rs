@@ -33,5 +33,5 @@ pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{Action, JobClient, JobWork, UserCommand};
+pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand};
 pub use resume::{JobPlace, JobRest};

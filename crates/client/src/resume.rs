@@ -4,6 +4,7 @@
 //! speeds of the job. So whatever was proven of the job is proven of the way back, and the machine passes the place in the very
 //! motion in which it would have passed it. There the tool goes on.
 
+use core::convert::Infallible;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
 use trirrr_protocol::message::{AnyMove, Move};
@@ -24,48 +25,81 @@ pub struct JobRest<N: Number> {
     from: JobPlace,
     /// Moves of the way back to the place.
     lead: u32,
+    /// Index in the whole job of the move behind these.
+    next: u32,
 }
 
 impl<N: Number> JobRest<N> {
     /// The rest of the job of `moves` from the place `from` on, and the way to there, on a machine with the tick period `period`, in
     /// its own units. Behind the end of the job nothing is left.
     pub fn new(moves: &[AnyMove<N>], from: JobPlace, period: N::Factor) -> Self {
-        let index = from.index as usize;
-        let from = match moves.get(index) {
-            Some(each) if from.at >= each.common().ticks => JobPlace {
+        let get = |index: u32| Ok::<_, Infallible>(moves.get(index as usize).copied());
+        let mut rest = match Self::opening(get, from, period) {
+            Ok(rest) => rest,
+            Err(never) => match never {},
+        };
+        let behind = moves.get(rest.next as usize..).unwrap_or_default();
+        rest.moves.extend_from_slice(behind);
+        rest.next += behind.len() as u32;
+        rest
+    }
+
+    /// The same without the moves behind that in which the place is: those of the whole job follow from [`next`](Self::next) on.
+    /// `get` reads a move of the job; none: the job is over before it. It is asked for one move after the other, backwards.
+    ///
+    /// # Errors
+    /// Those of `get`.
+    pub fn opening<E>(
+        mut get: impl FnMut(u32) -> Result<Option<AnyMove<N>>, E>,
+        from: JobPlace,
+        period: N::Factor,
+    ) -> Result<Self, E> {
+        let mut from = from;
+        let mut found = get(from.index)?;
+        if found.is_some_and(|each| from.at >= each.common().ticks) {
+            from = JobPlace {
                 index: from.index + 1,
                 at: 0,
-            },
-            _ => from,
-        };
-        let index = from.index as usize;
-        let Some(cut) = moves.get(index) else {
-            return Self {
+            };
+            found = get(from.index)?;
+        }
+        let Some(cut) = found else {
+            return Ok(Self {
                 moves: Vec::new(),
                 from,
                 lead: 0,
-            };
+                next: from.index,
+            });
         };
-        // The job begins at rest.
-        let at_rest = (0..=index)
-            .rev()
-            .find(|&index| starts_at_rest(&moves[index]));
-        let begin = at_rest.unwrap_or(0);
-        let mut rest: Vec<_> = moves[begin..index].iter().map(without_tool).collect();
-        match from.at {
-            0 => rest.push(*cut),
+        let mut opening = match from.at {
+            0 => vec![cut],
             at => {
-                let [before, behind] = split(cut, at, period);
-                rest.extend([without_tool(&before), behind]);
+                let [before, behind] = split(&cut, at, period);
+                vec![behind, without_tool(&before)]
             }
+        };
+        // Backwards to the last rest; the job begins at rest.
+        let mut first = cut;
+        for index in (0..from.index).rev() {
+            if starts_at_rest(&first) {
+                break;
+            }
+            let Some(before) = get(index)? else { break };
+            opening.push(without_tool(&before));
+            first = before;
         }
-        let lead = rest.len() as u32 - 1;
-        rest.extend_from_slice(&moves[index + 1..]);
-        Self {
-            moves: rest,
+        opening.reverse();
+        Ok(Self {
+            lead: opening.len() as u32 - 1,
+            moves: opening,
             from,
-            lead,
-        }
+            next: from.index + 1,
+        })
+    }
+
+    /// Index in the whole job of the move that follows [these](Self::moves): the number of its moves where none does.
+    pub fn next(&self) -> u32 {
+        self.next
     }
 
     /// The moves, the way back first.
@@ -231,6 +265,12 @@ mod tests {
             (4, 103),
         ] {
             let rest = JobRest::new(&job, JobPlace { index, at }, PERIOD);
+            let get = |index: u32| Ok::<_, ()>(job.get(index as usize).copied());
+            let opening = JobRest::opening(get, JobPlace { index, at }, PERIOD).unwrap();
+            let joined = [opening.moves(), &job[opening.next() as usize..]].concat();
+            assert_eq!(joined, rest.moves(), "{index} {at}");
+            assert_eq!(opening.from(), rest.from());
+            assert_eq!(rest.next() as usize, job.len());
             let begin = if index < 2 { 0 } else { before(2) };
             let expected = &whole[begin as usize..];
             let found = played(rest.moves());

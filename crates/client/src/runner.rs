@@ -1,6 +1,6 @@
 //! A job on a machine in the same program: client and service talk in one thread, without a line.
 
-use crate::job_client::{Action, JobClient};
+use crate::job_client::{Action, JobClient, JobWork};
 use crate::local::LocalService;
 use crate::{JobFailure, Patience};
 use std::time::Duration;
@@ -43,18 +43,18 @@ pub struct JobRunner<'a, N: ServiceNumber> {
 }
 
 impl<'a, N: ServiceNumber> JobRunner<'a, N> {
-    /// Creates the runner of `moves` on `service`, a machine that is what `hello` says and ticks at
-    /// `tick_rate_hz`.
+    /// Creates the runner of `work` on `service`, a machine that is what `hello` says and ticks at
+    /// `tick_rate_hz`. [Supplied](JobWork::Supplied) moves are to be supplied before each [`talk`](Self::talk).
     pub fn new(
         service: &'a mut dyn LocalService<N>,
-        moves: Vec<AnyMove<N>>,
+        work: impl Into<JobWork<N>>,
         hello: Hello,
         tick_rate_hz: f64,
     ) -> Self {
         let period = Duration::from_secs_f64(1.0 / tick_rate_hz);
         // A status between any two ticks, as there is no line to spare: a machine whose moves are
         // short is fed in time.
-        let client = JobClient::new(moves, hello, 1, Patience::default(), 0);
+        let client = JobClient::new(work, hello, 1, Patience::default(), 0);
         Self {
             service,
             client: client.with_status_every(period),
@@ -67,6 +67,16 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
     /// Returns the part of the job that the next tick belongs to.
     pub fn part(&self) -> JobPart {
         self.part
+    }
+
+    /// Returns the index of the move that is to be supplied next, as [`JobClient::wants`].
+    pub fn wants(&self) -> Option<u32> {
+        self.client.wants()
+    }
+
+    /// Takes moves from the move `index` on, as [`JobClient::supply`].
+    pub fn supply(&mut self, index: u32, moves: impl IntoIterator<Item = AnyMove<N>>) {
+        self.client.supply(index, moves);
     }
 
     /// Describes `failure` in words and SI units.

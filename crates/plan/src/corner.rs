@@ -27,20 +27,63 @@ const STEPS: u32 = 4;
 /// Returns `pieces` with each corner rounded that can be: D stays within `tolerance_m` of the path. The new pieces
 /// take the feed and the number of the piece before.
 pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
-    let mut rounded: Vec<PathPiece> = Vec::with_capacity(2 * pieces.len());
-    // Part of the next piece that the corner before has cut off.
-    let mut begun = 0.0;
-    for (index, each) in pieces.iter().enumerate() {
-        let next = pieces.get(index + 1);
-        // Where the motion stops anyway, the path is left as it is.
-        let is_corner = |next: &&PathPiece| !next.stops && next.joint(each).is_none();
-        let corner = next.filter(is_corner);
-        let curve = corner.and_then(|next| curve(&each.piece, &next.piece, tolerance_m));
+    let mut rounded = Vec::with_capacity(2 * pieces.len());
+    let mut corners = CornerRounding::new(tolerance_m);
+    for each in pieces {
+        corners.push(*each, |piece| rounded.push(piece));
+    }
+    corners.finish(|piece| rounded.push(piece));
+    rounded
+}
+
+/// Rounds the corners of a path as its pieces come, as [`round_corners`] does. It holds one piece back.
+#[derive(Clone, Debug)]
+pub struct CornerRounding {
+    tolerance_m: f64,
+    /// Last piece, whose end depends on the next one.
+    held: Option<PathPiece>,
+    /// Part of it that the corner before has cut off.
+    begun: f64,
+}
+
+impl CornerRounding {
+    /// Begins a path, with D within `tolerance_m` of it. 0: the pieces stay as they are.
+    pub fn new(tolerance_m: f64) -> Self {
+        Self {
+            tolerance_m,
+            held: None,
+            begun: 0.0,
+        }
+    }
+
+    /// Adds the next piece, and hands what is before it to `take`.
+    pub fn push(&mut self, next: PathPiece, take: impl FnMut(PathPiece)) {
+        if let Some(each) = self.held.replace(next) {
+            // Where the motion stops anyway, the path is left as it is.
+            let is_corner = self.tolerance_m > 0.0 && !next.stops && next.joint(&each).is_none();
+            let curve = match is_corner {
+                true => curve(&each.piece, &next.piece, self.tolerance_m),
+                false => None,
+            };
+            self.release(&each, curve, take);
+        }
+    }
+
+    /// Ends the path, and hands its last piece to `take`.
+    pub fn finish(mut self, take: impl FnMut(PathPiece)) {
+        if let Some(last) = self.held.take() {
+            self.release(&last, None, take);
+        }
+    }
+
+    /// Hands out `each`, and the curve behind it.
+    fn release(&mut self, each: &PathPiece, curve: Option<Curve>, mut take: impl FnMut(PathPiece)) {
         let (end, next_begun) =
             curve.map_or((1.0, 0.0), |curve| (1.0 - curve.cut[0], curve.cut[1]));
+        let begun = std::mem::replace(&mut self.begun, next_begun);
         // Two curves may leave nothing between them.
         if end - begun > LEFT_MIN {
-            rounded.push(PathPiece {
+            take(PathPiece {
                 piece: match (begun, end) {
                     (0.0, 1.0) => each.piece,
                     _ => each.piece.part(begun, end),
@@ -49,14 +92,14 @@ pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
                 ..*each
             });
         }
-        rounded.extend(curve.map(|curve| PathPiece {
-            piece: curve.piece,
-            stops: false,
-            ..*each
-        }));
-        begun = next_begun;
+        if let Some(curve) = curve {
+            take(PathPiece {
+                piece: curve.piece,
+                stops: false,
+                ..*each
+            });
+        }
     }
-    rounded
 }
 
 /// A curve around a corner.

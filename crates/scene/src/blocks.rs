@@ -1,13 +1,10 @@
-//! Long paths: planned in blocks, several at a time, each in memory of its own.
+//! Long paths, cut into blocks that are planned by themselves: the machine stands between two of them.
 
-use crate::job::{JobMove, Tool};
+use crate::job::Tool;
 use crate::job_path::{Dwell, JobPath};
-use crate::planning::{Unplanned, plan_job};
 use crate::{NumberType, Scene};
 use core::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use trirrr_plan::course::{Effort, PathPiece};
+use trirrr_plan::course::PathPiece;
 
 /// Fewest pieces of a block.
 const PIECES: usize = 4096;
@@ -18,130 +15,176 @@ const PIECES_WORKING: usize = 2 * PIECES;
 /// Most pieces of a block.
 const PIECES_MAX: usize = 16 * PIECES;
 
-/// Blocks of `path`. The machine stands between two of them: where it does so anyway, or else where the tool is off. One
-/// block where the moves of all runs are judged together: in numbers of little range, and where alpha is free.
-pub(crate) fn blocks(scene: &Scene, path: &JobPath) -> Vec<Range<usize>> {
-    let count = path.pieces.len();
-    let mut blocks = Vec::new();
-    let mut start = 0;
-    if path.free.is_none() && scene.number != NumberType::Fixed {
-        while count - start > PIECES_WORKING {
-            let ends = start + PIECES..count.min(start + PIECES_MAX);
-            let Some(end) = end(path, start, ends) else {
-                break;
-            };
-            blocks.push(start..end);
-            start = end;
-        }
-    }
-    blocks.push(start..count);
-    blocks
+/// Part of a path that is planned by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathBlock {
+    /// The path, its tables counted from `first`. Corners are rounded.
+    pub(crate) path: JobPath,
+    /// Number in the file of the first table.
+    pub(crate) first: usize,
+    /// Pieces of the whole path before it.
+    pub(crate) before: usize,
 }
 
-/// End of the block that begins at `start`.
-fn end(path: &JobPath, start: usize, ends: Range<usize>) -> Option<usize> {
-    let tool = |piece: &PathPiece| path.tools.get(piece.source).copied().flatten();
-    let is_off = |tool: Option<Tool>| tool.is_none_or(|tool| tool.power == 0.0);
-    let follows = |tool: Option<Tool>| tool.is_none_or(|tool| tool.speed_m_s > 0.0);
-    ends.clone()
-        .find(|&end| {
-            let (before, here) = (&path.pieces[end - 1], &path.pieces[end]);
-            let tools = [tool(before), tool(here)];
-            here.stops
-                || tools.into_iter().any(is_off)
-                || (end >= start + PIECES_WORKING && tools.into_iter().all(follows))
+/// Cuts a path into blocks as its pieces come. The machine stands between two blocks: where it does so anyway, or else where
+/// the tool is off, or where its power follows the speed. Holds one block at most.
+#[derive(Clone, Debug)]
+pub struct BlockCutter {
+    /// What lies behind the last cut. Pieces and dwells have the numbers of the file, tools begin with `first`.
+    open: JobPath,
+    first: usize,
+    before: usize,
+    /// Pieces behind which there is no cut.
+    looked: usize,
+}
+
+impl BlockCutter {
+    /// Begins a path that is followed within `tolerance_m` and `tolerance_rad`.
+    pub fn new(tolerance_m: f64, tolerance_rad: f64) -> Self {
+        Self {
+            open: JobPath {
+                pieces: Vec::new(),
+                free: None,
+                dwells: Vec::new(),
+                tools: Vec::new(),
+                tolerance_m,
+                tolerance_rad,
+            },
+            first: 0,
+            before: 0,
+            looked: PIECES,
+        }
+    }
+
+    /// Adds the work of the tool in the table `source` of the file. It comes before a piece or a dwell of that table.
+    pub fn tool(&mut self, source: usize, tool: Option<Tool>) {
+        let Some(index) = source.checked_sub(self.first) else {
+            return;
+        };
+        if self.open.tools.len() <= index {
+            self.open.tools.resize(index + 1, None);
+        }
+        self.open.tools[index] = tool;
+    }
+
+    /// Adds a stand behind the pieces of the tables before it.
+    pub fn dwell(&mut self, dwell: Dwell) {
+        self.open.dwells.push(dwell);
+    }
+
+    /// Adds a piece, its corners rounded; the tables of pieces do not go back. Returns the block that ends before it or earlier, if one
+    /// does.
+    pub fn piece(&mut self, piece: PathPiece) -> Option<PathBlock> {
+        self.open.pieces.push(piece);
+        let count = self.open.pieces.len();
+        if count <= PIECES_WORKING {
+            return None;
+        }
+        let ends = self.looked..count.min(PIECES_MAX);
+        self.looked = ends.end;
+        let found = ends.into_iter().find(|end| self.may_end(*end));
+        let end = found.or((count > PIECES_MAX).then_some(PIECES_MAX))?;
+        Some(self.cut(end))
+    }
+
+    /// Returns what is left, if anything is.
+    pub fn finish(mut self) -> Option<PathBlock> {
+        if self.open.pieces.is_empty() {
+            return None;
+        }
+        self.number_from_first();
+        Some(PathBlock {
+            path: self.open,
+            first: self.first,
+            before: self.before,
         })
-        .or_else(|| (ends.len() == PIECES_MAX - PIECES).then_some(ends.end))
-}
+    }
 
-/// Moves of the `blocks` of `path`, dwells among them.
-///
-/// # Errors
-/// That of the first block that has no plan.
-pub(crate) fn plan_blocks(
-    scene: &Scene,
-    path: &JobPath,
-    blocks: &[Range<usize>],
-    effort: Effort,
-) -> Result<Vec<JobMove>, Unplanned> {
-    let next = AtomicUsize::new(0);
-    let refused = AtomicUsize::new(usize::MAX);
-    let planned = Mutex::new(vec![None; blocks.len()]);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.min(blocks.len()) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    // What lies behind a refused block is of no use.
-                    if index >= blocks.len() || refused.load(Ordering::Relaxed) < index {
-                        return;
-                    }
-                    let moves = plan_block(scene, path, blocks, index, effort);
-                    if moves.is_err() {
-                        refused.fetch_min(index, Ordering::Relaxed);
-                    }
-                    if let Ok(mut planned) = planned.lock() {
-                        planned[index] = Some(moves);
-                    }
-                }
-            });
-        }
-    });
-    let planned = planned.into_inner().unwrap_or_default();
-    let mut moves: Vec<JobMove> = Vec::new();
-    for block in planned.into_iter().flatten() {
-        let start = moves.len();
-        moves.extend(block?);
-        // Pieces meet but for rounding; moves do exactly.
-        if start > 0 {
-            moves[start].from = moves[start - 1].to;
+    /// Returns true if a block may end before the piece `end`.
+    fn may_end(&self, end: usize) -> bool {
+        let path = &self.open;
+        let tool = |piece: &PathPiece| {
+            path.tools
+                .get(piece.source.wrapping_sub(self.first))
+                .copied()
+                .flatten()
+        };
+        let is_off = |tool: Option<Tool>| tool.is_none_or(|tool| tool.power == 0.0);
+        let follows = |tool: Option<Tool>| tool.is_none_or(|tool| tool.speed_m_s > 0.0);
+        let (before, here) = (&path.pieces[end - 1], &path.pieces[end]);
+        let tools = [tool(before), tool(here)];
+        here.stops
+            || tools.into_iter().any(is_off)
+            || (end >= PIECES_WORKING && tools.into_iter().all(follows))
+    }
+
+    fn cut(&mut self, end: usize) -> PathBlock {
+        let path = &mut self.open;
+        let next = path.pieces[end].source;
+        let mut behind = path.pieces.split_off(end);
+        behind[0].stops = true;
+        let is_behind = |dwell: &Dwell| dwell.source >= next;
+        let dwells = path.dwells.iter().filter(|dwell| is_behind(dwell));
+        let left = JobPath {
+            pieces: behind,
+            free: None,
+            dwells: dwells.copied().collect(),
+            tools: path.tools[next - self.first..].to_vec(),
+            ..*path
+        };
+        path.dwells.retain(|dwell| !is_behind(dwell));
+        path.tools.truncate(next + 1 - self.first);
+        self.number_from_first();
+        let block = PathBlock {
+            path: std::mem::replace(&mut self.open, left),
+            first: self.first,
+            before: self.before,
+        };
+        self.first = next;
+        self.before += end;
+        self.looked = PIECES;
+        block
+    }
+
+    /// Counts the tables of what is open from its first one on.
+    fn number_from_first(&mut self) {
+        let sources = self.open.pieces.iter_mut().map(|each| &mut each.source);
+        let dwells = self.open.dwells.iter_mut().map(|each| &mut each.source);
+        for source in sources.chain(dwells) {
+            *source = source.saturating_sub(self.first);
         }
     }
-    Ok(moves)
 }
 
-fn plan_block(
-    scene: &Scene,
-    path: &JobPath,
-    blocks: &[Range<usize>],
-    index: usize,
-    effort: Effort,
-) -> Result<Vec<JobMove>, Unplanned> {
-    let source = |block: usize| {
-        blocks
-            .get(block)
-            .map(|block| path.pieces[block.start].source)
-    };
-    // Dwells before the first piece of all are of the first block, any others are of the block that they end.
-    let first = if index == 0 {
-        0
-    } else {
-        source(index).unwrap_or(0)
-    };
-    let behind = source(index + 1).map_or(path.tools.len(), |next| next + 1);
-    let mut pieces = path.pieces[blocks[index].clone()].to_vec();
-    for piece in &mut pieces {
-        piece.source -= first;
-    }
-    pieces[0].stops = true;
-    let end = source(index + 1).unwrap_or(usize::MAX);
-    let own = path
-        .dwells
-        .iter()
-        .filter(|dwell| (first..end).contains(&dwell.source));
-    let dwells = own.map(|dwell| Dwell {
-        source: dwell.source - first,
-        ..*dwell
-    });
-    let block = JobPath {
-        pieces,
-        free: None,
-        dwells: dwells.collect(),
-        tools: path.tools[first..behind].to_vec(),
-        ..*path
-    };
-    let planned = plan_job(scene, &block, effort)
-        .map_err(|error| error.in_block(first, blocks[index].start))?;
-    Ok(planned.steps().into_iter().map(|(_, each)| each).collect())
+/// Returns true if `path` is planned as one block: a short one, one whose alpha is free, and one in numbers of little range, where
+/// the moves of all runs are judged together.
+pub(crate) fn is_one_block(scene: &Scene, path: &JobPath) -> bool {
+    path.free.is_some() || scene.number == NumberType::Fixed || path.pieces.len() <= PIECES_WORKING
+}
+
+/// Blocks of a path that is in memory, one after the other.
+pub(crate) fn blocks(path: &JobPath) -> impl Iterator<Item = PathBlock> + '_ {
+    let mut cutter = Some(BlockCutter::new(path.tolerance_m, path.tolerance_rad));
+    let mut pieces = path.pieces.iter();
+    let mut dwells = path.dwells.iter().peekable();
+    let mut tools = 0..path.tools.len();
+    core::iter::from_fn(move || {
+        let open = cutter.as_mut()?;
+        let mut tables_to = |open: &mut BlockCutter, end: usize| {
+            let these: Range<usize> = tools.start..end.max(tools.start).min(tools.end);
+            tools.start = these.end;
+            these.for_each(|source| open.tool(source, path.tools[source]));
+            while let Some(dwell) = dwells.next_if(|dwell| dwell.source < end) {
+                open.dwell(*dwell);
+            }
+        };
+        for piece in pieces.by_ref() {
+            tables_to(open, piece.source + 1);
+            if let Some(block) = open.piece(*piece) {
+                return Some(block);
+            }
+        }
+        tables_to(open, path.tools.len());
+        cutter.take()?.finish()
+    })
 }

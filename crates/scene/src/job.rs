@@ -3,7 +3,9 @@
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::read::{Bound, Document, Place, Section};
+use crate::spool::MoveSpool;
 use nalgebra::Vector3;
+use std::sync::Arc;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Pose, Quintics, Segment};
 use trirrr_core::units::Units;
@@ -18,6 +20,8 @@ pub struct Job {
     pub moves: Vec<JobMove>,
     /// Path that the moves were planned for, if the job gives one instead of moves.
     pub path: Option<JobPath>,
+    /// The moves of a long job, in place of `moves`: those are none then.
+    pub spool: Option<Arc<MoveSpool>>,
 }
 
 /// One move, a polynomial in time on every coordinate: a cubic, or a quintic with accelerations at its ends.
@@ -50,7 +54,7 @@ pub struct Tool {
 }
 
 impl Job {
-    /// The job in `units`, without its path.
+    /// The job in `units`, without its path. Moves in a spool stay in SI units.
     pub fn in_units(&self, units: &Units) -> Self {
         let moved = |each: &JobMove| JobMove {
             from: units.pose(&each.from),
@@ -70,6 +74,7 @@ impl Job {
             start: units.pose(&self.start),
             moves: self.moves.iter().map(moved).collect(),
             path: None,
+            spool: self.spool.clone(),
         }
     }
 
@@ -77,14 +82,34 @@ impl Job {
     /// count.
     pub fn ticks(&self) -> u32 {
         // Cannot overflow: a longer job is refused when it is read.
-        self.moves.iter().map(|each| each.duration_ticks).sum()
+        let ticks = self.moves.iter().map(|each| each.duration_ticks);
+        self.spool
+            .as_ref()
+            .map_or_else(|| ticks.sum(), |spool| spool.ticks())
     }
-}
 
-impl Job {
+    /// Number of moves.
+    pub fn count(&self) -> usize {
+        let spool = self.spool.as_ref();
+        spool.map_or(self.moves.len(), |spool| spool.count() as usize)
+    }
+
     /// Returns true if a move is a quintic.
     pub fn has_quintics(&self) -> bool {
-        self.moves.iter().any(|each| each.accelerations.is_some())
+        let is_quintic = |each: &JobMove| each.accelerations.is_some();
+        let spool = self.spool.as_ref();
+        spool.map_or_else(
+            || self.moves.iter().any(is_quintic),
+            |spool| spool.has_quintics(),
+        )
+    }
+
+    /// Ticks of the shortest move; `None` without moves.
+    pub fn shortest_ticks(&self) -> Option<u32> {
+        let ticks = self.moves.iter().map(|each| each.duration_ticks);
+        self.spool
+            .as_ref()
+            .map_or_else(|| ticks.min(), |spool| spool.shortest_ticks())
     }
 }
 
@@ -152,6 +177,7 @@ pub(crate) fn read_job(
                 start: start?,
                 moves: Vec::new(),
                 path: Some(placed.path.clone()),
+                spool: None,
             },
             path: Some(placed),
         });
@@ -225,6 +251,7 @@ pub(crate) fn read_job(
             start: start?,
             moves,
             path: None,
+            spool: None,
         },
         path: None,
     })

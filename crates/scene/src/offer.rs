@@ -2,6 +2,7 @@
 
 use crate::Scene;
 use crate::job::{JobMove, Tool};
+use crate::spool::SpooledMoves;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_plan::piece::{Piece, PlaneCurve};
@@ -95,6 +96,16 @@ pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<AnyMove<N>> {
     let job = scene.job.in_units(units);
     let moves = job.moves.iter().zip(0..);
     moves.map(|(each, number)| offer(each, number)).collect()
+}
+
+/// Returns moves of a job out of its spool in the number type `N`, numbered from `first`. Units are SI, as those of every number type of
+/// a job with a spool.
+pub fn spooled<N: Transmit>(
+    moves: &SpooledMoves,
+    first: u32,
+) -> impl Iterator<Item = AnyMove<N>> + '_ {
+    let moves = moves.moves.iter().zip(first..);
+    moves.map(|(each, number)| offer(each, number))
 }
 
 /// Converts a pose to the number type `N`.

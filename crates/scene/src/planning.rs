@@ -1,6 +1,7 @@
 //! Moves for a job's path: planned in the least time, and judged as the scene's service judges them.
 
-use crate::blocks::{blocks, plan_blocks};
+use crate::blocks::{PathBlock, blocks, is_one_block};
+use crate::in_order::in_order;
 use crate::job::{Job, JobMove};
 use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
@@ -152,9 +153,29 @@ fn stand(path: &JobPath, dwell: &Dwell, at: Pose<f64>) -> JobMove {
 pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedJob, Unplanned> {
     let planned = plan_alpha(scene, path, effort)?;
     check_dwells(scene, &planned)?;
-    match planned.ticks() {
-        ticks if ticks > u64::from(u32::MAX) => Err(Unplanned::Ticks(ticks)),
-        _ => Ok(planned),
+    check_ticks(planned.ticks())?;
+    Ok(planned)
+}
+
+/// Checks that a service counts so many ticks of a job.
+pub(crate) fn check_ticks(ticks: u64) -> Result<(), Unplanned> {
+    match ticks > u64::from(u32::MAX) {
+        true => Err(Unplanned::Ticks(ticks)),
+        false => Ok(()),
+    }
+}
+
+/// Moves of a block, dwells among them.
+pub(crate) fn plan_block(scene: &Scene, block: &PathBlock) -> Result<Vec<JobMove>, Unplanned> {
+    let planned = plan_job(scene, &block.path, Effort::default())
+        .map_err(|error| error.in_block(block.first, block.before))?;
+    Ok(planned.steps().into_iter().map(|(_, each)| each).collect())
+}
+
+/// Lets `block` begin where the move before it ends: pieces meet but for rounding, moves do exactly.
+pub(crate) fn join(before: Option<&JobMove>, block: &mut [JobMove]) {
+    if let (Some(before), [first, ..]) = (before, block) {
+        first.from = before.to;
     }
 }
 
@@ -418,26 +439,24 @@ impl Scene {
     /// # Errors
     /// [`Unplanned`]; the scene is as it was.
     pub fn take_path(&mut self, path: &JobPath) -> Result<(), Unplanned> {
-        let effort = Effort::default();
-        match &blocks(self, path)[..] {
-            [_] => {
-                let planned = plan_job(self, path, effort)?;
-                self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
-                self.job.path = Some(planned.path);
-            }
-            blocks => {
-                let moves = plan_blocks(self, path, blocks, effort)?;
-                let ticks = moves
-                    .iter()
-                    .map(|each| u64::from(each.duration_ticks))
-                    .sum();
-                if ticks > u64::from(u32::MAX) {
-                    return Err(Unplanned::Ticks(ticks));
-                }
-                self.job.moves = moves;
-                self.job.path = Some(path.clone());
-            }
+        if is_one_block(self, path) {
+            let planned = plan_job(self, path, Effort::default())?;
+            self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
+            (self.job.path, self.job.spool) = (Some(planned.path), None);
+            return Ok(());
         }
+        let mut moves: Vec<JobMove> = Vec::new();
+        let scene = &*self;
+        let plan = |block: PathBlock| plan_block(scene, &block);
+        in_order(blocks(path).map(Ok), plan, |mut block| {
+            join(moves.last(), &mut block);
+            moves.append(&mut block);
+            Ok(())
+        })?;
+        let ticks = moves.iter().map(|each| u64::from(each.duration_ticks));
+        check_ticks(ticks.sum())?;
+        (self.job.moves, self.job.spool) = (moves, None);
+        self.job.path = Some(path.clone());
         Ok(())
     }
 }

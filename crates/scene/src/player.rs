@@ -32,7 +32,7 @@ impl<N: Number> JobPlayer<N> {
     /// Builds the moves of `job` for ticks of `period_s`.
     ///
     /// # Panics
-    /// If the job has no moves; one that a scene was read with has some.
+    /// If the job has no moves in memory; one that a scene was read with has some.
     pub fn new(job: &Job, period_s: f64) -> Self {
         assert!(!job.moves.is_empty(), "a job without moves");
         let mut start = 0;

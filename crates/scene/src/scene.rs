@@ -7,7 +7,7 @@ use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
-use crate::job::{Job, JobMove, PlacedJob, read_job};
+use crate::job::{Job, PlacedJob, read_job};
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
@@ -256,8 +256,8 @@ impl Scene {
     /// Returns true if the machine takes moves in batches: as `batches` in `[service]` says, or where the job has planned
     /// moves, or one so short that single moves come too late over a line with a delay.
     pub fn takes_batches(&self) -> bool {
-        let is_short = |each: &JobMove| each.duration_ticks < SHORT_TICKS;
-        let needed = self.plays_quintics() || self.job.moves.iter().any(is_short);
+        let is_short = |ticks| ticks < SHORT_TICKS;
+        let needed = self.plays_quintics() || self.job.shortest_ticks().is_some_and(is_short);
         self.service.batches.unwrap_or(needed)
     }
 

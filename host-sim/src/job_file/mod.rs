@@ -6,6 +6,7 @@ mod drawing_args;
 mod fit;
 mod image;
 mod image_args;
+mod long;
 mod path;
 mod queue;
 mod read;
@@ -14,7 +15,7 @@ pub use args::JobFileArgs;
 pub(crate) use args::distance;
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::ImageArgs;
-use read::JobKind;
+use read::{JobKind, ReadWay};
 
 pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
 pub(crate) use queue::{QueuedJob, load_queue};
@@ -24,11 +25,20 @@ use crate::figures::Preview;
 use crate::recording::unwritable;
 use crate::terminal::say;
 use std::path::Path;
-use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned};
+use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned, UntakenJob};
 use trirrr_toolpath::PathFault;
 
 /// Longest name of a job: that of a folder, and on the wire.
 const LONGEST_NAME: usize = 32;
+
+/// Place for the moves of a long job of G-code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LongMoves {
+    /// With its path in memory, as those of every other job.
+    InMemory,
+    /// In a temporary file, in the job's spool. Memory does not grow with the job.
+    InFile,
+}
 
 /// Scene that a command is to carry out, and where its job waits for the user.
 pub(crate) struct LoadedJob {
@@ -56,24 +66,29 @@ impl LoadedJob {
 /// # Errors
 /// Refused: as [`CliError`] says, with file, line and reason.
 pub fn read_job(file: &Path, args: &JobFileArgs) -> Result<Scene, CliError> {
-    load(file, args).map(|job| job.scene)
+    load(file, args, LongMoves::InMemory).map(|job| job.scene)
 }
 
 /// Reads `file`: a scene, or with `--machine` a job for the machine of that scene.
 ///
 /// # Errors
 /// Refused: the scene, a line of the job, or a job without a plan.
-pub(crate) fn load(file: &Path, args: &JobFileArgs) -> Result<LoadedJob, CliError> {
-    load_drawn(file, args, None)
+pub(crate) fn load(
+    file: &Path,
+    args: &JobFileArgs,
+    moves: LongMoves,
+) -> Result<LoadedJob, CliError> {
+    load_drawn(file, args, moves, None)
 }
 
-/// Reads as [`load`], and draws the path into `figure`, even if it has no plan.
+/// Reads as [`load`], and draws the path into `figure`, even if it has no plan: all of it is in memory then.
 ///
 /// # Errors
 /// As [`load`]. Failed: the figure cannot be written.
 pub(crate) fn load_drawn(
     file: &Path,
     args: &JobFileArgs,
+    moves: LongMoves,
     figure: Option<&Path>,
 ) -> Result<LoadedJob, CliError> {
     let is_scene = file
@@ -105,7 +120,7 @@ pub(crate) fn load_drawn(
             "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG, DXF, PNG, JPEG, BMP or CSV",
             file.display()
         ))),
-        Some(machine) => load_for(file, machine, args, figure),
+        Some(machine) => load_for(file, machine, args, moves, figure),
     }
 }
 
@@ -113,26 +128,49 @@ fn load_for(
     file: &Path,
     machine: &Path,
     args: &JobFileArgs,
+    moves: LongMoves,
     figure: Option<&Path>,
 ) -> Result<LoadedJob, CliError> {
+    let moves = match figure {
+        Some(_) => LongMoves::InMemory,
+        None => moves,
+    };
     let machine = args.set.scene_to_move(machine)?;
     let name = file.display();
     let refused = |fault: PathFault| CliError::Refused(format!("{name}:{}", in_line(&fault)));
-    let read = read::read(file, &machine, args)?.map_err(refused)?;
+    let read = read::read(file, &machine, args, moves)?.map_err(refused)?;
     let mut scene = Scene {
         name: job_name(file, &machine.name),
         description: format!("{name} on the machine {}", machine.name),
         ..machine.clone()
     };
-    let planned = scene.take_path(&read.path);
-    if let Some(figure) = figure {
-        let breach = planned.as_ref().err().and_then(breach);
-        preview(&scene, &read.path, breach, figure)?;
+    let unplanned = |error: Unplanned| {
+        let place = number(&error).map(|number| read.places.of(number + 1) + ":");
+        CliError::Refused(format!("{name}:{} {error}", place.unwrap_or_default()))
+    };
+    match &read.way {
+        ReadWay::Whole(path) => {
+            let planned = scene.take_path(path);
+            if let Some(figure) = figure {
+                let breach = planned.as_ref().err().and_then(breach);
+                preview(&scene, path, breach, figure)?;
+            }
+            planned.map_err(unplanned)?;
+        }
+        ReadWay::Long(path) => {
+            let file = tempfile::tempfile().map_err(|error| {
+                CliError::Failed(format!(
+                    "no temporary file for the moves of the job: {error}; TMPDIR is the folder for it"
+                ))
+            })?;
+            let taken = scene.take_blocks(path.blocks(), file);
+            taken.map_err(|error| match error {
+                UntakenJob::Path(fault) => refused(fault),
+                UntakenJob::Plan(error) => unplanned(error),
+                UntakenJob::Spool(_) => CliError::Failed(format!("{name}: {error}")),
+            })?;
+        }
     }
-    planned.map_err(|error| {
-        let place = number(&error).map_or(String::new(), |number| read.place(number + 1) + ":");
-        CliError::Refused(format!("{name}:{place} {error}"))
-    })?;
     Ok(LoadedJob {
         scene,
         machine: Some(machine),

@@ -12,68 +12,79 @@ use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace,
 const LENGTH_MIN: f64 = 1e-9;
 
 /// Largest distance of the played motion from the path, m.
-const TOLERANCE_M: f64 = 1e-5;
+pub(super) const TOLERANCE_M: f64 = 1e-5;
 
-/// Most motions of a path.
+/// Most motions of a path in memory.
 const PIECES_MAX: usize = 20_000_000;
 
 /// Largest deviation of alpha from the path, rad.
-const TOLERANCE_RAD: f64 = 1e-4;
+pub(super) const TOLERANCE_RAD: f64 = 1e-4;
 
-/// Path of a job under construction. The number of a piece in the file is its line.
-pub(crate) struct PathBuilder {
-    rate_hz: f64,
-    /// End of the path.
-    at: Pose<f64>,
-    pieces: Vec<PathPiece>,
-    dwells: Vec<Dwell>,
-    /// Tool of each line, from line 1 on.
-    tools: Vec<Option<Tool>>,
-    /// Different tools so far.
-    settings: Vec<Option<Tool>>,
-    /// The next piece begins at rest.
-    stops: bool,
-    /// Lines at which the job waits for the user.
-    pub(crate) pauses: Vec<u32>,
+/// Takes the parts of a path as they come.
+pub(super) trait PathSink {
+    /// Work of the tool in the element `source`, which comes before its piece or its dwell.
+    fn tool(&mut self, source: usize, tool: Option<Tool>);
+
+    /// A piece of the path, its corners sharp.
+    fn piece(&mut self, piece: PathPiece);
+
+    /// A stand behind the pieces so far.
+    fn dwell(&mut self, dwell: Dwell);
 }
 
-impl PathBuilder {
+/// Reader of the elements of a path. The number of a piece in the file is its line.
+pub(super) struct PathReader {
+    rate_hz: f64,
+    start: Pose<f64>,
+    /// End of the path.
+    at: Pose<f64>,
+    /// Work of the tool on the last piece, and changes of it so far.
+    tool: Option<Tool>,
+    setting: usize,
+    /// The next piece begins at rest.
+    stops: bool,
+    /// Pieces so far,
+    pieces: usize,
+    /// and numbers of elements.
+    sources: usize,
+    /// Lines at which the job waits for the user.
+    pub(super) pauses: Vec<u32>,
+}
+
+impl PathReader {
     /// Begins a path at `start`, on a machine with `rate_hz` ticks a second.
-    pub(crate) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
+    pub(super) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
         Self {
             rate_hz,
+            start,
             at: start,
-            pieces: Vec::new(),
-            dwells: Vec::new(),
-            tools: Vec::new(),
-            settings: Vec::new(),
+            tool: None,
+            setting: 0,
             stops: true,
+            pieces: 0,
+            sources: 0,
             pauses: Vec::new(),
         }
     }
 
-    /// Adds an element. A motion without a length is left out.
+    /// Hands the parts of an element to `sink`, its number `offset` behind its line. A motion without a length is left out.
     ///
     /// # Errors
     /// A dwell that lasts longer than ticks are counted.
-    pub(crate) fn push(&mut self, element: &Element) -> Result<(), PathFault> {
-        let source = element.line.saturating_sub(1) as usize;
+    pub(super) fn push(
+        &mut self,
+        element: &Element,
+        offset: usize,
+        sink: &mut impl PathSink,
+    ) -> Result<(), PathFault> {
+        let source = offset + element.line.saturating_sub(1) as usize;
         match &element.act {
             Act::Motion(motion) => {
                 let tool = tool_of(element.tool, motion.feed_m_s);
                 let piece = piece_from(self.at, motion);
                 if has_length(&piece) {
-                    self.note_tool(source, tool);
-                    let setting = self.setting(tool);
-                    self.at = piece.end();
-                    self.pieces.push(PathPiece {
-                        piece,
-                        feed_m_s: motion.feed_m_s,
-                        source,
-                        stops: self.stops,
-                        setting,
-                    });
-                    self.stops = false;
+                    self.note_tool(source, tool, sink);
+                    self.add(piece, motion.feed_m_s, source, tool, sink);
                 }
                 self.stops |= motion.stops;
             }
@@ -86,8 +97,8 @@ impl PathBuilder {
                         reason: format!("a stand of {seconds} s is longer than a machine counts"),
                     });
                 }
-                self.note_tool(source, tool_of(element.tool, None));
-                self.dwells.push(Dwell {
+                self.note_tool(source, tool_of(element.tool, None), sink);
+                sink.dwell(Dwell {
                     source,
                     ticks: ticks as u32,
                 });
@@ -101,67 +112,150 @@ impl PathBuilder {
         Ok(())
     }
 
-    fn note_tool(&mut self, source: usize, tool: Option<Tool>) {
-        if self.tools.len() <= source {
-            self.tools.resize(source + 1, None);
+    fn add(
+        &mut self,
+        piece: Piece<f64>,
+        feed_m_s: Option<f64>,
+        source: usize,
+        tool: Option<Tool>,
+        sink: &mut impl PathSink,
+    ) {
+        if std::mem::replace(&mut self.tool, tool) != tool {
+            self.setting += 1;
         }
-        self.tools[source] = tool;
+        self.at = piece.end();
+        self.pieces += 1;
+        sink.piece(PathPiece {
+            piece,
+            feed_m_s,
+            source,
+            stops: std::mem::take(&mut self.stops),
+            setting: self.setting,
+        });
     }
 
-    fn setting(&mut self, tool: Option<Tool>) -> usize {
-        let known = self.settings.iter().position(|other| *other == tool);
-        known.unwrap_or_else(|| {
-            self.settings.push(tool);
-            self.settings.len() - 1
-        })
+    fn note_tool(&mut self, source: usize, tool: Option<Tool>, sink: &mut impl PathSink) {
+        self.sources = self.sources.max(source + 1);
+        sink.tool(source, tool);
     }
 
     /// Numbers of elements so far, and one for a way back.
-    pub(crate) fn pass(&self) -> u32 {
-        self.tools.len() as u32 + 1
+    pub(super) fn pass(&self) -> u32 {
+        self.sources as u32 + 1
     }
 
-    /// Lets the machine play the path so far `times` times. Between them it goes back to where it began: straight, as fast as it may,
-    /// with the tool off. It waits for the user as often as the file says, the first time.
+    /// Number of pieces so far.
+    pub(super) fn pieces(&self) -> usize {
+        self.pieces
+    }
+
+    /// Goes back to where the path began, as the element `source`: straight, as fast as the machine may, with the tool off.
+    pub(super) fn back(&mut self, source: usize, sink: &mut impl PathSink) {
+        let back = Piece::line(self.at, self.start);
+        self.note_tool(source, None, sink);
+        if has_length(&back) {
+            self.add(back, None, source, None, sink);
+        }
+        (self.at, self.stops) = (self.start, true);
+    }
+}
+
+/// Path of a job under construction, in memory.
+pub(super) struct PathBuilder {
+    pub(super) reader: PathReader,
+    /// Parts so far; none of a path that is read once more, block by block.
+    parts: Option<PathParts>,
+}
+
+/// Parts of a path.
+#[derive(Default)]
+struct PathParts {
+    pieces: Vec<PathPiece>,
+    dwells: Vec<Dwell>,
+    /// Tool of each element.
+    tools: Vec<Option<Tool>>,
+}
+
+impl PathSink for Option<PathParts> {
+    fn tool(&mut self, source: usize, tool: Option<Tool>) {
+        if let Some(parts) = self {
+            if parts.tools.len() <= source {
+                parts.tools.resize(source + 1, None);
+            }
+            parts.tools[source] = tool;
+        }
+    }
+
+    fn piece(&mut self, piece: PathPiece) {
+        if let Some(parts) = self {
+            parts.pieces.push(piece);
+        }
+    }
+
+    fn dwell(&mut self, dwell: Dwell) {
+        if let Some(parts) = self {
+            parts.dwells.push(dwell);
+        }
+    }
+}
+
+impl PathBuilder {
+    /// Begins a path as [`PathReader::new`].
+    pub(super) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
+        Self {
+            reader: PathReader::new(start, rate_hz),
+            parts: Some(PathParts::default()),
+        }
+    }
+
+    /// Adds an element as [`PathReader::push`].
     ///
     /// # Errors
-    /// The path becomes longer than a machine is told.
-    pub(crate) fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
-        let pass = self.pass() as usize;
-        let Some(first) = self.pieces.first().filter(|_| times > 1) else {
+    /// As there.
+    pub(super) fn push(&mut self, element: &Element) -> Result<(), PathFault> {
+        self.reader.push(element, 0, &mut self.parts)
+    }
+
+    /// Keeps no parts any more: they are only counted.
+    pub(super) fn count_only(&mut self) {
+        self.parts = None;
+    }
+
+    /// Returns true if there are parts.
+    pub(super) fn has_parts(&self) -> bool {
+        self.parts.is_some()
+    }
+
+    /// Lets the machine play the path so far `times` times. Between them it goes back to where it began. It waits for the user as often
+    /// as the file says, the first time.
+    ///
+    /// # Errors
+    /// The path becomes longer than fits into memory.
+    pub(super) fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
+        let pass = self.reader.pass() as usize;
+        let Some(parts) = self.parts.as_mut().filter(|_| times > 1) else {
             return Ok(());
         };
-        let start = first.piece.at(0.0).pose;
-        if self.pieces.len().max(pass) * times as usize > PIECES_MAX {
-            return Err(PathFault {
-                line: 0,
-                word: "--repeat".into(),
-                reason: format!(
-                    "{times} times have more than {PIECES_MAX} motions; take fewer, or start the job several times"
-                ),
-            });
+        let (pieces, dwells, tools) = (
+            parts.pieces.clone(),
+            parts.dwells.clone(),
+            parts.tools.clone(),
+        );
+        if pieces.len().max(pass) * times as usize > PIECES_MAX {
+            return Err(too_often(times, PIECES_MAX));
         }
-        let back = Piece::line(self.at, start);
-        let off = self.setting(None);
-        let (pieces, dwells, tools) =
-            (self.pieces.clone(), self.dwells.clone(), self.tools.clone());
+        let (at, stops) = (self.reader.at, self.reader.stops);
         for offset in (1..times as usize).map(|index| index * pass) {
-            if has_length(&back) {
-                self.pieces.push(PathPiece {
-                    piece: back,
-                    feed_m_s: None,
-                    source: offset - 1,
-                    stops: self.stops,
-                    setting: off,
-                });
-            }
-            self.tools.push(None);
-            self.tools.extend(&tools);
-            self.pieces.extend(pieces.iter().map(|each| PathPiece {
+            (self.reader.at, self.reader.stops) = (at, stops);
+            self.reader.back(offset - 1, &mut self.parts);
+            let Some(parts) = &mut self.parts else { break };
+            parts.tools.resize(offset, None);
+            parts.tools.extend(&tools);
+            parts.pieces.extend(pieces.iter().map(|each| PathPiece {
                 source: each.source + offset,
                 ..*each
             }));
-            self.dwells.extend(dwells.iter().map(|each| Dwell {
+            parts.dwells.extend(dwells.iter().map(|each| Dwell {
                 source: each.source + offset,
                 ..*each
             }));
@@ -173,26 +267,34 @@ impl PathBuilder {
     ///
     /// # Errors
     /// Nothing moves.
-    pub(crate) fn finish(self, corner_m: f64) -> Result<JobPath, PathFault> {
-        if self.pieces.is_empty() {
+    pub(super) fn finish(self, corner_m: f64) -> Result<JobPath, PathFault> {
+        let parts = self.parts.unwrap_or_default();
+        if parts.pieces.is_empty() {
             return Err(PathFault {
                 line: 0,
                 word: String::new(),
                 reason: "nothing in the file moves the machine".into(),
             });
         }
-        let pieces = match corner_m > 0.0 {
-            true => round_corners(&self.pieces, corner_m),
-            false => self.pieces,
-        };
         Ok(JobPath {
-            pieces,
+            pieces: round_corners(&parts.pieces, corner_m),
             free: None,
-            dwells: self.dwells,
-            tools: self.tools,
+            dwells: parts.dwells,
+            tools: parts.tools,
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })
+    }
+}
+
+/// Refusal of a job that is played so many times.
+pub(super) fn too_often(times: u32, most: usize) -> PathFault {
+    PathFault {
+        line: 0,
+        word: "--repeat".into(),
+        reason: format!(
+            "{times} times have more than {most} motions; take fewer, or start the job several times"
+        ),
     }
 }
 

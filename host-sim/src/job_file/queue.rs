@@ -1,6 +1,6 @@
 //! Jobs that are played one after the other.
 
-use super::{JobFileArgs, LoadedJob, load};
+use super::{JobFileArgs, LoadedJob, LongMoves, load};
 use crate::failure::CliError;
 use std::path::{Path, PathBuf};
 
@@ -20,11 +20,12 @@ pub(crate) fn load_queue(
     first: &Path,
     then: &[PathBuf],
     args: &JobFileArgs,
+    moves: LongMoves,
     out: Option<&Path>,
 ) -> Result<Vec<QueuedJob>, CliError> {
     let mut jobs: Vec<QueuedJob> = Vec::new();
     for file in std::iter::once(first).chain(then.iter().map(PathBuf::as_path)) {
-        let job = load(file, args)?;
+        let job = load(file, args, moves)?;
         let name = &job.scene.name;
         let folder = match out {
             Some(folder) if then.is_empty() => folder.to_owned(),

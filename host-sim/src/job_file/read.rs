@@ -1,24 +1,41 @@
 //! Files of jobs, by their kinds: to the path of a job on a machine.
 
-use super::JobFileArgs;
 use super::drawing::{self, PlacedDrawing};
 use super::image;
-use super::path::PathBuilder;
+use super::long::LongPath;
+use super::path::{PathBuilder, too_often};
+use super::{JobFileArgs, LongMoves};
 use crate::failure::CliError;
 use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::Path;
-use trirrr_scene::{JobPath, Scene};
+use trirrr_scene::{JobPath, NumberType, Scene};
 use trirrr_toolpath::drawing::{Drawing, read_dxf, read_svg};
 use trirrr_toolpath::gcode::{self, GcodeSetup};
 use trirrr_toolpath::raster::{RasterPath, read_image};
 use trirrr_toolpath::table::{TableSetup, read_table};
 use trirrr_toolpath::{Element, PathFault, ToolPlace};
 
+/// Pieces beyond which a path is long.
+const LONG_PIECES: usize = 8192;
+
 /// Path of a file, before it is planned.
 pub(super) struct ReadPath {
-    pub(super) path: JobPath,
+    pub(super) way: ReadWay,
     pub(super) pauses: Vec<u32>,
+    pub(super) places: ElementPlaces,
+}
+
+/// Way of a path into the planner.
+pub(super) enum ReadWay {
+    /// The whole path, in memory.
+    Whole(JobPath),
+    /// Path that is read once more, block by block.
+    Long(LongPath),
+}
+
+/// Places in the file of the elements of a path.
+pub(super) struct ElementPlaces {
     places: PlacesIn,
     /// Numbers of elements that each pass through the file has.
     pass: u32,
@@ -71,9 +88,9 @@ impl JobKind {
     }
 }
 
-impl ReadPath {
-    /// Place in the file of an element.
-    pub(super) fn place(&self, number: u32) -> String {
+impl ElementPlaces {
+    /// Place in the file of an element, by its number from 1.
+    pub(super) fn of(&self, number: u32) -> String {
         let behind = number.saturating_sub(1);
         let (pass, number) = (behind / self.pass + 1, behind % self.pass + 1);
         let place = match &self.places {
@@ -89,7 +106,7 @@ impl ReadPath {
     }
 }
 
-/// Reads the path of `file` for `machine`.
+/// Reads the path of `file` for `machine`. A long one of G-code is only looked through where its `moves` may be in a file.
 ///
 /// # Errors
 /// Refused: the file cannot be read, or has arguments of another kind of file; then its own fault.
@@ -97,6 +114,7 @@ pub(super) fn read(
     file: &Path,
     machine: &Scene,
     args: &JobFileArgs,
+    moves: LongMoves,
 ) -> Result<Result<ReadPath, PathFault>, CliError> {
     let name = file.display();
     let refused = |error: io::Error| CliError::Refused(format!("{name}: cannot be read: {error}"));
@@ -112,7 +130,15 @@ pub(super) fn read(
     let bytes = || fs::read(file).map_err(refused);
     let text = || fs::read_to_string(file).map_err(refused);
     Ok(match kind {
-        JobKind::Gcode => from_gcode(File::open(file).map_err(refused)?, machine, args),
+        JobKind::Gcode => {
+            let open = File::open(file).map_err(refused)?;
+            // A pipe is read once.
+            let is_file = open.metadata().is_ok_and(|metadata| metadata.is_file());
+            match moves == LongMoves::InFile && is_file && can_spool(machine) {
+                true => from_gcode(open, machine, args, Some(file)),
+                false => from_gcode(open, machine, args, None),
+            }
+        }
         JobKind::Table => from_table(&text()?, machine, args),
         JobKind::Image => from_image(&bytes()?, machine, args),
         JobKind::Drawing => {
@@ -125,15 +151,55 @@ pub(super) fn read(
     })
 }
 
-fn from_gcode(file: File, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
+/// Returns true if the moves of a long job may be in a file on this machine: a plant looks at all of them, and numbers of little
+/// range need units for all.
+fn can_spool(machine: &Scene) -> bool {
+    machine.plant.is_none() && machine.number != NumberType::Fixed
+}
+
+/// Reads G-code. With `again`, a file that can be read again, a long path is only counted.
+fn from_gcode(
+    file: File,
+    machine: &Scene,
+    args: &JobFileArgs,
+    again: Option<&Path>,
+) -> Result<ReadPath, PathFault> {
     let mut elements = gcode::elements(BufReader::new(file), setup(machine, args));
     let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
     for element in elements.by_ref() {
         builder.push(&element?)?;
+        let pieces = builder.reader.pieces().saturating_mul(args.repeat as usize);
+        if again.is_some() && pieces > LONG_PIECES {
+            builder.count_only();
+        }
     }
     let blend_m = elements.interpreter().modal().blend_m;
     let corner_m = blend_m.unwrap_or(1e-3 * args.corner);
-    finish(builder, corner_m, args.repeat, PlacesIn::Lines)
+    let Some(file) = again.filter(|_| !builder.has_parts()) else {
+        return finish(builder, corner_m, args.repeat, PlacesIn::Lines);
+    };
+    let (pass, repeat) = (builder.reader.pass(), args.repeat);
+    // Elements are counted in 32 bits.
+    if pass.checked_mul(repeat).is_none() {
+        return Err(too_often(repeat, u32::MAX as usize));
+    }
+    Ok(ReadPath {
+        pauses: builder.reader.pauses,
+        way: ReadWay::Long(LongPath {
+            file: file.into(),
+            setup: setup(machine, args),
+            start: machine.job.start,
+            rate_hz: machine.tick_rate_hz,
+            corner_m,
+            pass,
+            repeat,
+        }),
+        places: ElementPlaces {
+            places: PlacesIn::Lines,
+            pass,
+            repeat,
+        },
+    })
 }
 
 fn from_table(text: &str, machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
@@ -183,14 +249,16 @@ fn finish(
     repeat: u32,
     places: PlacesIn,
 ) -> Result<ReadPath, PathFault> {
-    let pass = builder.pass();
+    let pass = builder.reader.pass();
     builder.repeat(repeat)?;
     Ok(ReadPath {
-        pauses: std::mem::take(&mut builder.pauses),
-        path: builder.finish(corner_m)?,
-        places,
-        pass,
-        repeat,
+        pauses: std::mem::take(&mut builder.reader.pauses),
+        way: ReadWay::Whole(builder.finish(corner_m)?),
+        places: ElementPlaces {
+            places,
+            pass,
+            repeat,
+        },
     })
 }
 

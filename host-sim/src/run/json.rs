@@ -22,7 +22,7 @@ pub(super) fn summary(file: &Path, scene: &Scene, report: &RunReport) -> Value {
         "file": file,
         "number": report.scalar.name(),
         "tick_rate_hz": scene.tick_rate_hz,
-        "moves": scene.job.moves.len(),
+        "moves": scene.job.count(),
         "ticks": scene.ticks(),
         "duration_s": f64::from(scene.ticks()) * scene.period_s(),
         "setpoints": report.records,

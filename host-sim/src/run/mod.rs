@@ -14,10 +14,11 @@ pub use plant::Simulated;
 
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::job_file::{self, QueuedJob};
+use crate::job_file::{self, LongMoves, QueuedJob};
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
+use crate::supply::{MoveSupply, WAITING_CHUNKS};
 use crate::terminal::{print, printed};
 use plant::PlantRecorder;
 use play::{ClosedLoop, SentTick, play};
@@ -27,6 +28,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
+use trirrr_client::JobWork;
 use trirrr_client::describe::Units;
 use trirrr_client::local::{self, LocalService};
 use trirrr_client::records::{Samples, is_of_a_job};
@@ -122,7 +124,13 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
-    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    // Tolerances look at all moves, and numbers of little range need units for all.
+    let moves = match args.tolerances || args.scalar == Some(NumberType::Fixed) {
+        true => LongMoves::InMemory,
+        false => LongMoves::InFile,
+    };
+    let (out, then) = (args.out.as_deref(), &args.then);
+    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out)?;
     jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
     for QueuedJob { file, job, folder } in &jobs {
         let end = run_job(args, file, &job.scene, folder, stop)?;
@@ -220,7 +228,11 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let moves = offer::moves::<N>(scene, &units);
+    let supply = scene.job.spool.as_deref().map(MoveSupply::<N>::whole);
+    let work = match &supply {
+        Some(supply) => supply.work()?,
+        None => JobWork::from(offer::moves::<N>(scene, &units)),
+    };
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();
@@ -251,10 +263,17 @@ fn simulate_in<N: ServiceNumber + Countable>(
             let recording = scope.spawn(move || recording.record_all(&receiver));
             let angles = machine.motors().each_ref().map(|motor| motor.angle);
             let closed = plant.as_mut().map(|plant| ClosedLoop::new(plant, angles));
-            let runner =
-                JobRunner::new(machine, moves, local::hello::<N>(scene), scene.tick_rate_hz);
+            let hello = local::hello::<N>(scene);
+            let runner = JobRunner::new(machine, work, hello, scene.tick_rate_hz);
             let rate_hz = paced.then_some(scene.tick_rate_hz);
-            let played = play(runner, closed, rate_hz, stop, &sender);
+            let chunks = supply.as_ref().map(|supply| {
+                let (sender, chunks) = sync_channel(WAITING_CHUNKS);
+                scope.spawn(move || supply.send_all(&sender));
+                chunks
+            });
+            let played = play(runner, closed, chunks.as_ref(), rate_hz, stop, &sender);
+            // The thread that reads ends with its receiver.
+            drop(chunks);
             // The recorder ends with the last tick that it is sent.
             drop(sender);
             // A panic there is a bug and goes on here.

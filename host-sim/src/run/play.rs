@@ -2,10 +2,12 @@
 
 use super::JobEnd;
 use super::plant::PlantRecorder;
+use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::realtime::{Deadlines, Pacer};
+use crate::supply::{SuppliedChunk, next_chunk};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 use trirrr_client::JobFailure;
 use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
@@ -58,11 +60,16 @@ impl<'p, 'l, N: ServiceNumber> ClosedLoop<'p, 'l, N> {
 /// Result of a tick, and the readings of the drives before it.
 pub(super) type SentTick<N> = (PlayedTick<N>, Option<Readings<N>>);
 
+/// Chunks of a long job, which another thread reads: no tick waits for a disk.
+pub(super) type Chunks<N> = Receiver<Result<SuppliedChunk<N>, CliError>>;
+
 /// Plays the job of `runner` and sends each tick, from the first of the path on. With a `rate_hz`,
-/// each tick of the path waits until it is due. In a closed loop the plant follows each tick at once.
+/// each tick of the path waits until it is due. In a closed loop the plant follows each tick at once. The moves of a long job
+/// come in `chunks`.
 pub(super) fn play<N: ServiceNumber>(
     mut runner: JobRunner<'_, N>,
     mut closed: Option<ClosedLoop<'_, '_, N>>,
+    chunks: Option<&Chunks<N>>,
     rate_hz: Option<f64>,
     stop: &AtomicBool,
     ticks: &SyncSender<SentTick<N>>,
@@ -74,6 +81,9 @@ pub(super) fn play<N: ServiceNumber>(
     let mut end = None;
     let end = loop {
         if end.is_none() {
+            if let Some(Err(error)) = chunks.map(|chunks| supply(&mut runner, chunks)) {
+                break JobEnd::Fault(error.to_string());
+            }
             end = runner.talk().map(|result| ended(&runner, result));
         }
         // After a fault the machine still comes to rest.
@@ -125,6 +135,18 @@ pub(super) fn play<N: ServiceNumber>(
         computation,
         deadlines: rate_hz.map(|_| pacer.map(Pacer::finish).unwrap_or_default()),
     }
+}
+
+/// Supplies the moves that are wanted.
+fn supply<N: ServiceNumber>(
+    runner: &mut JobRunner<'_, N>,
+    chunks: &Chunks<N>,
+) -> Result<(), CliError> {
+    while runner.wants().is_some() {
+        let SuppliedChunk { first, moves, .. } = next_chunk(chunks)?;
+        runner.supply(first, moves);
+    }
+    Ok(())
 }
 
 fn ended<N: ServiceNumber>(runner: &JobRunner<'_, N>, result: Result<(), JobFailure<N>>) -> JobEnd {

@@ -43,7 +43,7 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &RunReport) -> i
         line(out, "", &scene.description)?;
     }
     line(out, "numbers", &report.scalar.to_string())?;
-    let moves = match scene.job.moves.len() {
+    let moves = match scene.job.count() {
         1 => "1 move".into(),
         count => format!("{count} moves"),
     };

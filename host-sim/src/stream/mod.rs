@@ -6,7 +6,9 @@ mod journal;
 mod keys;
 mod port;
 mod session;
+mod starts;
 mod summary;
+mod work;
 
 pub use args::{PortArgs, StreamArgs};
 pub(crate) use keys::user_command;
@@ -14,7 +16,7 @@ pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
-use crate::job_file::{self, LoadedJob, QueuedJob};
+use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -28,7 +30,7 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{JobClient, JobFailure, JobPlace, JobRest, JobWork, Patience, UserCommand};
+use trirrr_client::{JobClient, JobFailure, JobPlace, JobWork, Patience, UserCommand};
 use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
@@ -38,6 +40,7 @@ use trirrr_scene::in_number_type;
 use trirrr_scene::offer;
 use trirrr_scene::pipeline;
 use trirrr_service::ServiceNumber;
+use work::{StreamMoves, StreamWork};
 
 /// Part of the bytes of a serial port that may be telemetry.
 const TELEMETRY_SHARE: f64 = 0.8;
@@ -54,7 +57,13 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    let jobs = job_file::load_queue(&args.scene, &args.then, &args.job, args.out.as_deref())?;
+    // A machine that plans gets the whole path, and numbers of little range need units for all moves.
+    let moves = match args.path || args.scalar == Some(NumberType::Fixed) {
+        true => LongMoves::InMemory,
+        false => LongMoves::InFile,
+    };
+    let (out, then) = (args.out.as_deref(), &args.then);
+    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out)?;
     let scalar = |job: &LoadedJob| args.scalar.unwrap_or(job.scene.number);
     for QueuedJob { file, job, .. } in &jobs {
         in_number_type!(scalar(job), N => {
@@ -132,32 +141,33 @@ fn stream<N: ServiceNumber>(
             false => None,
         };
         let journal = Journal::new(folder, key, from);
+        let work = StreamWork::of_path(work, scene);
         return stream.play(work, taken, journal, &|_| from).end;
     }
-    let moves = offer::moves::<N>(scene, &units);
-    let key = stream.key(&JobWork::from(moves.clone()));
+    let moves = StreamMoves::<N>::of(scene, &units);
+    let key = stream.key(&moves.whole()?);
     let rest = |from| {
         let period = units.time(scene.period_s());
-        JobRest::new(&moves, from, N::factor_from_f64(period))
+        moves.rest(from, N::factor_from_f64(period))
     };
-    let play = |from: JobPlace, taken| {
-        let rest: JobRest<N> = rest(from);
+    let play = |from: JobPlace, taken| -> Result<StreamPlayed, CliError> {
+        let rest = rest(from)?;
         let journal = Journal::new(folder, key.clone(), from);
-        let work = JobWork::from(rest.moves().to_vec());
-        stream.play(work, taken, journal, &|place| rest.place(place))
+        let work = moves.work(&rest)?;
+        Ok(stream.play(work, taken, journal, &|place| rest.place(place)))
     };
     if !args.resume {
-        return play(from, None).end;
+        return play(from, None)?.end;
     }
     let entry = Journal::read(folder, &key)?;
-    let played = play(entry.from, Some(entry.taken));
+    let played = play(entry.from, Some(entry.taken))?;
     if !played.is_lost {
         return played.end;
     }
     // The machine has nothing of the job any more: back to the place, as far as it is known.
     let from = played.reached.max(entry.reached);
     let JobPlace { index, at } = from;
-    if rest(from).moves().is_empty() {
+    if rest(from)?.moves().is_empty() {
         Journal::new(folder, key, from).end();
         return Err(CliError::Refused("the job was played to its end".into()));
     }
@@ -165,7 +175,7 @@ fn stream<N: ServiceNumber>(
     let text =
         format!("the machine has lost the job: back to move {count}, tick {at}, with the tool off");
     Display::new(0, false).note(&text);
-    play(from, None).end
+    play(from, None)?.end
 }
 
 /// Stream of one scene to one port.
@@ -201,7 +211,7 @@ impl Stream<'_> {
     /// on this work.
     fn play<N: ServiceNumber>(
         &self,
-        work: JobWork<N>,
+        work: StreamWork<'_, N>,
         taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
@@ -218,7 +228,7 @@ impl Stream<'_> {
 
     fn try_play<N: ServiceNumber>(
         &self,
-        work: JobWork<N>,
+        work: StreamWork<'_, N>,
         taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
@@ -228,23 +238,12 @@ impl Stream<'_> {
         let pipeline = pipeline::of_scene::<N>(scene, self.units)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let units = Units::of_scene(scene, &self.units);
-        let durations: Vec<u64> = match &work {
-            JobWork::Moves(moves) => {
-                let ticks = moves.iter().map(|each| u64::from(each.common().ticks));
-                ticks.collect()
-            }
-            JobWork::Path { .. } => {
-                let moves = scene.job.moves.iter();
-                moves.map(|each| u64::from(each.duration_ticks)).collect()
-            }
-        };
-        let before = durations.iter().scan(0, |sum, ticks| {
-            let before = *sum;
-            *sum += ticks;
-            Some(before)
-        });
-        let before: Vec<u64> = before.collect();
-        let ticks: u64 = durations.iter().sum();
+        let StreamWork {
+            work,
+            starts,
+            ticks,
+            supply,
+        } = work;
         let display = Display::new(ticks, scene.torque);
         let fields = match scene.feedback {
             // Readings of the drives are compared with what they were told.
@@ -281,7 +280,8 @@ impl Stream<'_> {
             recorder,
             drives,
             display,
-            before,
+            starts,
+            supply,
             every,
             keys: args.keys.then(keys::listen),
             stop: self.stop,

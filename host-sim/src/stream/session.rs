@@ -4,8 +4,10 @@
 use super::display::Display;
 use super::journal::Journal;
 use super::port::Port;
+use super::starts::MoveStarts;
 use crate::failure::CliError;
 use crate::recording::{DriveRecorder, Recorder};
+use crate::supply::MoveSupply;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
@@ -18,6 +20,9 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// Limit of the wait for the last samples of a job.
 const LAST_SAMPLES: Duration = Duration::from_millis(500);
+
+/// Moves of a long job of which the ticks before them are known: more than a machine holds, and the client beyond those.
+const KNOWN: usize = 4096;
 
 /// End of a stream that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +43,9 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) drives: Option<DriveRecorder<N>>,
     pub(super) display: Display,
     /// Ticks of the job before each of its moves.
-    pub(super) before: Vec<u64>,
+    pub(super) starts: MoveStarts,
+    /// Moves of a long job.
+    pub(super) supply: Option<MoveSupply<'a, N>>,
     /// Ticks from one sample to the next.
     pub(super) every: u16,
     pub(super) keys: Option<Receiver<UserCommand>>,
@@ -63,6 +70,7 @@ impl<N: Transmit> Session<'_, N> {
         let mut stop_asked = false;
         loop {
             self.listen_to_user(&mut stop_asked);
+            self.supply()?;
             match self.client.poll(start.elapsed()) {
                 Action::Send(request) => {
                     if let Err(error) = self.port.send(&request) {
@@ -82,6 +90,21 @@ impl<N: Transmit> Session<'_, N> {
             self.journal.note(&self.client, false)?;
             self.tell_way();
         }
+    }
+
+    /// Supplies the client with the moves that it wants.
+    fn supply(&mut self) -> Result<(), CliError> {
+        let Some(supply) = &self.supply else {
+            return Ok(());
+        };
+        while let Some(index) = self.client.wants() {
+            let chunk = supply.read(index)?;
+            let ticks = chunk.moves.iter().map(|each| each.common().ticks);
+            self.starts.extend(index, chunk.before, ticks);
+            self.starts.keep(KNOWN);
+            self.client.supply(index, chunk.moves);
+        }
+        Ok(())
     }
 
     /// Says that the machine goes to the start of the job, and for how long.
@@ -176,7 +199,7 @@ impl<N: Transmit> Session<'_, N> {
         if let Some(drives) = &mut self.drives {
             drives.command(sample)?;
         }
-        let before = self.before.get(index as usize).copied().unwrap_or(0);
+        let before = self.starts.before(index).unwrap_or(0);
         let at = before + u64::from(sample.at);
         self.display.values(at, &record, self.client.queued());
         Ok(())

@@ -14,6 +14,7 @@ mod jobs;
 mod keys;
 mod limits;
 mod links;
+mod long;
 mod paths;
 mod proxy;
 mod resume;

@@ -137,6 +137,7 @@ impl Offer {
                 start: offered.from,
                 moves: vec![only],
                 path: None,
+                spool: None,
             },
             ..thesis.clone()
         };

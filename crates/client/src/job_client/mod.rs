@@ -6,6 +6,7 @@ mod progress;
 mod reply;
 mod schedule;
 mod status;
+mod supply;
 
 use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
@@ -16,6 +17,7 @@ pub use progress::JobWork;
 use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
+pub use supply::{MoveChecksum, SuppliedMoves};
 use trirrr_protocol::message::{
     Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, Status, Telemetry,
     TelemetryFields, Transmit,

@@ -1,5 +1,6 @@
 //! Count of what a machine has taken and played of a job.
 
+use super::supply::{MoveChecksum, SuppliedMoves};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
     AnyMove, BATCH, Command, JobAccount, JobLabel, Move, MoveBatch, OfferedMoves, PathPiece,
@@ -12,6 +13,8 @@ use trirrr_protocol::wire::checksum;
 pub enum JobWork<N: Transmit> {
     /// Moves.
     Moves(Vec<AnyMove<N>>),
+    /// Moves that the owner of the client supplies as the job goes on.
+    Supplied(SuppliedMoves<N>),
     /// A path that the machine plans itself.
     Path {
         /// Pose at its start.
@@ -27,6 +30,7 @@ impl<N: Transmit> JobWork<N> {
         // A machine counts them in 32 bits.
         match self {
             Self::Moves(moves) => moves.len() as u32,
+            Self::Supplied(moves) => moves.items(),
             Self::Path { pieces, .. } => pieces.len() as u32,
         }
     }
@@ -37,9 +41,11 @@ impl<N: Transmit> JobWork<N> {
         let add = |sum: u32, part: Option<u32>| checksum(&(sum, part)).unwrap_or_default();
         let check = match self {
             Self::Moves(moves) => {
-                let parts = moves.iter().map(|each| checksum(&each.step()));
-                parts.fold(0, add)
+                let mut check = MoveChecksum::default();
+                moves.iter().for_each(|each| check.add(each));
+                check.value()
             }
+            Self::Supplied(moves) => moves.check().value(),
             Self::Path { pieces, .. } => pieces.iter().map(checksum).fold(0, add),
         };
         JobLabel {
@@ -120,16 +126,45 @@ impl<N: Transmit> JobProgress<N> {
     }
 
     fn any(&self, index: u32) -> Option<&AnyMove<N>> {
+        let (moves, first) = self.here()?;
+        moves.get(usize::try_from(index.checked_sub(first)?).ok()?)
+    }
+
+    /// The moves that the client has, and the index of the first; none of a path.
+    fn here(&self) -> Option<(&[AnyMove<N>], u32)> {
         match &self.work {
-            JobWork::Moves(moves) => moves.get(usize::try_from(index).ok()?),
+            JobWork::Moves(moves) => Some((moves, 0)),
+            JobWork::Supplied(moves) => Some(moves.here()),
             JobWork::Path { .. } => None,
         }
+    }
+
+    /// Returns the moves of a job that are supplied as it goes on.
+    pub(super) fn supplied(&self) -> Option<&SuppliedMoves<N>> {
+        match &self.work {
+            JobWork::Supplied(moves) => Some(moves),
+            JobWork::Moves(_) | JobWork::Path { .. } => None,
+        }
+    }
+
+    /// The same, to change.
+    pub(super) fn supplied_mut(&mut self) -> Option<&mut SuppliedMoves<N>> {
+        match &mut self.work {
+            JobWork::Supplied(moves) => Some(moves),
+            JobWork::Moves(_) | JobWork::Path { .. } => None,
+        }
+    }
+
+    /// Returns the number of items that were offered.
+    pub(super) fn has_offered(&self) -> u32 {
+        self.offered
     }
 
     /// Returns the pose at the start of the job.
     pub(super) fn start(&self) -> Option<Pose<N>> {
         match &self.work {
             JobWork::Moves(moves) => moves.first().map(|each| each.common().from),
+            JobWork::Supplied(moves) => Some(moves.start()),
             JobWork::Path { start, .. } => Some(*start),
         }
     }
@@ -220,28 +255,40 @@ impl<N: Transmit> JobProgress<N> {
     /// Returns the command that offers the next items, with the machine's numbers, if the machine has room.
     pub(super) fn next_offer(&self) -> Option<Command<N>> {
         let base = self.base.filter(|_| self.room > 0)?;
-        let index = usize::try_from(self.offered).ok()?;
+        let number = base.r#move.wrapping_add(self.offered);
         match &self.work {
-            JobWork::Moves(moves) => {
-                let number = base.r#move.wrapping_add(self.offered);
-                let next = moves.get(index)?;
-                let before = index.checked_sub(1).and_then(|index| moves.get(index));
-                let most = self.batch.min(usize::from(self.room));
-                let behind = moves.get(index..)?;
-                let behind = behind.get(..most).unwrap_or(behind);
-                let batch = before.map(|before| MoveBatch::new(number, &before.end(), behind));
-                // A single move says where it starts, which may not be where the last one ends.
-                let batch = batch.filter(|batch| batch.steps().count() > 1);
-                Some(match batch {
-                    Some(batch) => Command::Moves(batch),
-                    None => next.numbered(number).command(),
-                })
+            JobWork::Moves(_) | JobWork::Supplied(_) => {
+                let (moves, first) = self.here()?;
+                let index = usize::try_from(self.offered.checked_sub(first)?).ok()?;
+                self.next_moves(moves, index, number, moves.len())
             }
             JobWork::Path { pieces, .. } => Some(Command::Path(PathPiece {
                 number: base.piece.wrapping_add(self.offered),
-                ..*pieces.get(index)?
+                ..*pieces.get(usize::try_from(self.offered).ok()?)?
             })),
         }
+    }
+
+    /// The command that offers moves from `index` on, before `end`.
+    fn next_moves(
+        &self,
+        moves: &[AnyMove<N>],
+        index: usize,
+        number: u32,
+        end: usize,
+    ) -> Option<Command<N>> {
+        let next = moves.get(index)?;
+        let before = index.checked_sub(1).and_then(|index| moves.get(index));
+        let most = self.batch.min(usize::from(self.room));
+        let behind = moves.get(index..end)?;
+        let behind = behind.get(..most).unwrap_or(behind);
+        let batch = before.map(|before| MoveBatch::new(number, &before.end(), behind));
+        // A single move says where it starts, which may not be where the last one ends.
+        let batch = batch.filter(|batch| batch.steps().count() > 1);
+        Some(match batch {
+            Some(batch) => Command::Moves(batch),
+            None => next.numbered(number).command(),
+        })
     }
 
     /// Offers nothing before the next status.

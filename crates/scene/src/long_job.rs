@@ -1,0 +1,72 @@
+//! Long jobs: planned block by block as their paths come, their moves kept in a file.
+
+use crate::Scene;
+use crate::blocks::PathBlock;
+use crate::in_order::in_order;
+use crate::longest_stop::{StopMoves, StopsSoFar};
+use crate::planning::{Unplanned, check_ticks, join, plan_block};
+use crate::spool::SpoolWriter;
+use std::fs::File;
+use std::io;
+use std::sync::Arc;
+
+/// Reason why a long job is not taken. `E` is that of its source.
+#[derive(Debug, thiserror::Error)]
+pub enum UntakenJob<E> {
+    /// The path cannot be read.
+    #[error("{0}")]
+    Path(E),
+    /// A block has no plan.
+    #[error(transparent)]
+    Plan(#[from] Unplanned),
+    /// The moves cannot be kept.
+    #[error("the moves of the job cannot be written to a temporary file: {0}")]
+    Spool(io::Error),
+}
+
+impl Scene {
+    /// Gives the machine the job whose path comes in `blocks`, as [`take_path`](Self::take_path) does where the path is in memory. The
+    /// moves go into `file`, which is empty, in the job's [`spool`](crate::Job::spool). Memory does not grow with the job.
+    ///
+    /// # Errors
+    /// [`UntakenJob`]: of the first block that has one; the scene is as it was.
+    pub fn take_blocks<E: Send>(
+        &mut self,
+        blocks: impl Iterator<Item = Result<PathBlock, E>> + Send,
+        file: File,
+    ) -> Result<(), UntakenJob<E>> {
+        let scene = &*self;
+        let mut spool = SpoolWriter::new(file);
+        // None once a move is not judged again as it was when it was planned.
+        let mut so_far = Some(StopsSoFar::default());
+        let plan = |block: PathBlock| {
+            let moves = plan_block(scene, &block)?;
+            let judged = StopMoves::judged(scene, moves.clone());
+            let stops = judged.map(|judged| {
+                let stops = judged.stops(scene, u64::MAX, false);
+                (judged, stops)
+            });
+            Ok((moves, stops))
+        };
+        let blocks = blocks.map(|block| block.map_err(UntakenJob::Path));
+        in_order(blocks, plan, |(mut moves, stops)| {
+            join(spool.last(), &mut moves);
+            so_far = so_far
+                .take()
+                .zip(stops)
+                .map(|(mut so_far, (mut judged, stops))| {
+                    judged.join(spool.last());
+                    so_far.add(scene, &judged, &stops);
+                    so_far
+                });
+            spool.write(&moves).map_err(UntakenJob::Spool)
+        })?;
+        check_ticks(spool.ticks())?;
+        let longest_stop = so_far.map(|so_far| so_far.end(scene));
+        let spool = spool.finish(longest_stop).map_err(UntakenJob::Spool)?;
+        self.job.moves = Vec::new();
+        self.job.path = None;
+        self.job.spool = Some(Arc::new(spool));
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! Moves of a streamed job, in memory or in the spool of a long one.
+
+use super::starts::MoveStarts;
+use crate::failure::CliError;
+use crate::supply::{MoveSupply, opening};
+use trirrr_client::{JobPlace, JobRest, JobWork};
+use trirrr_core::units::Units;
+use trirrr_protocol::message::{AnyMove, Transmit};
+use trirrr_scene::{MoveSpool, Scene, offer};
+
+/// Work for the client of a stream.
+pub(super) struct StreamWork<'a, N: Transmit> {
+    pub(super) work: JobWork<N>,
+    /// Ticks before each of the moves, as far as they are known.
+    pub(super) starts: MoveStarts,
+    /// Ticks of the moves.
+    pub(super) ticks: u64,
+    /// Moves that the client is supplied with.
+    pub(super) supply: Option<MoveSupply<'a, N>>,
+}
+
+/// Moves of a whole job.
+pub(super) enum StreamMoves<'a, N: Transmit> {
+    InMemory(Vec<AnyMove<N>>),
+    InFile(&'a MoveSpool),
+}
+
+impl<'a, N: Transmit> StreamMoves<'a, N> {
+    /// Moves of the job of `scene`.
+    pub(super) fn of(scene: &'a Scene, units: &Units) -> Self {
+        match &scene.job.spool {
+            Some(spool) => Self::InFile(spool),
+            None => Self::InMemory(offer::moves(scene, units)),
+        }
+    }
+
+    /// All of them.
+    ///
+    /// # Errors
+    /// Failed: the spool cannot be read.
+    pub(super) fn whole(&self) -> Result<JobWork<N>, CliError> {
+        match self {
+            Self::InMemory(moves) => Ok(JobWork::from(moves.clone())),
+            Self::InFile(spool) => MoveSupply::whole(spool).work(),
+        }
+    }
+
+    /// The rest of the job from a place on; of a long one without the moves in the spool.
+    ///
+    /// # Errors
+    /// Failed: the spool cannot be read.
+    pub(super) fn rest(&self, from: JobPlace, period: N::Factor) -> Result<JobRest<N>, CliError> {
+        match self {
+            Self::InMemory(moves) => Ok(JobRest::new(moves, from, period)),
+            Self::InFile(spool) => opening(spool, from, period),
+        }
+    }
+
+    /// Work of that rest.
+    ///
+    /// # Errors
+    /// Failed: the spool cannot be read.
+    pub(super) fn work(&self, rest: &JobRest<N>) -> Result<StreamWork<'a, N>, CliError> {
+        match self {
+            Self::InMemory(_) => Ok(StreamWork::of_moves(rest.moves().to_vec())),
+            Self::InFile(spool) => {
+                let supply = MoveSupply::behind(spool, rest)?;
+                Ok(StreamWork {
+                    work: supply.work()?,
+                    starts: MoveStarts::default(),
+                    ticks: supply.ticks(),
+                    supply: Some(supply),
+                })
+            }
+        }
+    }
+}
+
+impl<N: Transmit> StreamWork<'_, N> {
+    fn of_moves(moves: Vec<AnyMove<N>>) -> Self {
+        let ticks = moves.iter().map(|each| each.common().ticks);
+        let mut starts = MoveStarts::default();
+        let ticks = starts.extend(0, 0, ticks);
+        Self {
+            starts,
+            ticks,
+            work: moves.into(),
+            supply: None,
+        }
+    }
+
+    /// Work of a path that the machine of `scene` plans: about the moves that are planned here.
+    pub(super) fn of_path(work: JobWork<N>, scene: &Scene) -> Self {
+        let moves = scene.job.moves.iter().map(|each| each.duration_ticks);
+        let mut starts = MoveStarts::default();
+        let ticks = starts.extend(0, 0, moves);
+        Self {
+            work,
+            starts,
+            ticks,
+            supply: None,
+        }
+    }
+}
