@@ -3,7 +3,7 @@
 use super::files::StudyResult;
 use super::record::StudyRecord;
 use crate::design::scatter::{ScatterAxis, ScatterMarks, ScatterSet, scatter};
-use trirrr_design::optimise::{Appraisal, StudyScene};
+use trirrr_design::optimise::{Appraisal, Objective, StudyScene};
 use trirrr_figures::canvas::Drawn;
 use trirrr_figures::style::{BLUE, GREEN, INK, ORANGE, VERMILLION, faded};
 
@@ -23,6 +23,14 @@ pub(super) fn all(
     drawn.collect()
 }
 
+/// Name of the quantity with its unit, and the factor of the numbers that are shown: square metres take no prefix.
+fn shown(objective: Objective) -> (String, &'static str, f64) {
+    match objective.words() {
+        [words, "m^2"] => (format!("{words}, cm^2"), "", 1e4),
+        [words, unit] => (words.into(), unit, 1.0),
+    }
+}
+
 fn set(
     label: &str,
     colour: trirrr_figures::style::RGBColor,
@@ -40,9 +48,10 @@ fn set(
 /// The first objective of each candidate, and the best so far.
 fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> Drawn {
     let objective = study.objectives[0];
+    let (quantity, unit, factor) = shown(objective);
     let value = |(index, each): (usize, &Appraisal)| {
         let found = each.found.as_ref().ok()?;
-        Some([(index + 1) as f64, found[0]])
+        Some([(index + 1) as f64, factor * found[0]])
     };
     let values: Vec<[f64; 2]> = result.all.iter().enumerate().filter_map(value).collect();
     let mut best: Vec<[f64; 2]> = Vec::new();
@@ -67,7 +76,7 @@ fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> D
         set("best so far", VERMILLION, ScatterMarks::Line, best),
     ];
     if let Some(own) = &record.own.found {
-        let ends = [1.0, result.all.len() as f64].map(|number| [number, own[0]]);
+        let ends = [1.0, result.all.len() as f64].map(|number| [number, factor * own[0]]);
         sets.push(set(
             "the scene itself",
             INK,
@@ -75,7 +84,6 @@ fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> D
             ends.into(),
         ));
     }
-    let [quantity, unit] = objective.words();
     let axes = [
         ScatterAxis {
             quantity: "candidate",
@@ -83,7 +91,7 @@ fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> D
             from: Some(0.0),
         },
         ScatterAxis {
-            quantity,
+            quantity: &quantity,
             unit,
             from: None,
         },
@@ -94,10 +102,9 @@ fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> D
 
 /// Candidates that no other one beats.
 fn front(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> Drawn {
-    let pair = |each: &Appraisal| {
-        let found = each.found.as_ref().ok()?;
-        Some([found[0], found[1]])
-    };
+    let shown = [0, 1].map(|index| shown(study.objectives[index]));
+    let scaled = |found: &[f64]| [0, 1].map(|index| shown[index].2 * found[index]);
+    let pair = |each: &Appraisal| Some(scaled(each.found.as_ref().ok()?));
     let of = |indices: &[usize]| -> Vec<[f64; 2]> {
         let points = indices.iter().filter_map(|index| pair(&result.all[*index]));
         points.collect()
@@ -126,7 +133,7 @@ fn front(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> Draw
         ),
     ];
     if let Some(own) = &record.own.found {
-        let own = vec![[own[0], own[1]]];
+        let own = vec![scaled(own)];
         sets.push(set(
             "the scene itself",
             ORANGE,
@@ -134,13 +141,10 @@ fn front(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> Draw
             own,
         ));
     }
-    let axes = [0, 1].map(|index| {
-        let [quantity, unit] = study.objectives[index].words();
-        ScatterAxis {
-            quantity,
-            unit,
-            from: None,
-        }
+    let axes = shown.each_ref().map(|(quantity, unit, _)| ScatterAxis {
+        quantity,
+        unit,
+        from: None,
     });
     let title = format!("{}: what one quantity costs in the other", record.scene);
     scatter(&title, axes, &sets)
