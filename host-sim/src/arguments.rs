@@ -5,7 +5,7 @@ use crate::terminal::say;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::Path;
-use trirrr_scene::read::Setting;
+use trirrr_scene::read::{Setting, text_of};
 use trirrr_scene::{NumberType, Scene};
 
 /// Scene that is run when none is named.
@@ -36,11 +36,9 @@ impl SetArgs {
     /// # Errors
     /// Refused: the scene.
     pub(crate) fn scene(&self, file: &Path) -> Result<Scene, CliError> {
-        let read = match file == Path::new(DEFAULT_SCENE) && !file.exists() {
-            true => Scene::parse_set(BUILT_IN[0].1, "the scene that is built in", &self.set),
-            false => Scene::read_set(file, &self.set),
-        };
-        read.map_err(|error| CliError::Refused(error.to_string()))
+        let (text, name) = scene_text(file)?;
+        Scene::parse_set(&text, &name, &self.set)
+            .map_err(|error| CliError::Refused(error.to_string()))
     }
 
     /// Reads a scene whose machine is to move, and warns of limits that it lacks.
@@ -54,6 +52,18 @@ impl SetArgs {
         }
         Ok(scene)
     }
+}
+
+/// Text of a scene and its name in messages; where there is no file of the default one, that which is built in.
+///
+/// # Errors
+/// Refused: the file cannot be read.
+pub(crate) fn scene_text(file: &Path) -> Result<(String, String), CliError> {
+    if file == Path::new(DEFAULT_SCENE) && !file.exists() {
+        return Ok((BUILT_IN[0].1.into(), "the scene that is built in".into()));
+    }
+    let text = text_of(file).map_err(|error| CliError::Refused(error.to_string()))?;
+    Ok((text, file.display().to_string()))
 }
 
 /// Parser of a number type by its name.

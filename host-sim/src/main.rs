@@ -39,11 +39,11 @@ fn main() -> ExitCode {
         Command::Disable(args) => switch(|stop| machine::disable(args, stop)),
         Command::Drives(args) => switch(|stop| machine::drives(args, stop)),
         Command::Grbl(args) => switch(|stop| grbl::command(args, stop)),
-        Command::Goto(args) => to_goals(|stop| goals::goto(args, stop)),
-        Command::Park(args) => to_goals(|stop| goals::park(args, stop)),
-        Command::Jog(args) => to_goals(|stop| goals::jog(args, stop)),
-        Command::Follow(args) => to_goals(|stop| goals::follow(args, stop)),
-        Command::Design(args) => design::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Goto(args) => to_the_end(|stop| goals::goto(args, stop)),
+        Command::Park(args) => to_the_end(|stop| goals::park(args, stop)),
+        Command::Jog(args) => to_the_end(|stop| goals::jog(args, stop)),
+        Command::Follow(args) => to_the_end(|stop| goals::follow(args, stop)),
+        Command::Design(args) => to_the_end(|stop| design::command(args, stop)),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),
@@ -86,7 +86,9 @@ fn switch(go: impl FnOnce(&AtomicBool) -> Result<(), CliError>) -> Result<ExitCo
     go(&stop).map(|()| ExitCode::SUCCESS)
 }
 
-fn to_goals(go: impl FnOnce(&AtomicBool) -> Result<bool, CliError>) -> Result<ExitCode, CliError> {
+fn to_the_end(
+    go: impl FnOnce(&AtomicBool) -> Result<bool, CliError>,
+) -> Result<ExitCode, CliError> {
     let stop = on_interrupt()?;
     let code = match go(&stop)? {
         true => ExitCode::SUCCESS,

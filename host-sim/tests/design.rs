@@ -87,11 +87,11 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
         assert!(text.len() > 100, "{file}");
     }
     let motors = design["motors"].as_array().unwrap();
-    assert_eq!(motors.len(), 20);
+    assert_eq!(motors.len(), 26);
     let margins = motors.iter().map(|motor| motor["margin"].as_f64().unwrap());
     assert!(margins.rev().is_sorted());
     let page = fs::read_to_string(folder.path().join("out/engraving-design/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 9);
+    assert_eq!(page.matches("<svg").count(), 12);
     // Nothing comes from elsewhere.
     assert!(!page.contains("src=") && !page.contains("<script"));
 }

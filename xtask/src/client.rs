@@ -51,12 +51,13 @@ const FIRST_COMPUTED: &str = "detA";
 
 pub(crate) fn run() -> Result<()> {
     let python = root().join("clients/python");
+    let trirrr = Programs::build()?.trirrr;
     let mut tests = Command::new("python3");
     tests
         .args(["-m", "unittest", "discover", "-s", "tests"])
+        .env("TRIRRR", &trirrr)
         .current_dir(&python);
     succeed(&mut tests, "the client's own tests")?;
-    let trirrr = Programs::build()?.trirrr;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
         let out = target_directory().join("ci/client").join(name);

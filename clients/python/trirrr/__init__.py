@@ -7,6 +7,7 @@
     jobs                     moves from a scene file or a CSV table
     ports                    serial (needs pyserial) and TCP
     record, plot             telemetry as CSV and SVG
+    study                    parts of a design study over any executor
 """
 
 PROTOCOL = 4

@@ -5,6 +5,7 @@
 pub mod interval;
 pub mod modes;
 pub mod motors;
+pub mod optimise;
 pub mod ratios;
 pub mod reactions;
 pub mod workspace;

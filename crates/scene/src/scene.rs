@@ -201,6 +201,24 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with everything found wrong.
     pub fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
+        Self::parse_in(text, file, settings, Depth::Whole)
+    }
+
+    /// Reads as [`parse_set`](Self::parse_set), and looks at no pose: the job may ask for what the machine cannot do. A path is not
+    /// planned, so that a job with a path has no moves. Such a scene can be looked at, and not played.
+    ///
+    /// # Errors
+    /// [`SceneError::Refused`] with every value that is refused.
+    pub fn draft_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
+        Self::parse_in(text, file, settings, Depth::Values)
+    }
+
+    fn parse_in(
+        text: &str,
+        file: &str,
+        settings: &[Setting],
+        depth: Depth,
+    ) -> Result<Self, SceneError> {
         let (root, faults) = DeTable::parse_recoverable(text);
         let whole = SceneText::new(text, file, root.get_ref(), settings);
         let document = Document::new(&whole.text, TOP_KEYS).with_parts(whole.parts.clone());
@@ -218,12 +236,15 @@ impl Scene {
             &document,
             &Section::root(&document, &root),
             key(whole.text.as_bytes()),
+            depth,
         );
         let Some((mut scene, placed, homing, places)) = read.filter(|_| document.is_clean()) else {
             return Err(document.into_error(file));
         };
         scene.machine_file = whole.machine_file.clone();
-        check_machine(&document, &scene, &placed, homing.as_ref(), &places);
+        if depth == Depth::Whole {
+            check_machine(&document, &scene, &placed, homing.as_ref(), &places);
+        }
         match document.is_clean() {
             true => Ok(scene),
             false => Err(document.into_error(file)),
@@ -267,10 +288,20 @@ impl Scene {
     }
 }
 
+/// Extent to which a scene is looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Depth {
+    /// Each value.
+    Values,
+    /// Poses, moves and paths, too.
+    Whole,
+}
+
 fn read_scene(
     document: &Document,
     root: &Section,
     key: u32,
+    depth: Depth,
 ) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Places)> {
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
@@ -344,9 +375,12 @@ fn read_scene(
     if let Some(path) = &placed.path
         && document.is_clean()
     {
-        plan_path(document, &mut scene, path)?;
+        match depth {
+            Depth::Whole => plan_path(document, &mut scene, path)?,
+            Depth::Values => scene.job.path = Some(path.path.clone()),
+        }
     }
-    if let Some(plant) = plant {
+    if let Some(plant) = plant.filter(|_| depth == Depth::Whole) {
         let duration_s = f64::from(scene.ticks()) / scene.tick_rate_hz;
         scene.plant = Some(plant.checked(root, duration_s)?);
     }

@@ -2,24 +2,35 @@
 
 mod args;
 mod maps;
+mod motor_figures;
+mod optimise;
 mod page;
+mod scatter;
 mod study;
 mod text;
 
-pub use args::DesignArgs;
+pub use args::{DesignArgs, StudyArgs};
 
 use crate::failure::CliError;
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use study::Study;
 
-/// Studies the machine of a scene, writes the report, and prints a summary.
+/// Studies the machine of a scene, writes the report, and prints a summary; or looks for a better one, until `stop`. True: to the end.
 ///
 /// # Errors
-/// Refused: the scene, in all working modes. Failed: a file cannot be written.
-pub fn command(args: &DesignArgs) -> Result<(), CliError> {
+/// Refused: the scene, in all working modes; a range or the parts of a study. Failed: a file cannot be written.
+pub fn command(args: &DesignArgs, stop: &AtomicBool) -> Result<bool, CliError> {
+    match args.vary.vary.is_empty() && args.vary.merge.is_empty() {
+        true => report(args).map(|()| true),
+        false => optimise::command(args, stop),
+    }
+}
+
+fn report(args: &DesignArgs) -> Result<(), CliError> {
     let study = Study::of(args)?;
     let folder = match &args.out {
         Some(folder) => folder.clone(),
@@ -30,7 +41,8 @@ pub fn command(args: &DesignArgs) -> Result<(), CliError> {
     let json = text::as_json(&study, args);
     let json = format!("{json:#}\n");
     let mut files = Vec::new();
-    let figures = maps::all(&study);
+    let mut figures = maps::all(&study);
+    figures.extend(motor_figures::all(&study));
     for (name, drawn) in &figures {
         files.push(write(&folder, &format!("{name}.svg"), drawn)?);
     }

@@ -1,17 +1,18 @@
 //! A study as a page that opens from disk: one file, with its figures in it.
 
-use super::DesignArgs;
 use super::study::Study;
 use super::text::{MODE_HEADS, MOTOR_HEADS, area, connected_m2, mode_cells, motor_cells};
+use super::{DesignArgs, motor_figures};
 use crate::terminal::digits;
 use std::fmt::Write;
 
-const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
+/// Style of the pages.
+pub(super) const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
 table{border-collapse:collapse;font-size:14px}th,td{border:1px solid #bbb;padding:.25em .6em;text-align:right}\
 td:first-child,th{text-align:left}svg{max-width:100%;height:auto}.no{text-align:left;color:#a33}.own{background:#eef7f3}";
 
 /// Text for HTML.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
@@ -88,6 +89,9 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
     }
     page += "</table>\n<h2>Motors</h2>\n";
     motors(&mut page, study);
+    for name in motor_figures::NAMES {
+        figure(&mut page, name);
+    }
     page += "<h2>Duration</h2>\n<p>The same motion of the platform, faster and slower.</p>\n";
     figure(&mut page, "durations");
     page += "</html>\n";
@@ -127,20 +131,32 @@ fn modes(page: &mut String, study: &Study) {
 }
 
 fn motors(page: &mut String, study: &Study) {
-    *page += "<p>Each motor of the catalogue with the gear that leaves the most. A margin is what there is over what is asked for: at every instant the torque at the \
-        speed, and over the job the continuous torque over the root mean square. Below 1 the motor does not do the job. The inertia of its rotor counts, friction does not.</p>\n<table><tr>";
+    let _ = write!(
+        page,
+        "<p>Each motor of the catalogue with the gear that leaves the most. A margin is what there is over what is asked for: at every instant the torque at the \
+        speed, and over the job the continuous torque over the root mean square. Below 1 the motor does not do the job. The inertia of its rotor counts, friction does not. \
+        A curve that is estimated is the pull-out torque by the winding of a stepper, without resonance: plan with half of it. {}</p>\n<table><tr>",
+        match study.scene.job.path.is_some() {
+            true =>
+                "The least time is that of a plan with the rates and torques of the motor in place of the limits of the scene.",
+            false =>
+                "The least time is that of the moves of the job, all of them faster or slower by one factor: their durations are given.",
+        }
+    );
     for head in MOTOR_HEADS {
         let _ = write!(page, "<th>{head}</th>");
     }
     *page += "</tr>\n";
     for row in &study.motors {
-        let does = if row.1.margin() >= 1.0 {
+        let does = if row.candidate.margin() >= 1.0 {
             " class=\"own\""
         } else {
             ""
         };
-        let name = escaped(&row.0.name);
-        let source = escaped(&row.0.source).replace('"', "&quot;");
+        let name = escaped(&row.motor.name);
+        // A second page of figures stands behind the first.
+        let source = row.motor.source.split_whitespace().next().unwrap_or("");
+        let source = escaped(source).replace('"', "&quot;");
         let _ = write!(page, "<tr{does}><td><a href=\"{source}\">{name}</a></td>");
         for cell in motor_cells(row) {
             let _ = write!(page, "<td>{cell}</td>");

@@ -3,11 +3,12 @@
 use super::DesignArgs;
 use crate::failure::CliError;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use trirrr_core::machine::Elbow;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, in_mode, job_in};
-use trirrr_design::motors::{Candidate, CatalogueMotor, SHIPPED, candidates, read_catalogue};
+use trirrr_design::motors::{Candidate, CatalogueMotor, JobLoad, SHIPPED, read_catalogue};
 use trirrr_design::ratios::Ratios;
 use trirrr_design::reactions::{JointForce, along_job};
 use trirrr_design::workspace::{CellGrid, Conditions, Disc, Rectangle, Workspace};
@@ -24,6 +25,12 @@ const ALPHA_STEP: i32 = 10;
 const FACTORS: [f64; 15] = [
     0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0,
 ];
+
+/// Motors whose points are drawn.
+const MOTORS_DRAWN: usize = 3;
+
+/// Pieces of a path that is planned for every motor.
+const PLANNED_PIECES: usize = 32;
 
 /// Points of the job's path in figures, at most.
 const PATH_POINTS: u32 = 2_000;
@@ -60,6 +67,16 @@ pub(super) struct AlphaRow {
     pub(super) area_m2: [f64; 2],
 }
 
+/// Motor of the catalogue on the job.
+pub(super) struct MotorRow {
+    pub(super) motor: CatalogueMotor,
+    pub(super) candidate: Candidate,
+    /// Least time in which it does the job, s; none: it does not, or was not looked at.
+    pub(super) least_time_s: Option<f64>,
+    /// Speeds and torques at its shaft along the job, of the first motors alone.
+    pub(super) points: Vec<[f64; 2]>,
+}
+
 /// Everything that is found of a machine.
 pub(super) struct Study {
     pub(super) scene: Scene,
@@ -82,7 +99,7 @@ pub(super) struct Study {
     /// Figures of the job in other durations, s.
     pub(super) durations: Vec<(f64, ModeFigures)>,
     /// Motors of the catalogue on the job, those with the greatest margins first.
-    pub(super) motors: Vec<(CatalogueMotor, Candidate)>,
+    pub(super) motors: Vec<MotorRow>,
     /// Path of D along the job, m.
     pub(super) path: Vec<[f64; 2]>,
     /// The machine at the start of the job.
@@ -92,6 +109,15 @@ pub(super) struct Study {
 impl Study {
     /// Reads the scene and studies its machine.
     pub(super) fn of(args: &DesignArgs) -> Result<Self, CliError> {
+        Self::at_length(args, true)
+    }
+
+    /// As [`of`](Self::of), without what takes long: areas over alpha, ratios, durations, motors.
+    pub(super) fn brief(args: &DesignArgs) -> Result<Self, CliError> {
+        Self::at_length(args, false)
+    }
+
+    fn at_length(args: &DesignArgs, is_full: bool) -> Result<Self, CliError> {
         let refused =
             |reason: String| CliError::Refused(format!("{}: {reason}", args.scene.display()));
         let catalogue = catalogue(args)?;
@@ -132,6 +158,7 @@ impl Study {
         let coarse = CellGrid::around(&scene.parameters, COARSE);
         let alphas = (-180..=180)
             .step_by(ALPHA_STEP as usize)
+            .filter(|_| is_full)
             .map(|degrees: i32| {
                 let alpha = f64::from(degrees).to_radians();
                 let map = Workspace::map(&scene.parameters, &conditions([alpha; 2]), coarse);
@@ -147,14 +174,17 @@ impl Study {
             for column in 0..columns {
                 let [x, y] = coarse.centre_m(column, row);
                 let cell = grid.cell_of([x, y]);
-                let is_kept =
-                    cell.is_some_and(|[column, row]| connected[row * grid.size[0] + column]);
+                let is_kept = cell
+                    .is_some_and(|[column, row]| connected[row * grid.size[0] + column])
+                    && is_full;
                 let pose = Pose::from_f64(x, y, alpha_rad);
                 ratios.push(is_kept.then(|| Ratios::at(&*machine, pose)).flatten());
             }
         }
         let own_s = f64::from(scene.ticks()) * scene.period_s();
-        let durations = FACTORS.iter().filter_map(|&factor| {
+        // One at least: the figure has an axis.
+        let factors = FACTORS.iter().take(if is_full { FACTORS.len() } else { 1 });
+        let durations = factors.filter_map(|&factor| {
             let found = job_in(&scene, factor).ok()?;
             Some((factor * own_s, found.figures?))
         });
@@ -176,11 +206,10 @@ impl Study {
             ratios: (coarse, ratios),
             joints: along_job(&scene).map_err(refused)?,
             durations: durations.collect(),
-            motors: candidates(&scene, &catalogue)
-                .map_err(refused)?
-                .into_iter()
-                .map(|each| (catalogue[each.motor].clone(), each))
-                .collect(),
+            motors: match is_full {
+                true => motors(&scene, &catalogue).map_err(refused)?,
+                false => Vec::new(),
+            },
             path: path.collect(),
             start,
             scene,
@@ -203,6 +232,34 @@ impl Study {
     }
 }
 
+/// The motors on the job. Of a long path, the first ones alone are planned for.
+fn motors(scene: &Scene, catalogue: &[CatalogueMotor]) -> Result<Vec<MotorRow>, String> {
+    let load = JobLoad::of(scene)?;
+    let pieces = scene.job.path.as_ref().map_or(0, |path| path.pieces.len());
+    let planned = match pieces <= PLANNED_PIECES {
+        true => catalogue.len(),
+        false => MOTORS_DRAWN,
+    };
+    let candidates = load.candidates(catalogue);
+    let row = |(place, candidate): (usize, Candidate)| {
+        let motor = &catalogue[candidate.motor];
+        let gear = candidate.gear_ratio;
+        MotorRow {
+            least_time_s: (place < planned)
+                .then(|| load.least_time_s(motor, gear))
+                .flatten(),
+            points: match place < MOTORS_DRAWN {
+                true => load.rotor_points(motor, gear),
+                false => Vec::new(),
+            },
+            motor: motor.clone(),
+            candidate,
+        }
+    };
+    let numbered: Vec<_> = candidates.into_iter().enumerate().collect();
+    Ok(numbered.into_par_iter().map(row).collect())
+}
+
 fn catalogue(args: &DesignArgs) -> Result<Vec<CatalogueMotor>, CliError> {
     let (name, text) = match &args.motors {
         None => ("the shipped catalogue".into(), SHIPPED.to_owned()),
@@ -213,7 +270,12 @@ fn catalogue(args: &DesignArgs) -> Result<Vec<CatalogueMotor>, CliError> {
             (name, text)
         }
     };
-    read_catalogue(&text).map_err(|error| CliError::Refused(format!("{name}: {error}")))
+    let motors =
+        read_catalogue(&text).map_err(|error| CliError::Refused(format!("{name}: {error}")))?;
+    Ok(match args.supply_v {
+        Some(supply) => motors.iter().map(|each| each.at_supply(supply)).collect(),
+        None => motors,
+    })
 }
 
 pub(super) fn largest(values: [f64; 3]) -> f64 {

@@ -1,12 +1,11 @@
 //! A study as text, JSON and a table.
 
 use super::DesignArgs;
-use super::study::{ModeRow, Study, largest};
+use super::study::{ModeRow, MotorRow, Study, largest};
 use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trirrr_design::motors::{Candidate, CatalogueMotor};
 
 const CM2: f64 = 1e4;
 
@@ -57,30 +56,49 @@ pub(super) const MODE_HEADS: [&str; 9] = [
 ];
 
 /// Heads of the table of motors.
-pub(super) const MOTOR_HEADS: [&str; 8] = [
+pub(super) const MOTOR_HEADS: [&str; 14] = [
     "motor",
     "gear",
     "supply, V",
+    "supply needed, V",
+    "curve",
     "torque margin",
     "heat margin",
     "limited by",
+    "peak, N m",
+    "RMS, N m",
     "part of the speed",
     "rotor / machine inertia",
+    "brought back, J",
+    "least time, s",
 ];
 
 /// Cells of a row of the table of motors, after its name.
-pub(super) fn motor_cells((motor, candidate): &(CatalogueMotor, Candidate)) -> [String; 7] {
+pub(super) fn motor_cells(row: &MotorRow) -> [String; 13] {
+    let MotorRow {
+        motor, candidate, ..
+    } = row;
     [
         candidate.gear_ratio.to_string(),
         motor.supply_v.to_string(),
+        match candidate.supply_needed_v {
+            Some(supply) if supply.is_finite() => digits(supply),
+            Some(_) => "none is enough".into(),
+            None => "-".into(),
+        },
+        motor.curve_source().into(),
         digits(candidate.peak_margin),
         candidate.heat_margin.map_or("-".into(), digits),
         candidate.limited_by().into(),
+        digits(candidate.torque_peak_nm),
+        digits(candidate.torque_rms_nm),
         digits(candidate.speed_part),
         match motor.rotor_inertia_kgm2 > 0.0 {
             true => digits(candidate.inertia_ratio),
             false => "-".into(),
         },
+        digits(candidate.regenerated_j),
+        row.least_time_s.map_or("-".into(), digits),
     ]
 }
 
@@ -172,19 +190,18 @@ pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> St
     }
     let _ = writeln!(
         text,
-        "\n{:<26} {:>5} {:>6} {:>8} {:>8} {:>7}",
-        "motor", "gear", "V", "torque", "heat", "limit"
+        "\n{:<26} {:>5} {:>6} {:>8} {:>8} {:>7} {:>8}",
+        "motor", "gear", "V", "torque", "heat", "limit", "time s"
     );
     for row in study.motors.iter().take(MOTORS_SHOWN) {
-        let [gear, supply, torque, heat, limit, ..] = motor_cells(row);
+        let [gear, supply, _, _, torque, heat, limit, .., time] = motor_cells(row);
         let _ = writeln!(
             text,
-            "{:<26} {gear:>5} {supply:>6} {torque:>8} {heat:>8} {limit:>7}",
-            row.0.name
+            "{:<26} {gear:>5} {supply:>6} {torque:>8} {heat:>8} {limit:>7} {time:>8}",
+            row.motor.name
         );
     }
-    text +=
-        "margins: what there is over what is asked for; below 1 the motor does not do the job\n";
+    text += "margins: what there is over what is asked for; below 1 the motor does not do the job; time: the least in which it does\n";
     text.push('\n');
     for (index, file) in files.iter().enumerate() {
         let head = if index == 0 { "written" } else { "" };
@@ -247,26 +264,38 @@ pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
             "alpha_rad": row.degrees.to_radians(),
             "area_m2": row.area_m2,
         })).collect::<Vec<_>>(),
-        "motors": study.motors.iter().map(|(motor, candidate)| json!({
-            "name": motor.name,
-            "gear_ratio": candidate.gear_ratio,
-            "supply_v": motor.supply_v,
-            "peak_margin": candidate.peak_margin,
-            "heat_margin": candidate.heat_margin,
-            "margin": candidate.margin(),
-            "limited_by": candidate.limited_by(),
-            "speed_part": candidate.speed_part,
-            "inertia_ratio": candidate.inertia_ratio,
-            "regenerated_j": candidate.regenerated_j,
-            "mass_kg": motor.mass_kg,
-            "source": motor.source,
-        })).collect::<Vec<_>>(),
+        "motors": study.motors.iter().map(motor_json).collect::<Vec<_>>(),
         "joints": study.joints.map(|leg| leg.map(|force| json!({ "peak_n": force.peak_n, "rms_n": force.rms_n }))),
         "durations": study.durations.iter().map(|(seconds, figures)| json!({
             "duration_s": seconds,
             "torque_peak_nm": figures.torque_peak_nm,
             "work_j": figures.work_j,
         })).collect::<Vec<_>>(),
+    })
+}
+
+fn motor_json(row: &MotorRow) -> Value {
+    let MotorRow {
+        motor, candidate, ..
+    } = row;
+    json!({
+        "name": motor.name,
+        "gear_ratio": candidate.gear_ratio,
+        "supply_v": motor.supply_v,
+        "supply_needed_v": candidate.supply_needed_v,
+        "curve": motor.curve_source(),
+        "peak_margin": candidate.peak_margin,
+        "heat_margin": candidate.heat_margin,
+        "margin": candidate.margin(),
+        "limited_by": candidate.limited_by(),
+        "torque_peak_nm": candidate.torque_peak_nm,
+        "torque_rms_nm": candidate.torque_rms_nm,
+        "speed_part": candidate.speed_part,
+        "inertia_ratio": candidate.inertia_ratio,
+        "regenerated_j": candidate.regenerated_j,
+        "least_time_s": row.least_time_s,
+        "mass_kg": motor.mass_kg,
+        "source": motor.source,
     })
 }
 

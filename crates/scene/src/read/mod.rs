@@ -13,7 +13,7 @@ mod values;
 pub use bound::Bound;
 pub use document::{Document, Place};
 pub use section::Section;
-pub use setting::{Setting, SettingError};
+pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
 pub(crate) use document::TextPart;
 pub(crate) use parts::SceneText;

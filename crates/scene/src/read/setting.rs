@@ -7,8 +7,8 @@ use toml::de::{DeTable, DeValue};
 
 /// One value that goes before that of the file: `limits.rate_rad_s=3`, `machine.leg[1].elbow=-1`.
 ///
-/// Tables and keys of the path that the scene lacks are added; elements of lists are counted from 1, and must be there. The value is as in
-/// TOML; a text of letters, digits, `-` and `_` needs no quotation marks.
+/// Tables and keys of the path that the scene lacks are added; elements of lists are counted from 1, and must be there. `[*]` is each
+/// element of a list: `machine.leg[*].distal_m=0.25`. The value is as in TOML; a text of letters, digits, `-` and `_` needs no quotation marks.
 ///
 /// ```
 /// use trirrr_scene::read::Setting;
@@ -25,11 +25,22 @@ pub struct Setting {
     pub(super) value: String,
 }
 
-/// Key of a table, and the element of a list under it, from 1.
+/// Key of a table, and the element of a list under it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct KeyStep {
-    key: String,
-    element: Option<usize>,
+pub struct KeyStep {
+    /// Key of the table.
+    pub key: String,
+    /// Element of the list under the key; none: the value itself.
+    pub element: Option<ListElement>,
+}
+
+/// Element of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ListElement {
+    /// Number of one, from 1.
+    One(usize),
+    /// Each of them.
+    Each,
 }
 
 /// Reason for which a text is no [`Setting`].
@@ -39,7 +50,9 @@ pub enum SettingError {
     #[error("expected KEY=VALUE, such as limits.rate_rad_s=3")]
     NoValue,
     /// The path of the key is none.
-    #[error("the key is a path of names, such as machine.leg[1].elbow; lists are counted from 1")]
+    #[error(
+        "the key is a path of names, such as machine.leg[1].elbow; lists are counted from 1, and [*] is each element"
+    )]
     Key,
     /// The value is none of TOML, or several.
     #[error("the value is one of TOML on one line: a number, true, false, a text, [1.0, 2.0]")]
@@ -84,8 +97,11 @@ impl KeyStep {
         let (key, element) = match text.split_once('[') {
             None => (text, None),
             Some((key, rest)) => {
-                let number = rest.strip_suffix(']')?.parse().ok();
-                (key, Some(number.filter(|number| *number > 0)?))
+                let element = match rest.strip_suffix(']')? {
+                    "*" => ListElement::Each,
+                    number => ListElement::One(number.parse().ok().filter(|it| *it > 0)?),
+                };
+                (key, Some(element))
             }
         };
         let key = key.to_owned();
@@ -94,6 +110,21 @@ impl KeyStep {
 }
 
 impl Setting {
+    /// Steps of the path to the value.
+    pub fn steps(&self) -> &[KeyStep] {
+        &self.steps
+    }
+
+    /// Path of the key, as it was given.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// The value in TOML.
+    pub fn value(&self) -> &str {
+        &self.value
+    }
+
     /// Puts `value` into `root`.
     ///
     /// # Errors
@@ -103,30 +134,37 @@ impl Setting {
         root: &mut DeTable<'t>,
         value: Spanned<DeValue<'t>>,
     ) -> Result<(), String> {
-        let (last, way) = self.steps.split_last().ok_or("there is no key")?;
-        let (mut table, span) = (root, value.span());
-        for step in way {
-            table = match step.place(table, span.clone())?.get_mut() {
-                DeValue::Table(table) => table,
-                _ => return Err(format!("`{}` is no table", step.key)),
-            };
-        }
-        *last.place(table, span)? = value;
-        Ok(())
+        put_at(&self.steps, root, &value)
     }
 }
 
+fn put_at<'t>(
+    steps: &[KeyStep],
+    table: &mut DeTable<'t>,
+    value: &Spanned<DeValue<'t>>,
+) -> Result<(), String> {
+    let (step, rest) = steps.split_first().ok_or("there is no key")?;
+    for place in step.places(table, value.span())? {
+        match (rest, place.get_mut()) {
+            ([], _) => *place = value.clone(),
+            (_, DeValue::Table(table)) => put_at(rest, table, value)?,
+            _ => return Err(format!("`{}` is no table", step.key)),
+        }
+    }
+    Ok(())
+}
+
 impl KeyStep {
-    /// The value under the step, which is an empty table where there was none.
-    fn place<'a, 't>(
+    /// The values under the step; an empty table where there was none.
+    fn places<'a, 't>(
         &self,
         table: &'a mut DeTable<'t>,
         span: std::ops::Range<usize>,
-    ) -> Result<&'a mut Spanned<DeValue<'t>>, String> {
+    ) -> Result<&'a mut [Spanned<DeValue<'t>>], String> {
         let key = Spanned::new(span.clone(), self.key.clone().into());
         let Some(element) = self.element else {
             let empty = || Spanned::new(span, DeValue::Table(DeTable::new()));
-            return Ok(table.entry(key).or_insert_with(empty));
+            return Ok(std::slice::from_mut(table.entry(key).or_insert_with(empty)));
         };
         let Some(list) = table.get_mut(self.key.as_str()) else {
             return Err(format!("there is no list `{}`", self.key));
@@ -135,8 +173,13 @@ impl KeyStep {
             return Err(format!("`{}` is no list", self.key));
         };
         let (key, count) = (&self.key, list.len());
-        list.get_mut(element - 1)
-            .ok_or_else(|| format!("the list `{key}` has {count} elements"))
+        match element {
+            ListElement::Each if count == 0 => Err(format!("the list `{key}` is empty")),
+            ListElement::Each => Ok(&mut **list),
+            ListElement::One(number) => list
+                .get_mut(number - 1..number)
+                .ok_or_else(|| format!("the list `{key}` has {count} elements")),
+        }
     }
 }
 
@@ -153,7 +196,8 @@ mod tests {
         assert_eq!(text("a=true"), Ok("a = true".into()));
         assert_eq!(text("a=[0.0, -9.81]"), Ok("a = [0.0, -9.81]".into()));
         assert_eq!(text("a"), Err(SettingError::NoValue));
-        for key in ["", "a..b", "a[0]", "a[x]", "a[1", "a b", "a[1]]"] {
+        assert_eq!(text("a[*].b=1"), Ok("a[*].b = 1".into()));
+        for key in ["", "a..b", "a[0]", "a[**]", "a[x]", "a[1", "a b", "a[1]]"] {
             assert_eq!(text(&format!("{key}=1")), Err(SettingError::Key), "{key}");
         }
         for value in ["", "[1", "1\nb = 2", "1 2", "\"x", "a b"] {
