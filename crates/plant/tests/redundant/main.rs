@@ -36,10 +36,6 @@ fn loops_hold_every_machine_on_its_path_and_its_energies_close() {
         let error = outcome.balance_error_j().abs() / size;
         assert!(error < 1e-10, "{kind}: {error:e} of {size} J");
         assert!(outcome.lost_j > 0.0);
-        println!(
-            "{kind}: path {path:e} m, balance {error:e} of {size} J, {} steps",
-            outcome.steps
-        );
     }
 }
 

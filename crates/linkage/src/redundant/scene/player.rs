@@ -49,7 +49,7 @@ impl<'a> RedundantPlayer<'a> {
 
     /// Time of `tick` since the start of its move, s.
     pub fn time_in_move(&self, tick: u32) -> f64 {
-        f64::from(tick - self.starts[self.move_at(tick)]) * self.scene.period_s()
+        f64::from(tick - self.starts[self.move_at(tick)]) / self.scene.tick_rate_hz
     }
 
     /// Setpoint of the platform.
@@ -90,7 +90,7 @@ impl<'a> RedundantPlayer<'a> {
         machine: &dyn RedundantPipeline,
         tick: u32,
     ) -> Result<RedundantRecord, Status> {
-        let t = f64::from(tick) * self.scene.period_s();
+        let t = f64::from(tick) / self.scene.tick_rate_hz;
         machine.evaluate(
             t,
             &self.platform(tick),

@@ -26,7 +26,7 @@ const OF_3RRR: [(&str, &str); 11] = [
     ("controller", LOOPS),
     ("service", SERVICE),
     ("power", SERVICE),
-    ("reactions", SERVICE),
+    ("faults", SERVICE),
     ("feedback", SERVICE),
     ("contact", SERVICE),
     ("homing", SERVICE),
@@ -231,8 +231,7 @@ fn is_path(root: &Section) -> bool {
         return false;
     };
     job.ignore_rest();
-    let keys = ["timing", "path"].into_iter();
-    let found = keys.filter(|key| job.has(key)).next();
+    let found = ["timing", "path"].into_iter().find(|key| job.has(key));
     if let Some(key) = found {
         let reason = "paths are planned for a 3-RRR alone: give [[job.move]] with durations";
         job.refuse_list(key, reason);
