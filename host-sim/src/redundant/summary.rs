@@ -24,13 +24,7 @@ pub(super) fn print(
     if !scene.description.is_empty() {
         line(out, "", &scene.description)?;
     }
-    let legs = format!(
-        "{}, {} legs, {} sliders",
-        kind.name(),
-        kind.legs(),
-        kind.sliders()
-    );
-    line(out, "machine", &legs)?;
+    line(out, "machine", &kind_text(scene.kind))?;
     for text in slider_texts(scene).into_iter().chain(placement_text(scene)) {
         line(out, "", &text)?;
     }

@@ -9,6 +9,9 @@ use trirrr_linkage::redundant::scene::{RedundantLegRecord, RedundantRecord, Slid
 /// Label of a curve, and its value in a record.
 pub(super) type Labelled<R> = (String, Box<dyn Fn(&R) -> f64>);
 
+/// The same of a function that needs to know nothing else.
+type PlainCurve<R> = (&'static str, fn(&R) -> f64);
+
 /// One curve: its label, its value in a record, and its points so far.
 pub(super) struct Gathered<R> {
     pub(super) label: String,
@@ -89,7 +92,7 @@ impl Charts {
 }
 
 pub(super) fn named<R, const COUNT: usize>(
-    curves: [(&str, fn(&R) -> f64); COUNT],
+    curves: [PlainCurve<R>; COUNT],
 ) -> [Labelled<R>; COUNT]
 where
     R: 'static,

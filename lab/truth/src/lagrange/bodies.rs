@@ -27,8 +27,7 @@ pub fn closed<S: Scalar>(leg: &LegParameters, d: Plane<S>) -> Option<[S; 2]> {
     let (x, y) = (d[0].value(), d[1].value());
     let (l1, l2, span) = (leg.proximal_m, leg.distal_m, x.hypot(y));
     let cosine = (l1 * l1 + span * span - l2 * l2) / (2.0 * l1 * span);
-    // Also refuses what is not a number.
-    if !(cosine.abs() < 1.0) {
+    if cosine.is_nan() || cosine.abs() >= 1.0 {
         return None;
     }
     let first = y.atan2(x) + leg.elbow.sign() * cosine.acos();
