@@ -2,6 +2,7 @@
 
 use crate::failure::CliError;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
+use crate::redundant;
 use crate::terminal::print;
 use clap::Args;
 use serde_json::json;
@@ -33,6 +34,9 @@ pub struct CheckArgs {
 /// # Errors
 /// Refused: everything that is found wrong, each with its line.
 pub fn command(args: &CheckArgs) -> Result<(), CliError> {
+    if redundant::is_redundant(&args.scene, &args.job) {
+        return redundant::check(args);
+    }
     let job = job_file::load_drawn(
         &args.scene,
         &args.job,

@@ -4,7 +4,7 @@
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
 //! port, and [`bridge`] the line of a board. Both share [`serve`]; [`watch`] looks on, and [`key`] writes their keys.
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
-//! [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
+//! [`redundant`] plays and checks jobs of redundant machines. [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
@@ -25,11 +25,13 @@ pub mod histogram;
 pub mod init;
 pub mod job_file;
 pub mod key;
+pub mod lagrange;
 pub mod linkage;
 pub mod machine;
 pub mod plan;
 pub mod realtime;
 pub mod recording;
+pub mod redundant;
 pub mod report;
 pub mod results;
 pub mod run;

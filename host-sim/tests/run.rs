@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
-use trirrr_host_sim::run::{JobEnd, simulate};
+use trirrr_host_sim::run::{JobEnd, TickRows, simulate};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
 
@@ -291,7 +291,7 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     let folder = TempDir::new().unwrap();
     for (scalar, paced) in [(NumberType::F64, false), (NumberType::F32, true)] {
         let never = AtomicBool::new(false);
-        let report = simulate(&scene, scalar, paced, 1, folder.path(), &never).unwrap();
+        let report = simulate(&scene, scalar, paced, TickRows::ALL, folder.path(), &never).unwrap();
         let JobEnd::Refused(why) = report.end else {
             panic!("{:?}", report.end);
         };
@@ -309,7 +309,15 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     scene.job.moves[0].from.position.x = 5.0;
     scene.job.start.position.x = 5.0;
     let never = AtomicBool::new(false);
-    let error = simulate(&scene, NumberType::F64, false, 1, folder.path(), &never).unwrap_err();
+    let error = simulate(
+        &scene,
+        NumberType::F64,
+        false,
+        TickRows::ALL,
+        folder.path(),
+        &never,
+    )
+    .unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("unreachable: leg"), "{error}");
 }
@@ -330,7 +338,15 @@ fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
     last.to.position.x = 0.6;
     let folder = TempDir::new().unwrap();
     let never = AtomicBool::new(false);
-    let report = simulate(&scene, NumberType::F32, false, 1, folder.path(), &never).unwrap();
+    let report = simulate(
+        &scene,
+        NumberType::F32,
+        false,
+        TickRows::ALL,
+        folder.path(),
+        &never,
+    )
+    .unwrap();
     let JobEnd::Refused(why) = report.end else {
         panic!("{:?}", report.end);
     };
@@ -346,7 +362,15 @@ fn a_stop_before_the_start_writes_nothing() {
     let scene = Scene::read(scene_file("thesis.toml")).unwrap();
     let folder = TempDir::new().unwrap();
     let stopped = AtomicBool::new(true);
-    let report = simulate(&scene, NumberType::F64, true, 1, folder.path(), &stopped).unwrap();
+    let report = simulate(
+        &scene,
+        NumberType::F64,
+        true,
+        TickRows::ALL,
+        folder.path(),
+        &stopped,
+    )
+    .unwrap();
     assert_eq!(report.end, JobEnd::Stopped);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -19,6 +19,7 @@
 //! | `sampling` | measurements of the drives, and their commands |
 //! | [`run`], [`job`], [`outcome`], `ledger` | a whole run, and its energies |
 //! | [`statistics`], [`table`] | results gathered over a run |
+//! | [`redundant`] | plant of a redundant machine: rigid bodies and sampled loops |
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
@@ -49,6 +50,7 @@ pub mod outcome;
 pub mod outputs;
 pub mod path;
 pub mod power_stage;
+pub mod redundant;
 pub mod refusal;
 pub mod run;
 mod sampling;

@@ -135,18 +135,23 @@ impl JobMove {
 }
 
 /// A job and where its parts stand in the file, for what is checked later.
-pub(crate) struct PlacedJob {
-    pub(crate) job: Job,
-    pub(crate) start: Place,
-    pub(crate) moves: Vec<PlacedMove>,
+pub struct PlacedJob {
+    /// The job.
+    pub job: Job,
+    /// Place of the start pose.
+    pub start: Place,
+    /// Places of the moves.
+    pub moves: Vec<PlacedMove>,
     /// The path from which the moves are still to be planned.
     pub(crate) path: Option<PlacedPath>,
 }
 
 /// Place of a move in the file.
-pub(crate) struct PlacedMove {
-    pub(crate) whole: Place,
-    pub(crate) to: Place,
+pub struct PlacedMove {
+    /// The table of the move.
+    pub whole: Place,
+    /// The pose at its end.
+    pub to: Place,
 }
 
 /// Reads `[job]`. Without a tick rate, durations are not checked.
@@ -154,6 +159,17 @@ pub(crate) fn read_job(
     document: &Document,
     root: &Section,
     rate: Option<f64>,
+) -> Option<PlacedJob> {
+    read_job_with(document, root, rate, |_| ())
+}
+
+/// Reads `[job]`; `of_move` reads what a move has besides, of each [[job.move]] in turn. Without a tick rate, durations are
+/// not checked.
+pub fn read_job_with(
+    document: &Document,
+    root: &Section,
+    rate: Option<f64>,
+    mut of_move: impl FnMut(&Section),
 ) -> Option<PlacedJob> {
     let section = root.section("job")?;
     let start = read_pose(&section, "start");
@@ -200,6 +216,7 @@ pub(crate) fn read_job(
             false => read_ticks(each, rate, [from, to], [start_velocity, end_velocity]),
         };
         let tool = read_tool(each);
+        of_move(each);
         let whole = || {
             Some(JobMove {
                 from: from?,

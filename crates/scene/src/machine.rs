@@ -24,12 +24,48 @@ struct GivenLinks {
     distal: Option<GivenLink>,
 }
 
+/// A machine with any number of legs, and its loads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineTables {
+    /// Legs in the order of the file. Rotor inertias are 0.
+    pub legs: Vec<LegParameters>,
+    /// The platform.
+    pub platform: PlatformParameters,
+    /// Gravity in the plane, m/s^2.
+    pub gravity_m_s2: [f64; 2],
+    /// Force on the platform at D, N.
+    pub wrench_force_n: [f64; 2],
+    /// Moment on the platform, N m.
+    pub wrench_torque_nm: f64,
+}
+
 /// Reads `[machine]`, `[platform]`, `[links]`, `gravity_m_s2` and `[wrench]`. `drives` gives the
 /// rotor inertias.
 pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Option<Parameters> {
+    let tables = read_machine(root, 3, |_, _| ())?;
+    let mut legs: [LegParameters; 3] = tables.legs.try_into().ok()?;
+    for (leg, drive) in legs.iter_mut().zip(drives.iter().flatten()) {
+        leg.rotor_inertia_kgm2 = drive.inertia_at_joint_kgm2();
+    }
+    Some(Parameters {
+        legs,
+        platform: tables.platform,
+        gravity_m_s2: tables.gravity_m_s2.into(),
+        wrench_force_n: tables.wrench_force_n.into(),
+        wrench_torque_nm: tables.wrench_torque_nm,
+    })
+}
+
+/// Reads `[machine]` with `count` legs, `[platform]`, `[links]`, `gravity_m_s2` and `[wrench]`. `each` reads what a leg has
+/// besides; its first argument is the number of the leg, from 0.
+pub fn read_machine(
+    root: &Section,
+    count: usize,
+    each: impl FnMut(usize, &Section),
+) -> Option<MachineTables> {
     let common = read_links(root, "links");
-    let legs = read_legs(root, common.unwrap_or_default(), drives);
-    let platform = read_platform(root, legs);
+    let legs = read_legs(root, common.unwrap_or_default(), count, each);
+    let platform = read_platform(root, legs.as_deref());
     let gravity = root.vector("gravity_m_s2", Some([0.0; 2]));
     let (force, torque) = match root.optional_section("wrench") {
         Some(wrench) => (
@@ -38,11 +74,11 @@ pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Opt
         ),
         None => (Some([0.0; 2]), Some(0.0)),
     };
-    Some(Parameters {
+    Some(MachineTables {
         legs: legs?,
         platform: platform?,
-        gravity_m_s2: gravity?.into(),
-        wrench_force_n: force?.into(),
+        gravity_m_s2: gravity?,
+        wrench_force_n: force?,
         wrench_torque_nm: torque?,
     })
 }
@@ -50,24 +86,26 @@ pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Opt
 fn read_legs(
     root: &Section,
     common: GivenLinks,
-    drives: Option<[Drive; 3]>,
-) -> Option<[LegParameters; 3]> {
+    count: usize,
+    mut each: impl FnMut(usize, &Section),
+) -> Option<Vec<LegParameters>> {
     let machine = root.section("machine")?;
     let sections = machine.sections("leg")?;
-    let legs: Vec<Option<LegParameters>> = sections
-        .iter()
-        .map(|section| read_leg(section, common))
-        .collect();
-    if sections.len() != 3 {
-        let reason = format!("expected three [[machine.leg]], found {}", sections.len());
+    let mut legs = Vec::with_capacity(sections.len());
+    for (index, section) in sections.iter().enumerate() {
+        legs.push(read_leg(section, common));
+        each(index, section);
+    }
+    if sections.len() != count {
+        let numbers = [(3, "three"), (4, "four"), (6, "six")];
+        let number = numbers.iter().find(|(number, _)| *number == count);
+        let number = number.map_or_else(|| count.to_string(), |(_, word)| (*word).into());
+        let found = sections.len();
+        let reason = format!("expected {number} [[machine.leg]], found {found}");
         machine.refuse_list("leg", reason);
         return None;
     }
-    let mut legs: [LegParameters; 3] = [legs[0]?, legs[1]?, legs[2]?];
-    for (leg, drive) in legs.iter_mut().zip(drives.iter().flatten()) {
-        leg.rotor_inertia_kgm2 = drive.inertia_at_joint_kgm2();
-    }
-    Some(legs)
+    legs.into_iter().collect()
 }
 
 fn read_leg(section: &Section, common: GivenLinks) -> Option<LegParameters> {
@@ -170,16 +208,14 @@ fn build_link(
     Some(built)
 }
 
-fn read_platform(root: &Section, legs: Option<[LegParameters; 3]>) -> Option<PlatformParameters> {
+fn read_platform(root: &Section, legs: Option<&[LegParameters]>) -> Option<PlatformParameters> {
     let section = root.section("platform")?;
     let mass = section.number("mass_kg", Bound::NotNegative);
     let inertia = section.number("inertia_kgm2", Bound::NotNegative);
     let com: Vector2<f64> = section.vector("com_m", Some([0.0; 2]))?.into();
     if let Some(legs) = legs {
-        let reach = legs
-            .map(|leg| leg.proximal_m + leg.distal_m)
-            .into_iter()
-            .fold(0.0, f64::max);
+        let reaches = legs.iter().map(|leg| leg.proximal_m + leg.distal_m);
+        let reach = reaches.fold(0.0, f64::max);
         if com.x.abs().max(com.y.abs()) > FARTHEST_CENTRE_OF_MASS * reach {
             let reason = format!(
                 "is more than {FARTHEST_CENTRE_OF_MASS} times the reach of the longest leg, \

@@ -118,7 +118,7 @@ impl Workspace<'_> {
             .pose;
         let mut reason = format!(
             "{}: {}",
-            instant(time_s, &pose),
+            words::instant(time_s, &pose),
             words::violation(violation)
         );
         if let Some(shortest) = &violation.shortest {
@@ -211,15 +211,4 @@ impl Workspace<'_> {
             short(excess)
         )
     }
-}
-
-/// "at t = 0.12 s, x = 0.2 m, y = 0.3 m, alpha = 0.1 rad".
-fn instant(time_s: f64, pose: &Pose<f64>) -> String {
-    format!(
-        "at t = {} s of the move, x = {} m, y = {} m, alpha = {} rad",
-        short(time_s),
-        short(pose.position.x),
-        short(pose.position.y),
-        short(pose.angle)
-    )
 }

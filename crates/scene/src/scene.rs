@@ -8,19 +8,19 @@ use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
 use crate::job::{Job, PlacedJob, read_job};
+use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::{Plant, read_plant};
 use crate::power::{Power, read_power, read_reactions};
-use crate::read::{Bound, Document, Place, SceneText, Section, Setting, refuse_faults, text_of};
+use crate::read::{Bound, Document, Place, Section, Setting, text_of, with_scene};
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use toml::de::DeTable;
 use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::ModelKind;
@@ -34,6 +34,7 @@ const SHORT_TICKS: u32 = 10;
 
 /// Keys of the scene itself; the rest stands in tables.
 const TOP_KEYS: &[&str] = &[
+    "kind",
     "name",
     "description",
     "machine",
@@ -219,36 +220,16 @@ impl Scene {
         settings: &[Setting],
         depth: Depth,
     ) -> Result<Self, SceneError> {
-        let (root, faults) = DeTable::parse_recoverable(text);
-        let whole = SceneText::new(text, file, root.get_ref(), settings);
-        let document = Document::new(&whole.text, TOP_KEYS).with_parts(whole.parts.clone());
-        refuse_faults(&document, &faults);
-        if !document.is_clean() {
-            return Err(document.into_error(file));
-        }
-        let padded = whole.padded(settings);
-        let mut root = root.into_inner();
-        whole.merge(&document, &mut root, &padded, settings);
-        if !document.is_clean() {
-            return Err(document.into_error(file));
-        }
-        let read = read_scene(
-            &document,
-            &Section::root(&document, &root),
-            key(whole.text.as_bytes()),
-            depth,
-        );
-        let Some((mut scene, placed, homing, places)) = read.filter(|_| document.is_clean()) else {
-            return Err(document.into_error(file));
-        };
-        scene.machine_file = whole.machine_file.clone();
-        if depth == Depth::Whole {
-            check_machine(&document, &scene, &placed, homing.as_ref(), &places);
-        }
-        match document.is_clean() {
-            true => Ok(scene),
-            false => Err(document.into_error(file)),
-        }
+        with_scene(text, file, settings, TOP_KEYS, |document, root, whole| {
+            let (mut scene, placed, homing, places) =
+                read_scene(document, root, key(whole.text.as_bytes()), depth)
+                    .filter(|_| document.is_clean())?;
+            scene.machine_file = whole.machine_file.clone();
+            if depth == Depth::Whole {
+                check_machine(document, &scene, &placed, homing.as_ref(), &places);
+            }
+            Some(scene)
+        })
     }
 
     /// Returns the kind of model that the scene needs.
@@ -297,16 +278,22 @@ enum Depth {
     Whole,
 }
 
+/// Reads `tick_rate_hz`.
+pub fn read_rate(root: &Section) -> Option<f64> {
+    let (slowest, fastest) = TICK_RATE_HZ;
+    root.number("tick_rate_hz", Bound::Within(slowest, fastest))
+}
+
 fn read_scene(
     document: &Document,
     root: &Section,
     key: u32,
     depth: Depth,
 ) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Places)> {
+    refuse_redundant(root)?;
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
-    let (slowest, fastest) = TICK_RATE_HZ;
-    let rate = root.number("tick_rate_hz", Bound::Within(slowest, fastest));
+    let rate = read_rate(root);
     let number = match root.has("number") {
         true => root.choice("number", &NumberType::NAMES),
         false => Some(NumberType::F64),

@@ -1,5 +1,6 @@
 //! Words for what a limit bounds, in SI units.
 
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, LeastDuration, Violation};
 
 /// Names the bounded quantity and its leg or motor, counted from 1: `torque of motor 2`.
@@ -23,7 +24,7 @@ pub fn subject(what: Bounded, index: Option<u8>) -> String {
 }
 
 /// Returns the name of the SI unit, with a space before it where there is one.
-pub(crate) fn unit(what: Bounded) -> &'static str {
+pub fn unit(what: Bounded) -> &'static str {
     match what {
         Bounded::Reach => " m",
         Bounded::SerialDistance | Bounded::ParallelDistance | Bounded::Range => "",
@@ -134,6 +135,17 @@ pub fn long_enough(duration: &LeastDuration, tick_rate_hz: f64) -> String {
         _ => format!("{too_short} are too few, between them nothing is proven"),
     };
     format!("{enough} ticks ({seconds} s) would be long enough, {less}")
+}
+
+/// Names an instant of a move and the pose there.
+pub fn instant(time_s: f64, pose: &Pose<f64>) -> String {
+    format!(
+        "at t = {} s of the move, x = {} m, y = {} m, alpha = {} rad",
+        short(time_s),
+        short(pose.position.x),
+        short(pose.position.y),
+        short(pose.angle)
+    )
 }
 
 /// Formats a number with four significant digits, without trailing zeros.

@@ -6,7 +6,7 @@ use trirrr_figures::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT
 use trirrr_figures::panel::{axis_title, range};
 use trirrr_figures::scale::{Axis, Margin, seconds};
 use trirrr_figures::style::{BLUE, FRAME, GREEN, GRID, INK, PURPLE, VERMILLION, faded};
-use trirrr_scene::record::Record;
+use trirrr_scene::record::{LegRecord, Record};
 
 const LEFT: f64 = 72.0;
 const TOP: f64 = 56.0;
@@ -16,10 +16,29 @@ const LEGEND: f64 = 196.0;
 const SIDE: f64 = 640.0;
 const GROUND: RGBColor = RGBColor(80, 80, 80);
 
+/// The machine at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Instant {
+    /// Time since the start of the job, s.
+    pub(super) t: f64,
+    pub(super) legs: Vec<LegRecord>,
+}
+
+impl From<&Record> for Instant {
+    fn from(record: &Record) -> Self {
+        Self {
+            t: record.t,
+            legs: record.legs.to_vec(),
+        }
+    }
+}
+
 /// Contents of the drawing.
 pub(super) struct Scenery {
     /// The machine at several instants in order of time; the first is the start, the last the end.
-    pub(super) instants: Vec<Record>,
+    pub(super) instants: Vec<Instant>,
+    /// Both ends of each guide of a base joint, m.
+    pub(super) guides: Vec<[[f64; 2]; 2]>,
     /// Positions of D, m.
     pub(super) path: Vec<(f64, f64)>,
 }
@@ -76,6 +95,21 @@ impl Shade {
     }
 }
 
+/// Names of the base joints.
+const NAMES: [&str; 6] = [
+    "A\u{2081}",
+    "A\u{2082}",
+    "A\u{2083}",
+    "A\u{2084}",
+    "A\u{2085}",
+    "A\u{2086}",
+];
+
+/// The points, and the first one again.
+fn closed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().chain(points.first()).copied().collect()
+}
+
 /// The map from metres to logical pixels, the same scale both ways.
 struct View {
     x: Axis,
@@ -93,6 +127,7 @@ impl View {
                 .flat_map(|leg| [leg.base, leg.elbow(), leg.platform_joint()])
         });
         let points: Vec<[f64; 2]> = joints
+            .chain(scenery.guides.iter().flatten().copied())
             .chain(scenery.path.iter().map(|&(x, y)| [x, y]))
             .collect();
         let (left, right) = range(points.iter().map(|p| p[0]));
@@ -156,19 +191,23 @@ impl View {
         canvas.upright(&axis_title("y", &self.y.unit), middle, Size::Label, INK)
     }
 
-    /// The triangle of the base joints with the motors' numbers.
+    /// The polygon of the base joints with the motors' numbers, and the guides of the joints that move.
     fn base(&self, canvas: &Canvas<'_>, scenery: &Scenery) -> Draw {
-        let Some(record) = scenery.instants.last() else {
+        let Some(last) = scenery.instants.last() else {
             return Ok(());
         };
-        let joints = record.legs.map(|leg| self.at(leg.base));
-        let centre = joints.iter().fold((0.0, 0.0), |sum, joint| {
-            (sum.0 + joint.0 / 3.0, sum.1 + joint.1 / 3.0)
-        });
-        for i in 0..3 {
-            canvas.dashed(joints[i], joints[(i + 1) % 3], FRAME)?;
+        for [from, to] in &scenery.guides {
+            canvas.line(&[self.at(*from), self.at(*to)], GROUND, 1.5)?;
         }
-        for (joint, name) in joints.iter().zip(["A\u{2081}", "A\u{2082}", "A\u{2083}"]) {
+        let joints: Vec<_> = last.legs.iter().map(|leg| self.at(leg.base)).collect();
+        let count = joints.len() as f64;
+        let centre = joints.iter().fold((0.0, 0.0), |sum, joint| {
+            (sum.0 + joint.0 / count, sum.1 + joint.1 / count)
+        });
+        for pair in closed(&joints).windows(2) {
+            canvas.dashed(pair[0], pair[1], FRAME)?;
+        }
+        for (joint, name) in joints.iter().zip(NAMES) {
             let foot = [
                 *joint,
                 (joint.0 - 10.0, joint.1 + 16.0),
@@ -192,12 +231,12 @@ impl View {
         Ok(())
     }
 
-    fn machine(&self, canvas: &Canvas<'_>, record: &Record, shade: Shade) -> Draw {
-        let platform = record.legs.map(|leg| self.at(leg.platform_joint()));
+    fn machine(&self, canvas: &Canvas<'_>, instant: &Instant, shade: Shade) -> Draw {
+        let legs = instant.legs.iter();
+        let platform: Vec<_> = legs.map(|leg| self.at(leg.platform_joint())).collect();
         canvas.polygon(&platform, shade.of(faded(GREEN, 0.55)))?;
-        let [c1, c2, c3] = platform;
-        canvas.line(&[c1, c2, c3, c1], shade.of(GREEN), 2.0)?;
-        for leg in &record.legs {
+        canvas.line(&closed(&platform), shade.of(GREEN), 2.0)?;
+        for leg in &instant.legs {
             let (base, elbow) = (self.at(leg.base), self.at(leg.elbow()));
             let joint = self.at(leg.platform_joint());
             canvas.line(&[base, elbow], shade.of(BLUE), 5.0)?;
@@ -278,7 +317,8 @@ mod tests {
     fn a_metre_is_as_long_across_as_up() {
         for size in [1e-6, 1.0, 1e6] {
             let scenery = Scenery {
-                instants: vec![record(0.0, size), record(1.0, size)],
+                instants: [0.0, 1.0].map(|t| (&record(t, size)).into()).into(),
+                guides: vec![],
                 path: vec![(0.0, 0.0), (0.01 * size, 0.02 * size)],
             };
             let view = View::around(&scenery);
@@ -299,9 +339,10 @@ mod tests {
 
     #[test]
     fn nothing_and_a_point_are_drawn_too() {
-        for instants in [vec![], vec![Record::default()]] {
+        for instants in [vec![], vec![(&Record::default()).into()]] {
             let scenery = Scenery {
                 instants,
+                guides: vec![],
                 path: vec![],
             };
             assert!(draw("machine", &scenery).unwrap().ends_with("</svg>\n"));

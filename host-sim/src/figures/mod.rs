@@ -7,6 +7,7 @@ mod machine;
 mod plan;
 mod plant;
 mod preview;
+mod redundant;
 mod tolerances;
 mod traces;
 
@@ -14,6 +15,7 @@ pub use drives::DriveTraces;
 pub use plan::PlanTraces;
 pub use plant::PlantTraces;
 pub use preview::Preview;
+pub use redundant::{RedundantPlantTraces, RedundantTraces};
 pub use tolerances::ToleranceTraces;
 pub use traces::Traces;
 

@@ -1,7 +1,7 @@
 //! Curves of the figures, gathered tick by tick in bounded memory.
 
 use super::catalogue::{Source, figures, sources};
-use super::machine::Scenery;
+use super::machine::{Instant, Scenery};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel};
 use trirrr_scene::record::Record;
@@ -10,7 +10,7 @@ use trirrr_scene::record::Record;
 const INSTANTS: [(u64, u64); 3] = [(1, 4), (1, 2), (3, 4)];
 
 /// A curve while it is gathered.
-struct Trace {
+pub(super) struct Trace {
     points: Decimator<1>,
     /// Last value and turns added, where the curve is an angle.
     last: Option<f64>,
@@ -34,13 +34,7 @@ impl Traces {
     pub fn new(ticks: u64, torque: bool) -> Self {
         Self {
             torque,
-            traces: sources(torque)
-                .map(|_| Trace {
-                    points: Decimator::new(ticks),
-                    last: None,
-                    turns: 0.0,
-                })
-                .collect(),
+            traces: sources(torque).map(|_| Trace::new(ticks)).collect(),
             path: Decimator::new(ticks),
             ticks,
             seen: 0,
@@ -57,10 +51,7 @@ impl Traces {
         }
         self.path.push(record.t, [record.pose[0], record.pose[1]]);
         let last_tick = self.ticks.saturating_sub(1);
-        let wanted = |(part, whole): &(u64, u64)| {
-            self.seen == (u128::from(last_tick) * u128::from(*part) / u128::from(*whole)) as u64
-        };
-        if self.seen == 0 || INSTANTS.iter().any(wanted) {
+        if is_drawn(self.seen, last_tick) {
             self.instants.push(*record);
         }
         self.seen += 1;
@@ -77,12 +68,7 @@ impl Traces {
         let mut traces = std::mem::take(&mut self.traces).into_iter();
         let curve = |(source, trace): (&Source, Trace)| Curve {
             label: source.label.into(),
-            points: trace
-                .points
-                .finish()
-                .into_iter()
-                .map(|(t, [value])| (t, value))
-                .collect(),
+            points: trace.finish(),
         };
         figures(self.torque)
             .map(|figure| {
@@ -110,7 +96,8 @@ impl Traces {
             instants.push(last);
         }
         Scenery {
-            instants,
+            instants: instants.iter().map(Instant::from).collect(),
+            guides: Vec::new(),
             path: self
                 .path
                 .finish()
@@ -121,8 +108,32 @@ impl Traces {
     }
 }
 
+/// Returns true if the machine is drawn at `tick` of a job that ends with `last_tick`.
+pub(super) fn is_drawn(tick: u64, last_tick: u64) -> bool {
+    let at = |(part, whole): &(u64, u64)| {
+        tick == (u128::from(last_tick) * u128::from(*part) / u128::from(*whole)) as u64
+    };
+    tick == 0 || INSTANTS.iter().any(at)
+}
+
 impl Trace {
-    fn push(&mut self, t: f64, value: f64, unwrap: bool) {
+    /// Curve of about `ticks` points.
+    pub(super) fn new(ticks: u64) -> Self {
+        Self {
+            points: Decimator::new(ticks),
+            last: None,
+            turns: 0.0,
+        }
+    }
+
+    /// Points of the curve.
+    pub(super) fn finish(self) -> Vec<(f64, f64)> {
+        let points = self.points.finish().into_iter();
+        points.map(|(t, [value])| (t, value)).collect()
+    }
+
+    /// Adds a value; with `unwrap` that of an angle.
+    pub(super) fn push(&mut self, t: f64, value: f64, unwrap: bool) {
         use std::f64::consts::{PI, TAU};
         if unwrap && let Some(last) = self.last {
             if value - last > PI {

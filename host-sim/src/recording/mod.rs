@@ -11,6 +11,7 @@ pub use peaks::{At, MotorPeaks, Peaks};
 use crate::failure::CliError;
 use crate::figures;
 use crate::figures::Traces;
+use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::results::ResultFolder;
 use load::LoadMeter;
 use std::fs::File;
@@ -28,6 +29,7 @@ pub struct Recorder {
     traces: Traces,
     peaks: Option<Peaks>,
     load: LoadMeter,
+    lagrange: Option<LagrangeColumns>,
     rows: u64,
     /// Records from one row of the table to the next.
     every: u64,
@@ -43,6 +45,8 @@ pub struct Recorded {
     pub peaks: Option<Peaks>,
     /// Loads of the motors.
     pub loads: [MotorLoad; 3],
+    /// Differences from Lagrange's equations, if they were asked for.
+    pub lagrange: Option<LagrangeFound>,
     /// Written files, the table first.
     pub files: Vec<PathBuf>,
 }
@@ -50,14 +54,20 @@ pub struct Recorded {
 impl Recorder {
     /// Prepares `ticks.csv` in the folder of `results` for a job of `ticks` records; the first record
     /// begins the results. A scene without `torque` gets neither columns nor figures of torques and
-    /// powers.
+    /// powers. The columns of `lagrange` come last.
     ///
     /// # Errors
     /// Failed: the table cannot be written.
-    pub fn create(mut results: ResultFolder, ticks: u64, torque: bool) -> Result<Self, CliError> {
+    pub fn create(
+        mut results: ResultFolder,
+        ticks: u64,
+        torque: bool,
+        lagrange: Option<LagrangeColumns>,
+    ) -> Result<Self, CliError> {
         let (path, file) = results.table("ticks.csv")?;
         let mut table = BufWriter::new(file);
-        let columns: Vec<&str> = tick_columns(torque).collect();
+        let mut columns: Vec<String> = tick_columns(torque).map(str::to_owned).collect();
+        columns.extend(lagrange.iter().flat_map(LagrangeColumns::names));
         writeln!(table, "{}", columns.join(",")).map_err(|error| unwritable(&path, &error))?;
         Ok(Self {
             results,
@@ -67,6 +77,7 @@ impl Recorder {
             traces: Traces::new(ticks, torque),
             peaks: None,
             load: LoadMeter::default(),
+            lagrange,
             rows: 0,
             every: 1,
             line: String::new(),
@@ -85,16 +96,14 @@ impl Recorder {
     /// # Errors
     /// Failed: the table cannot be written.
     pub fn record(&mut self, record: &Record) -> Result<(), CliError> {
-        use std::fmt::Write as _;
         self.results.begin()?;
         if self.rows.is_multiple_of(self.every) {
-            self.line.clear();
-            for (column, value) in record.tick_row(self.torque).enumerate() {
-                let comma = if column > 0 { "," } else { "" };
-                // Writing to a String does not fail. `Debug` has the fewest digits that read back as the same bits.
-                let _ = write!(self.line, "{comma}{value:?}");
-            }
-            self.line.push('\n');
+            let of_lagrange = self.lagrange.as_mut();
+            let of_lagrange = of_lagrange.map_or_else(Vec::new, |columns| columns.row(record));
+            table_line(
+                &mut self.line,
+                record.tick_row(self.torque).chain(of_lagrange),
+            );
             self.table
                 .write_all(self.line.as_bytes())
                 .map_err(|error| unwritable(&self.path, &error))?;
@@ -131,6 +140,7 @@ impl Recorder {
                 rows: 0,
                 peaks: None,
                 loads: Default::default(),
+                lagrange: None,
                 files: Vec::new(),
             };
             return Ok((nothing, self.results));
@@ -148,10 +158,23 @@ impl Recorder {
             rows: self.rows,
             peaks: self.peaks,
             loads: self.load.loads(),
+            lagrange: self.lagrange.map(|columns| columns.found()),
             files: std::iter::once(self.path).chain(figures).collect(),
         };
         Ok((recorded, self.results))
     }
+}
+
+/// Puts a row of a table into `line`, in place of what was there.
+pub(crate) fn table_line(line: &mut String, values: impl Iterator<Item = f64>) {
+    use std::fmt::Write as _;
+    line.clear();
+    for (column, value) in values.enumerate() {
+        let comma = if column > 0 { "," } else { "" };
+        // Writing to a String does not fail. `Debug` has the fewest digits that read back as the same bits.
+        let _ = write!(line, "{comma}{value:?}");
+    }
+    line.push('\n');
 }
 
 /// `path: cannot be written: why`.

@@ -10,7 +10,8 @@ use trirrr_scene::NumberType;
 ///
 /// Plays the job through the machine's service, in real time against absolute deadlines, and reports
 /// how well they were kept.
-/// Writes ticks.csv (one row per tick, SI units) and the figures as SVG.
+/// Writes ticks.csv (one row per tick, SI units) and the figures as SVG. Plays scenes of redundant machines too, in f64
+/// and without a service.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Ctrl-C ends the run cleanly: what was computed so far is written. So does a move that the machine \
@@ -45,6 +46,10 @@ pub struct RunArgs {
     /// scene's `[tolerances]`: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures
     #[arg(long)]
     pub tolerances: bool,
+    /// Add the torques by Lagrange's equations to ticks.csv, in 31 digits, and the largest difference to the summary. Takes
+    /// milliseconds a row
+    #[arg(long)]
+    pub lagrange: bool,
 }
 
 impl Default for RunArgs {
@@ -60,6 +65,7 @@ impl Default for RunArgs {
             scalar: None,
             json: false,
             tolerances: false,
+            lagrange: false,
         }
     }
 }

@@ -35,17 +35,18 @@ pub(super) fn summary(file: &Path, scene: &Scene, report: &RunReport) -> Value {
         "motors": motors(scene, report),
         "serial_distance_min": report.peaks.map(|peaks| peaks.serial.map(at)),
         "parallel_distance_min": report.peaks.map(|peaks| at(peaks.parallel)),
+        "lagrange": report.lagrange.map(|found| found.json()),
         "plant": report.plant.as_ref().map(plant),
         "files": report.all_files(),
     })
 }
 
-fn at(at: At) -> Value {
+pub(crate) fn at(at: At) -> Value {
     json!({ "value": at.value, "t_s": at.t })
 }
 
 /// Microseconds.
-fn times(times: &Histogram) -> Value {
+pub(crate) fn times(times: &Histogram) -> Value {
     let us = |time: std::time::Duration| time.as_secs_f64() * 1e6;
     json!({
         "min": us(times.min()),

@@ -2,11 +2,11 @@
 //! computer can.
 
 mod args;
-mod json;
+pub(crate) mod json;
 mod plant;
 mod play;
 mod progress;
-mod summary;
+pub(crate) mod summary;
 mod tolerances;
 
 pub use args::RunArgs;
@@ -15,8 +15,10 @@ pub use plant::Simulated;
 use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::job_file::{self, LongMoves, QueuedJob};
+use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::realtime::Deadlines;
 use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives, Recorder};
+use crate::redundant;
 use crate::results::ResultFolder;
 use crate::supply::{MoveSupply, WAITING_CHUNKS};
 use crate::terminal::{print, printed};
@@ -45,6 +47,30 @@ use trirrr_service::ServiceNumber;
 
 /// Ticks that may wait for the recorder before the machine has to. Each is about 1 KB.
 const WAITING: usize = 4096;
+
+/// Rows and columns of `ticks.csv`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TickRows {
+    /// The first of so many ticks has a row.
+    pub every: u32,
+    /// Rows have the torques of Lagrange's equations too.
+    pub lagrange: bool,
+}
+
+impl TickRows {
+    /// All ticks.
+    pub const ALL: Self = Self {
+        every: 1,
+        lagrange: false,
+    };
+
+    fn of(args: &RunArgs) -> Self {
+        Self {
+            every: args.every,
+            lagrange: args.lagrange,
+        }
+    }
+}
 
 /// End of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,6 +118,8 @@ pub struct RunReport {
     pub peaks: Option<Peaks>,
     /// Loads of the motors.
     pub loads: [MotorLoad; 3],
+    /// Differences from Lagrange's equations, if they were asked for.
+    pub lagrange: Option<LagrangeFound>,
     /// Number type of the computation.
     pub scalar: NumberType,
     /// Written files.
@@ -124,6 +152,9 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
+    if redundant::is_redundant(&args.scene, &args.job) {
+        return redundant::run(args, stop);
+    }
     // Tolerances look at all moves, and numbers of little range need units for all.
     let moves = match args.tolerances || args.scalar == Some(NumberType::Fixed) {
         true => LongMoves::InMemory,
@@ -149,12 +180,18 @@ fn run_job(
     stop: &AtomicBool,
 ) -> Result<JobEnd, CliError> {
     // First: a scene that is refused leaves no files.
+    if args.lagrange && !scene.torque {
+        return Err(CliError::Refused(format!(
+            "{}: --lagrange compares torques, and the scene computes none (torque = false)",
+            file.display()
+        )));
+    }
     let analysis = match args.tolerances {
         true => Some(tolerances::prepare(file, scene)?),
         false => None,
     };
     let scalar = args.scalar.unwrap_or(scene.number);
-    let report = simulate(scene, scalar, !args.fast, args.every, folder, stop)?;
+    let report = simulate(scene, scalar, !args.fast, TickRows::of(args), folder, stop)?;
     if args.json {
         let text = json::summary(file, scene, &report);
         print(&format!("{text}\n"))?;
@@ -199,7 +236,7 @@ fn ended(report: &RunReport) -> Result<JobEnd, CliError> {
 }
 
 /// Runs `scene` in the number type `scalar`, paced in real time if `paced`, and writes
-/// `ticks.csv`, with the first of `every` ticks, and the figures into `folder`, which is made if it is missing. `stop` ends the run
+/// `ticks.csv`, with its `rows`, and the figures into `folder`, which is made if it is missing. `stop` ends the run
 /// early; what was computed until then is written.
 ///
 /// # Errors
@@ -209,18 +246,18 @@ pub fn simulate(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
-    every: u32,
+    rows: TickRows,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
-    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, every, folder, stop))
+    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, rows, folder, stop))
 }
 
 fn simulate_in<N: ServiceNumber + Countable>(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,
-    every: u32,
+    rows: TickRows,
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
@@ -247,7 +284,9 @@ fn simulate_in<N: ServiceNumber + Countable>(
         true => DriveRecorder::create(&mut results, scene, units, 1)?,
         false => None,
     };
-    let recorder = Recorder::create(results, setpoints, scene.torque)?.thinned(every);
+    let lagrange = rows.lagrange.then(|| LagrangeColumns::of_scene(scene));
+    let recorder =
+        Recorder::create(results, setpoints, scene.torque, lagrange)?.thinned(rows.every);
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
         samples: Samples::new(&*pipeline, units),
@@ -296,6 +335,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
         rows,
         peaks,
         loads,
+        lagrange,
         files,
     } = recorded;
     let drives = drives.filter(|_| results.has_begun());
@@ -314,6 +354,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
         deadlines: played.deadlines,
         peaks,
         loads,
+        lagrange,
         scalar,
         files,
         drives,

@@ -2,6 +2,8 @@
 
 use super::{JobEnd, RunReport};
 use crate::histogram::Histogram;
+use crate::lagrange::LagrangeFound;
+use crate::realtime::Deadlines;
 use crate::recording::At;
 use crate::terminal::digits;
 use std::io::{self, Write};
@@ -28,7 +30,7 @@ pub(super) fn print(
 }
 
 /// One line: what it is about, and what there is to say, [visible].
-pub(super) fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
+pub(crate) fn line(out: &mut dyn Write, label: &str, text: &str) -> io::Result<()> {
     let line = format!("{label:<12}{}", visible(text));
     writeln!(out, "{}", line.trim_end())
 }
@@ -118,6 +120,10 @@ fn motion(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
         }
     }
     writeln!(out)?;
+    if let Some(found) = &report.lagrange {
+        lagrange(out, found)?;
+        writeln!(out)?;
+    }
     let nearest = |at: At| format!("{} at t = {} s", digits(at.value), at.t);
     let (leg, serial) = least(&peaks.serial);
     line(
@@ -133,6 +139,14 @@ fn motion(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
     line(out, "  parallel", &nearest(peaks.parallel))
 }
 
+/// Differences from Lagrange's equations.
+pub(crate) fn lagrange(out: &mut dyn Write, found: &LagrangeFound) -> io::Result<()> {
+    for (number, text) in found.lines().iter().enumerate() {
+        line(out, if number == 0 { "lagrange" } else { "" }, text)?;
+    }
+    Ok(())
+}
+
 /// The least of the three and its leg, 0 to 2.
 fn least(serial: &[At; 3]) -> (usize, At) {
     let mut least = (0, serial[0]);
@@ -145,6 +159,21 @@ fn least(serial: &[At; 3]) -> (usize, At) {
 }
 
 fn timing(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<()> {
+    times(
+        out,
+        scene.tick_rate_hz,
+        &report.computation,
+        report.deadlines.as_ref(),
+    )
+}
+
+/// Times of the computation of a tick, and of the deadlines.
+pub(crate) fn times(
+    out: &mut dyn Write,
+    tick_rate_hz: f64,
+    computation: &Histogram,
+    deadlines: Option<&Deadlines>,
+) -> io::Result<()> {
     writeln!(out)?;
     line(
         out,
@@ -163,13 +192,13 @@ fn timing(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
         let columns = times.map(|time| format!("{:>10.2}", time.as_secs_f64() * 1e6));
         line(out, label, &columns.concat())
     };
-    row(out, "  computing", &report.computation)?;
-    let Some(deadlines) = &report.deadlines else {
+    row(out, "  computing", computation)?;
+    let Some(deadlines) = deadlines else {
         return Ok(());
     };
     row(out, "  jitter", &deadlines.release)?;
     line(out, "", "(jitter: how long after its time a tick began)")?;
-    let period = Duration::from_secs_f64(1.0 / scene.tick_rate_hz);
+    let period = Duration::from_secs_f64(1.0 / tick_rate_hz);
     let (late, total) = (deadlines.late, deadlines.release.count());
     let period_us = period.as_secs_f64() * 1e6;
     line(
@@ -192,7 +221,7 @@ fn files(out: &mut dyn Write, report: &RunReport) -> io::Result<()> {
     Ok(())
 }
 
-pub(super) fn seconds(duration: Duration) -> String {
+pub(crate) fn seconds(duration: Duration) -> String {
     let s = duration.as_secs_f64();
     match s {
         _ if s < 1e-3 => format!("{:.1} microseconds", s * 1e6),

@@ -265,7 +265,7 @@ impl Stream<'_> {
         };
         let mut results = ResultFolder::create(&folder, "stream")?;
         let drives = DriveRecorder::create(&mut results, scene, units, every)?;
-        let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque)?;
+        let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque, None)?;
         let hello = local::hello::<N>(scene);
         let client = JobClient::new(work, hello, every, patience(patience_s), conversation());
         let client = client.named(&scene.name).with_fields(fields);

@@ -1,4 +1,4 @@
-//! Report on the numbers: errors and run times of every number type, extremes, integrators.
+//! Report on the numbers: errors and run times of every number type, extremes, integrators, torques by Lagrange.
 //!
 //! Each section lies in a folder of its own and writes its part of one page. All errors and times
 //! are measured anew by every call.
@@ -6,9 +6,11 @@
 #![forbid(unsafe_code)]
 
 pub mod docs;
+mod draws;
 mod error;
 mod exact;
 mod extremes;
+mod lagrange;
 mod numbers;
 mod page;
 mod progress;
@@ -33,11 +35,18 @@ pub enum ReportSection {
     Extremes,
     /// Error and run time of every method of integration.
     WorkPrecision,
+    /// Torques of the core beside those of Lagrange's equations.
+    Lagrange,
 }
 
 impl ReportSection {
     /// All of them, in order.
-    pub const ALL: [Self; 3] = [Self::Numbers, Self::Extremes, Self::WorkPrecision];
+    pub const ALL: [Self; 4] = [
+        Self::Numbers,
+        Self::Extremes,
+        Self::WorkPrecision,
+        Self::Lagrange,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -45,6 +54,7 @@ impl ReportSection {
             ReportSection::Numbers => "numbers",
             ReportSection::Extremes => "extremes",
             ReportSection::WorkPrecision => "work-precision",
+            ReportSection::Lagrange => "lagrange",
         }
     }
 
@@ -54,6 +64,7 @@ impl ReportSection {
             ReportSection::Numbers => "Error and run time of every number type",
             ReportSection::Extremes => "Extreme machines, moves and poses in every number type",
             ReportSection::WorkPrecision => "Error and run time of every method of integration",
+            ReportSection::Lagrange => "Torques of the core beside those of Lagrange's equations",
         }
     }
 
@@ -63,6 +74,7 @@ impl ReportSection {
             ReportSection::Numbers => numbers::STEPS,
             ReportSection::Extremes => extremes::STEPS,
             ReportSection::WorkPrecision => work_precision::STEPS,
+            ReportSection::Lagrange => lagrange::STEPS,
         }
     }
 
@@ -71,6 +83,7 @@ impl ReportSection {
             ReportSection::Numbers => numbers::write(page, progress),
             ReportSection::Extremes => extremes::write(page, progress),
             ReportSection::WorkPrecision => work_precision::write(page, progress),
+            ReportSection::Lagrange => lagrange::write(page, progress),
         }
     }
 }
@@ -81,7 +94,7 @@ impl FromStr for ReportSection {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut all = Self::ALL.into_iter();
         all.find(|section| section.name() == text)
-            .ok_or_else(|| "expected numbers, extremes or work-precision".into())
+            .ok_or_else(|| "expected numbers, extremes, work-precision or lagrange".into())
     }
 }
 

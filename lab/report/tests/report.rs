@@ -77,3 +77,33 @@ fn check_runs(file: &Path) {
     }
     assert!(count > 150, "{count}");
 }
+
+/// Largest difference of two derivations, relative to torques and forces.
+const SAME: f64 = 1e-12;
+
+#[test]
+fn the_core_and_the_equations_of_lagrange_agree_for_every_machine_of_the_source() {
+    let folder = TempDir::new().unwrap();
+    let report = write(&[ReportSection::Lagrange], folder.path(), &|_, _| {}).unwrap();
+    let mut rows = csv::Reader::from_path(folder.path().join("lagrange.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = rows.records().map(Result::unwrap).collect();
+    let names: Vec<&str> = rows.iter().map(|row| &row[0]).collect();
+    let machines = ["4-RRR", "6-RRR", "PRRR+2RRR", "2PRRR+RRR", "3PRRR"];
+    assert_eq!(names[..3], ["3-RRR"; 3]);
+    assert_eq!(names[3..], machines);
+    for row in &rows {
+        assert_eq!([&row[2], &row[3]], ["101", "100"], "{row:?}");
+        let torque: f64 = row[5].parse().unwrap();
+        assert!(torque > 0.0 && torque <= SAME, "{row:?}");
+        if row[0].contains('P') {
+            let force: f64 = row[6].parse().unwrap();
+            assert!(force > 0.0 && force <= SAME, "{row:?}");
+        }
+    }
+    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/lagrange.md");
+    let document = fs::read_to_string(document).unwrap();
+    let outdated = docs::outdated(&document, &report.blocks).unwrap();
+    let how =
+        "refresh with: cargo run --release -- report --section lagrange --docs docs/lagrange.md";
+    assert!(outdated.is_empty(), "{outdated:?}: {how}");
+}

@@ -4,7 +4,8 @@
 //! | module | what |
 //! |---|---|
 //! | [`inputs`], [`model`] | kinematics by angles, dynamics by the balance of seven bodies |
-//! | [`scalar`], [`dual`] | its numbers: 31 digits, or with derivatives |
+//! | [`lagrange`] | the torques once more, by Lagrange's equations, of redundant machines too |
+//! | [`scalar`], [`dual`], [`tangent`] | numbers: 31 digits, or with derivatives |
 //! | [`results`] | results by name: of the core, the true ones, and their conditions |
 //! | [`rounding`] | what a number type rounds by |
 //!
@@ -14,9 +15,11 @@
 
 pub mod dual;
 pub mod inputs;
+pub mod lagrange;
 pub mod model;
 pub mod results;
 pub mod rounding;
 pub mod scalar;
+pub mod tangent;
 
 pub use trirrr_double_double as double_double;

@@ -105,6 +105,8 @@ mod placement;
 mod qr;
 #[cfg(test)]
 mod random;
+#[cfg(feature = "std")]
+pub mod scene;
 #[cfg(test)]
 mod tests;
 

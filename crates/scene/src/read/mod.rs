@@ -16,7 +16,7 @@ pub use section::Section;
 pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
 pub(crate) use document::TextPart;
-pub(crate) use parts::SceneText;
+pub use parts::SceneText;
 
 use crate::error::SceneError;
 use std::path::Path;
@@ -31,6 +31,38 @@ pub fn text_of(file: &Path) -> Result<String, SceneError> {
         file: file.to_owned(),
         reason,
     })
+}
+
+/// Parses the scene in `text`, with what it takes from the file of its machine and from `settings`, and hands document and
+/// root table to `read`. `file` is named in errors; `top_keys` are the keys that stand before the first table.
+///
+/// # Errors
+/// [`SceneError::Refused`] with everything found wrong. `read` returns `None` only after it has refused something.
+pub fn with_scene<T>(
+    text: &str,
+    file: &str,
+    settings: &[Setting],
+    top_keys: &'static [&'static str],
+    read: impl FnOnce(&Document, &Section, &SceneText) -> Option<T>,
+) -> Result<T, SceneError> {
+    let (root, faults) = DeTable::parse_recoverable(text);
+    let whole = SceneText::new(text, file, root.get_ref(), settings);
+    let document = Document::new(&whole.text, top_keys).with_parts(whole.parts.clone());
+    refuse_faults(&document, &faults);
+    if !document.is_clean() {
+        return Err(document.into_error(file));
+    }
+    let padded = whole.padded(settings);
+    let mut root = root.into_inner();
+    whole.merge(&document, &mut root, &padded, settings);
+    if !document.is_clean() {
+        return Err(document.into_error(file));
+    }
+    let scene = read(&document, &Section::root(&document, &root), &whole);
+    match scene.filter(|_| document.is_clean()) {
+        Some(scene) => Ok(scene),
+        None => Err(document.into_error(file)),
+    }
 }
 
 /// Parses `text` and hands its root table to `read`. Text that is no TOML becomes problems of the
@@ -53,7 +85,7 @@ fn root_of<'t>(document: &Document, text: &'t str) -> Option<DeTable<'t>> {
 }
 
 /// Makes problems of what the parser found.
-pub(crate) fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
+fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
     for fault in faults {
         let place = Place {
             line: document.line(fault.span().map_or(0, |span| span.start)),

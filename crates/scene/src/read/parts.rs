@@ -16,11 +16,12 @@ const OWN: [&str; 3] = ["name", "description", "job"];
 const ARGUMENT: &str = "--set";
 
 /// Text of a scene with all that it takes from elsewhere behind its own: spans count through the whole.
-pub(crate) struct SceneText {
-    pub(crate) text: String,
-    pub(crate) parts: Vec<TextPart>,
-    /// File that `machine` names, and the length of its text.
-    pub(crate) machine_file: Option<PathBuf>,
+pub struct SceneText {
+    /// The whole text.
+    pub text: String,
+    pub(super) parts: Vec<TextPart>,
+    /// File that `machine` names, if the machine has a file of its own.
+    pub machine_file: Option<PathBuf>,
     machine_span: Option<Range<usize>>,
     /// Reason why there is no text of the machine.
     missing: Option<String>,
@@ -28,7 +29,7 @@ pub(crate) struct SceneText {
 
 impl SceneText {
     /// The text of the scene in `file`, with that of the machine which `root` names, and of `settings`.
-    pub(crate) fn new(text: &str, file: &str, root: &DeTable, settings: &[Setting]) -> Self {
+    pub(super) fn new(text: &str, file: &str, root: &DeTable, settings: &[Setting]) -> Self {
         let mut whole = Self {
             text: text.to_owned(),
             parts: Vec::new(),
@@ -71,7 +72,7 @@ impl SceneText {
     }
 
     /// Texts of the parts behind the first, as TOML in which spans are those of the whole text.
-    pub(crate) fn padded(&self, settings: &[Setting]) -> PaddedParts {
+    pub(super) fn padded(&self, settings: &[Setting]) -> PaddedParts {
         let machine = self.machine_span.clone().map(|span| {
             let mut padded = " ".repeat(span.start);
             padded.push_str(self.text.get(span).unwrap_or_default());
@@ -88,7 +89,7 @@ impl SceneText {
     }
 
     /// Puts the parts into the scene's `root`, and refuses what does not go together.
-    pub(crate) fn merge<'t>(
+    pub(super) fn merge<'t>(
         &self,
         document: &Document,
         root: &mut DeTable<'t>,
@@ -148,7 +149,7 @@ impl SceneText {
 }
 
 /// Texts that the tables of a scene borrow from.
-pub(crate) struct PaddedParts {
+pub(super) struct PaddedParts {
     machine: Option<String>,
     settings: Vec<String>,
 }

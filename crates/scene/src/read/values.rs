@@ -60,13 +60,26 @@ impl<'d> Section<'d, '_> {
 
     /// One number that holds for all three, or an array of three; `None` if left out or refused.
     pub fn number_or_three(&self, key: &'d str, bound: Bound) -> Option<[f64; 3]> {
+        self.number_or_each(key, bound, 3)?.try_into().ok()
+    }
+
+    /// One number that holds for all `count`, or an array of as many; `None` if left out or refused.
+    pub fn number_or_each(&self, key: &'d str, bound: Bound, count: usize) -> Option<Vec<f64>> {
         let value = self.value(key)?;
         match value.get_ref() {
             DeValue::Array(_) => {
-                let expected = format!("{}, or three of them", number_in(key));
-                self.array(key, bound, &expected)
+                let of_them = match count {
+                    3 => "three".into(),
+                    count => count.to_string(),
+                };
+                let expected = format!("{}, or {of_them} of them", number_in(key));
+                let mut numbers = vec![0.0; count];
+                self.fill(key, bound, &expected, &mut numbers)?;
+                Some(numbers)
             }
-            _ => self.optional_number(key, bound).map(|number| [number; 3]),
+            _ => self
+                .optional_number(key, bound)
+                .map(|number| vec![number; count]),
         }
     }
 
@@ -97,19 +110,25 @@ impl<'d> Section<'d, '_> {
         bound: Bound,
         expected: &str,
     ) -> Option<[f64; LEN]> {
+        let mut numbers = [0.0; LEN];
+        self.fill(key, bound, expected, &mut numbers)?;
+        Some(numbers)
+    }
+
+    /// Reads an array of as many numbers as there is room for.
+    fn fill(&self, key: &'d str, bound: Bound, expected: &str, numbers: &mut [f64]) -> Option<()> {
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.refuse(key, expected_but_found(expected, value.get_ref()));
             return None;
         };
-        if array.len() != LEN {
+        if array.len() != numbers.len() {
             self.refuse(
                 key,
                 format!("expected {expected}, found {} values", array.len()),
             );
             return None;
         }
-        let mut numbers = [0.0; LEN];
         let mut good = true;
         for (i, (number, item)) in numbers.iter_mut().zip(array.iter()).enumerate() {
             let place = Place {
@@ -122,7 +141,7 @@ impl<'d> Section<'d, '_> {
                 None => good = false,
             }
         }
-        good.then_some(numbers)
+        good.then_some(())
     }
 
     fn check_number(

@@ -4,6 +4,7 @@
 use super::cases::{CaseMotion, ExtremeCase, polar};
 use super::measure::CaseOutcome;
 use super::{Column, columns};
+use crate::draws::Draws;
 use crate::error::ReportError;
 use crate::page::Page;
 use crate::table::{Table, two_digits};
@@ -77,20 +78,6 @@ const CURVES: [Curve; 4] = [
         },
     },
 ];
-
-/// Numbers without a pattern, the same in every run (splitmix64).
-struct Draws(u64);
-
-impl Draws {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        low + (high - low) * (z >> 11) as f64 * 0.5f64.powi(53)
-    }
-}
 
 /// A leg, laid from its platform joint to its base joint.
 struct Leg {
