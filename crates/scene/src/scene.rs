@@ -202,7 +202,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with everything found wrong.
     pub fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, Depth::Whole)
+        Self::parse_in(text, file, settings, ReadDepth::Whole)
     }
 
     /// Reads as [`parse_set`](Self::parse_set), and looks at no pose: the job may ask for what the machine cannot do. A path is not
@@ -211,21 +211,21 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with every value that is refused.
     pub fn draft_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, Depth::Values)
+        Self::parse_in(text, file, settings, ReadDepth::Values)
     }
 
     fn parse_in(
         text: &str,
         file: &str,
         settings: &[Setting],
-        depth: Depth,
+        depth: ReadDepth,
     ) -> Result<Self, SceneError> {
         with_scene(text, file, settings, TOP_KEYS, |document, root, whole| {
             let (mut scene, placed, homing, places) =
                 read_scene(document, root, key(whole.text.as_bytes()), depth)
                     .filter(|_| document.is_clean())?;
             scene.machine_file = whole.machine_file.clone();
-            if depth == Depth::Whole {
+            if depth == ReadDepth::Whole {
                 check_machine(document, &scene, &placed, homing.as_ref(), &places);
             }
             Some(scene)
@@ -271,7 +271,7 @@ impl Scene {
 
 /// Extent to which a scene is looked at.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Depth {
+enum ReadDepth {
     /// Each value.
     Values,
     /// Poses, moves and paths, too.
@@ -288,7 +288,7 @@ fn read_scene(
     document: &Document,
     root: &Section,
     key: u32,
-    depth: Depth,
+    depth: ReadDepth,
 ) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Places)> {
     refuse_redundant(root)?;
     let name = root.folder_name("name");
@@ -363,11 +363,11 @@ fn read_scene(
         && document.is_clean()
     {
         match depth {
-            Depth::Whole => plan_path(document, &mut scene, path)?,
-            Depth::Values => scene.job.path = Some(path.path.clone()),
+            ReadDepth::Whole => plan_path(document, &mut scene, path)?,
+            ReadDepth::Values => scene.job.path = Some(path.path.clone()),
         }
     }
-    if let Some(plant) = plant.filter(|_| depth == Depth::Whole) {
+    if let Some(plant) = plant.filter(|_| depth == ReadDepth::Whole) {
         let duration_s = f64::from(scene.ticks()) / scene.tick_rate_hz;
         scene.plant = Some(plant.checked(root, duration_s)?);
     }

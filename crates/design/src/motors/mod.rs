@@ -78,7 +78,7 @@ impl JointPoint {
     }
 }
 
-/// What the joints of a machine ask for along a job, without rotors.
+/// Rates, accelerations and torques that a job asks of the joints, without rotors.
 #[derive(Clone, Debug)]
 pub struct JobLoad<'a> {
     scene: &'a Scene,
@@ -165,7 +165,11 @@ impl<'a> JobLoad<'a> {
     fn with_gear(&self, (index, motor): (usize, &CatalogueMotor), gear: f64) -> Candidate {
         let asked = self.asked(motor, gear, 1.0);
         let supply_of = |[speed, torque]: [f64; 2]| motor.supply_for(torque, speed);
-        let supplies = self.rotor_points(motor, gear).into_iter().map(supply_of);
+        let supplies: Vec<_> = self
+            .rotor_points(motor, gear)
+            .into_iter()
+            .map(supply_of)
+            .collect();
         Candidate {
             motor: index,
             gear_ratio: gear,
@@ -176,13 +180,15 @@ impl<'a> JobLoad<'a> {
             torque_peak_nm: asked.peak_nm,
             torque_rms_nm: asked.rms_nm,
             speed_part: asked.speed_part,
-            supply_needed_v: supplies.fold(Some(0.0), |most, each| Some(each?.max(most?))),
+            supply_needed_v: supplies
+                .into_iter()
+                .try_fold(0.0, |most: f64, each| Some(most.max(each?))),
             inertia_ratio: motor.rotor_inertia_kgm2 * gear * gear / self.inertia_kgm2,
             regenerated_j: self.regenerated_j,
         }
     }
 
-    /// What the job asks of a motor with a gear, in `factor` times its duration.
+    /// Torques and speed that the job asks of a motor with a gear, in `factor` times its duration.
     fn asked(&self, motor: &CatalogueMotor, gear: f64, factor: f64) -> AskedTorque {
         let mut peak_margin = f64::INFINITY;
         let (mut peak_nm, mut speed) = (0.0_f64, 0.0_f64);

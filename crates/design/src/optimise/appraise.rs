@@ -48,7 +48,7 @@ pub struct StudyScene {
 
 /// Candidate that does not do the job.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct CandidateFault {
     /// Reason of the reader.
     pub reason: String,
     /// Measure of how far the candidate is from doing the job, 0 or more.
@@ -61,7 +61,7 @@ pub struct Appraisal {
     /// The candidate.
     pub point: DesignPoint,
     /// A value for each objective, or why there is none.
-    pub found: Result<Vec<f64>, Fault>,
+    pub found: Result<Vec<f64>, CandidateFault>,
 }
 
 impl StudyScene {
@@ -111,7 +111,7 @@ impl StudyScene {
     }
 
     /// Looks at the scene without other values.
-    pub fn own(&self) -> Result<Vec<f64>, Fault> {
+    pub fn own(&self) -> Result<Vec<f64>, CandidateFault> {
         self.look_at(Vec::new())
     }
 
@@ -121,8 +121,8 @@ impl StudyScene {
         Appraisal { point, found }
     }
 
-    fn look_at(&self, settings: Vec<Setting>) -> Result<Vec<f64>, Fault> {
-        let fault = |reason: String, shortfall| Fault { reason, shortfall };
+    fn look_at(&self, settings: Vec<Setting>) -> Result<Vec<f64>, CandidateFault> {
+        let fault = |reason: String, shortfall| CandidateFault { reason, shortfall };
         match self.read(settings.clone(), Scene::parse_set) {
             Ok(scene) => self
                 .values(&scene)

@@ -75,7 +75,7 @@ pub fn best(all: &[Appraisal], objectives: &[Objective]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::{DesignPoint, Fault};
+    use crate::optimise::{CandidateFault, DesignPoint};
 
     fn appraised(values: &[[f64; 2]]) -> Vec<Appraisal> {
         let point = DesignPoint {
@@ -102,7 +102,7 @@ mod tests {
         ]);
         all.push(Appraisal {
             point: all[0].point.clone(),
-            found: Err(Fault {
+            found: Err(CandidateFault {
                 reason: "none".into(),
                 shortfall: 1.0,
             }),

@@ -12,7 +12,7 @@ mod shortfall;
 mod space;
 mod swarm;
 
-pub use appraise::{Appraisal, Fault, MapSettings, StudyScene};
+pub use appraise::{Appraisal, CandidateFault, MapSettings, StudyScene};
 pub use front::{best, front, knee};
 pub use scene_file::{EditedScene, own_value, with_values};
 pub use search::{SearchPlan, SearchWatch, search};

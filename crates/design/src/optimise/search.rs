@@ -1,6 +1,6 @@
 //! Course of a study: which solver looks where, with how many of the evaluations.
 
-use super::swarm::{SearchLog, Swarm, Target, refine};
+use super::swarm::{SearchLog, SearchTarget, Swarm, refine};
 use super::{Appraisal, DesignPoint, DesignSpace, Objective, StudyMode, front};
 use std::sync::atomic::AtomicBool;
 
@@ -51,17 +51,17 @@ pub fn search(
     let all = plan.evaluations;
     match plan.objectives {
         [_, _] => {
-            minimise(&log, Target::Least(0), all / 4, 0);
-            minimise(&log, Target::Least(1), all / 2, 1);
+            minimise(&log, SearchTarget::Least(0), all / 4, 0);
+            minimise(&log, SearchTarget::Least(1), all / 2, 1);
             for level in 0..LEVELS {
                 let Some(most) = level_between(&log, level) else {
                     break;
                 };
                 let end = all / 2 + (level + 1) * (all - all / 2) / LEVELS;
-                minimise(&log, Target::Within(most), end, 2 + level as u64);
+                minimise(&log, SearchTarget::Within(most), end, 2 + level as u64);
             }
         }
-        _ => minimise(&log, Target::Least(0), all, 0),
+        _ => minimise(&log, SearchTarget::Least(0), all, 0),
     }
     log.known.into_inner()
 }
@@ -80,7 +80,7 @@ fn level_between(log: &SearchLog<'_>, level: usize) -> Option<f64> {
 }
 
 /// Makes `target` small until `end` candidates were looked at in all.
-fn minimise(log: &SearchLog<'_>, target: Target, end: usize, phase: u64) {
+fn minimise(log: &SearchLog<'_>, target: SearchTarget, end: usize, phase: u64) {
     let plan = log.plan;
     let own = plan.space.parts(&plan.own);
     let begun = log.count();
@@ -164,7 +164,7 @@ impl SearchPlan<'_> {
 mod tests {
     use super::*;
     use crate::modes::MODES;
-    use crate::optimise::{Fault, best};
+    use crate::optimise::{CandidateFault, best};
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn space(modes: bool) -> DesignSpace {
@@ -198,7 +198,7 @@ mod tests {
             let valley = (1.0 - a).powi(2) + 100.0 * (b - a * a).powi(2) + offset;
             let beyond = a.hypot(b) - 1.6;
             let found = match beyond > 0.0 {
-                true => Err(Fault {
+                true => Err(CandidateFault {
                     reason: "beyond".into(),
                     shortfall: beyond,
                 }),

@@ -26,14 +26,14 @@ const ARRIVED: f64 = 1e-10;
 
 /// Quantity that a solver makes small.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target {
+pub(super) enum SearchTarget {
     /// Cost of an objective.
     Least(usize),
     /// Cost of the second objective, where that of the first is at most this.
     Within(f64),
 }
 
-impl Target {
+impl SearchTarget {
     /// Fitness of a candidate, less is better: less than 1 where it does the job and keeps what the target asks for, from 1 to 2 where it
     /// does the job, and more the farther it is from doing it.
     pub(super) fn fitness(self, each: &Appraisal, objectives: &[Objective]) -> f64 {
@@ -88,7 +88,7 @@ impl<'a> SearchLog<'a> {
     }
 
     /// Looks at `points`, each of them once, on all cores; the fitness of each for `target`.
-    pub(super) fn fitness(&self, points: Vec<DesignPoint>, target: Target) -> Vec<f64> {
+    pub(super) fn fitness(&self, points: Vec<DesignPoint>, target: SearchTarget) -> Vec<f64> {
         let keys: Vec<PointKey> = points.iter().map(point_key).collect();
         let mut fresh: Vec<(PointKey, DesignPoint)> = Vec::new();
         for (key, point) in keys.iter().zip(points) {
@@ -133,7 +133,7 @@ impl<'a> SearchLog<'a> {
     /// Parts of the best candidate for `target`, in `mode` or in any, with its mode.
     pub(super) fn best(
         &self,
-        target: Target,
+        target: SearchTarget,
         mode: Option<Option<StudyMode>>,
     ) -> Option<DesignPoint> {
         let known = self.known.borrow();
@@ -156,7 +156,7 @@ fn point_key(point: &DesignPoint) -> PointKey {
 struct SpaceCost<'a> {
     log: &'a SearchLog<'a>,
     mode: Option<StudyMode>,
-    target: Target,
+    target: SearchTarget,
 }
 
 impl CostFunction for SpaceCost<'_> {
@@ -196,7 +196,7 @@ impl<'a> Swarm<'a> {
     /// Swarm of `count` particles, some of them at `known` parts, the others drawn by `seed`.
     pub(super) fn new(
         log: &'a SearchLog<'a>,
-        (mode, target): (Option<StudyMode>, Target),
+        (mode, target): (Option<StudyMode>, SearchTarget),
         known: &[Vec<f64>],
         count: usize,
         seed: u64,
@@ -247,7 +247,7 @@ impl<'a> Swarm<'a> {
 }
 
 /// Moves a simplex about the best candidate for `target` until it has arrived, or `end` candidates were looked at.
-pub(super) fn refine(log: &SearchLog<'_>, target: Target, size: f64, end: usize) {
+pub(super) fn refine(log: &SearchLog<'_>, target: SearchTarget, size: f64, end: usize) {
     let Some(best) = log.best(target, None) else {
         return;
     };

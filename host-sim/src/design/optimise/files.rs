@@ -83,7 +83,7 @@ pub(super) fn write(
     }
 }
 
-/// What to say where no candidate does the job.
+/// Message where no candidate does the job.
 fn no_candidate(result: &StudyResult, folder: &Path) -> String {
     let faults = result
         .all

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 use trirrr_design::optimise::{
-    Appraisal, DesignPoint, Fault, MapSettings, Objective, StudyMode, StudyScene,
+    Appraisal, CandidateFault, DesignPoint, MapSettings, Objective, StudyMode, StudyScene,
 };
 use trirrr_scene::Scene;
 
@@ -32,7 +32,7 @@ pub(super) struct StudyRecord {
     /// The study was ended before it was complete.
     pub(super) partial: bool,
     /// The scene without other values.
-    pub(super) own: Found,
+    pub(super) own: FoundValues,
     pub(super) candidates: Vec<CandidateRecord>,
     /// Numbers of candidates that no other one beats, from 1, and what follows from them; for readers of the file.
     #[serde(default)]
@@ -45,19 +45,19 @@ pub(super) struct CandidateRecord {
     mode: Option<String>,
     values: Vec<f64>,
     #[serde(flatten)]
-    found: Found,
+    found: FoundValues,
 }
 
 /// Values of the objectives, or why there are none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Found {
+pub(super) struct FoundValues {
     pub(super) found: Option<Vec<f64>>,
     pub(super) reason: Option<String>,
     pub(super) shortfall: Option<f64>,
 }
 
-impl From<&Result<Vec<f64>, Fault>> for Found {
-    fn from(result: &Result<Vec<f64>, Fault>) -> Self {
+impl From<&Result<Vec<f64>, CandidateFault>> for FoundValues {
+    fn from(result: &Result<Vec<f64>, CandidateFault>) -> Self {
         let fault = result.as_ref().err();
         Self {
             found: result.as_ref().ok().cloned(),
@@ -67,9 +67,9 @@ impl From<&Result<Vec<f64>, Fault>> for Found {
     }
 }
 
-impl Found {
-    fn result(&self) -> Result<Vec<f64>, Fault> {
-        self.found.clone().ok_or_else(|| Fault {
+impl FoundValues {
+    fn result(&self) -> Result<Vec<f64>, CandidateFault> {
+        self.found.clone().ok_or_else(|| CandidateFault {
             reason: self.reason.clone().unwrap_or_default(),
             shortfall: self.shortfall.unwrap_or(0.0),
         })
@@ -81,13 +81,13 @@ impl StudyRecord {
         args: &DesignArgs,
         study: &StudyScene,
         draft: &Scene,
-        (own, found): (Result<Vec<f64>, Fault>, Vec<Appraisal>),
+        (own, found): (Result<Vec<f64>, CandidateFault>, Vec<Appraisal>),
         partial: bool,
     ) -> Self {
         let candidates = found.iter().map(|each| CandidateRecord {
             mode: each.point.mode.map(|mode| mode.to_string()),
             values: each.point.values.clone(),
-            found: Found::from(&each.found),
+            found: FoundValues::from(&each.found),
         });
         Self {
             format: FORMAT,
@@ -100,7 +100,7 @@ impl StudyRecord {
             seed: args.vary.seed,
             shard: args.vary.shard,
             partial,
-            own: Found::from(&own),
+            own: FoundValues::from(&own),
             candidates: candidates.collect(),
             result: Value::Null,
         }
