@@ -9,10 +9,9 @@ mod text;
 pub use args::DesignArgs;
 
 use crate::failure::CliError;
-use crate::recording::unwritable;
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, write_text as write};
 use crate::terminal::print;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use study::Study;
 
 /// Studies the machine of a scene, writes the report, and prints a summary.
@@ -46,10 +45,4 @@ pub fn command(args: &DesignArgs) -> Result<(), CliError> {
         true => print(&json),
         false => print(&text::summary(&study, args, &files)),
     }
-}
-
-fn write(folder: &Path, name: &str, text: &str) -> Result<PathBuf, CliError> {
-    let path = folder.join(name);
-    std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
-    Ok(path)
 }
