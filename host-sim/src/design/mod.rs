@@ -14,7 +14,7 @@ pub use args::{DesignArgs, StudyArgs};
 use crate::failure::CliError;
 use crate::results::{ResultFolder, write_text as write};
 use crate::terminal::print;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use study::Study;
 
