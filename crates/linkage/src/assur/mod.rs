@@ -65,7 +65,9 @@ mod dyad;
 #[cfg(test)]
 mod example;
 mod factors;
+mod figures;
 mod groups;
+mod loops;
 mod mobility;
 mod newton;
 mod parts;
@@ -74,17 +76,23 @@ mod read;
 mod report;
 mod solve;
 mod state;
+mod study;
 mod table;
 mod track;
 mod write;
 
 pub use description::{
     FRAME, Joint, JointDrive, JointKind, LinkBody, Linkage, MotionSpan, PointRef, Prismatic,
+    SlotPart,
 };
 pub use groups::{Dyad, Group, GroupKind};
+pub use loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
 pub use mobility::Mobility;
 pub use report::{header, stopped, summary};
 pub use solve::{Position, Unsolved};
 pub use state::{LinkState, Reason, Solved};
+pub use study::{
+    ChainKind, CrankChain, DeadPoint, LinkageStudy, NewtonFigures, Travel, Traveller, study,
+};
 pub use track::{Stop, Track, track};
 pub use write::{WriteError, write};

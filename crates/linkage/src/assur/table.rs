@@ -31,9 +31,10 @@ fn columns(linkage: &Linkage) -> Vec<String> {
     for drive in &linkage.drives {
         add(&["q"], &linkage.joints[drive.joint].name);
     }
-    for link in &linkage.links[1..] {
+    for link in &linkage.links[linkage.moving_links()] {
         add(&["th", "dth", "ddth"], &link.name);
     }
+    // A pin in a slot has its way along the slot.
     for joint in &linkage.joints {
         if matches!(joint.kind, JointKind::Prismatic(_)) {
             add(&["s", "ds", "dds"], &joint.name);
@@ -49,7 +50,7 @@ fn columns(linkage: &Linkage) -> Vec<String> {
 fn row(linkage: &Linkage, position: &Position) -> Vec<f64> {
     let mut row = vec![position.t];
     row.extend(linkage.drives.iter().map(|drive| drive.at(position.t)[0]));
-    for state in &position.states[1..] {
+    for state in &position.states[linkage.moving_links()] {
         row.extend([state.angle, state.motion.rate, state.motion.acceleration]);
     }
     for joint in 0..linkage.joints.len() {

@@ -4,7 +4,10 @@ mod ends;
 mod mutation;
 mod refusals;
 mod shipped;
+mod slots;
 mod structures;
+mod study;
+mod tetrad;
 
 use std::path::{Path, PathBuf};
 use trirrr_linkage::assur::{Linkage, PointRef};

@@ -1,7 +1,8 @@
 //! Rates and accelerations against the input.
 
-use super::super::description::{FRAME, JointKind, Linkage};
+use super::super::description::{JointKind, Linkage};
 use super::super::solve::Position;
+use super::super::study::turning;
 use super::super::track::Track;
 use crate::motion::{LinkMotion, PointMotion};
 use nalgebra::Vector2;
@@ -115,38 +116,6 @@ fn draw(
     }
     let title = format!("{}: {what}", linkage.name);
     draw_over(&title, &input.title, &input.axis, &panels)
-}
-
-/// The links that turn, those together that turn alike: sliders with their guides.
-fn turning(linkage: &Linkage, track: &Track) -> Vec<Vec<usize>> {
-    let motion = |position: &Position, link: usize| {
-        let motion = &position.states[link].motion;
-        [motion.rate, motion.acceleration]
-    };
-    let largest = |index: usize| {
-        let all = track.positions.iter().flat_map(|position| {
-            (1..linkage.links.len()).map(move |link| motion(position, link)[index].abs())
-        });
-        all.fold(0.0, f64::max)
-    };
-    let rounding = [1e-9 * largest(0), 1e-9 * largest(1)];
-    let alike = |a: usize, b: usize| {
-        track.positions.iter().all(|position| {
-            let (a, b) = (motion(position, a), motion(position, b));
-            (0..2).all(|i| (a[i] - b[i]).abs() <= rounding[i])
-        })
-    };
-    let mut families: Vec<Vec<usize>> = Vec::new();
-    for link in 1..linkage.links.len() {
-        if alike(link, FRAME) {
-            continue;
-        }
-        match families.iter_mut().find(|family| alike(link, family[0])) {
-            Some(family) => family.push(link),
-            None => families.push(vec![link]),
-        }
-    }
-    families
 }
 
 /// Angular velocity and acceleration of the links that turn, and of the sliders along their

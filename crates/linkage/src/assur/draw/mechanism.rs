@@ -1,10 +1,12 @@
 //! The mechanism drawn to scale at several positions, with the curves of its points.
 
-use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
+use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic, SlotPart};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{Entry, GROUND, Labels, colour, inputs, joint_points, legend};
+use super::{Entry, GROUND, colour, inputs, joint_points, legend, point_name};
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, Size, page};
+use trirrr_figures::labels::Labels;
+use trirrr_figures::panel::range;
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{FRAME as GREY, INK, RGBColor, WHITE, faded};
 
@@ -43,6 +45,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         view.grid(canvas, ["x", "y"])?;
         let pen = Pen {
             linkage,
+            track,
             view: &view,
             canvas,
         };
@@ -65,7 +68,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
             }
         }
         if let Some(first) = positions.first() {
-            pen.names(first)?;
+            pen.names(first, &view)?;
         }
         legend(canvas, (beside, TOP + 12.0), &entries)
     })
@@ -106,6 +109,7 @@ fn points_of(linkage: &Linkage, link: usize) -> Vec<PointRef> {
 
 struct Pen<'a, 'c> {
     linkage: &'a Linkage,
+    track: &'a Track,
     view: &'a View,
     canvas: &'a Canvas<'c>,
 }
@@ -117,14 +121,18 @@ impl Pen<'_, '_> {
 
     /// Every link as the polygon of its points, every slider as a block, every pin as a ring.
     fn links(&self, position: &Position, strength: f64) -> Draw {
-        for joint in &self.linkage.joints {
-            if let JointKind::Prismatic(slide) = &joint.kind
-                && (slide.guide.link != FRAME || strength == 1.0)
-            {
-                self.guide(position, slide, strength)?;
+        for (index, joint) in self.linkage.joints.iter().enumerate() {
+            let JointKind::Prismatic(slide) = &joint.kind else {
+                continue;
+            };
+            match (joint.in_slot, slide.guide.link) {
+                (Some(_), FRAME) if strength < 1.0 => {}
+                (Some(_), _) => self.slot(position, index, slide, strength)?,
+                (None, FRAME) if strength < 1.0 => {}
+                (None, _) => self.guide(position, slide, strength)?,
             }
         }
-        for link in 1..self.linkage.links.len() {
+        for link in self.linkage.moving_links() {
             let corners: Vec<_> = points_of(self.linkage, link)
                 .into_iter()
                 .map(|point| self.pixel(position, point))
@@ -140,6 +148,8 @@ impl Pen<'_, '_> {
         }
         for joint in &self.linkage.joints {
             match &joint.kind {
+                // The pin of a slot is drawn as a pin.
+                JointKind::Prismatic(_) if joint.in_slot.is_some() => {}
                 JointKind::Prismatic(slide) => self.block(position, slide, strength)?,
                 JointKind::Revolute(pins) => {
                     let at = self.pixel(position, pins[0]);
@@ -200,6 +210,34 @@ impl Pen<'_, '_> {
         self.canvas.line(&corners, line, width)
     }
 
+    /// A slot as long as the way of its pin over the motion, and the line from its link to it.
+    fn slot(&self, position: &Position, joint: usize, slide: &Prismatic, strength: f64) -> Draw {
+        let ways = self.track.positions.iter();
+        let ways = ways.filter_map(|at| at.slide(self.linkage, joint));
+        let (least, most) = range(ways.map(|slide| slide[0]));
+        let [from_x, from_y] = at(self.linkage, position, slide.guide);
+        let u = slide.along(&position.states);
+        let start = [from_x - slide.offset * u[1], from_y + slide.offset * u[0]];
+        let along = |s: f64| self.view.at([start[0] + s * u[0], start[1] + s * u[1]]);
+        let shade = faded(colour(slide.guide.link), 0.7 * strength);
+        if slide.guide.link != FRAME {
+            let near = if least.abs() < most.abs() {
+                least
+            } else {
+                most
+            };
+            self.canvas.line(&[along(0.0), along(near)], shade, 2.0)?;
+        }
+        let (outer, inner) = if strength < 1.0 {
+            (9.0, 6.0)
+        } else {
+            (16.0, 12.0)
+        };
+        let ends = [along(least), along(most)];
+        self.canvas.line(&ends, shade, outer)?;
+        self.canvas.line(&ends, WHITE, inner)
+    }
+
     /// The line that each slider's point runs along: dashed where it stands still, otherwise from
     /// the guide's point to the slider's.
     fn guide(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
@@ -221,34 +259,71 @@ impl Pen<'_, '_> {
     }
 
     /// The joints' names beside them, and those of the traced points.
-    fn names(&self, position: &Position) -> Draw {
-        let mut labels = Labels {
-            near: (20.0, 20.0),
-            offset: (10.0, 12.0),
-            taken: Vec::new(),
-        };
-        let mut name = |text: &str, at: (f64, f64)| labels.write(self.canvas, text, at);
+    fn names(&self, position: &Position, view: &View) -> Draw {
+        let mut labels = Labels::within(view.corner(), view.width, view.height);
+        self.avoid(&mut labels, position);
         for joint in &self.linkage.joints {
-            let point = match &joint.kind {
-                JointKind::Revolute(pins) => pins[0],
-                JointKind::Prismatic(slide) => slide.slider,
+            let (point, radius) = match &joint.kind {
+                // Named at its slot.
+                JointKind::Revolute(_) if joint.in_slot == Some(SlotPart::Pin) => continue,
+                JointKind::Revolute(pins) => (pins[0], 5.0),
+                JointKind::Prismatic(slide) => (slide.slider, 9.0),
             };
-            name(&joint.name, self.pixel(position, point))?;
+            labels.name(&joint.name, self.pixel(position, point), radius);
         }
         for &trace in &self.linkage.traces {
             let at_joint = joint_points(self.linkage, trace.link).contains(&trace);
             if !at_joint {
-                let point = &self.linkage.links[trace.link].points[trace.point].0;
-                name(point, self.pixel(position, trace))?;
+                let name = point_name(self.linkage, trace);
+                labels.name(&name, self.pixel(position, trace), 4.2);
             }
         }
-        Ok(())
+        labels.draw(self.canvas)
+    }
+
+    /// What names should not cover: links, guides, feet, and less so curves and later positions.
+    fn avoid(&self, labels: &mut Labels, position: &Position) {
+        let outline = |position: &Position, link: usize| {
+            let points = points_of(self.linkage, link).into_iter();
+            let mut corners: Vec<_> = points.map(|point| self.pixel(position, point)).collect();
+            if corners.len() > 2 {
+                corners.push(corners[0]);
+            }
+            corners
+        };
+        for link in self.linkage.moving_links() {
+            labels.avoid_line(&outline(position, link), 1.0);
+            for index in instants(self.track.positions.len()).into_iter().skip(1) {
+                labels.avoid_line(&outline(&self.track.positions[index], link), 0.12);
+            }
+        }
+        for joint in &self.linkage.joints {
+            match &joint.kind {
+                JointKind::Prismatic(slide) => {
+                    let ends = [slide.guide, slide.slider].map(|end| self.pixel(position, end));
+                    labels.avoid_line(&ends, 0.6);
+                    labels.avoid_disc(ends[1], 11.0);
+                }
+                JointKind::Revolute(pins) => {
+                    let (x, y) = self.pixel(position, pins[0]);
+                    if pins.iter().any(|pin| pin.link == FRAME) {
+                        labels.avoid_disc((x, y + 7.0), 9.0);
+                    }
+                }
+            }
+        }
+        for &trace in &self.linkage.traces {
+            let positions = self.track.positions.iter();
+            let path: Vec<_> = positions.map(|at| self.pixel(at, trace)).collect();
+            labels.avoid_line(&path, 0.5);
+        }
     }
 }
 
 /// The legend beside the drawing, where it covers nothing.
 fn entries(linkage: &Linkage, track: &Track) -> Vec<Entry> {
-    let mut entries: Vec<_> = (1..linkage.links.len())
+    let mut entries: Vec<_> = linkage
+        .moving_links()
         .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
         .collect();
     for &trace in &linkage.traces {

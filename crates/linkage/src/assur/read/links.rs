@@ -47,6 +47,7 @@ fn read_link(section: &Section, is_frame: bool) -> Option<LinkBody> {
         name: name?,
         points: points?,
         guess: guess?,
+        is_block: false,
     })
 }
 

@@ -47,8 +47,10 @@ impl Linkage {
             let drives = motion::read_drives(root, links.as_deref(), joints.as_deref());
             let traces = links::read_traces(root, links.as_deref());
             let motion = motion::read(root, drives.as_deref());
-            let (link, links) = links?.into_iter().unzip();
-            let (joint, joints) = joints?.into_iter().unzip();
+            let (mut links, mut drives) = (links?, drives?);
+            let joints = joints::add_blocks(&mut links, joints?, &mut drives);
+            let (link, links) = links.into_iter().unzip();
+            let (joint, joints) = joints.into_iter().unzip();
             let places = check::Places {
                 links: root.place_of("link"),
                 drives: root.place_of("drive"),
@@ -60,7 +62,7 @@ impl Linkage {
                 description: description.into_owned(),
                 links,
                 joints,
-                drives: drives?.into_iter().map(|(_, drive)| drive).collect(),
+                drives: drives.into_iter().map(|(_, drive)| drive).collect(),
                 traces: traces?,
                 motion: motion?,
                 groups: Vec::new(),

@@ -1,17 +1,20 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
+mod json;
+
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trirrr_linkage::assur::{Linkage, header, stopped, summary, track, write};
+use trirrr_linkage::assur::{Linkage, header, stopped, study, summary, track, write};
 
 /// `trirrr linkage`.
 ///
 /// Decomposes a mechanism of links and joints into Assur groups, prints them in solving order,
-/// and solves them over a turn or a range of the drives. Writes linkage.csv (one row per position,
-/// SI units) and figures as SVG.
+/// and solves them over a turn or a range of the drives. Says how many loops and unknowns there are, which class four-bar loops
+/// have, where dead points and singular positions are, how far rockers swing and sliders go. Writes linkage.csv (one row per
+/// position, SI units) and figures as SVG.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Where the motion has an end (a dead point, a singular position), the input there and the group are \
@@ -23,6 +26,9 @@ pub struct LinkageArgs {
     /// Steps over the motion [default: the file's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub steps: Option<u32>,
+    /// Print one JSON object in place of the summary
+    #[arg(long)]
+    pub json: bool,
     /// Folder for what is written, made if missing; results of an earlier command go
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
@@ -56,8 +62,14 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     };
     let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
     results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
-    let mut text = header(&args.file.display().to_string(), &linkage);
-    text.push_str(&summary(&linkage, &track, &files));
+    let figures = study(&linkage, &track);
+    let text = match args.json {
+        true => format!("{:#}\n", json::as_json(&linkage, &track, &figures)),
+        false => {
+            let head = header(&args.file.display().to_string(), &linkage);
+            head + &summary(&linkage, &track, &figures, &files)
+        }
+    };
     print(&text)?;
     why.map_or(Ok(()), |why| Err(CliError::Failed(why)))
 }

@@ -1,0 +1,77 @@
+//! Figures of a linkage over its motion: loops and unknowns, Newton-Raphson, four-bar loops and slider-cranks, swings and strokes.
+
+mod chains;
+mod sweep;
+mod travel;
+
+pub use chains::{ChainKind, CrankChain, DeadPoint};
+pub(super) use travel::turning;
+pub use travel::{Travel, Traveller};
+
+use super::description::Linkage;
+use super::loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
+use super::track::Track;
+use sweep::Sweep;
+
+/// Figures of a linkage over its motion.
+#[derive(Clone, Debug)]
+pub struct LinkageStudy {
+    /// Independent loops.
+    pub loops: Vec<LinkLoop>,
+    /// Unknowns of their vectors: twice as many as loops.
+    pub unknowns: LoopUnknowns,
+    /// Groups that are solved by Newton-Raphson.
+    pub newton: Vec<NewtonFigures>,
+    /// Four-bar loops and slider-cranks.
+    pub chains: Vec<CrankChain>,
+    /// Angles of links that turn, then ways along guides.
+    pub travels: Vec<Travel>,
+}
+
+/// Newton-Raphson of one group over the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonFigures {
+    /// Index in solving order.
+    pub group: usize,
+    /// Most iterations at one position, and its time, s.
+    pub iterations: (u32, f64),
+    /// Largest residual of the group's equations, m (rad times the linkage's size), and its time, s.
+    pub residual_m: (f64, f64),
+}
+
+/// Finds all figures of a track. Without a position there are loops and unknowns alone.
+pub fn study(linkage: &Linkage, track: &Track) -> LinkageStudy {
+    let sweep = Sweep::new(linkage, track);
+    let of_sweep = sweep.as_ref();
+    LinkageStudy {
+        loops: independent_loops(linkage),
+        unknowns: unknowns(linkage),
+        newton: of_sweep.map_or_else(Vec::new, |sweep| newton(linkage, sweep)),
+        chains: of_sweep.map_or_else(Vec::new, |sweep| chains::chains(linkage, sweep)),
+        travels: of_sweep.map_or_else(Vec::new, |sweep| travel::travels(linkage, sweep)),
+    }
+}
+
+fn newton(linkage: &Linkage, sweep: &Sweep<'_>) -> Vec<NewtonFigures> {
+    let groups = linkage.groups.iter().enumerate();
+    let iterated = groups.filter(|(_, group)| group.is_iterated());
+    let figures = iterated.map(|(group, _)| {
+        let mut figures = NewtonFigures {
+            group,
+            iterations: (0, 0.0),
+            residual_m: (0.0, 0.0),
+        };
+        for position in &sweep.track.positions {
+            let iterations = position.groups[group].iterations;
+            if iterations > figures.iterations.0 {
+                figures.iterations = (iterations, position.t);
+            }
+            let residual = sweep.residual(group, position);
+            if residual > figures.residual_m.0 {
+                figures.residual_m = (residual, position.t);
+            }
+        }
+        figures
+    });
+    figures.collect()
+}
