@@ -68,6 +68,13 @@ pub(super) fn as_json(linkage: &Linkage, track: &Track, study: &LinkageStudy) ->
         },
         "newton": newton.collect::<Vec<_>>(),
         "crank_loops": study.chains.iter().map(|chain| of_chain(linkage, chain)).collect::<Vec<_>>(),
+        "loads": study.loads.iter().map(|load| json!({
+            "drive": joint_name(linkage, linkage.drives[load.drive].joint),
+            "unit": if linkage.drives[load.drive].slides { "N" } else { "N m" },
+            "peak": load.peak.0,
+            "peak_at": at(linkage, load.peak.1),
+            "rms": load.rms,
+        })).collect::<Vec<_>>(),
         "travels": study.travels.iter().map(|travel| of_travel(linkage, travel)).collect::<Vec<_>>(),
     })
 }

@@ -1,6 +1,9 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
+mod inverse;
 mod json;
+
+pub use inverse::InverseArgs;
 
 use crate::failure::CliError;
 use crate::results::ResultFolder;
@@ -18,7 +21,8 @@ use trirrr_linkage::assur::{Linkage, header, stopped, study, summary, track, wri
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Where the motion has an end (a dead point, a singular position), the input there and the group are \
-named, and what was solved so far is written.")]
+named, and what was solved so far is written. With --inverse-deg or --inverse-rad the motion is not solved: both solutions for the end \
+link are printed and written to out/NAME-inverse.")]
 pub struct LinkageArgs {
     /// The mechanism, a TOML file (format: docs/linkage-files.md)
     #[arg(value_name = "FILE.toml")]
@@ -26,6 +30,9 @@ pub struct LinkageArgs {
     /// Steps over the motion [default: the file's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub steps: Option<u32>,
+    /// The inverse of a serial arm.
+    #[command(flatten)]
+    pub inverse: InverseArgs,
     /// Print one JSON object in place of the summary
     #[arg(long)]
     pub json: bool,
@@ -44,6 +51,9 @@ pub struct LinkageArgs {
 pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     let mut linkage =
         Linkage::read(&args.file).map_err(|error| CliError::Refused(error.to_string()))?;
+    if let Some(end) = args.inverse.end()? {
+        return inverse::command(args, &linkage, &end);
+    }
     if let Some(steps) = args.steps {
         linkage.motion.steps = steps;
     }

@@ -24,6 +24,8 @@ pub struct Linkage {
     pub drives: Vec<JointDrive>,
     /// Points whose curves are wanted.
     pub traces: Vec<PointRef>,
+    /// Gravity in the plane, m/s^2.
+    pub gravity_m_s2: Vector2<f64>,
     /// Duration and steps of the motion that is solved.
     pub motion: MotionSpan,
     /// The groups in solving order; together they hold every link but the frame.

@@ -23,6 +23,15 @@ fn degrees(angle: f64) -> String {
     format!("{:.3}", angle.to_degrees() + 0.0)
 }
 
+/// A load with five digits or more; an exponent where zeros would hide the size.
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if (1e-2..1e6).contains(&size) => format!("{value:.5}"),
+        _ => format!("{value:.4e}"),
+    }
+}
+
 /// Values of the drives at a time, short; angles within a turn.
 fn at(linkage: &Linkage, t: f64) -> String {
     let values = linkage.drives.iter().map(|drive| {
@@ -79,6 +88,22 @@ pub(super) fn figures(linkage: &Linkage, study: &LinkageStudy) -> String {
     }
     for travel in &study.travels {
         text.push_str(&of_travel(linkage, travel));
+    }
+    for load in &study.loads {
+        let drive = &linkage.drives[load.drive];
+        let (what, unit) = match drive.slides {
+            true => ("force", "N"),
+            false => ("torque", "N m"),
+        };
+        let (peak, t) = load.peak;
+        let _ = writeln!(
+            text,
+            "{what:<8} {}: at most {} {unit}, at {}; root mean square {} {unit}",
+            linkage.joints[drive.joint].name,
+            short(peak),
+            at(linkage, t),
+            short(load.rms)
+        );
     }
     text
 }
@@ -149,7 +174,9 @@ fn of_travel(linkage: &Linkage, travel: &Travel) -> String {
             match travel.turns {
                 // Without whole turns of one drive: by how much at all.
                 0 if travel.turning_s.is_empty() && travel.range() >= TAU - 1e-9 => {
-                    format!("turns    {names}, {:.3} in all\n", travel.range() / TAU)
+                    let sign = if least_t <= most_t { 1.0 } else { -1.0 };
+                    let turns = sign * travel.range() / TAU;
+                    format!("turns    {names}, {turns:.3} in all\n")
                 }
                 0 => format!(
                     "swing    {names} {} deg, from {} at {least_at} to {} at {most_at}{ratio}\n",

@@ -1,5 +1,6 @@
 //! Parts of a linkage: links, joints, drives, with names resolved to indices.
 
+use super::loads::BodyMass;
 use nalgebra::Vector2;
 
 /// The index of the frame, the link that stands still.
@@ -14,6 +15,8 @@ pub struct LinkBody {
     pub points: Vec<(String, Vector2<f64>)>,
     /// Roughly where its frame is at the start: x, y (m), angle (rad).
     pub guess: Option<[f64; 3]>,
+    /// Its mass.
+    pub mass: BodyMass,
     /// `true` for the block of a pin in a slot, which the file does not have.
     pub is_block: bool,
 }

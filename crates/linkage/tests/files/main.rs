@@ -1,5 +1,7 @@
 //! Linkage files: the shipped mechanisms, refusals, ends of motion, and files with random edits.
 
+mod arm;
+mod docs;
 mod ends;
 mod mutation;
 mod refusals;

@@ -1,6 +1,7 @@
 //! Rates and accelerations against the input.
 
-use super::super::description::{JointKind, Linkage};
+use super::super::description::{JointDrive, JointKind, Linkage};
+use super::super::loads::drive_loads;
 use super::super::solve::Position;
 use super::super::study::turning;
 use super::super::track::Track;
@@ -182,6 +183,29 @@ pub(super) fn points(linkage: &Linkage, track: &Track) -> Drawn {
     ];
     let what = "velocity and acceleration of points";
     draw(linkage, track, what, quantities)
+}
+
+/// Torques and forces of the drives.
+pub(super) fn loads(linkage: &Linkage, track: &Track) -> Drawn {
+    let of_drives = |slides: bool| -> Curves {
+        let drives = linkage.drives.iter().enumerate();
+        let chosen = drives.filter(|(_, drive)| drive.slides == slides);
+        let curve = |(index, drive): (usize, &JointDrive)| {
+            let value = move |position: &Position| {
+                drive_loads(linkage, position).map_or(0.0, |loads| loads[index])
+            };
+            (
+                linkage.joints[drive.joint].name.clone(),
+                Box::new(value) as _,
+            )
+        };
+        chosen.map(curve).collect()
+    };
+    let quantities = vec![
+        ("torque of the drive", "N m", of_drives(false)),
+        ("force of the drive", "N", of_drives(true)),
+    ];
+    draw(linkage, track, "loads of the drives", quantities)
 }
 
 #[cfg(test)]

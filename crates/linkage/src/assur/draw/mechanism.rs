@@ -20,6 +20,24 @@ const BETWEEN: f64 = 0.3;
 
 /// Draws the first position strongly and some others faintly.
 pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
+    let start = track.positions.first().map_or(0.0, |position| position.t);
+    let title = format!(
+        "{}: positions and curves of points, from {}",
+        linkage.name,
+        inputs(linkage, start)
+    );
+    let shown = instants(track.positions.len()).len();
+    let later = format!("{} later positions", shown.saturating_sub(1));
+    draw_titled(linkage, track, &title, ["path of ", &later])
+}
+
+/// As [`draw`], with a title, and in the legend the words before traced points and those for positions that are drawn faintly.
+pub(super) fn draw_titled(
+    linkage: &Linkage,
+    track: &Track,
+    title: &str,
+    [traced, later]: [&str; 2],
+) -> Drawn {
     let positions = &track.positions;
     let points = || (0..linkage.links.len()).flat_map(|link| points_of(linkage, link));
     let extent: Vec<[f64; 2]> = positions
@@ -27,21 +45,15 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         .flat_map(|position| points().map(|point| at(linkage, position, point)))
         .collect();
     let view = View::around(&extent, "m", (LEFT, TOP), SIDE);
-    let start = positions.first().map_or(0.0, |position| position.t);
-    let start = inputs(linkage, start);
-    let title = format!(
-        "{}: positions and curves of points, from {start}",
-        linkage.name
-    );
-    let entries = entries(linkage, track);
+    let entries = entries(linkage, track, [traced, later]);
     let widths = entries.iter().map(|(.., text)| Size::Label.width(text));
     let wide = 48.0 + widths.fold(0.0, f64::max);
     let high = 24.0 + 23.0 * entries.len() as f64;
     let beside = LEFT + view.width + 16.0;
-    let width = (beside + wide).max(Size::Title.width(&title) + 40.0);
+    let width = (beside + wide).max(Size::Title.width(title) + 40.0);
     let height = (TOP + view.height + BOTTOM).max(high + TOP + 20.0);
     page(width, height, |canvas| {
-        canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+        canvas.text(title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
         view.grid(canvas, ["x", "y"])?;
         let pen = Pen {
             linkage,
@@ -321,19 +333,18 @@ impl Pen<'_, '_> {
 }
 
 /// The legend beside the drawing, where it covers nothing.
-fn entries(linkage: &Linkage, track: &Track) -> Vec<Entry> {
+fn entries(linkage: &Linkage, track: &Track, [traced, later]: [&str; 2]) -> Vec<Entry> {
     let mut entries: Vec<_> = linkage
         .moving_links()
         .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
         .collect();
     for &trace in &linkage.traces {
-        let text = format!("path of {}", linkage.point_name(trace));
+        let text = format!("{traced}{}", linkage.point_name(trace));
         entries.push((trace_colour(trace), 2.0, text));
     }
     let shown = instants(track.positions.len()).len();
     if shown > 1 {
-        let text = format!("{} later positions", shown - 1);
-        entries.push((faded(INK, BETWEEN), 2.4, text));
+        entries.push((faded(INK, BETWEEN), 2.4, later.into()));
     }
     entries
 }

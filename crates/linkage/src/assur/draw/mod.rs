@@ -1,5 +1,5 @@
 //! Figures of a linkage as SVG: positions with the curves of its points, rates and accelerations
-//! against the input, polygons of velocities and accelerations, and of the positions in each loop.
+//! against the input, loads of drives, polygons of velocities and accelerations, and of the positions in each loop.
 
 mod arrow;
 mod curves;
@@ -27,10 +27,19 @@ pub(super) fn figures(linkage: &Linkage, track: &Track) -> Vec<(&'static str, Dr
         figures.push(("points.svg", curves::points(linkage, track)));
     }
     figures.push(("polygons.svg", polygon::draw(linkage, track)));
+    if linkage.has_masses() {
+        figures.push(("loads.svg", curves::loads(linkage, track)));
+    }
     if !independent_loops(linkage).is_empty() {
         figures.push(("loops.svg", loops::draw(linkage, track)));
     }
     figures
+}
+
+/// Both solutions of an arm, the elbow on the left strongly.
+pub(super) fn inverse(linkage: &Linkage, track: &Track) -> Drawn {
+    let title = format!("{}: both solutions of the inverse", linkage.name);
+    mechanism::draw_titled(linkage, track, &title, ["", "elbow on the right"])
 }
 
 /// The points that joints take hold of, each once, for a link.

@@ -5,6 +5,7 @@ use super::{FARTHEST, Placed, read_each, read_name};
 use crate::assur::description::{
     Joint, JointDrive, JointKind, LinkBody, PointRef, Prismatic, SlotPart,
 };
+use crate::assur::loads::BodyMass;
 use nalgebra::Vector2;
 use trirrr_scene::read::{Bound, Section};
 
@@ -97,6 +98,7 @@ pub(super) fn add_blocks(
             name: format!("block of {}", joint.name),
             points: vec![("P".into(), Vector2::zeros())],
             guess: None,
+            mass: BodyMass::NONE,
             is_block: true,
         };
         links.push((place.clone(), body));

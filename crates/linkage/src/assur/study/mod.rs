@@ -9,6 +9,7 @@ pub(super) use travel::turning;
 pub use travel::{Travel, Traveller};
 
 use super::description::Linkage;
+use super::loads::drive_loads;
 use super::loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
 use super::track::Track;
 use sweep::Sweep;
@@ -26,6 +27,19 @@ pub struct LinkageStudy {
     pub chains: Vec<CrankChain>,
     /// Angles of links that turn, then ways along guides.
     pub travels: Vec<Travel>,
+    /// Loads of the drives; empty for a linkage without masses.
+    pub loads: Vec<LoadFigures>,
+}
+
+/// Load of one drive over the motion: a torque, N m, or along a guide a force, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadFigures {
+    /// Index of the drive.
+    pub drive: usize,
+    /// Greatest size with its sign, and its time, s.
+    pub peak: (f64, f64),
+    /// Root mean square over the positions.
+    pub rms: f64,
 }
 
 /// Newton-Raphson of one group over the motion.
@@ -49,6 +63,7 @@ pub fn study(linkage: &Linkage, track: &Track) -> LinkageStudy {
         newton: of_sweep.map_or_else(Vec::new, |sweep| newton(linkage, sweep)),
         chains: of_sweep.map_or_else(Vec::new, |sweep| chains::chains(linkage, sweep)),
         travels: of_sweep.map_or_else(Vec::new, |sweep| travel::travels(linkage, sweep)),
+        loads: loads(linkage, track),
     }
 }
 
@@ -72,6 +87,33 @@ fn newton(linkage: &Linkage, sweep: &Sweep<'_>) -> Vec<NewtonFigures> {
             }
         }
         figures
+    });
+    figures.collect()
+}
+
+fn loads(linkage: &Linkage, track: &Track) -> Vec<LoadFigures> {
+    if !linkage.has_masses() {
+        return Vec::new();
+    }
+    let solved = track.positions.iter();
+    let solved: Vec<(f64, Vec<f64>)> = solved
+        .filter_map(|position| Some((position.t, drive_loads(linkage, position)?)))
+        .collect();
+    let figures = (0..linkage.drives.len()).map(|drive| {
+        let mut peak = (0.0, 0.0);
+        let mut squares = 0.0;
+        for (t, loads) in &solved {
+            let load: f64 = loads[drive];
+            squares += load * load;
+            if load.abs() > f64::abs(peak.0) {
+                peak = (load, *t);
+            }
+        }
+        LoadFigures {
+            drive,
+            peak,
+            rms: (squares / solved.len().max(1) as f64).sqrt(),
+        }
     });
     figures.collect()
 }
