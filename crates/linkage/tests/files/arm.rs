@@ -203,10 +203,10 @@ fn the_drives_give_the_power_that_the_energy_takes() {
         let largest = powers
             .iter()
             .fold(0.0, |most, power: &f64| f64::max(most, power.abs()));
-        for at in 2..1439 {
+        for (at, power) in powers.iter().enumerate().take(1439).skip(2) {
             let e = |k: usize| energies[k];
             let taken = (8.0 * (e(at + 1) - e(at - 1)) - (e(at + 2) - e(at - 2))) / (12.0 * h);
-            near(powers[at], taken, 1e-6 * largest, file);
+            near(*power, taken, 1e-6 * largest, file);
         }
         let study = study(&linkage, &motion);
         assert_eq!(study.loads.len(), linkage.drives.len());

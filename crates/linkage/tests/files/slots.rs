@@ -192,3 +192,31 @@ fn slots_are_refused_in_words() {
         "{said}"
     );
 }
+
+/// A rod whose pin runs in a slot of the frame is a slider-crank without its slider; the branch belongs to the block's pin.
+#[test]
+fn a_slot_in_the_frame_is_a_slider_crank() {
+    for branch in [1, -1] {
+        let text = shipped_text("slider-crank-eccentric");
+        let (links, from) = text.split_at(text.find("[[link]]\nname = \"slider\"").unwrap());
+        let (joints, drive) = from.split_at(from.find("[[drive]]").unwrap());
+        let joints = &joints[joints.find("[[joint]]").unwrap()..];
+        let mut kept = String::new();
+        for table in joints.split("[[joint]]").skip(1) {
+            if !table.contains("name = \"B\"") && !table.contains("name = \"guide\"") {
+                kept += &format!("[[joint]]{table}");
+            }
+        }
+        let blocked = parse(&text.replace("branch = 1", &format!("branch = {branch}")));
+        let guide = joint(&blocked, "guide");
+        let offset = match &blocked.joints[guide].kind {
+            trirrr_linkage::assur::JointKind::Prismatic(slide) => slide.offset,
+            trirrr_linkage::assur::JointKind::Revolute(_) => panic!(),
+        };
+        let more = format!("offset_m = {offset:?}\nbranch = {branch}\n");
+        let slot = in_slot("guide", "frame.O", "rod.B", &more);
+        let slotted = parse(&[links, &slot, &kept, drive].concat());
+        assert_eq!(slotted.groups[1].title(), "dyad RRP");
+        moves_like(&slotted, &blocked);
+    }
+}

@@ -417,3 +417,32 @@ fn every_four_bar_loop_is_found_once() {
     assert_eq!(names("quick-return"), ["frame, lever, rod, ram"]);
     assert!(names("five-bar").is_empty() && names("serial-arm").is_empty());
 }
+
+#[test]
+fn few_steps_and_many_turns_miss_no_turning_point() {
+    let half = (0.1f64 / 0.25).asin();
+    let expected = (PI + 2.0 * half) / (PI - 2.0 * half);
+    for motion in ["steps = 4", "turns = 5\nsteps = 30"] {
+        let text = crate::shipped_text("shaper");
+        let linkage = parse(&format!("{text}\n[motion]\n{motion}\n"));
+        let study = studied(&linkage);
+        let lever = swing(&linkage, &study, "lever");
+        near(lever.range(), 2.0 * half, 1e-14, motion);
+        near(lever.time_ratio.unwrap(), expected, 1e-11, motion);
+    }
+    // Less than a turn has no ratio, and ends where it ends.
+    let linkage = parse(&format!(
+        "{}\n[motion]\nturns = 0.25\n",
+        crate::shipped_text("slider-crank")
+    ));
+    let study = studied(&linkage);
+    let guide = stroke(&linkage, &study, "guide");
+    assert_eq!(guide.time_ratio, None);
+    near(
+        guide.ends[0].0,
+        (0.35f64 * 0.35 - 0.1 * 0.1).sqrt(),
+        1e-15,
+        "at a quarter",
+    );
+    near(guide.ends[1].0, 0.45, 1e-15, "at the start");
+}

@@ -5,6 +5,7 @@ mod arrow;
 mod curves;
 mod loops;
 mod mechanism;
+mod pen;
 mod polygon;
 
 use super::description::{FRAME, JointKind, Linkage, PointRef};

@@ -3,10 +3,11 @@
 use super::super::description::{JointKind, Linkage, PointRef};
 use super::super::groups::{Dyad, GroupKind};
 use super::super::solve::Position;
+use super::slider_crank::slider_crank;
 use super::sweep::Sweep;
 use crate::four_bar::{FourBar, Grashof};
 use nalgebra::Vector2;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use trirrr_core::number::{cross, dot};
 
 /// Crank and coupler in one line: the output turns back there, and could not drive the crank.
@@ -141,7 +142,7 @@ fn rank(linkage: &Linkage, link: usize) -> (usize, usize) {
 }
 
 /// Returns `true` for a loop whose first link is solved before the others.
-fn begins_with_ground(linkage: &Linkage, links: [usize; 4]) -> bool {
+pub(super) fn begins_with_ground(linkage: &Linkage, links: [usize; 4]) -> bool {
     let [first, others @ ..] = links.map(|link| rank(linkage, link));
     others.iter().all(|other| first < *other)
 }
@@ -151,7 +152,7 @@ fn pin(linkage: &Linkage, joint: usize, link: usize) -> Option<PointRef> {
 }
 
 /// Distance of two joints on a link, m; `None` where they coincide.
-fn length(linkage: &Linkage, link: usize, joints: [usize; 2]) -> Option<f64> {
+pub(super) fn length(linkage: &Linkage, link: usize, joints: [usize; 2]) -> Option<f64> {
     let [a, b] = joints.map(|joint| pin(linkage, joint, link).map(|point| linkage.local(point)));
     let between = b? - a?;
     let length = f64::hypot(between.x, between.y);
@@ -159,14 +160,14 @@ fn length(linkage: &Linkage, link: usize, joints: [usize; 2]) -> Option<f64> {
 }
 
 /// Returns `true` if `links` are the two of one dyad of the kind.
-fn is_dyad(linkage: &Linkage, links: [usize; 2], kind: Dyad) -> bool {
+pub(super) fn is_dyad(linkage: &Linkage, links: [usize; 2], kind: Dyad) -> bool {
     linkage.groups.iter().any(|group| {
         group.kind == GroupKind::Dyad(kind) && links.iter().all(|link| group.links.contains(link))
     })
 }
 
 /// Way between two joints on a link at a position, m.
-fn way(
+pub(super) fn way(
     linkage: &Linkage,
     position: &Position,
     link: usize,
@@ -178,7 +179,7 @@ fn way(
     Some(b? - a?)
 }
 
-fn dead_points(
+pub(super) fn dead_points(
     linkage: &Linkage,
     sweep: &Sweep<'_>,
     links: [usize; 4],
@@ -246,7 +247,7 @@ fn four_bar(
 
 /// Values of the drive between ground and crank at angles of the crank's line from the direction `from`, which is fixed in the
 /// ground and given at the first position.
-fn driven(
+pub(super) fn driven(
     linkage: &Linkage,
     start: &Position,
     [ground, crank, ..]: [usize; 4],
@@ -269,7 +270,7 @@ fn driven(
 }
 
 /// Angles in [0, 2 pi) in order, each once.
-fn within_a_turn(angles: impl Iterator<Item = f64>) -> Vec<f64> {
+pub(super) fn within_a_turn(angles: impl Iterator<Item = f64>) -> Vec<f64> {
     /// Angles nearer to each other are one.
     const SAME: f64 = 1e-9;
     let turned = angles.map(|angle| angle.rem_euclid(TAU));
@@ -279,54 +280,4 @@ fn within_a_turn(angles: impl Iterator<Item = f64>) -> Vec<f64> {
     angles.sort_by(f64::total_cmp);
     angles.dedup_by(|one, other| *one - *other < SAME);
     angles
-}
-
-/// The loop if it begins with its ground; the guide may be in the ground or in the slider.
-fn slider_crank(
-    linkage: &Linkage,
-    sweep: &Sweep<'_>,
-    links: [usize; 4],
-    joints: [usize; 4],
-) -> Option<CrankChain> {
-    if !begins_with_ground(linkage, links) {
-        return None;
-    }
-    let [ground, crank, coupler, slider] = links;
-    let JointKind::Prismatic(slide) = &linkage.joints[joints[3]].kind else {
-        return None;
-    };
-    let crank_length = length(linkage, crank, [joints[0], joints[1]])?;
-    let coupler_length = length(linkage, coupler, [joints[1], joints[2]])?;
-    let rod = |position: &Position| way(linkage, position, coupler, [joints[1], joints[2]]);
-    let angle = |position: &Position| {
-        let u = slide.along(&position.states);
-        rod(position).map_or(0.0, |rod| dot(u, rod).abs().atan2(cross(u, rod).abs()))
-    };
-    // The slider's pin keeps its distance from the line along the guide through the crank's joint.
-    let start = sweep.track.positions.first()?;
-    let place = |joint: usize, link: usize| {
-        let point = linkage.joints[joint].point_on(link)?;
-        Some(start.point(linkage, point).position)
-    };
-    let u = slide.along(&start.states);
-    let offset = cross(u, place(joints[2], slider)? - place(joints[0], ground)?);
-    // The coupler stands across the guide where the crank's pin is a coupler's length beside the slider's path.
-    let sines =
-        [offset + coupler_length, offset - coupler_length].map(|beside| beside / crank_length);
-    let reached = sines.into_iter().filter(|sine| sine.abs() <= 1.0);
-    let singular_rad = within_a_turn(reached.flat_map(|sine| [sine.asin(), PI - sine.asin()]));
-    let is_solved = is_dyad(linkage, [coupler, slider], Dyad::Rrp);
-    Some(CrankChain {
-        links,
-        joints,
-        kind: ChainKind::SliderCrank {
-            crank: crank_length,
-            coupler: coupler_length,
-            offset: offset.abs(),
-        },
-        dead: dead_points(linkage, sweep, links, joints),
-        singular_drive_rad: driven(linkage, start, links, joints, u, &singular_rad),
-        singular_rad,
-        transmission: is_solved.then(|| sweep.least(angle)).flatten(),
-    })
 }

@@ -1,6 +1,7 @@
 //! Figures of a linkage over its motion: loops and unknowns, Newton-Raphson, four-bar loops and slider-cranks, swings and strokes.
 
 mod chains;
+mod slider_crank;
 mod sweep;
 mod travel;
 
@@ -11,8 +12,9 @@ pub use travel::{Travel, Traveller};
 use super::description::Linkage;
 use super::loads::drive_loads;
 use super::loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
+use super::solve::Solver;
 use super::track::Track;
-use sweep::Sweep;
+use sweep::{Sweep, finer};
 
 /// Figures of a linkage over its motion.
 #[derive(Clone, Debug)]
@@ -55,19 +57,29 @@ pub struct NewtonFigures {
 
 /// Finds all figures of a track. Without a position there are loops and unknowns alone.
 pub fn study(linkage: &Linkage, track: &Track) -> LinkageStudy {
-    let sweep = Sweep::new(linkage, track);
+    // Turning points are looked for between positions that are near enough to each other.
+    let finer = finer(linkage);
+    let finer = finer.as_ref().map(|finer| (finer, super::track(finer)));
+    let (of, positions) = match &finer {
+        Some((finer, positions)) => (*finer, positions),
+        None => (linkage, track),
+    };
+    let sweep = Sweep::new(of, positions);
     let of_sweep = sweep.as_ref();
     LinkageStudy {
         loops: independent_loops(linkage),
         unknowns: unknowns(linkage),
-        newton: of_sweep.map_or_else(Vec::new, |sweep| newton(linkage, sweep)),
+        newton: newton(linkage, track),
         chains: of_sweep.map_or_else(Vec::new, |sweep| chains::chains(linkage, sweep)),
         travels: of_sweep.map_or_else(Vec::new, |sweep| travel::travels(linkage, sweep)),
         loads: loads(linkage, track),
     }
 }
 
-fn newton(linkage: &Linkage, sweep: &Sweep<'_>) -> Vec<NewtonFigures> {
+fn newton(linkage: &Linkage, track: &Track) -> Vec<NewtonFigures> {
+    let Ok((solver, _)) = Solver::start(linkage) else {
+        return Vec::new();
+    };
     let groups = linkage.groups.iter().enumerate();
     let iterated = groups.filter(|(_, group)| group.is_iterated());
     let figures = iterated.map(|(group, _)| {
@@ -76,12 +88,12 @@ fn newton(linkage: &Linkage, sweep: &Sweep<'_>) -> Vec<NewtonFigures> {
             iterations: (0, 0.0),
             residual_m: (0.0, 0.0),
         };
-        for position in &sweep.track.positions {
+        for position in &track.positions {
             let iterations = position.groups[group].iterations;
             if iterations > figures.iterations.0 {
                 figures.iterations = (iterations, position.t);
             }
-            let residual = sweep.residual(group, position);
+            let residual = solver.residual(group, position);
             if residual > figures.residual_m.0 {
                 figures.residual_m = (residual, position.t);
             }

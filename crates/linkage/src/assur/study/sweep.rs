@@ -9,10 +9,33 @@ use std::f64::consts::TAU;
 const ROUNDING: f64 = 1e-12;
 /// Part of the linkage's size, or rad, by which a turn may miss its start.
 const CLOSED: f64 = 1e-9;
-/// Halvings of an interval with a zero in it.
-const HALVED: u32 = 60;
-/// Steps of a search for a least value: each leaves 0.618 of the interval.
+/// Most steps of a search between two positions. Golden sections leave 0.618 of the interval each.
 const NARROWED: u32 = 60;
+/// Positions over a motion between which nothing turns back twice, and in each turn of a drive.
+const POSITIONS: (u32, f64) = (360, 180.0);
+/// Most positions that are solved for that.
+const MOST_POSITIONS: f64 = 36_000.0;
+
+/// Returns the linkage with so many steps that no turning point is missed, if its own are too few.
+pub(super) fn finer(linkage: &Linkage) -> Option<Linkage> {
+    let motion = linkage.motion;
+    let turns = linkage
+        .drives
+        .iter()
+        .filter(|drive| !drive.slides)
+        .map(|drive| {
+            let fastest = drive.at(motion.duration)[1].abs().max(drive.rate.abs());
+            fastest * motion.duration / TAU
+        });
+    let needed = (POSITIONS.1 * turns.fold(0.0, f64::max)).min(MOST_POSITIONS);
+    let needed = POSITIONS.0.max(needed.ceil() as u32);
+    (motion.steps < needed).then(|| {
+        let mut finer = linkage.clone();
+        // Whole parts of the steps, so that the positions of the file are among them.
+        finer.motion.steps = motion.steps * needed.div_ceil(motion.steps);
+        finer
+    })
+}
 
 /// A track that can be solved at any time between its first and its last position.
 pub(super) struct Sweep<'a> {
@@ -66,11 +89,6 @@ impl<'a> Sweep<'a> {
         self.solver.advance(from, t, HALVINGS).ok()
     }
 
-    /// Largest residual of a group's equations at a position, m.
-    pub(super) fn residual(&self, group: usize, position: &Position) -> f64 {
-        self.solver.residual(group, position)
-    }
-
     /// `t` less whole motions, if the motion is of whole turns.
     fn within(&self, t: f64) -> f64 {
         match self.turns {
@@ -97,25 +115,51 @@ impl<'a> Sweep<'a> {
         }
         let mut zeros: Vec<f64> = Vec::new();
         for pair in signed.windows(2) {
-            let [(mut low, first), (mut high, last)] = [pair[0], pair[1]];
-            if (first > 0.0) == (last > 0.0) {
-                continue;
+            if (pair[0].1 > 0.0) != (pair[1].1 > 0.0) {
+                zeros.push(self.within(self.zero_between(pair[0], pair[1], &quantity)));
             }
-            for _ in 0..HALVED {
-                let middle = 0.5 * (low + high);
-                let Some(position) = self.at(middle) else {
-                    break;
-                };
-                if (quantity(&position) > 0.0) == (first > 0.0) {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            zeros.push(self.within(0.5 * (low + high)));
         }
         zeros.sort_by(f64::total_cmp);
         zeros
+    }
+
+    /// The zero between two times at which a quantity has different signs: regula falsi in Illinois's form, which halves the value of an
+    /// end that stays, so that both ends move.
+    fn zero_between(
+        &self,
+        (mut low, mut at_low): (f64, f64),
+        (mut high, mut at_high): (f64, f64),
+        quantity: impl Fn(&Position) -> f64,
+    ) -> f64 {
+        let mut stays = 0;
+        for _ in 0..NARROWED {
+            let middle = (low * at_high - high * at_low) / (at_high - at_low);
+            if !(low < middle && middle < high) {
+                break;
+            }
+            let Some(position) = self.at(middle) else {
+                break;
+            };
+            let value = quantity(&position);
+            if value == 0.0 {
+                return middle;
+            }
+            if (value > 0.0) == (at_low > 0.0) {
+                (low, at_low) = (middle, value);
+                at_high *= if stays == 1 { 0.5 } else { 1.0 };
+                stays = 1;
+            } else {
+                (high, at_high) = (middle, value);
+                at_low *= if stays == -1 { 0.5 } else { 1.0 };
+                stays = -1;
+            }
+        }
+        // The end nearer to zero.
+        if at_low.abs() < at_high.abs() {
+            low
+        } else {
+            high
+        }
     }
 
     /// Least value of a quantity over the motion, and its time; by golden sections between the neighbours of the least position.
