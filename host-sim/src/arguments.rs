@@ -90,6 +90,22 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Largest length, m, speed, m/s, or acceleration that is read.
+pub(crate) const LARGEST: f64 = 1e6;
+
+/// Reads x and y, m, and an angle in degrees; returns the angle in rad.
+pub(crate) fn pose_deg(text: &str) -> Result<[f64; 3], String> {
+    let bounds = [LARGEST, LARGEST, 3600.0];
+    let [x, y, angle] = three(text, ["X", "Y", "ANGLE"], bounds, "m, m and degrees")?;
+    Ok([x, y, angle.to_radians()])
+}
+
+/// Reads x and y, m, and an angle in rad.
+pub(crate) fn pose_rad(text: &str) -> Result<[f64; 3], String> {
+    let bounds = [LARGEST, LARGEST, 20.0 * std::f64::consts::PI];
+    three(text, ["X", "Y", "ANGLE"], bounds, "m, m and rad")
+}
+
 /// Reads three numbers with commas, each within its bound to both sides.
 pub(crate) fn three(
     text: &str,

@@ -236,6 +236,11 @@ fn an_arm_has_its_inverse_and_other_linkages_have_none() {
     );
     refused(
         &arm,
+        &["--inverse-deg", "0.5,0,0", "--steps", "36"],
+        "cannot be used with",
+    );
+    refused(
+        &arm,
         &["--end-velocity", "1,0,0"],
         "--end-velocity belongs to --inverse-deg",
     );

@@ -1,6 +1,6 @@
 //! Arguments of `trirrr assemble`.
 
-use crate::arguments::{DEFAULT_SCENE, SetArgs, three};
+use crate::arguments::{DEFAULT_SCENE, SetArgs, pose_deg, pose_rad, three};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -61,17 +61,14 @@ pub(super) enum Standing {
 impl StandingArgs {
     pub(super) fn standing(&self) -> Standing {
         let angles = self.angles_deg.map(|angles| angles.map(f64::to_radians));
-        let at = self.at_deg.map(|[x, y, alpha]| [x, y, alpha.to_radians()]);
-        match (angles.or(self.angles_rad), at.or(self.at_rad)) {
+        let at = self.at_deg.or(self.at_rad);
+        match (angles.or(self.angles_rad), at) {
             (Some(angles), _) => Standing::Angles(angles),
             (None, Some(pose)) => Standing::Pose(pose),
             (None, None) => Standing::Start,
         }
     }
 }
-
-/// Farthest place that is looked at, m; scenes are smaller.
-const FARTHEST_M: f64 = 1e6;
 
 fn degrees(text: &str) -> Result<[f64; 3], String> {
     three(text, ["TH1", "TH2", "TH3"], [3600.0; 3], "degrees")
@@ -83,24 +80,5 @@ fn radians(text: &str) -> Result<[f64; 3], String> {
         ["TH1", "TH2", "TH3"],
         [20.0 * std::f64::consts::PI; 3],
         "rad",
-    )
-}
-
-fn pose_deg(text: &str) -> Result<[f64; 3], String> {
-    three(
-        text,
-        ["X", "Y", "ALPHA"],
-        [FARTHEST_M, FARTHEST_M, 3600.0],
-        "m, m and degrees",
-    )
-}
-
-fn pose_rad(text: &str) -> Result<[f64; 3], String> {
-    let turns = 20.0 * std::f64::consts::PI;
-    three(
-        text,
-        ["X", "Y", "ALPHA"],
-        [FARTHEST_M, FARTHEST_M, turns],
-        "m, m and rad",
     )
 }

@@ -1,7 +1,7 @@
 //! `trirrr linkage --inverse-deg`: both solutions of a serial arm for the motion of its end link.
 
 use super::LinkageArgs;
-use crate::arguments::three;
+use crate::arguments::{LARGEST, pose_deg, pose_rad, three};
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::{digits, print};
@@ -15,10 +15,10 @@ use trirrr_linkage::assur::{ArmBranch, ArmError, EndMotion, Linkage, SerialArm, 
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct InverseArgs {
     /// Serial arm only: drives for the first traced point of the end link at x, y (m) and the end link's angle, degrees
-    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_deg)]
+    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_deg, conflicts_with = "steps")]
     pub inverse_deg: Option<[f64; 3]>,
     /// The same with the angle in rad
-    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_rad, conflicts_with = "inverse_deg")]
+    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_rad, conflicts_with_all = ["inverse_deg", "steps"])]
     pub inverse_rad: Option<[f64; 3]>,
     /// Velocity of the point, m/s, and rate of the end link, rad/s [default: at rest]
     #[arg(long, value_name = "VX,VY,RATE", allow_hyphen_values = true, value_parser = velocity)]
@@ -26,20 +26,6 @@ pub struct InverseArgs {
     /// Acceleration of the point, m/s^2, and of the end link, rad/s^2 [default: none]
     #[arg(long, value_name = "AX,AY,ACCELERATION", allow_hyphen_values = true, value_parser = acceleration)]
     pub end_acceleration: Option<[f64; 3]>,
-}
-
-/// Lengths, speeds and accelerations that are read.
-const LARGEST: f64 = 1e6;
-
-fn pose_deg(text: &str) -> Result<[f64; 3], String> {
-    let bounds = [LARGEST, LARGEST, 3600.0];
-    let [x, y, angle] = three(text, ["X", "Y", "ANGLE"], bounds, "m, m and degrees")?;
-    Ok([x, y, angle.to_radians()])
-}
-
-fn pose_rad(text: &str) -> Result<[f64; 3], String> {
-    let bounds = [LARGEST, LARGEST, 20.0 * std::f64::consts::PI];
-    three(text, ["X", "Y", "ANGLE"], bounds, "m, m and rad")
 }
 
 fn velocity(text: &str) -> Result<[f64; 3], String> {
