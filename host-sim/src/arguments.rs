@@ -89,3 +89,78 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
         _ => Err("expected a number from 0.001 to 1000000".into()),
     }
 }
+
+/// Largest length, m, speed, m/s, or acceleration that is read.
+pub(crate) const LARGEST: f64 = 1e6;
+
+/// Reads x and y, m, and an angle in degrees; returns the angle in rad.
+pub(crate) fn pose_deg(text: &str) -> Result<[f64; 3], String> {
+    let bounds = [LARGEST, LARGEST, 3600.0];
+    let [x, y, angle] = three(text, ["X", "Y", "ANGLE"], bounds, "m, m and degrees")?;
+    Ok([x, y, angle.to_radians()])
+}
+
+/// Reads x and y, m, and an angle in rad.
+pub(crate) fn pose_rad(text: &str) -> Result<[f64; 3], String> {
+    let bounds = [LARGEST, LARGEST, 20.0 * std::f64::consts::PI];
+    three(text, ["X", "Y", "ANGLE"], bounds, "m, m and rad")
+}
+
+/// Reads three numbers with commas, each within its bound to both sides.
+pub(crate) fn three(
+    text: &str,
+    names: [&str; 3],
+    bounds: [f64; 3],
+    units: &str,
+) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let &[one, two, last] = parts.as_slice() else {
+        let given = parts.len();
+        return Err(format!(
+            "expected three numbers with commas, {} in {units}; found {given}",
+            names.join(",")
+        ));
+    };
+    let mut values = [0.0; 3];
+    for (index, part) in [one, two, last].into_iter().enumerate() {
+        let (name, bound) = (names[index], bounds[index]);
+        values[index] = match part.trim().parse::<f64>() {
+            // NaN is within nothing.
+            Ok(value) if (-bound..=bound).contains(&value) => value,
+            Ok(value) => return Err(format!("{name} = {value} is not from -{bound} to {bound}")),
+            Err(_) => {
+                return Err(format!(
+                    "{name} = `{part}` is no number; expected {} in {units}",
+                    names.join(",")
+                ));
+            }
+        };
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn angles(text: &str) -> Result<[f64; 3], String> {
+        three(text, ["TH1", "TH2", "TH3"], [3600.0; 3], "degrees")
+    }
+
+    #[test]
+    fn three_numbers_are_read_and_anything_else_is_named() {
+        assert_eq!(angles("10, -20,30.5"), Ok([10.0, -20.0, 30.5]));
+        for (text, said) in [
+            ("1,2", "found 2"),
+            ("1,2,3,4", "found 4"),
+            ("1,two,3", "TH2 = `two` is no number"),
+            ("1,,3", "TH2 = `` is no number"),
+            ("1,2,nan", "TH3 = NaN is not from"),
+            ("inf,2,3", "TH1 = inf is not from"),
+            ("4000,2,3", "TH1 = 4000 is not from -3600 to 3600"),
+        ] {
+            let error = angles(text).unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}

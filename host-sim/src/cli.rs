@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::assemble::AssembleArgs;
 use crate::bridge::BridgeArgs;
 use crate::calibrate::CalibrateArgs;
 use crate::check::CheckArgs;
@@ -72,6 +73,8 @@ pub enum Command {
     Follow(FollowArgs),
     /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
     Design(DesignArgs),
+    /// Find every pose for given motor angles, and all motor angles for a pose
+    Assemble(AssembleArgs),
     /// Calibrate a machine from measured poses or distances; propose what to measure next
     Calibrate(CalibrateArgs),
     /// Identify masses, inertias and friction of a machine from its angles and torques

@@ -6,11 +6,13 @@
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
 //! [`redundant`] plays and checks jobs of redundant machines. [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
 //! [`calibrate`] and [`identify`] find the machine that is there.
+//! [`assemble`] finds every pose for given motor angles.
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
 
 mod arguments;
+pub mod assemble;
 pub mod bridge;
 pub mod calibrate;
 pub mod check;

@@ -2,6 +2,7 @@
 //! motors and its platform do to each other.
 #![forbid(unsafe_code)]
 
+pub mod assembly;
 pub mod interval;
 pub mod modes;
 pub mod motors;

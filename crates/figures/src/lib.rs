@@ -3,6 +3,7 @@
 
 pub mod canvas;
 pub mod decimate;
+pub mod labels;
 pub mod loglog;
 pub mod panel;
 pub mod plane;

@@ -232,20 +232,12 @@ impl View {
     }
 
     fn machine(&self, canvas: &Canvas<'_>, instant: &Instant, shade: Shade) -> Draw {
-        let legs = instant.legs.iter();
-        let platform: Vec<_> = legs.map(|leg| self.at(leg.platform_joint())).collect();
-        canvas.polygon(&platform, shade.of(faded(GREEN, 0.55)))?;
-        canvas.line(&closed(&platform), shade.of(GREEN), 2.0)?;
-        for leg in &instant.legs {
-            let (base, elbow) = (self.at(leg.base), self.at(leg.elbow()));
-            let joint = self.at(leg.platform_joint());
-            canvas.line(&[base, elbow], shade.of(BLUE), 5.0)?;
-            canvas.line(&[elbow, joint], shade.of(VERMILLION), 3.6)?;
-            canvas.joint(elbow, 4.6, shade.of(INK))?;
-            canvas.joint(joint, 3.8, shade.of(INK))?;
-            canvas.joint(base, 5.6, GROUND)?;
-        }
-        Ok(())
+        draw_pose(
+            canvas,
+            |point| self.at(point),
+            &instant.legs,
+            |colour| shade.of(colour),
+        )
     }
 
     /// Beside the drawing, where it covers nothing.
@@ -292,6 +284,28 @@ impl View {
         }
         Ok(())
     }
+}
+
+/// Draws links, platform and joints of one instant; `at` maps metres to the page.
+pub(crate) fn draw_pose(
+    canvas: &Canvas<'_>,
+    at: impl Fn([f64; 2]) -> (f64, f64),
+    legs: &[LegRecord],
+    shade: impl Fn(RGBColor) -> RGBColor,
+) -> Draw {
+    let platform: Vec<_> = legs.iter().map(|leg| at(leg.platform_joint())).collect();
+    canvas.polygon(&platform, shade(faded(GREEN, 0.55)))?;
+    canvas.line(&closed(&platform), shade(GREEN), 2.0)?;
+    for leg in legs {
+        let (base, elbow) = (at(leg.base), at(leg.elbow()));
+        let joint = at(leg.platform_joint());
+        canvas.line(&[base, elbow], shade(BLUE), 5.0)?;
+        canvas.line(&[elbow, joint], shade(VERMILLION), 3.6)?;
+        canvas.joint(elbow, 4.6, shade(INK))?;
+        canvas.joint(joint, 3.8, shade(INK))?;
+        canvas.joint(base, 5.6, GROUND)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod traces;
 pub use calibration::CalibrationFigures;
 pub use drives::DriveTraces;
 pub use identification::write_torques;
+pub(crate) use machine::draw_pose;
 pub use plan::PlanTraces;
 pub use plant::PlantTraces;
 pub use preview::Preview;

@@ -13,6 +13,7 @@ pub(super) fn pin(links: &[usize]) -> Joint {
                 .collect(),
         ),
         branch: None,
+        in_slot: None,
     }
 }
 
@@ -28,6 +29,7 @@ pub(super) fn slide(guide: usize, slider: usize) -> Joint {
             angle: 0.0,
         }),
         branch: None,
+        in_slot: None,
     }
 }
 

@@ -1,37 +1,47 @@
 //! Degrees of freedom: Gruebler's count for the whole, and a search for locked parts, which the
 //! count does not show where others are loose.
 
-use super::parts::{Joint, JointDrive};
+use super::parts::{Joint, JointDrive, SlotPart};
 use std::fmt;
 
-/// Gruebler's count F = 3 (m - 1) - 2 c.
+/// Gruebler's count F = 3 (m - 1) - 2 c - h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mobility {
     /// m: links, the frame among them.
     pub links: usize,
     /// c: joints between two links; a pin through k links counts for k - 1.
     pub joints: usize,
+    /// h: pins in slots, each of which takes one freedom.
+    pub slots: usize,
 }
 
 impl Mobility {
-    /// Counts.
+    /// Counts. `links` and `joints` are all that are solved; a block in a slot with its two joints counts as one pin in a slot.
     pub fn count(links: usize, joints: &[Joint]) -> Self {
+        let is_slot = |joint: &&Joint| joint.in_slot == Some(SlotPart::Slot);
+        let slots = joints.iter().filter(is_slot).count();
+        let simple = joints.iter().filter(|joint| joint.in_slot.is_none());
         Self {
-            links,
-            joints: joints.iter().map(Joint::simple_joints).sum(),
+            links: links - slots,
+            joints: simple.map(Joint::simple_joints).sum(),
+            slots,
         }
     }
 
     /// F; negative where there are more joints than a locked structure needs.
     pub fn freedoms(&self) -> i64 {
-        3 * (self.links as i64 - 1) - 2 * self.joints as i64
+        3 * (self.links as i64 - 1) - 2 * self.joints as i64 - self.slots as i64
     }
 }
 
 impl fmt::Display for Mobility {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (m, c) = (self.links, self.joints);
-        write!(f, "3 ({m} - 1) - 2 * {c} = {}", self.freedoms())
+        write!(f, "3 ({m} - 1) - 2 * {c}")?;
+        if self.slots > 0 {
+            write!(f, " - {}", self.slots)?;
+        }
+        write!(f, " = {}", self.freedoms())
     }
 }
 

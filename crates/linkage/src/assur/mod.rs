@@ -56,6 +56,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arm;
 mod chain;
 mod constraint;
 mod dependence;
@@ -65,7 +66,10 @@ mod dyad;
 #[cfg(test)]
 mod example;
 mod factors;
+mod figures;
 mod groups;
+mod loads;
+mod loops;
 mod mobility;
 mod newton;
 mod parts;
@@ -74,17 +78,26 @@ mod read;
 mod report;
 mod solve;
 mod state;
+mod study;
 mod table;
 mod track;
 mod write;
 
+pub use arm::{ArmBranch, ArmError, EndMotion, SerialArm};
 pub use description::{
     FRAME, Joint, JointDrive, JointKind, LinkBody, Linkage, MotionSpan, PointRef, Prismatic,
+    SlotPart,
 };
 pub use groups::{Dyad, Group, GroupKind};
+pub use loads::{BodyMass, drive_loads};
+pub use loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
 pub use mobility::Mobility;
 pub use report::{header, stopped, summary};
 pub use solve::{Position, Unsolved};
 pub use state::{LinkState, Reason, Solved};
+pub use study::{
+    ChainKind, CrankChain, DeadPoint, LinkageStudy, LoadFigures, NewtonFigures, Travel, Traveller,
+    study,
+};
 pub use track::{Stop, Track, track};
-pub use write::{WriteError, write};
+pub use write::{WriteError, write, write_inverse};

@@ -1,5 +1,6 @@
 //! Parts of a linkage: links, joints, drives, with names resolved to indices.
 
+use super::loads::BodyMass;
 use nalgebra::Vector2;
 
 /// The index of the frame, the link that stands still.
@@ -14,6 +15,10 @@ pub struct LinkBody {
     pub points: Vec<(String, Vector2<f64>)>,
     /// Roughly where its frame is at the start: x, y (m), angle (rad).
     pub guess: Option<[f64; 3]>,
+    /// Its mass.
+    pub mass: BodyMass,
+    /// `true` for the block of a pin in a slot, which the file does not have.
+    pub is_block: bool,
 }
 
 /// A point of a link.
@@ -34,9 +39,21 @@ pub struct Joint {
     pub kind: JointKind,
     /// The branch asked for, for the dyad whose inner joint this is: +1 or -1.
     pub branch: Option<f64>,
+    /// Part that the joint has in a pin in a slot.
+    pub in_slot: Option<SlotPart>,
 }
 
-/// Both kinds of joint.
+/// Parts of a pin in a slot: a block turns on the pin and slides in the slot. Both joints of the block have
+/// the name of the file's joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlotPart {
+    /// The block's slider in the slot. It stands in the place of the file's joint.
+    Slot,
+    /// The block's pin. It stands right behind.
+    Pin,
+}
+
+/// Both kinds of joint that are solved.
 #[derive(Clone, Debug)]
 pub enum JointKind {
     /// A pin through one point of each of two or more links.

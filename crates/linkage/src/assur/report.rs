@@ -1,9 +1,11 @@
 //! Descriptions of a linkage and of its track, for a reader.
 
 use super::description::Linkage;
+use super::figures::figures;
 use super::groups::{Group, GroupKind};
 use super::mobility::Mobility;
 use super::state::Reason;
+use super::study::LinkageStudy;
 use super::track::{Stop, Track};
 use crate::LinkageStatus;
 use std::fmt::Write;
@@ -16,8 +18,13 @@ pub fn header(file: &str, linkage: &Linkage) -> String {
         text.push_str(&format!("{}\n", linkage.description));
     }
     let mobility = Mobility::count(linkage.links.len(), &linkage.joints);
+    let slots = match mobility.slots {
+        0 => String::new(),
+        1 => ", 1 pin in a slot".into(),
+        slots => format!(", {slots} pins in slots"),
+    };
     text.push_str(&format!(
-        "{} links, {} joints; degrees of freedom {mobility}, drives {}\n\n",
+        "{} links, {} joints{slots}; degrees of freedom {mobility}, drives {}\n\n",
         mobility.links,
         mobility.joints,
         linkage.drives.len()
@@ -50,8 +57,13 @@ fn groups(linkage: &Linkage) -> String {
     text
 }
 
-/// Describes the track: closure, least distances from singularities, `files` written.
-pub fn summary(linkage: &Linkage, track: &Track, files: &[PathBuf]) -> String {
+/// Describes the track and its figures: closure, least distances from singularities, loops, swings, strokes; and `files` written.
+pub fn summary(
+    linkage: &Linkage,
+    track: &Track,
+    study: &LinkageStudy,
+    files: &[PathBuf],
+) -> String {
     let mut text = String::from("\n");
     let wanted = u64::from(linkage.motion.steps) + 1;
     let solved = track.positions.len();
@@ -74,11 +86,7 @@ pub fn summary(linkage: &Linkage, track: &Track, files: &[PathBuf]) -> String {
                 inputs(linkage, *t)
             ));
         }
-        let newton = track.positions.iter().flat_map(|position| &position.groups);
-        let most = newton.map(|solved| solved.iterations).max().unwrap_or(0);
-        if most > 0 {
-            text.push_str(&format!("Newton   at most {most} iterations\n"));
-        }
+        text.push_str(&figures(linkage, study));
     }
     for file in files {
         text.push_str(&format!("wrote    {}\n", file.display()));

@@ -91,6 +91,7 @@ impl<'a> Solver<'a> {
                 }
                 _ => None,
             };
+            place_blocks(linkage, group, &mut position.states);
             solver.dyads.push(built);
             let solved = solver
                 .group(index, &mut position.states, 0.0)
@@ -183,14 +184,19 @@ impl<'a> Solver<'a> {
     /// The largest residual of all equations of all groups at a position: how well the loops
     /// close, m (and rad for the angles of prismatic joints and drives, times the linkage's size).
     pub(super) fn closure(&self, position: &Position) -> f64 {
-        let size = self.linkage.size();
-        let residual = |group: &Group| {
-            let at = equations(self.linkage, group, &position.states, position.t);
-            at.iter()
-                .map(|e| e.residual.abs() * if e.angular { size } else { 1.0 })
-                .fold(0.0, f64::max)
-        };
-        self.linkage.groups.iter().map(residual).fold(0.0, f64::max)
+        let groups = 0..self.linkage.groups.len();
+        let residual = |group: usize| self.residual(group, position);
+        groups.map(residual).fold(0.0, f64::max)
+    }
+
+    /// The largest residual of one group's equations, as for [`closure`](Self::closure).
+    pub(super) fn residual(&self, group: usize, position: &Position) -> f64 {
+        let (size, group) = (self.linkage.size(), &self.linkage.groups[group]);
+        let at = equations(self.linkage, group, &position.states, position.t);
+        let residuals = at
+            .iter()
+            .map(|e| e.residual.abs() * if e.angular { size } else { 1.0 });
+        residuals.fold(0.0, f64::max)
     }
 }
 
@@ -210,6 +216,34 @@ fn turned_by(
         rate: other.rate + sign * rate,
         acceleration: other.acceleration + sign * acceleration,
         ..other
+    }
+}
+
+/// Puts the blocks of an iterated group where the links of their joints are, or are guessed to be.
+fn place_blocks(linkage: &Linkage, group: &Group, states: &mut [LinkState]) {
+    let blocks = group
+        .links
+        .iter()
+        .filter(|link| linkage.links[**link].is_block);
+    for &block in blocks.filter(|_| group.is_iterated()) {
+        for joint in &linkage.joints {
+            match &joint.kind {
+                JointKind::Prismatic(slide) if slide.slider.link == block => {
+                    let [x, y, _] = states[block].pose();
+                    let angle = states[slide.guide.link].angle + slide.angle;
+                    states[block].move_to([x, y, angle]);
+                }
+                JointKind::Revolute(pins) if pins.iter().any(|pin| pin.link == block) => {
+                    let held = pins.iter().find(|pin| pin.link != block);
+                    if let Some(&held) = held {
+                        let at = states[held.link].motion.point(linkage.local(held)).position;
+                        let [.., angle] = states[block].pose();
+                        states[block].move_to([at.x, at.y, angle]);
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 }
 

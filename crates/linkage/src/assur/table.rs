@@ -1,6 +1,8 @@
 //! The table: one row per position, SI units.
 
+use super::arm::{ArmBranch, SerialArm};
 use super::description::{JointKind, Linkage};
+use super::loads::drive_loads;
 use super::solve::Position;
 use super::track::Track;
 use crate::motion::PointMotion;
@@ -12,10 +14,14 @@ pub(super) fn csv(linkage: &Linkage, track: &Track) -> String {
     let mut text = columns(linkage).join(",");
     text.push('\n');
     for position in &track.positions {
-        let row: Vec<String> = row(linkage, position)
-            .into_iter()
-            .map(|v| format!("{v:?}"))
-            .collect();
+        let values = row(linkage, position).into_iter();
+        let mut row: Vec<String> = values.map(|v| format!("{v:?}")).collect();
+        if linkage.has_masses() {
+            // At a singular position there are none: empty fields.
+            let loads = drive_loads(linkage, position);
+            let load = |drive: usize| loads.as_ref().map(|loads| format!("{:?}", loads[drive]));
+            row.extend((0..linkage.drives.len()).map(|drive| load(drive).unwrap_or_default()));
+        }
         text.push_str(&row.join(","));
         text.push('\n');
     }
@@ -31,9 +37,10 @@ fn columns(linkage: &Linkage) -> Vec<String> {
     for drive in &linkage.drives {
         add(&["q"], &linkage.joints[drive.joint].name);
     }
-    for link in &linkage.links[1..] {
+    for link in &linkage.links[linkage.moving_links()] {
         add(&["th", "dth", "ddth"], &link.name);
     }
+    // A pin in a slot has its way along the slot.
     for joint in &linkage.joints {
         if matches!(joint.kind, JointKind::Prismatic(_)) {
             add(&["s", "ds", "dds"], &joint.name);
@@ -43,13 +50,17 @@ fn columns(linkage: &Linkage) -> Vec<String> {
         let name = linkage.point_name(point);
         add(&["x", "y", "vx", "vy", "ax", "ay"], &name);
     }
+    for drive in linkage.drives.iter().filter(|_| linkage.has_masses()) {
+        let load = if drive.slides { "f" } else { "tau" };
+        add(&[load], &linkage.joints[drive.joint].name);
+    }
     names
 }
 
 fn row(linkage: &Linkage, position: &Position) -> Vec<f64> {
     let mut row = vec![position.t];
     row.extend(linkage.drives.iter().map(|drive| drive.at(position.t)[0]));
-    for state in &position.states[1..] {
+    for state in &position.states[linkage.moving_links()] {
         row.extend([state.angle, state.motion.rate, state.motion.acceleration]);
     }
     for joint in 0..linkage.joints.len() {
@@ -62,6 +73,37 @@ fn row(linkage: &Linkage, position: &Position) -> Vec<f64> {
         }
     }
     row
+}
+
+/// Both solutions of an arm's inverse: a row each.
+pub(super) fn inverse_csv(linkage: &Linkage, arm: &SerialArm, branches: &[ArmBranch; 2]) -> String {
+    let mut names = vec!["elbow".to_owned()];
+    let of_joints = |prefix: &str| {
+        let names = arm.joints.iter().map(|&joint| &linkage.joints[joint].name);
+        let names = names.map(|name| format!("{prefix}_{name}"));
+        names.collect::<Vec<_>>()
+    };
+    for prefix in ["q", "dq", "ddq"] {
+        names.extend(of_joints(prefix));
+    }
+    names.extend(["distance".into(), "residual".into()]);
+    if linkage.has_masses() {
+        names.extend(of_joints("tau"));
+    }
+    let mut text = names.join(",");
+    text.push('\n');
+    for branch in branches {
+        let mut row = vec![branch.elbow];
+        for order in 0..3 {
+            row.extend(branch.drives.map(|drive| drive[order]));
+        }
+        row.extend([branch.distance, branch.residual_m]);
+        row.extend(branch.torques_nm.into_iter().flatten());
+        let row: Vec<String> = row.into_iter().map(|v| format!("{v:?}")).collect();
+        text.push_str(&row.join(","));
+        text.push('\n');
+    }
+    text
 }
 
 impl Position {

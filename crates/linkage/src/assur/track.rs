@@ -6,7 +6,7 @@ use super::solve::{Position, Solver, Unsolved};
 use super::state::{LinkState, Reason};
 
 /// Halvings of a step before a jump counts as one.
-const HALVINGS: u32 = 12;
+pub(super) const HALVINGS: u32 = 12;
 /// Farthest that a link may be from where its motion was heading, in rad and in sizes of the
 /// linkage, for the step to count as continuous.
 const SURPRISE: f64 = 0.2;
@@ -92,7 +92,12 @@ impl Track {
 
 impl Solver<'_> {
     /// The position at `t`, reached from `last` without a jump.
-    fn advance(&self, last: &Position, t: f64, halvings: u32) -> Result<Position, Unsolved> {
+    pub(super) fn advance(
+        &self,
+        last: &Position,
+        t: f64,
+        halvings: u32,
+    ) -> Result<Position, Unsolved> {
         let dt = t - last.t;
         let predicted: Vec<_> = last
             .states

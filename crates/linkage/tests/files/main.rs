@@ -1,10 +1,15 @@
 //! Linkage files: the shipped mechanisms, refusals, ends of motion, and files with random edits.
 
+mod arm;
+mod docs;
 mod ends;
 mod mutation;
 mod refusals;
 mod shipped;
+mod slots;
 mod structures;
+mod study;
+mod tetrad;
 
 use std::path::{Path, PathBuf};
 use trirrr_linkage::assur::{Linkage, PointRef};

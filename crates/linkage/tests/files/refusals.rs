@@ -212,7 +212,7 @@ fn joints() {
     slider(
         "slider = \"slider.B\"",
         "slider = \"frame.O\"",
-        "guide and slider are one link",
+        "guide and slider are of one link",
     );
     slider("guide = \"frame.O\"", "guide = \"frame.X\"", "no point `X`");
     slider("guide = \"frame.O\"\n", "", "missing, expected a string");

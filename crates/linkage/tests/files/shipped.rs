@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use trirrr_linkage::assur::{Linkage, Mobility, Track, track};
 
 /// The decomposition of each shipped file, as reviewed.
-const DECOMPOSITIONS: [(&str, &str); 13] = [
+const DECOMPOSITIONS: [(&str, &str); 15] = [
     (
         "fairbairn",
         "driven link: crank in K | dyad RRR: rod, bridle in A, M, O | \
@@ -44,6 +44,11 @@ const DECOMPOSITIONS: [(&str, &str); 13] = [
         "driven link: upper in S | driven link: fore in E | driven link: tool in W",
     ),
     (
+        "shaper",
+        "driven link: crank in O | dyad RPR: lever, block of A in A (pin), A (slot), Q | \
+         dyad PPR: ram, block of E in guide, E (slot), E (pin)",
+    ),
+    (
         "slider-crank",
         "driven link: crank in O | dyad RRP: rod, slider in A, B, guide",
     ),
@@ -55,6 +60,11 @@ const DECOMPOSITIONS: [(&str, &str); 13] = [
         "stephenson",
         "driven link: crank in E | triad, by Newton-Raphson: \
          rod, coupler, left-rocker, right-rocker in D, P, A, B, O, C",
+    ),
+    (
+        "tetrad",
+        "driven link: crank in O | tetrad, by Newton-Raphson: \
+         coupler, rocker, left-bar, right-bar in P, A, B, C, D, Q",
     ),
     (
         "two-loop",

@@ -1,7 +1,9 @@
 //! Rates and accelerations against the input.
 
-use super::super::description::{FRAME, JointKind, Linkage};
+use super::super::description::{JointDrive, JointKind, Linkage};
+use super::super::loads::drive_loads;
 use super::super::solve::Position;
+use super::super::study::turning;
 use super::super::track::Track;
 use crate::motion::{LinkMotion, PointMotion};
 use nalgebra::Vector2;
@@ -117,38 +119,6 @@ fn draw(
     draw_over(&title, &input.title, &input.axis, &panels)
 }
 
-/// The links that turn, those together that turn alike: sliders with their guides.
-fn turning(linkage: &Linkage, track: &Track) -> Vec<Vec<usize>> {
-    let motion = |position: &Position, link: usize| {
-        let motion = &position.states[link].motion;
-        [motion.rate, motion.acceleration]
-    };
-    let largest = |index: usize| {
-        let all = track.positions.iter().flat_map(|position| {
-            (1..linkage.links.len()).map(move |link| motion(position, link)[index].abs())
-        });
-        all.fold(0.0, f64::max)
-    };
-    let rounding = [1e-9 * largest(0), 1e-9 * largest(1)];
-    let alike = |a: usize, b: usize| {
-        track.positions.iter().all(|position| {
-            let (a, b) = (motion(position, a), motion(position, b));
-            (0..2).all(|i| (a[i] - b[i]).abs() <= rounding[i])
-        })
-    };
-    let mut families: Vec<Vec<usize>> = Vec::new();
-    for link in 1..linkage.links.len() {
-        if alike(link, FRAME) {
-            continue;
-        }
-        match families.iter_mut().find(|family| alike(link, family[0])) {
-            Some(family) => family.push(link),
-            None => families.push(vec![link]),
-        }
-    }
-    families
-}
-
 /// Angular velocity and acceleration of the links that turn, and of the sliders along their
 /// guides.
 pub(super) fn links(linkage: &Linkage, track: &Track) -> Drawn {
@@ -213,6 +183,29 @@ pub(super) fn points(linkage: &Linkage, track: &Track) -> Drawn {
     ];
     let what = "velocity and acceleration of points";
     draw(linkage, track, what, quantities)
+}
+
+/// Torques and forces of the drives.
+pub(super) fn loads(linkage: &Linkage, track: &Track) -> Drawn {
+    let of_drives = |slides: bool| -> Curves {
+        let drives = linkage.drives.iter().enumerate();
+        let chosen = drives.filter(|(_, drive)| drive.slides == slides);
+        let curve = |(index, drive): (usize, &JointDrive)| {
+            let value = move |position: &Position| {
+                drive_loads(linkage, position).map_or(0.0, |loads| loads[index])
+            };
+            (
+                linkage.joints[drive.joint].name.clone(),
+                Box::new(value) as _,
+            )
+        };
+        chosen.map(curve).collect()
+    };
+    let quantities = vec![
+        ("torque of the drive", "N m", of_drives(false)),
+        ("force of the drive", "N", of_drives(true)),
+    ];
+    draw(linkage, track, "loads of the drives", quantities)
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! The mechanism drawn to scale at several positions, with the curves of its points.
 
-use super::super::description::{FRAME, JointKind, Linkage, PointRef, Prismatic};
+use super::super::description::{FRAME, JointKind, Linkage, PointRef, SlotPart};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{Entry, GROUND, Labels, colour, inputs, joint_points, legend};
-use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, Size, page};
+use super::pen::{Pen, at, points_of};
+use super::{Entry, colour, inputs, joint_points, legend, point_name};
+use trirrr_figures::canvas::{CENTRED, Draw, Drawn, Size, page};
+use trirrr_figures::labels::Labels;
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{FRAME as GREY, INK, RGBColor, WHITE, faded};
+use trirrr_figures::style::{INK, RGBColor, WHITE, faded};
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;
@@ -18,6 +20,24 @@ const BETWEEN: f64 = 0.3;
 
 /// Draws the first position strongly and some others faintly.
 pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
+    let start = track.positions.first().map_or(0.0, |position| position.t);
+    let title = format!(
+        "{}: positions and curves of points, from {}",
+        linkage.name,
+        inputs(linkage, start)
+    );
+    let shown = instants(track.positions.len()).len();
+    let later = format!("{} later positions", shown.saturating_sub(1));
+    draw_titled(linkage, track, &title, ["path of ", &later])
+}
+
+/// As [`draw`], with a title, and in the legend the words before traced points and those for positions that are drawn faintly.
+pub(super) fn draw_titled(
+    linkage: &Linkage,
+    track: &Track,
+    title: &str,
+    [traced, later]: [&str; 2],
+) -> Drawn {
     let positions = &track.positions;
     let points = || (0..linkage.links.len()).flat_map(|link| points_of(linkage, link));
     let extent: Vec<[f64; 2]> = positions
@@ -25,24 +45,19 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         .flat_map(|position| points().map(|point| at(linkage, position, point)))
         .collect();
     let view = View::around(&extent, "m", (LEFT, TOP), SIDE);
-    let start = positions.first().map_or(0.0, |position| position.t);
-    let start = inputs(linkage, start);
-    let title = format!(
-        "{}: positions and curves of points, from {start}",
-        linkage.name
-    );
-    let entries = entries(linkage, track);
+    let entries = entries(linkage, track, [traced, later]);
     let widths = entries.iter().map(|(.., text)| Size::Label.width(text));
     let wide = 48.0 + widths.fold(0.0, f64::max);
     let high = 24.0 + 23.0 * entries.len() as f64;
     let beside = LEFT + view.width + 16.0;
-    let width = (beside + wide).max(Size::Title.width(&title) + 40.0);
+    let width = (beside + wide).max(Size::Title.width(title) + 40.0);
     let height = (TOP + view.height + BOTTOM).max(high + TOP + 20.0);
     page(width, height, |canvas| {
-        canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
+        canvas.text(title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
         view.grid(canvas, ["x", "y"])?;
         let pen = Pen {
             linkage,
+            track,
             view: &view,
             canvas,
         };
@@ -65,7 +80,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
             }
         }
         if let Some(first) = positions.first() {
-            pen.names(first)?;
+            pen.names(first, &view)?;
         }
         legend(canvas, (beside, TOP + 12.0), &entries)
     })
@@ -88,177 +103,82 @@ fn trace_colour(trace: PointRef) -> RGBColor {
     RGBColor(darker(r), darker(g), darker(b))
 }
 
-fn at(linkage: &Linkage, position: &Position, point: PointRef) -> [f64; 2] {
-    position.point(linkage, point).position.into()
-}
-
-/// The points of a link that are drawn: those at joints and those traced.
-fn points_of(linkage: &Linkage, link: usize) -> Vec<PointRef> {
-    let mut points = joint_points(linkage, link);
-    let traced = linkage.traces.iter().filter(|trace| trace.link == link);
-    for &trace in traced {
-        if !points.contains(&trace) {
-            points.push(trace);
-        }
-    }
-    points
-}
-
-struct Pen<'a, 'c> {
-    linkage: &'a Linkage,
-    view: &'a View,
-    canvas: &'a Canvas<'c>,
-}
-
 impl Pen<'_, '_> {
-    fn pixel(&self, position: &Position, point: PointRef) -> (f64, f64) {
-        self.view.at(at(self.linkage, position, point))
-    }
-
-    /// Every link as the polygon of its points, every slider as a block, every pin as a ring.
-    fn links(&self, position: &Position, strength: f64) -> Draw {
-        for joint in &self.linkage.joints {
-            if let JointKind::Prismatic(slide) = &joint.kind
-                && (slide.guide.link != FRAME || strength == 1.0)
-            {
-                self.guide(position, slide, strength)?;
-            }
-        }
-        for link in 1..self.linkage.links.len() {
-            let corners: Vec<_> = points_of(self.linkage, link)
-                .into_iter()
-                .map(|point| self.pixel(position, point))
-                .collect();
-            let shade = faded(colour(link), strength);
-            let width = if strength < 1.0 { 2.4 } else { 4.2 };
-            if corners.len() > 2 {
-                let inside = faded(colour(link), 0.3 * strength);
-                self.outlined(corners, inside, shade, 0.7 * width)?;
-            } else if corners.len() == 2 {
-                self.canvas.line(&corners, shade, width)?;
-            }
-        }
-        for joint in &self.linkage.joints {
-            match &joint.kind {
-                JointKind::Prismatic(slide) => self.block(position, slide, strength)?,
-                JointKind::Revolute(pins) => {
-                    let at = self.pixel(position, pins[0]);
-                    let on_frame = pins.iter().any(|pin| pin.link == FRAME);
-                    let radius = if strength < 1.0 { 3.2 } else { 5.0 };
-                    if on_frame {
-                        self.foot(at)?;
-                    }
-                    self.canvas.joint(at, radius, faded(INK, strength))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn foot(&self, (x, y): (f64, f64)) -> Draw {
-        let foot = [(x, y), (x - 9.0, y + 14.0), (x + 9.0, y + 14.0)];
-        self.canvas.polygon(&foot, GROUND)
-    }
-
-    /// The slider at its point, along the guide.
-    fn block(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
-        let (x, y) = self.pixel(position, slide.slider);
-        let u = slide.along(&position.states);
-        let (half_length, half_width) = if strength < 1.0 {
-            (9.0, 5.5)
-        } else {
-            (13.0, 8.0)
-        };
-        // The page's y axis points down.
-        let corner = |along: f64, across: f64| {
-            let (along, across) = (along * half_length, across * half_width);
-            (
-                x + along * u[0] + across * u[1],
-                y - along * u[1] + across * u[0],
-            )
-        };
-        let corners = [
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ];
-        let own = colour(slide.slider.link);
-        let shades = [0.45 * strength, strength].map(|strength| faded(own, strength));
-        self.outlined(corners.to_vec(), shades[0], shades[1], 1.6)
-    }
-
-    fn outlined(
-        &self,
-        mut corners: Vec<(f64, f64)>,
-        inside: RGBColor,
-        line: RGBColor,
-        width: f64,
-    ) -> Draw {
-        self.canvas.polygon(&corners, inside)?;
-        corners.push(corners[0]);
-        self.canvas.line(&corners, line, width)
-    }
-
-    /// The line that each slider's point runs along: dashed where it stands still, otherwise from
-    /// the guide's point to the slider's.
-    fn guide(&self, position: &Position, slide: &Prismatic, strength: f64) -> Draw {
-        let [x, y] = at(self.linkage, position, slide.slider);
-        let u = slide.along(&position.states);
-        if slide.guide.link == FRAME {
-            let reach = 0.25 * self.linkage.size();
-            let end = |sign: f64| {
-                self.view
-                    .at([x + sign * reach * u[0], y + sign * reach * u[1]])
-            };
-            return self.canvas.dashed(end(-1.0), end(1.0), GREY);
-        }
-        let [from_x, from_y] = at(self.linkage, position, slide.guide);
-        let start = [from_x - slide.offset * u[1], from_y + slide.offset * u[0]];
-        let line = [self.view.at(start), self.view.at([x, y])];
-        let shade = faded(colour(slide.guide.link), 0.7 * strength);
-        self.canvas.line(&line, shade, 2.0)
-    }
-
     /// The joints' names beside them, and those of the traced points.
-    fn names(&self, position: &Position) -> Draw {
-        let mut labels = Labels {
-            near: (20.0, 20.0),
-            offset: (10.0, 12.0),
-            taken: Vec::new(),
-        };
-        let mut name = |text: &str, at: (f64, f64)| labels.write(self.canvas, text, at);
+    fn names(&self, position: &Position, view: &View) -> Draw {
+        let mut labels = Labels::within(view.corner(), view.width, view.height);
+        self.avoid(&mut labels, position);
         for joint in &self.linkage.joints {
-            let point = match &joint.kind {
-                JointKind::Revolute(pins) => pins[0],
-                JointKind::Prismatic(slide) => slide.slider,
+            let (point, radius) = match &joint.kind {
+                // Named at its slot.
+                JointKind::Revolute(_) if joint.in_slot == Some(SlotPart::Pin) => continue,
+                JointKind::Revolute(pins) => (pins[0], 5.0),
+                JointKind::Prismatic(slide) => (slide.slider, 9.0),
             };
-            name(&joint.name, self.pixel(position, point))?;
+            labels.name(&joint.name, self.pixel(position, point), radius);
         }
         for &trace in &self.linkage.traces {
             let at_joint = joint_points(self.linkage, trace.link).contains(&trace);
             if !at_joint {
-                let point = &self.linkage.links[trace.link].points[trace.point].0;
-                name(point, self.pixel(position, trace))?;
+                let name = point_name(self.linkage, trace);
+                labels.name(&name, self.pixel(position, trace), 4.2);
             }
         }
-        Ok(())
+        labels.draw(self.canvas)
+    }
+
+    /// What names should not cover: links, guides, feet, and less so curves and later positions.
+    fn avoid(&self, labels: &mut Labels, position: &Position) {
+        let outline = |position: &Position, link: usize| {
+            let points = points_of(self.linkage, link).into_iter();
+            let mut corners: Vec<_> = points.map(|point| self.pixel(position, point)).collect();
+            if corners.len() > 2 {
+                corners.push(corners[0]);
+            }
+            corners
+        };
+        for link in self.linkage.moving_links() {
+            labels.avoid_line(&outline(position, link), 1.0);
+            for index in instants(self.track.positions.len()).into_iter().skip(1) {
+                labels.avoid_line(&outline(&self.track.positions[index], link), 0.12);
+            }
+        }
+        for joint in &self.linkage.joints {
+            match &joint.kind {
+                JointKind::Prismatic(slide) => {
+                    let ends = [slide.guide, slide.slider].map(|end| self.pixel(position, end));
+                    labels.avoid_line(&ends, 0.6);
+                    labels.avoid_disc(ends[1], 11.0);
+                }
+                JointKind::Revolute(pins) => {
+                    let (x, y) = self.pixel(position, pins[0]);
+                    if pins.iter().any(|pin| pin.link == FRAME) {
+                        labels.avoid_disc((x, y + 7.0), 9.0);
+                    }
+                }
+            }
+        }
+        for &trace in &self.linkage.traces {
+            let positions = self.track.positions.iter();
+            let path: Vec<_> = positions.map(|at| self.pixel(at, trace)).collect();
+            labels.avoid_line(&path, 0.5);
+        }
     }
 }
 
 /// The legend beside the drawing, where it covers nothing.
-fn entries(linkage: &Linkage, track: &Track) -> Vec<Entry> {
-    let mut entries: Vec<_> = (1..linkage.links.len())
+fn entries(linkage: &Linkage, track: &Track, [traced, later]: [&str; 2]) -> Vec<Entry> {
+    let mut entries: Vec<_> = linkage
+        .moving_links()
         .map(|link| (colour(link), 4.2, linkage.links[link].name.clone()))
         .collect();
     for &trace in &linkage.traces {
-        let text = format!("path of {}", linkage.point_name(trace));
+        let text = format!("{traced}{}", linkage.point_name(trace));
         entries.push((trace_colour(trace), 2.0, text));
     }
     let shown = instants(track.positions.len()).len();
     if shown > 1 {
-        let text = format!("{} later positions", shown - 1);
-        entries.push((faded(INK, BETWEEN), 2.4, text));
+        entries.push((faded(INK, BETWEEN), 2.4, later.into()));
     }
     entries
 }

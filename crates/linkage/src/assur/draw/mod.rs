@@ -1,14 +1,19 @@
 //! Figures of a linkage as SVG: positions with the curves of its points, rates and accelerations
-//! against the input, velocity and acceleration polygons.
+//! against the input, loads of drives, polygons of velocities and accelerations, and of the positions in each loop.
 
+mod arrow;
 mod curves;
+mod loops;
 mod mechanism;
+mod pen;
 mod polygon;
 
-use super::description::{FRAME, Linkage, PointRef};
+use super::description::{FRAME, JointKind, Linkage, PointRef};
+use super::loops::independent_loops;
+use super::solve::Position;
 use super::track::Track;
 use trirrr_figures::canvas::{Canvas, Draw, Drawn, RIGHT_OF, Size};
-use trirrr_figures::style::{CURVES, INK, RGBColor, WHITE};
+use trirrr_figures::style::{CURVES, INK, RGBColor};
 
 /// The frame and what is fixed to it.
 const GROUND: RGBColor = RGBColor(80, 80, 80);
@@ -23,7 +28,19 @@ pub(super) fn figures(linkage: &Linkage, track: &Track) -> Vec<(&'static str, Dr
         figures.push(("points.svg", curves::points(linkage, track)));
     }
     figures.push(("polygons.svg", polygon::draw(linkage, track)));
+    if linkage.has_masses() {
+        figures.push(("loads.svg", curves::loads(linkage, track)));
+    }
+    if !independent_loops(linkage).is_empty() {
+        figures.push(("loops.svg", loops::draw(linkage, track)));
+    }
     figures
+}
+
+/// Both solutions of an arm, the elbow on the left strongly.
+pub(super) fn inverse(linkage: &Linkage, track: &Track) -> Drawn {
+    let title = format!("{}: both solutions of the inverse", linkage.name);
+    mechanism::draw_titled(linkage, track, &title, ["", "elbow on the right"])
 }
 
 /// The points that joints take hold of, each once, for a link.
@@ -37,6 +54,30 @@ fn joint_points(linkage: &Linkage, link: usize) -> Vec<PointRef> {
         }
     }
     points
+}
+
+/// Name of a point at a joint: of its pin, or of the joint whose slider it is. The start of a guide has its own name.
+fn point_name(linkage: &Linkage, point: PointRef) -> String {
+    let joints = || linkage.joints.iter();
+    let pin = joints().find(|joint| match &joint.kind {
+        JointKind::Revolute(pins) => pins.contains(&point),
+        JointKind::Prismatic(_) => false,
+    });
+    let slider = || {
+        joints().find(|joint| match &joint.kind {
+            JointKind::Prismatic(slide) => slide.slider == point,
+            JointKind::Revolute(_) => false,
+        })
+    };
+    match pin.or_else(slider) {
+        Some(joint) => joint.name.clone(),
+        None => linkage.links[point.link].points[point.point].0.clone(),
+    }
+}
+
+/// The position at which polygons are drawn: an eighth of the motion, where little stands still.
+fn drawn_position(track: &Track) -> Option<&Position> {
+    track.positions.get(track.positions.len() / 8)
 }
 
 /// The colour of a link.
@@ -62,31 +103,6 @@ fn inputs(linkage: &Linkage, t: f64) -> String {
         format!("{name} = {rounded} {unit}")
     });
     values.collect::<Vec<_>>().join(", ")
-}
-
-/// Names beside points; of several at one place, each is written under the one before.
-struct Labels {
-    /// Names nearer to each other than this are at one place.
-    near: (f64, f64),
-    /// From the point to the name.
-    offset: (f64, f64),
-    taken: Vec<(f64, f64)>,
-}
-
-impl Labels {
-    fn write(&mut self, canvas: &Canvas<'_>, text: &str, (x, y): (f64, f64)) -> Draw {
-        let near = |other: &&(f64, f64)| {
-            (other.0 - x).abs() < self.near.0 && (other.1 - y).abs() < self.near.1
-        };
-        let row = self.taken.iter().filter(near).count() as f64;
-        self.taken.push((x, y));
-        let at = (x + self.offset.0, y - self.offset.1 - 15.0 * row);
-        for (dx, dy) in [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)] {
-            let around = (at.0 + dx, at.1 + dy);
-            canvas.text(text, around, Size::Label, RIGHT_OF, WHITE)?;
-        }
-        canvas.text(text, at, Size::Label, RIGHT_OF, INK)
-    }
 }
 
 /// A line and its meaning: colour, width, text.

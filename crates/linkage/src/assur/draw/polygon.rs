@@ -8,11 +8,13 @@
 use super::super::description::{FRAME, Joint, Linkage, PointRef};
 use super::super::solve::Position;
 use super::super::track::Track;
-use super::{Labels, colour, inputs, joint_points, legend};
+use super::arrow::arrow;
+use super::{colour, drawn_position, inputs, joint_points, legend, point_name};
 use nalgebra::Vector2;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, Size, page};
+use trirrr_figures::labels::Labels;
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{INK, RGBColor, faded};
+use trirrr_figures::style::{INK, faded};
 
 const LEFT: f64 = 88.0;
 const TOP: f64 = 84.0;
@@ -29,10 +31,9 @@ struct Polygon {
     between: Vec<(usize, Vec<[f64; 2]>)>,
 }
 
-/// Draws both polygons at an eighth of the motion, where little stands still.
+/// Draws both polygons.
 pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
-    let chosen = track.positions.len() / 8;
-    let Some(position) = track.positions.get(chosen) else {
+    let Some(position) = drawn_position(track) else {
         return page(SIDE, SIDE, |_| Ok(()));
     };
     let polygons = [
@@ -53,9 +54,8 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         view
     });
     let beside = left - GAP + 16.0;
-    let links = linkage.links.len() - 1;
-    let names = linkage
-        .links
+    let links = linkage.moving_links().len();
+    let names = linkage.links[linkage.file_links()]
         .iter()
         .map(|link| Size::Label.width(&link.name));
     let widest = names.fold(Size::Label.width("of a point"), f64::max);
@@ -70,7 +70,7 @@ pub(super) fn draw(linkage: &Linkage, track: &Track) -> Drawn {
         }
         let mut entries = vec![(faded(INK, 0.55), 2.6, "of a point".to_owned())];
         let several = |&link: &usize| shown_points(linkage, link).len() > 1;
-        entries.extend((1..linkage.links.len()).filter(several).map(|link| {
+        entries.extend(linkage.moving_links().filter(several).map(|link| {
             let text = format!("within {}", linkage.links[link].name);
             (colour(link), 2.6, text)
         }));
@@ -89,7 +89,7 @@ fn polygon(linkage: &Linkage, position: &Position, acceleration: bool) -> Polygo
     };
     let mut ends: Vec<(String, [f64; 2])> = Vec::new();
     let mut between = Vec::new();
-    for link in 1..linkage.links.len() {
+    for link in linkage.moving_links() {
         let points = shown_points(linkage, link);
         for &(ref name, point) in &points {
             let end: [f64; 2] = vector(point).into();
@@ -144,12 +144,7 @@ fn shown_points(linkage: &Linkage, link: usize) -> Vec<(String, PointRef)> {
     };
     at_joints.sort_by_key(|point| !on_frame(point));
     for point in at_joints {
-        let joint = linkage
-            .joints
-            .iter()
-            .find(|joint| joint.point_on(link) == Some(point));
-        let name = joint.map(|joint| joint.name.clone()).unwrap_or_default();
-        points.push((name, point));
+        points.push((point_name(linkage, point), point));
     }
     for &trace in linkage.traces.iter().filter(|trace| trace.link == link) {
         if !points.iter().any(|(_, point)| *point == trace) {
@@ -186,43 +181,17 @@ fn draw_polygon(canvas: &Canvas<'_>, polygon: &Polygon, view: &View) -> Draw {
         }
     }
     canvas.joint(pole, 5.0, INK)?;
-    let mut labels = Labels {
-        near: (22.0, 18.0),
-        offset: (9.0, 11.0),
-        taken: Vec::new(),
-    };
-    labels.write(canvas, "pole", pole)?;
+    let mut labels = Labels::within(view.corner(), view.width, view.height);
+    for (_, end) in &polygon.ends {
+        labels.avoid_line(&[pole, view.at(*end)], 1.0);
+    }
+    for (_, corners) in &polygon.between {
+        let corners: Vec<_> = corners.iter().map(|corner| view.at(*corner)).collect();
+        labels.avoid_line(&corners, 1.0);
+    }
+    labels.name("pole", pole, 5.0);
     for (name, end) in &polygon.ends {
-        labels.write(canvas, name, view.at(*end))?;
+        labels.name(name, view.at(*end), 3.0);
     }
-    Ok(())
-}
-
-/// A line with a head, where it is long enough for one.
-fn arrow(
-    canvas: &Canvas<'_>,
-    from: (f64, f64),
-    to: (f64, f64),
-    colour: RGBColor,
-    width: f64,
-) -> Draw {
-    const HEAD: f64 = 10.0;
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx.hypot(dy);
-    if length < 1.0 {
-        return Ok(());
-    }
-    canvas.line(&[from, to], colour, width)?;
-    if length < HEAD {
-        return Ok(());
-    }
-    let (ux, uy) = (dx / length, dy / length);
-    let back = (to.0 - HEAD * ux, to.1 - HEAD * uy);
-    let half = 0.36 * HEAD;
-    let head = [
-        to,
-        (back.0 - half * uy, back.1 + half * ux),
-        (back.0 + half * uy, back.1 - half * ux),
-    ];
-    canvas.polygon(&head, colour)
+    labels.draw(canvas)
 }

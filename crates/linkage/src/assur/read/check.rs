@@ -1,7 +1,7 @@
 //! Checks of a whole linkage: degrees of freedom, groups, branches.
 
 use crate::assur::chain::find_turnless_chain;
-use crate::assur::description::{JointKind, Linkage};
+use crate::assur::description::{JointKind, Linkage, SlotPart};
 use crate::assur::groups::{Group, GroupKind, decompose};
 use crate::assur::mobility::{Locked, Mobility, Tie, check_ties};
 use trirrr_scene::read::{Document, Place};
@@ -113,7 +113,8 @@ fn check_group(document: &Document, linkage: &Linkage, group: &Group, places: &P
     }
     if group.is_iterated() {
         for &link in &group.links {
-            if linkage.links[link].guess.is_none() {
+            // A block begins where its pin is.
+            if linkage.links[link].guess.is_none() && !linkage.links[link].is_block {
                 let reason = format!(
                     "missing: the links {} are no dyad, and Newton-Raphson needs to know roughly \
                      where each of them is at the start",
@@ -131,11 +132,19 @@ fn check_group(document: &Document, linkage: &Linkage, group: &Group, places: &P
 }
 
 fn check_branches(document: &Document, linkage: &Linkage, places: &Places) {
-    for (index, joint) in linkage.joints.iter().enumerate() {
-        let inner = linkage.groups.iter().any(|group| match group.kind {
+    let is_inner = |index: usize| {
+        linkage.groups.iter().any(|group| match group.kind {
             GroupKind::Dyad(dyad) => group.joints[1] == index && dyad.has_branches(),
             _ => false,
-        });
+        })
+    };
+    for (index, joint) in linkage.joints.iter().enumerate() {
+        // The pin of a slot is judged with the slot: one of the two is the inner joint.
+        if joint.in_slot == Some(SlotPart::Pin) {
+            continue;
+        }
+        let pin = joint.in_slot.and_then(|_| linkage.pin_of_slot(index));
+        let inner = is_inner(index) || pin.is_some_and(is_inner);
         if let (Some(sign), false) = (joint.branch, inner) {
             let place = Place {
                 key: format!("{}.branch", places.joint[index].key),

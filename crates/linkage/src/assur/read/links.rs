@@ -2,6 +2,7 @@
 
 use super::{FARTHEST, NAME_DEMAND, Placed, Points, is_name, read_each, read_name};
 use crate::assur::description::{LinkBody, PointRef, names};
+use crate::assur::loads::BodyMass;
 use nalgebra::Vector2;
 use trirrr_scene::read::{Bound, Section};
 
@@ -43,10 +44,42 @@ fn read_link(section: &Section, is_frame: bool) -> Option<LinkBody> {
         None if section.has("guess") => None,
         None => Some(None),
     };
+    let mass = read_mass(section, is_frame);
     Some(LinkBody {
         name: name?,
         points: points?,
         guess: guess?,
+        mass: mass?,
+        is_block: false,
+    })
+}
+
+/// Mass, centre of mass and inertia of a link; the frame has none.
+fn read_mass(section: &Section, is_frame: bool) -> Option<BodyMass> {
+    const KEYS: [&str; 3] = ["mass_kg", "com_m", "inertia_kgm2"];
+    if is_frame {
+        let given: Vec<&str> = KEYS.into_iter().filter(|key| section.has(key)).collect();
+        for key in &given {
+            section.refuse(
+                key,
+                "the first link is the frame: it stands still, and no drive moves its mass",
+            );
+        }
+        return given.is_empty().then_some(BodyMass::NONE);
+    }
+    let mass_kg = section.number_or(KEYS[0], Bound::NotNegative, 0.0);
+    // A mass needs a place.
+    let com_m = section.vector(KEYS[1], (!section.has(KEYS[0])).then_some([0.0; 2]));
+    let inertia_kgm2 = section.number_or(KEYS[2], Bound::NotNegative, 0.0);
+    let (mass_kg, [x, y], inertia_kgm2) = (mass_kg?, com_m?, inertia_kgm2?);
+    if x.abs() > FARTHEST || y.abs() > FARTHEST {
+        section.refuse(KEYS[1], too_far());
+        return None;
+    }
+    Some(BodyMass {
+        mass_kg,
+        com_m: Vector2::new(x, y),
+        inertia_kgm2,
     })
 }
 

@@ -11,7 +11,7 @@ use std::path::Path;
 use trirrr_scene::SceneError;
 use trirrr_scene::read::{Document, Place, Section, text_of, with_root};
 
-const TOP_KEYS: &[&str] = &["name", "description", "trace"];
+const TOP_KEYS: &[&str] = &["name", "description", "trace", "gravity_m_s2"];
 
 /// Coordinates and lengths up to this size, m: beyond it squares would leave the format long
 /// before anything of use is described.
@@ -41,14 +41,17 @@ impl Linkage {
         let document = Document::new(text, TOP_KEYS);
         let read = with_root(&document, text, |root| {
             let name = root.folder_name("name");
+            let gravity_m_s2 = root.vector("gravity_m_s2", Some([0.0; 2]));
             let description = root.optional_text("description").unwrap_or_default();
             let links = links::read(root);
             let joints = joints::read(root, links.as_deref());
             let drives = motion::read_drives(root, links.as_deref(), joints.as_deref());
             let traces = links::read_traces(root, links.as_deref());
             let motion = motion::read(root, drives.as_deref());
-            let (link, links) = links?.into_iter().unzip();
-            let (joint, joints) = joints?.into_iter().unzip();
+            let (mut links, mut drives) = (links?, drives?);
+            let joints = joints::add_blocks(&mut links, joints?, &mut drives);
+            let (link, links) = links.into_iter().unzip();
+            let (joint, joints) = joints.into_iter().unzip();
             let places = check::Places {
                 links: root.place_of("link"),
                 drives: root.place_of("drive"),
@@ -60,8 +63,9 @@ impl Linkage {
                 description: description.into_owned(),
                 links,
                 joints,
-                drives: drives?.into_iter().map(|(_, drive)| drive).collect(),
+                drives: drives.into_iter().map(|(_, drive)| drive).collect(),
                 traces: traces?,
+                gravity_m_s2: gravity_m_s2?.into(),
                 motion: motion?,
                 groups: Vec::new(),
             };

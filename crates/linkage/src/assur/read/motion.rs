@@ -64,6 +64,14 @@ fn read_drive(
         section.ignore_rest();
         return None;
     };
+    if joints[joint].1.in_slot.is_some() {
+        section.refuse(
+            "joint",
+            "a pin in a slot cannot be driven: drive a revolute or a prismatic joint",
+        );
+        section.ignore_rest();
+        return None;
+    }
     let bound = Bound::Within(-LARGEST, LARGEST);
     let at_joint = joints[joint].1.links();
     let slides = matches!(joints[joint].1.kind, JointKind::Prismatic(_));

@@ -1,21 +1,28 @@
 //! `trirrr linkage`: arguments, printing and exit codes round [`trirrr_linkage::assur`].
 
+mod inverse;
+mod json;
+
+pub use inverse::InverseArgs;
+
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trirrr_linkage::assur::{Linkage, header, stopped, summary, track, write};
+use trirrr_linkage::assur::{Linkage, header, stopped, study, summary, track, write};
 
 /// `trirrr linkage`.
 ///
 /// Decomposes a mechanism of links and joints into Assur groups, prints them in solving order,
-/// and solves them over a turn or a range of the drives. Writes linkage.csv (one row per position,
-/// SI units) and figures as SVG.
+/// and solves them over a turn or a range of the drives. Says how many loops and unknowns there are, which class four-bar loops
+/// have, where dead points and singular positions are, how far rockers swing and sliders go. Writes linkage.csv (one row per
+/// position, SI units) and figures as SVG.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Where the motion has an end (a dead point, a singular position), the input there and the group are \
-named, and what was solved so far is written.")]
+named, and what was solved so far is written. With --inverse-deg or --inverse-rad the motion is not solved: both solutions for the end \
+link are printed and written to out/NAME-inverse.")]
 pub struct LinkageArgs {
     /// The mechanism, a TOML file (format: docs/linkage-files.md)
     #[arg(value_name = "FILE.toml")]
@@ -23,6 +30,12 @@ pub struct LinkageArgs {
     /// Steps over the motion [default: the file's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub steps: Option<u32>,
+    /// The inverse of a serial arm.
+    #[command(flatten)]
+    pub inverse: InverseArgs,
+    /// Print one JSON object in place of the summary
+    #[arg(long)]
+    pub json: bool,
     /// Folder for what is written, made if missing; results of an earlier command go
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
@@ -38,6 +51,9 @@ pub struct LinkageArgs {
 pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     let mut linkage =
         Linkage::read(&args.file).map_err(|error| CliError::Refused(error.to_string()))?;
+    if let Some(end) = args.inverse.end()? {
+        return inverse::command(args, &linkage, &end);
+    }
     if let Some(steps) = args.steps {
         linkage.motion.steps = steps;
     }
@@ -56,8 +72,14 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     };
     let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
     results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
-    let mut text = header(&args.file.display().to_string(), &linkage);
-    text.push_str(&summary(&linkage, &track, &files));
+    let figures = study(&linkage, &track);
+    let text = match args.json {
+        true => format!("{:#}\n", json::as_json(&linkage, &track, &figures)),
+        false => {
+            let head = header(&args.file.display().to_string(), &linkage);
+            head + &summary(&linkage, &track, &figures, &files)
+        }
+    };
     print(&text)?;
     why.map_or(Ok(()), |why| Err(CliError::Failed(why)))
 }

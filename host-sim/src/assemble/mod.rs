@@ -1,0 +1,55 @@
+//! `trirrr assemble`: every pose for given motor angles, and all motor angles for a pose.
+
+mod args;
+mod figure;
+mod find;
+mod text;
+
+pub use args::{AssembleArgs, StandingArgs};
+
+use crate::failure::CliError;
+use crate::recording::unwritable;
+use crate::results::ResultFolder;
+use crate::terminal::print;
+use find::Modes;
+use std::path::Path;
+
+/// Finds the modes, writes tables and figures, and prints both lists.
+///
+/// # Errors
+/// Refused: the scene; a pose that a leg does not reach; angles at which the platform fits nowhere or is loose. Failed: a file cannot be
+/// written.
+pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
+    let modes = Modes::find(args)?;
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(format!("{}-assemble", modes.scene.name)),
+    };
+    let mut results = ResultFolder::create(&folder, "assemble")?;
+    results.begin()?;
+    let mut files = Vec::new();
+    let failed = |error: Box<dyn std::error::Error + Send + Sync>| {
+        CliError::Failed(format!("a figure: {error}"))
+    };
+    for (name, text) in [
+        ("assemblies.csv", text::assemblies_table(&modes)),
+        ("working_modes.csv", text::working_modes_table(&modes)),
+        (
+            "assemblies.svg",
+            figure::assemblies(&modes).map_err(failed)?,
+        ),
+        (
+            "working_modes.svg",
+            figure::working_modes(&modes).map_err(failed)?,
+        ),
+    ] {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
+        files.push(path);
+    }
+    results.end(&files, Ok(()))?;
+    match args.json {
+        true => print(&format!("{:#}\n", text::as_json(&modes))),
+        false => print(&text::tables(&modes, &files)),
+    }
+}
