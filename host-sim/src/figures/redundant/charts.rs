@@ -91,9 +91,7 @@ impl Charts {
     }
 }
 
-pub(super) fn named<R, const COUNT: usize>(
-    curves: [PlainCurve<R>; COUNT],
-) -> [Labelled<R>; COUNT]
+pub(super) fn named<R, const COUNT: usize>(curves: [PlainCurve<R>; COUNT]) -> [Labelled<R>; COUNT]
 where
     R: 'static,
 {
