@@ -28,7 +28,7 @@ pub struct LagrangeFound {
 }
 
 /// State and loads of a machine at one tick.
-struct Tick {
+struct ComparedTick {
     t: f64,
     state: LagrangeState,
     torques: Vec<f64>,
@@ -76,7 +76,7 @@ impl LagrangeColumns {
 
     /// Values of a row of a 3-RRR; not a number where the machine has no motion.
     pub fn row(&mut self, record: &Record) -> Vec<f64> {
-        self.values(&Tick {
+        self.values(&ComparedTick {
             t: record.t,
             state: LagrangeState {
                 platform: platform(&record.pose, &record.velocity, &record.acceleration),
@@ -94,7 +94,7 @@ impl LagrangeColumns {
             let slider = leg.slider.unwrap_or_default();
             [slider.position, slider.velocity, slider.acceleration]
         };
-        self.values(&Tick {
+        self.values(&ComparedTick {
             t: record.t,
             state: LagrangeState {
                 platform: platform(&record.pose, &record.velocity, &record.acceleration),
@@ -107,7 +107,7 @@ impl LagrangeColumns {
         })
     }
 
-    fn values(&mut self, tick: &Tick) -> Vec<f64> {
+    fn values(&mut self, tick: &ComparedTick) -> Vec<f64> {
         let Some(loads) = self.machine.loads(&tick.state, &self.wanted) else {
             return vec![f64::NAN; self.names().len()];
         };
@@ -124,7 +124,7 @@ impl LagrangeColumns {
 }
 
 impl LagrangeFound {
-    fn take(&mut self, tick: &Tick, loads: &LagrangeLoads) {
+    fn take(&mut self, tick: &ComparedTick, loads: &LagrangeLoads) {
         let larger = |old: &mut Option<At>, value: f64| {
             if old.is_none_or(|old| value > old.value) {
                 *old = Some(At { value, t: tick.t });

@@ -163,7 +163,7 @@ pub(crate) fn read_job(
     read_job_with(document, root, rate, |_| ())
 }
 
-/// Reads `[job]`; `of_move` reads what a move has besides, of each [[job.move]] in turn. Without a tick rate, durations are
+/// Reads `[job]`; `of_move` reads what a move has besides, of each `[[job.move]]` in turn. Without a tick rate, durations are
 /// not checked.
 pub fn read_job_with(
     document: &Document,

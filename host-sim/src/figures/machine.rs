@@ -18,13 +18,13 @@ const GROUND: RGBColor = RGBColor(80, 80, 80);
 
 /// The machine at one instant.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Instant {
+pub(super) struct DrawnInstant {
     /// Time since the start of the job, s.
     pub(super) t: f64,
     pub(super) legs: Vec<LegRecord>,
 }
 
-impl From<&Record> for Instant {
+impl From<&Record> for DrawnInstant {
     fn from(record: &Record) -> Self {
         Self {
             t: record.t,
@@ -36,7 +36,7 @@ impl From<&Record> for Instant {
 /// Contents of the drawing.
 pub(super) struct Scenery {
     /// The machine at several instants in order of time; the first is the start, the last the end.
-    pub(super) instants: Vec<Instant>,
+    pub(super) instants: Vec<DrawnInstant>,
     /// Both ends of each guide of a base joint, m.
     pub(super) guides: Vec<[[f64; 2]; 2]>,
     /// Positions of D, m.
@@ -231,7 +231,7 @@ impl View {
         Ok(())
     }
 
-    fn machine(&self, canvas: &Canvas<'_>, instant: &Instant, shade: Shade) -> Draw {
+    fn machine(&self, canvas: &Canvas<'_>, instant: &DrawnInstant, shade: Shade) -> Draw {
         draw_pose(
             canvas,
             |point| self.at(point),

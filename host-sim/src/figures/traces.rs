@@ -1,7 +1,7 @@
 //! Curves of the figures, gathered tick by tick in bounded memory.
 
 use super::catalogue::{Source, figures, sources};
-use super::machine::{Instant, Scenery};
+use super::machine::{DrawnInstant, Scenery};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel};
 use trirrr_scene::record::Record;
@@ -96,7 +96,7 @@ impl Traces {
             instants.push(last);
         }
         Scenery {
-            instants: instants.iter().map(Instant::from).collect(),
+            instants: instants.iter().map(DrawnInstant::from).collect(),
             guides: Vec::new(),
             path: self
                 .path

@@ -1,7 +1,7 @@
 //! Figures of the job of a redundant machine.
 
 use super::charts::{Charts, Figure, named};
-use crate::figures::machine::{self, Instant, Scenery};
+use crate::figures::machine::{self, DrawnInstant, Scenery};
 use crate::figures::traces::is_drawn;
 use crate::figures::{FigureError, save};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub struct RedundantTraces {
     path: Decimator<2>,
     last_tick: u64,
     seen: u64,
-    instants: Vec<Instant>,
+    instants: Vec<DrawnInstant>,
 }
 
 impl RedundantTraces {
@@ -39,7 +39,7 @@ impl RedundantTraces {
         }
         self.path.push(record.t, [record.pose[0], record.pose[1]]);
         if is_drawn(self.seen, self.last_tick) || self.seen == self.last_tick {
-            self.instants.push(Instant {
+            self.instants.push(DrawnInstant {
                 t: record.t,
                 legs: record.legs.iter().map(|leg| leg.leg).collect(),
             });

@@ -9,7 +9,7 @@ use trirrr_core::machine::{LegParameters, LinkParameters};
 const STEPS: usize = 4;
 
 /// A body: where its centre of mass is, and how far it has turned.
-struct Body<S> {
+struct LagrangeBody<S> {
     mass: f64,
     inertia: f64,
     centre: Plane<S>,
@@ -76,9 +76,9 @@ impl LagrangeMachine {
         .collect()
     }
 
-    fn bodies<S: Scalar>(&self, q: &[S]) -> Option<Vec<Body<S>>> {
+    fn bodies<S: Scalar>(&self, q: &[S]) -> Option<Vec<LagrangeBody<S>>> {
         let com = [self.platform.com_m.x, self.platform.com_m.y].map(S::constant);
-        let mut bodies = vec![Body {
+        let mut bodies = vec![LagrangeBody {
             mass: self.platform.mass_kg,
             inertia: self.platform.inertia_kgm2,
             centre: sum([q[0], q[1]], turned(com, q[2])),
@@ -88,14 +88,14 @@ impl LagrangeMachine {
         for (index, (leg, [first, second])) in self.legs.iter().zip(angles).enumerate() {
             let [a, _] = self.ends(index, q);
             if let Some(slider) = &self.sliders[index] {
-                bodies.push(Body {
+                bodies.push(LagrangeBody {
                     mass: slider.mass_kg,
                     inertia: 0.0,
                     centre: a,
                     angle: S::constant(0.0),
                 });
             }
-            let link = |link: &LinkParameters, from, angle: S, rotor: f64| Body {
+            let link = |link: &LinkParameters, from, angle: S, rotor: f64| LagrangeBody {
                 mass: link.mass_kg,
                 inertia: link.inertia_kgm2 + rotor,
                 centre: sum(from, along(link.com_m, angle)),

@@ -128,14 +128,14 @@ pub(super) fn check_job(document: &Document, scene: &RedundantScene, placed: &Pl
 
 /// A limit that is broken at one tick.
 struct Breach {
-    /// Quantity and its leg or slider, from 0.
-    quantity: (Quantity, Option<usize>),
+    /// BreachedQuantity and its leg or slider, from 0.
+    quantity: (BreachedQuantity, Option<usize>),
     value: f64,
     limit: f64,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Quantity {
+enum BreachedQuantity {
     Of3Rrr(Bounded),
     Velocity,
     Force,
@@ -146,7 +146,7 @@ impl Breach {
     /// Factor by which the value is beyond the limit, above 1.
     fn factor(&self) -> f64 {
         match self.quantity.0 {
-            Quantity::Of3Rrr(Bounded::SerialDistance | Bounded::ParallelDistance) => {
+            BreachedQuantity::Of3Rrr(Bounded::SerialDistance | Bounded::ParallelDistance) => {
                 self.limit / self.value
             }
             _ => self.value / self.limit,
@@ -156,7 +156,7 @@ impl Breach {
     fn describe(&self) -> String {
         let (quantity, index) = self.quantity;
         let (name, unit) = match quantity {
-            Quantity::Of3Rrr(what) => {
+            BreachedQuantity::Of3Rrr(what) => {
                 return words::violation(&Violation {
                     what,
                     index: index.map(|index| index as u8),
@@ -169,9 +169,9 @@ impl Breach {
                     shortest: None,
                 });
             }
-            Quantity::Velocity => ("velocity", "m/s"),
-            Quantity::Force => ("force", "N"),
-            Quantity::Power => ("power", "W"),
+            BreachedQuantity::Velocity => ("velocity", "m/s"),
+            BreachedQuantity::Force => ("force", "N"),
+            BreachedQuantity::Power => ("power", "W"),
         };
         format!(
             "{name} of the slider of leg {} would be {} {unit}, the most allowed is {} {unit}",
@@ -214,13 +214,18 @@ fn breaches(scene: &RedundantScene, record: &RedundantRecord) -> Vec<Breach> {
             (Bounded::Power, leg.power, power_w),
         ] {
             let limit = limits.as_ref().map(|limits| limits[index]);
-            most(Quantity::Of3Rrr(what), index, value, limit);
+            most(BreachedQuantity::Of3Rrr(what), index, value, limit);
         }
         if let (Some(slider), Some(own)) = (slider, &own.slider) {
             let limits = &slider.limits;
-            most(Quantity::Velocity, index, own.velocity, limits.velocity_m_s);
-            most(Quantity::Force, index, own.force, limits.force_n);
-            most(Quantity::Power, index, own.power, limits.power_w);
+            most(
+                BreachedQuantity::Velocity,
+                index,
+                own.velocity,
+                limits.velocity_m_s,
+            );
+            most(BreachedQuantity::Force, index, own.force, limits.force_n);
+            most(BreachedQuantity::Power, index, own.power, limits.power_w);
         }
     }
     let serial = record.legs.iter().enumerate();
@@ -236,7 +241,7 @@ fn breaches(scene: &RedundantScene, record: &RedundantRecord) -> Vec<Breach> {
     );
     for (what, index, value, limit) in serial.chain([parallel]) {
         if !(value >= limit) {
-            let quantity = (Quantity::Of3Rrr(what), index);
+            let quantity = (BreachedQuantity::Of3Rrr(what), index);
             found.push(Breach {
                 quantity,
                 value,
