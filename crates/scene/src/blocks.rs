@@ -26,11 +26,18 @@ pub struct PathBlock {
     pub(crate) before: usize,
 }
 
+impl PathBlock {
+    /// Number in the file of the first table, from 0.
+    pub fn first(&self) -> usize {
+        self.first
+    }
+}
+
 /// Cuts a path into blocks as its pieces come. The machine stands between two blocks: where it does so anyway, or else where
 /// the tool is off, or where its power follows the speed. Holds one block at most.
 #[derive(Clone, Debug)]
 pub struct BlockCutter {
-    /// What lies behind the last cut. Pieces and dwells have the numbers of the file, tools begin with `first`.
+    /// Part behind the last cut. Pieces and dwells have the numbers of the file, tools begin with `first`.
     open: JobPath,
     first: usize,
     before: usize,

@@ -31,7 +31,7 @@ pub(crate) fn in_order<T: Send, R, E: Send>(
     });
     let turn = Condvar::new();
     let run = || {
-        let watch = Watch {
+        let guard = PanicGuard {
             taken: &taken,
             turn: &turn,
         };
@@ -40,7 +40,7 @@ pub(crate) fn in_order<T: Send, R, E: Send>(
                 return;
             };
             let result = item.and_then(&work);
-            let mut taken = locked(watch.taken);
+            let mut taken = locked(guard.taken);
             while taken.next != index && !taken.is_over {
                 taken = turn.wait(taken).unwrap_or_else(PoisonError::into_inner);
             }
@@ -71,12 +71,12 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Wakes the others up where a thread panics: they would wait for its result.
-struct Watch<'a, K, E> {
+struct PanicGuard<'a, K, E> {
     taken: &'a Mutex<Taken<K, E>>,
     turn: &'a Condvar,
 }
 
-impl<K, E> Drop for Watch<'_, K, E> {
+impl<K, E> Drop for PanicGuard<'_, K, E> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             locked(self.taken).is_over = true;

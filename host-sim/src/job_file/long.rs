@@ -26,6 +26,11 @@ pub(super) struct LongPath {
 }
 
 impl LongPath {
+    /// Number of elements, those of all passes.
+    pub(super) fn elements(&self) -> u64 {
+        u64::from(self.pass) * u64::from(self.repeat)
+    }
+
     /// Reads the path once more, in constant memory.
     pub(super) fn blocks(&self) -> LongBlocks<'_> {
         LongBlocks {

@@ -15,6 +15,7 @@ pub use args::JobFileArgs;
 pub(crate) use args::{distance, origin};
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::ImageArgs;
+use long::LongPath;
 use read::{JobKind, ReadWay};
 
 pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
@@ -24,6 +25,7 @@ use crate::failure::CliError;
 use crate::figures::Preview;
 use crate::recording::unwritable;
 use crate::terminal::say;
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned, UntakenJob};
 use trirrr_toolpath::PathFault;
@@ -158,16 +160,12 @@ fn load_for(
             planned.map_err(unplanned)?;
         }
         ReadWay::Long(path) => {
-            let file = tempfile::tempfile().map_err(|error| {
-                CliError::Failed(format!(
-                    "no temporary file for the moves of the job: {error}; TMPDIR is the folder for it"
-                ))
-            })?;
-            let taken = scene.take_blocks(path.blocks(), file);
-            taken.map_err(|error| match error {
+            take_long(&mut scene, path).map_err(|error| match error {
                 UntakenJob::Path(fault) => refused(fault),
                 UntakenJob::Plan(error) => unplanned(error),
-                UntakenJob::Spool(_) => CliError::Failed(format!("{name}: {error}")),
+                UntakenJob::Spool(_) => {
+                    CliError::Failed(format!("{name}: {error}; TMPDIR names its folder"))
+                }
             })?;
         }
     }
@@ -176,6 +174,23 @@ fn load_for(
         machine: Some(machine),
         pauses: read.pauses,
     })
+}
+
+/// Gives `scene` the job of a long file, with a bar on a terminal.
+fn take_long(scene: &mut Scene, path: &LongPath) -> Result<(), UntakenJob<PathFault>> {
+    let file = tempfile::tempfile().map_err(UntakenJob::Spool)?;
+    let bar = ProgressBar::new(path.elements());
+    if let Ok(style) = ProgressStyle::with_template("planning {wide_bar} {percent:>3} %") {
+        bar.set_style(style);
+    }
+    let blocks = path.blocks().inspect(|block| {
+        if let Ok(block) = block {
+            bar.set_position(block.first() as u64);
+        }
+    });
+    let taken = scene.take_blocks(blocks, file);
+    bar.finish_and_clear();
+    taken
 }
 
 /// Draws the path on the machine of `scene` into `file`.
