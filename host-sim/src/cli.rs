@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::bridge::BridgeArgs;
+use crate::calibrate::CalibrateArgs;
 use crate::check::CheckArgs;
 use crate::completions::CompletionsArgs;
 use crate::design::DesignArgs;
@@ -8,6 +9,7 @@ use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
+use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
@@ -70,6 +72,10 @@ pub enum Command {
     Follow(FollowArgs),
     /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
     Design(DesignArgs),
+    /// Calibrate a machine from measured poses or distances; propose what to measure next
+    Calibrate(CalibrateArgs),
+    /// Identify masses, inertias and friction of a machine from its angles and torques
+    Identify(IdentifyArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row

@@ -5,12 +5,14 @@
 //! port, and [`bridge`] the line of a board. Both share [`serve`]; [`watch`] looks on, and [`key`] writes their keys.
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
 //! [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
+//! [`calibrate`] and [`identify`] find the machine that is there.
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
 
 mod arguments;
 pub mod bridge;
+pub mod calibrate;
 pub mod check;
 pub mod cli;
 pub mod completions;
@@ -22,11 +24,13 @@ pub mod figures;
 pub mod goals;
 pub mod grbl;
 pub mod histogram;
+pub mod identify;
 pub mod init;
 pub mod job_file;
 pub mod key;
 pub mod linkage;
 pub mod machine;
+mod patched_scene;
 pub mod plan;
 pub mod realtime;
 pub mod recording;

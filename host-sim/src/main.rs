@@ -12,8 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    bridge, check, completions, design, device, eval, goals, grbl, init, key, linkage, machine,
-    plan, report, run, stream, watch,
+    bridge, calibrate, check, completions, design, device, eval, goals, grbl, identify, init, key,
+    linkage, machine, plan, report, run, stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -44,6 +44,8 @@ fn main() -> ExitCode {
         Command::Jog(args) => to_the_end(|stop| goals::jog(args, stop)),
         Command::Follow(args) => to_the_end(|stop| goals::follow(args, stop)),
         Command::Design(args) => to_the_end(|stop| design::command(args, stop)),
+        Command::Calibrate(args) => calibrate::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),

@@ -162,6 +162,16 @@ impl ResultFolder {
     }
 }
 
+/// Writes the file `name` into `folder`, and returns its path.
+///
+/// # Errors
+/// Failed: the file cannot be written.
+pub(crate) fn write_text(folder: &Path, name: &str, text: &str) -> Result<PathBuf, CliError> {
+    let path = folder.join(name);
+    fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
+    Ok(path)
+}
+
 /// Lets `write` write a new file in the place of `path`.
 ///
 /// The earlier file stays until the new one is complete, and where `write` refuses. Where `write` fails,

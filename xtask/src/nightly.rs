@@ -85,6 +85,20 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "a thousand calibrated machines",
+            "test",
+            &[
+                "--release",
+                "--package",
+                "trirrr-calibration",
+                "--test",
+                "calibration",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "169 programs of G-code",
             "test",
             &[

@@ -12,10 +12,9 @@ mod text;
 pub use args::{DesignArgs, StudyArgs};
 
 use crate::failure::CliError;
-use crate::recording::unwritable;
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, write_text as write};
 use crate::terminal::print;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use study::Study;
 
@@ -58,10 +57,4 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
         true => print(&json),
         false => print(&text::summary(&study, args, &files)),
     }
-}
-
-fn write(folder: &Path, name: &str, text: &str) -> Result<PathBuf, CliError> {
-    let path = folder.join(name);
-    std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
-    Ok(path)
 }

@@ -1,8 +1,10 @@
 //! Figures of a run as SVG: the thesis's figures 5.1 to 5.4 against time, and the machine drawn
 //! to scale with the path of its tool.
 
+mod calibration;
 mod catalogue;
 mod drives;
+mod identification;
 mod machine;
 mod plan;
 mod plant;
@@ -10,7 +12,9 @@ mod preview;
 mod tolerances;
 mod traces;
 
+pub use calibration::CalibrationFigures;
 pub use drives::DriveTraces;
+pub use identification::write_torques;
 pub use plan::PlanTraces;
 pub use plant::PlantTraces;
 pub use preview::Preview;

@@ -55,7 +55,7 @@ impl Default for JobFileArgs {
     }
 }
 
-fn origin(text: &str) -> Result<[f64; 3], String> {
+pub(crate) fn origin(text: &str) -> Result<[f64; 3], String> {
     let mut values = Vec::new();
     for part in text.split(',') {
         match part.trim().parse::<f64>() {

@@ -12,7 +12,7 @@ mod queue;
 mod read;
 
 pub use args::JobFileArgs;
-pub(crate) use args::distance;
+pub(crate) use args::{distance, origin};
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::ImageArgs;
 use read::{JobKind, ReadWay};

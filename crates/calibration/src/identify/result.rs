@@ -1,0 +1,138 @@
+//! Settings, refusals and result of an identification.
+
+use super::bodies::{BODY_COUNT, BodyGroup, BodyVector};
+use super::solve::{LEAST_EQUATIONS, LEAST_SAMPLES};
+use crate::columns::ColumnFault;
+use crate::sight::LEAST_RATIO;
+use nalgebra_dense::{DMatrix, DVector};
+
+/// Settings of an identification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentificationSetup {
+    /// Parameters that are identified.
+    pub free: Vec<BodyGroup>,
+    /// Width sigma of the filter, s; none: six distances of samples.
+    pub width_s: Option<f64>,
+    /// Rate from which on a joint slides for certain, rad/s.
+    pub sliding_rad_s: f64,
+}
+
+impl Default for IdentificationSetup {
+    /// Platform and motors.
+    fn default() -> Self {
+        Self {
+            free: vec![BodyGroup::Platform, BodyGroup::Motors],
+            width_s: None,
+            sliding_rad_s: 0.05,
+        }
+    }
+}
+
+/// Reason for which telemetry identifies nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum IdentificationRefusal {
+    /// The machine is none, or has no pose at the start.
+    #[error("the scene's machine has no pose at the start of its job")]
+    Machine,
+    /// A row that fits no pose of the machine.
+    #[error("{0}")]
+    Row(ColumnFault),
+    /// Too few samples.
+    #[error(
+        "{samples} samples, of which {used} equations can be used; at least {LEAST_SAMPLES} samples and {LEAST_EQUATIONS} equations are needed: {hint}"
+    )]
+    TooFew {
+        /// Samples in the table.
+        samples: usize,
+        /// Equations that are left.
+        used: usize,
+        /// What would do.
+        hint: &'static str,
+    },
+    /// All torques are 0.
+    #[error("all torques are 0: the drives told none")]
+    NoTorque,
+    /// Nothing is free, or nothing that is free is seen.
+    #[error(
+        "the motion sees none of the free parameters better than they are known: {0}; move farther and faster"
+    )]
+    Blind(String),
+}
+
+/// Torques of a motor over time: measured, by the parameters as they were, and as they were found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExplainedTorque {
+    /// Time, s.
+    pub t: f64,
+    /// Motor, from 0.
+    pub motor: usize,
+    /// Measured, smoothed, N m.
+    pub measured_nm: f64,
+    /// By the nominal parameters.
+    pub before_nm: f64,
+    /// By those that were found.
+    pub after_nm: f64,
+}
+
+/// Identified parameters.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// Parameters before.
+    pub nominal: BodyVector,
+    /// Parameters that fit.
+    pub values: BodyVector,
+    /// Standard deviations, in the directions that are seen.
+    pub deviations: [f64; BODY_COUNT],
+    /// Parts of the parameters that the motion sees, 0 to 1; the rest stays nominal.
+    pub shares: [f64; BODY_COUNT],
+    /// Indices of the free parameters.
+    pub free: Vec<usize>,
+    /// Ratios of signal to noise along the directions, the greatest first.
+    pub ratios: Vec<f64>,
+    /// Directions that the motion does not see at all, in words; held.
+    pub blind: Vec<String>,
+    /// Directions that are seen less than they are known, in words; held.
+    pub weak: Vec<String>,
+    /// Parameters that would have been negative, and are 0.
+    pub at_zero: Vec<usize>,
+    /// Bodies that cannot be, in words.
+    pub impossible: Vec<String>,
+    /// Torques of all equations.
+    pub torques: Vec<ExplainedTorque>,
+    /// Root mean square of the torque that is not explained, N m, before and after.
+    pub residual_nm: [f64; 2],
+    /// The same of blocks of time that a fit of the others did not see; none where too little is left.
+    pub check_nm: Option<[f64; 2]>,
+    /// Usual distance of samples, and width of the filter, s.
+    pub period_s: f64,
+    /// Width sigma of the filter, s.
+    pub width_s: f64,
+    /// Scaled directions that are seen, as columns, and their variances.
+    pub(super) directions: (DMatrix<f64>, DMatrix<f64>),
+    pub(super) scales: Vec<f64>,
+}
+
+impl Identification {
+    /// Number of directions that are seen.
+    pub fn seen(&self) -> usize {
+        self.ratios
+            .iter()
+            .filter(|ratio| **ratio >= LEAST_RATIO)
+            .count()
+    }
+
+    /// Distance of `values` from those that were found along each seen direction, in its standard deviation: what the motion does not see is left
+    /// out.
+    pub fn off_in_deviations(&self, values: &BodyVector) -> Vec<f64> {
+        let (seen, covariance) = &self.directions;
+        let off = self
+            .free
+            .iter()
+            .zip(&self.scales)
+            .map(|(index, scale)| (values.0[*index] - self.values.0[*index]) / scale);
+        let off = seen.transpose() * DVector::from_iterator(self.free.len(), off);
+        let each = off.iter().enumerate();
+        each.map(|(index, off)| off / covariance[(index, index)].max(1e-300).sqrt())
+            .collect()
+    }
+}

@@ -1,0 +1,185 @@
+//! `trirrr calibrate`: the machine that is there, from measurements; and what to measure next.
+
+mod args;
+mod next;
+mod patch;
+mod text;
+
+pub use args::{CalibrateArgs, MeasuredKind};
+
+use crate::failure::CliError;
+use crate::figures::CalibrationFigures;
+use crate::recording::unwritable;
+use crate::results::{ResultFolder, write_text as write};
+use crate::terminal::print;
+use next::NextPoses;
+use patch::patch;
+use std::path::{Path, PathBuf};
+use trirrr_calibration::{
+    Calibration, CalibrationRefusal, ColumnFault, MARGIN, MeasuredRow, SafeRegion, calibrate,
+    read_measurements,
+};
+use trirrr_scene::Scene;
+
+/// What is written for a calibration.
+struct Written {
+    files: Vec<PathBuf>,
+    /// Reason for which the calibrated scene is refused.
+    refusal: Option<String>,
+    /// Key of the scene that has the encoder offsets; none where there is none.
+    offsets_in: Option<&'static str>,
+}
+
+/// Everything that is found.
+struct Findings<'a> {
+    scene: &'a Scene,
+    region: &'a Region,
+    calibration: Option<&'a Calibration>,
+    next: Option<&'a NextPoses>,
+}
+
+/// Poses over which errors are told.
+struct Region {
+    safe: SafeRegion,
+    turn_rad: f64,
+    margin: [f64; 2],
+}
+
+/// Calibrates, proposes, writes and prints.
+///
+/// # Errors
+/// Refused: the scene, the measurements, or measurements that see nothing useful. Failed: a file cannot be written.
+pub fn command(args: &CalibrateArgs) -> Result<(), CliError> {
+    let scene = args.set.scene(&args.scene)?;
+    // A table that cannot be read is told before the workspace is proven.
+    let rows = args.measurements.as_ref().map(|file| read(file, args));
+    let rows = rows.transpose()?;
+    let region = region(&scene, args)?;
+    let setup = args.setup();
+    let places = region.safe.poses();
+    let start = region.safe.start();
+    let calibration = match args.measurements.as_ref().zip(rows) {
+        None => None,
+        Some((file, rows)) => {
+            let found = calibrate(&scene.parameters, start, &rows, &setup, &places);
+            Some(found.map_err(|refusal| refused(file, refusal))?)
+        }
+    };
+    let next = args
+        .propose
+        .map(|count| NextPoses::find(&scene, args, &region.safe, calibration.as_ref(), count));
+    let next = next.transpose()?;
+
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(format!("{}-calibration", scene.name)),
+    };
+    let mut results = ResultFolder::create(&folder, "calibrate")?;
+    results.begin()?;
+    let mut written = Written {
+        files: Vec::new(),
+        refusal: None,
+        offsets_in: None,
+    };
+    let findings = Findings {
+        scene: &scene,
+        region: &region,
+        calibration: calibration.as_ref(),
+        next: next.as_ref(),
+    };
+    if let Some(calibration) = &calibration {
+        let (patched, offsets_in) = patch(&scene, args, calibration)?;
+        written.offsets_in = offsets_in;
+        let copies = patched.write(&folder, &text::head(calibration, args, offsets_in))?;
+        written.files.extend(copies.files);
+        written.refusal = copies.refusal;
+        let table = text::residuals(calibration);
+        written.files.push(write(&folder, "residuals.csv", &table)?);
+        let figures = CalibrationFigures {
+            name: &scene.name,
+            rows: &calibration.rows,
+        };
+        let drawn = figures.write_all(&folder);
+        written
+            .files
+            .extend(drawn.map_err(|error| unwritable(&error.path, &error.source))?);
+    }
+    if let Some(next) = &next {
+        written
+            .files
+            .push(write(&folder, "poses.csv", &next.table(args.dwell))?);
+        written
+            .files
+            .push(write(&folder, "measurements-next.csv", &next.form(args))?);
+    }
+    let json = format!("{:#}\n", text::as_json(&findings, &written));
+    written
+        .files
+        .push(write(&folder, "calibration.json", &json)?);
+    results.end(&written.files, Ok(()))?;
+    match args.json {
+        true => print(&json),
+        false => print(&text::summary(&findings, args, &written)),
+    }
+}
+
+fn read(file: &Path, args: &CalibrateArgs) -> Result<Vec<MeasuredRow>, CliError> {
+    let rows = read_measurements(&text_file(file)?, &args.noise());
+    rows.map_err(|faults| of_lines(file, &faults))
+}
+
+/// Text of a table.
+///
+/// # Errors
+/// Refused: the file cannot be read, or is no text.
+pub(crate) fn text_file(file: &Path) -> Result<String, CliError> {
+    let refused = |reason: String| CliError::Refused(format!("{}: {reason}", file.display()));
+    let bytes = std::fs::read(file).map_err(|error| refused(format!("cannot be read: {error}")))?;
+    String::from_utf8(bytes)
+        .map_err(|_| refused("is no text in UTF-8; export it as CSV in UTF-8".into()))
+}
+
+/// A refusal with the file before each of its lines.
+pub(crate) fn of_lines(file: &Path, faults: &[ColumnFault]) -> CliError {
+    let lines = faults.iter().map(|fault| {
+        let space = if fault.line == 0 { " " } else { "" };
+        format!(
+            "{}:{space}{}",
+            file.display(),
+            fault.to_string().trim_start()
+        )
+    });
+    CliError::Refused(lines.collect::<Vec<_>>().join("\n"))
+}
+
+fn refused(file: &Path, refusal: CalibrationRefusal) -> CliError {
+    match refusal {
+        CalibrationRefusal::Rows(faults) => of_lines(file, &faults),
+        other => CliError::Refused(format!("{}: {other}", file.display())),
+    }
+}
+
+/// The largest region that there is: with less turn, and nearer to singularities, where the start leaves no room.
+fn region(scene: &Scene, args: &CalibrateArgs) -> Result<Region, CliError> {
+    let turn_rad = args.turn.to_radians();
+    let choices = [
+        (turn_rad, MARGIN),
+        (0.5 * turn_rad, MARGIN),
+        (0.0, MARGIN),
+        (0.0, [0.0; 2]),
+    ];
+    let found = choices.into_iter().find_map(|(turn_rad, margin)| {
+        let safe = SafeRegion::of(scene, turn_rad, margin)?;
+        Some(Region {
+            safe,
+            turn_rad,
+            margin,
+        })
+    });
+    found.ok_or_else(|| {
+        CliError::Refused(format!(
+            "{}: no cell around the start of the job is proven to keep the distances of [limits], and to be held by the motors: start the job farther inside",
+            args.scene.display()
+        ))
+    })
+}

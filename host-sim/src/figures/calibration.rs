@@ -1,0 +1,134 @@
+//! Figures of a calibration: residuals of the rows before and after, over the rows and in the plane.
+
+use super::{FigureError, save};
+use std::path::{Path, PathBuf};
+use trirrr_calibration::{DeviceReading, JudgedRow};
+use trirrr_figures::canvas::{CENTRED, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::panel::{Curve, Panel, draw_over};
+use trirrr_figures::plane::View;
+use trirrr_figures::scale::{Axis, Margin};
+use trirrr_figures::style::{BLUE, INK, VERMILLION};
+
+const SIDE: f64 = 560.0;
+const LEFT: f64 = 84.0;
+const TOP: f64 = 56.0;
+
+/// Part of the width that the longest vector has.
+const LONGEST: f64 = 0.12;
+
+/// Residuals that are drawn.
+pub struct CalibrationFigures<'a> {
+    /// Name of the scene.
+    pub name: &'a str,
+    /// Rows, outliers too.
+    pub rows: &'a [JudgedRow],
+}
+
+impl CalibrationFigures<'_> {
+    /// Draws everything into `folder`, which must exist; the files written.
+    ///
+    /// # Errors
+    /// The file that could not be written, and why.
+    pub fn write_all(&self, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
+        let mut files = vec![save(folder.join("residuals.svg"), self.over_rows())?];
+        let places = self.places();
+        if !places.is_empty() {
+            files.push(save(folder.join("vectors.svg"), self.in_plane(&places))?);
+        }
+        Ok(files)
+    }
+
+    fn over_rows(&self) -> Drawn {
+        let size = |[first, second, _]: [f64; 3], row: &JudgedRow| match row.row.reading {
+            DeviceReading::Place { .. } => first.hypot(second),
+            DeviceReading::Distance { .. } => first.abs(),
+        };
+        let curve = |label: &'static str, of: &dyn Fn(&JudgedRow) -> Option<[f64; 3]>| Curve {
+            label: label.into(),
+            points: (1..)
+                .zip(self.rows)
+                .filter_map(|(number, row)| Some((f64::from(number), size(of(row)?, row))))
+                .collect(),
+        };
+        let panel = |quantity, curves| Panel {
+            quantity,
+            unit: "m",
+            from_zero: true,
+            curves,
+        };
+        let kept = |row: &JudgedRow| (!row.is_outlier).then_some(row.after);
+        let panels = [
+            panel("before", vec![curve("nominal", &|row| Some(row.before))]),
+            panel(
+                "after",
+                vec![
+                    curve("fitted", &kept),
+                    curve("kept out", &|row| row.checked),
+                ],
+            ),
+        ];
+        let over = Axis::new(1.0, self.rows.len() as f64, "", Margin::Exact, 10.0);
+        let title = format!("{}: measured less computed place", self.name);
+        draw_over(&title, "row", &over, &panels)
+    }
+
+    /// Measured places with their differences before and after.
+    fn places(&self) -> Vec<[[f64; 2]; 3]> {
+        let rows = self.rows.iter().filter(|row| !row.is_outlier);
+        let each = rows.filter_map(|row| match row.row.reading {
+            DeviceReading::Place { place_m, .. } => Some([
+                place_m,
+                [row.before[0], row.before[1]],
+                [row.after[0], row.after[1]],
+            ]),
+            DeviceReading::Distance { .. } => None,
+        });
+        each.collect()
+    }
+
+    fn in_plane(&self, places: &[[[f64; 2]; 3]]) -> Drawn {
+        let points: Vec<[f64; 2]> = places.iter().map(|place| place[0]).collect();
+        let view = View::around(&points, "m", (LEFT, TOP), SIDE);
+        let longest = |which: usize| {
+            let sizes = places
+                .iter()
+                .map(|place| place[which][0].hypot(place[which][1]));
+            sizes.fold(1e-12, f64::max)
+        };
+        let pixels = LONGEST * view.width;
+        let scales = [pixels / longest(1), pixels / longest(2)];
+        let height = TOP + view.height + 120.0;
+        let title = format!("{}: measured less computed places", self.name);
+        page(LEFT + view.width + 40.0, height, |canvas| {
+            canvas.text(
+                &title,
+                (LEFT + view.width / 2.0, 28.0),
+                Size::Title,
+                CENTRED,
+                INK,
+            )?;
+            view.grid(canvas, ["x", "y"])?;
+            for [place, before, after] in places {
+                let at = view.at(*place);
+                for (vector, scale, colour) in
+                    [(before, scales[0], VERMILLION), (after, scales[1], BLUE)]
+                {
+                    let end = (at.0 + scale * vector[0], at.1 - scale * vector[1]);
+                    canvas.line(&[at, end], colour, 1.8)?;
+                }
+                canvas.dot(at, 2.2, INK)?;
+            }
+            let words = [
+                (VERMILLION, "before", longest(1)),
+                (BLUE, "after", longest(2)),
+            ];
+            for (row, (colour, word, most)) in words.into_iter().enumerate() {
+                let y = TOP + view.height + 76.0 + 22.0 * row as f64;
+                canvas.line(&[(LEFT, y), (LEFT + pixels, y)], colour, 2.5)?;
+                let text = format!("{word}, longest {:.1} um", 1e6 * most);
+                canvas.text(&text, (LEFT + pixels + 10.0, y), Size::Label, RIGHT_OF, INK)?;
+            }
+            Ok(())
+        })
+    }
+}
