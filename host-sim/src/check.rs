@@ -24,7 +24,8 @@ pub struct CheckArgs {
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
-    /// Draw the path and where the machine reaches into this SVG file, of a job that is refused, too
+    /// Draw the job into this SVG file, of one that is refused, too: a path with the reach of the machine; of moves the curves that have
+    /// limits, and the machine where one is broken into a file beside it
     #[arg(long, value_name = "FILE.svg")]
     pub figure: Option<PathBuf>,
 }

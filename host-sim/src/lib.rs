@@ -34,6 +34,7 @@ pub mod lagrange;
 pub mod linkage;
 pub mod machine;
 mod patched_scene;
+pub mod pictures;
 pub mod plan;
 pub mod realtime;
 pub mod recording;

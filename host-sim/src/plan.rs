@@ -3,6 +3,7 @@
 use crate::failure::CliError;
 use crate::figures::PlanTraces;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
+use crate::pictures::PictureArgs;
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
@@ -37,6 +38,9 @@ pub struct PlanArgs {
     /// [default: out/NAME, after the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Figures as PNG.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
 }
 
 fn gap(text: &str) -> Result<f64, String> {
@@ -70,7 +74,8 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     };
     let mut results = ResultFolder::create(&folder, "plan")?;
     results.begin()?;
-    let files = write(&scene, &job, &points, &folder)?;
+    let mut files = write(&scene, &job, &points, &folder)?;
+    files.extend(args.pictures.beside(&files)?);
     results.end(&files, Ok(()))?;
     let text = match args.json {
         true => format!("{}\n", as_json(&scene, &job)),

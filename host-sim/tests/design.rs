@@ -91,9 +91,18 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
     let margins = motors.iter().map(|motor| motor["margin"].as_f64().unwrap());
     assert!(margins.rev().is_sorted());
     let page = fs::read_to_string(folder.path().join("out/engraving-design/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 12);
-    // Nothing comes from elsewhere.
-    assert!(!page.contains("src=") && !page.contains("<script"));
+    let files = fs::read_dir(folder.path().join("out/engraving-design")).unwrap();
+    let names = files.map(|file| file.unwrap().path());
+    let figures = names.filter(|path| path.extension().is_some_and(|kind| kind == "svg"));
+    // The scene gives no stiffness and no tolerances.
+    assert_eq!(figures.count(), 19);
+    assert_eq!(page.matches("<svg").count(), 19);
+    for missing in ["compliance needs", "offset within tolerances needs"] {
+        assert!(page.contains(missing), "{missing}");
+    }
+    // Nothing comes from elsewhere; the links are those of the motors' sources.
+    assert!(!page.contains("src=") && page.matches("<script").count() == 1);
+    assert_eq!(page.matches("href=").count(), motors.len());
 }
 
 #[test]

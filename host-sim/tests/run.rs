@@ -13,17 +13,20 @@ const HEADER: &str = "t,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,th1_1,th1_2,th1_3,dt
     ddth1_1,ddth1_2,ddth1_3,tau1,tau2,tau3,P1,P2,P3,detA,th2_1,th2_2,th2_3,dth2_1,dth2_2,dth2_3,\
     ddth2_1,ddth2_2,ddth2_3,D1,D2,D3,serial1,serial2,serial3,parallel,tool";
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     "ticks.csv",
     "pose.svg",
     "velocity.svg",
     "acceleration.svg",
     "joint_angle.svg",
     "joint_rate.svg",
+    "joint_acceleration.svg",
     "torque.svg",
     "power.svg",
     "singularity.svg",
     "machine.svg",
+    "path.svg",
+    "animation.html",
 ];
 
 fn scene_file(name: &str) -> PathBuf {
@@ -85,7 +88,7 @@ fn assert_all_files(folder: &Path) {
     for file in FILES {
         let written = fs::read_to_string(folder.join(file)).expect(file);
         assert!(
-            file == "ticks.csv" || written.ends_with("</svg>\n"),
+            file == "ticks.csv" || written.ends_with("</svg>\n") || written.ends_with("</html>\n"),
             "{file}"
         );
     }

@@ -4,6 +4,7 @@
 
 pub mod assembly;
 pub mod interval;
+pub mod loads;
 pub mod modes;
 pub mod motors;
 pub mod optimise;

@@ -2,7 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_scene::pipeline::Pipeline;
+use trirrr_core::units::Units;
+use trirrr_scene::pipeline::{self, Pipeline};
+use trirrr_scene::{JobPlayer, Scene};
 
 /// The inverse by cofactors; none of a matrix that has none in numbers.
 fn inverted(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
@@ -87,4 +89,61 @@ impl Ratios {
         });
         off.into_iter().fold(0.0, f64::max)
     }
+}
+
+/// Ratios of the platform's rates to those of the motors at an instant of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatioInstant {
+    /// Time, s.
+    pub t_s: f64,
+    /// Velocity of the platform over the rate of each motor, a column for each motor (m, m, 1): the velocity ratios of the source. They
+    /// depend on the motion, and are not finite where the motor stands.
+    pub velocity_ratios: Matrix3<f64>,
+    /// The Jacobian: velocity of the platform where one motor turns at 1 rad/s and the others stand. It depends on the pose alone.
+    pub jacobian: Matrix3<f64>,
+}
+
+/// Instants of a job, at most.
+const INSTANTS: u32 = 1_000;
+
+/// Part of its largest rate below which a motor is taken to stand.
+const STANDS: f64 = 0.02;
+
+/// Ratios along the job of `scene`.
+///
+/// # Errors
+/// The machine is refused, or the job leads where it cannot stand.
+pub fn along_job(scene: &Scene) -> Result<Vec<RatioInstant>, String> {
+    let machine = pipeline::of_scene::<f64>(scene, Units::SI).map_err(|error| error.to_string())?;
+    let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
+    let step = player.ticks() / INSTANTS + 1;
+    let mut instants = Vec::new();
+    for tick in (0..=player.ticks()).step_by(step as usize) {
+        let (t_s, setpoint) = (f64::from(tick) * scene.period_s(), player.at(tick));
+        let record = machine
+            .evaluate(t_s, &setpoint)
+            .map_err(|status| format!("at t = {t_s} s: {status}"))?;
+        let ratios = Ratios::at(&*machine, setpoint.pose)
+            .ok_or_else(|| format!("at t = {t_s} s: the platform is not held"))?;
+        instants.push((record, ratios.jacobian));
+    }
+    let most = |motor: usize| {
+        let rates = instants
+            .iter()
+            .map(|(record, _)| record.legs[motor].dth1.abs());
+        rates.fold(0.0, f64::max)
+    };
+    let most = [most(0), most(1), most(2)];
+    let ratios = instants.iter().map(|(record, jacobian)| RatioInstant {
+        t_s: record.t,
+        velocity_ratios: Matrix3::from_fn(|axis, motor| {
+            let rate = record.legs[motor].dth1;
+            match rate.abs() > STANDS * most[motor] {
+                true => record.velocity[axis] / rate,
+                false => f64::NAN,
+            }
+        }),
+        jacobian: *jacobian,
+    });
+    Ok(ratios.collect())
 }

@@ -110,6 +110,70 @@ impl Canvas<'_> {
         Ok(())
     }
 
+    /// A dashed line through `points`; the dashes go on round corners.
+    pub fn dashes(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
+        const DASH: f64 = 5.0;
+        let mut dash: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
+        let (mut is_on, mut left) = (true, DASH);
+        for pair in points.windows(2) {
+            let [mut from, to] = [pair[0], pair[1]];
+            loop {
+                let way = (to.0 - from.0).hypot(to.1 - from.1);
+                if way <= left {
+                    left -= way;
+                    dash.push(to);
+                    break;
+                }
+                let part = left / way;
+                from = (
+                    from.0 + part * (to.0 - from.0),
+                    from.1 + part * (to.1 - from.1),
+                );
+                dash.push(from);
+                if is_on {
+                    self.line(&dash, colour, width)?;
+                }
+                dash = vec![from];
+                (is_on, left) = (!is_on, DASH);
+            }
+        }
+        match is_on && dash.len() > 1 {
+            true => self.line(&dash, colour, width),
+            false => Ok(()),
+        }
+    }
+
+    /// A line through `points` with an arrow head at its end.
+    pub fn arrow(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Draw {
+        self.line(points, colour, width)?;
+        let &[.., before, tip] = points else {
+            return Ok(());
+        };
+        let (dx, dy) = (tip.0 - before.0, tip.1 - before.1);
+        let length = dx.hypot(dy);
+        if length == 0.0 {
+            return Ok(());
+        }
+        let (x, y) = (dx / length, dy / length);
+        let size = 4.0 + 2.5 * width;
+        let back = (tip.0 - size * x, tip.1 - size * y);
+        let half = 0.4 * size;
+        let corners = [
+            tip,
+            (back.0 - half * y, back.1 + half * x),
+            (back.0 + half * y, back.1 - half * x),
+        ];
+        self.polygon(&corners, colour)
+    }
+
+    /// A cross, for a place that is wrong.
+    pub fn cross(&self, (x, y): (f64, f64), colour: RGBColor) -> Draw {
+        for turn in [-6.0, 6.0] {
+            self.line(&[(x - 6.0, y - turn), (x + 6.0, y + turn)], colour, 3.0)?;
+        }
+        Ok(())
+    }
+
     /// A filled polygon.
     pub fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Draw {
         let corners: Vec<_> = corners.iter().copied().map(subpixel).collect();

@@ -2,13 +2,15 @@
 
 use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use super::panel::range;
-use super::style::{CURVES, FRAME, GRID, INK, faded};
-use plotters::prelude::RGBColor;
+use super::scale::power_of_ten;
+use super::style::{CURVES, FRAME, GRID, INK, RGBColor, faded};
 
 /// One curve or cloud of points in one colour.
 pub struct Series {
     /// Legend entry.
     pub label: String,
+    /// Colour; without one that of its place among the [`CURVES`].
+    pub colour: Option<RGBColor>,
     /// `true` joins the points by lines, in their order.
     pub joined: bool,
     /// The points. Those with a coordinate that is not positive and finite are left out.
@@ -96,7 +98,7 @@ pub fn draw(figure: &LogLog<'_>) -> Drawn {
         for front in figure.fronts {
             frame.front(canvas, front)?;
         }
-        for (series, colour) in figure.series.iter().zip(CURVES.iter().cycle()) {
+        for (colour, series) in coloured(figure) {
             let drawn: Vec<_> = series
                 .points
                 .iter()
@@ -105,14 +107,20 @@ pub fn draw(figure: &LogLog<'_>) -> Drawn {
                 .collect();
             if series.joined {
                 let line: Vec<_> = drawn.iter().map(|(at, _)| *at).collect();
-                canvas.line(&line, *colour, 1.8)?;
+                canvas.line(&line, colour, 1.8)?;
             }
             for (at, shape) in drawn {
-                mark(canvas, at, shape, *colour)?;
+                mark(canvas, at, shape, colour)?;
             }
         }
         frame.legend(canvas, figure)
     })
+}
+
+/// Series with their colours.
+fn coloured<'a>(figure: &'a LogLog<'_>) -> impl Iterator<Item = (RGBColor, &'a Series)> {
+    let series = figure.series.iter().zip(CURVES.iter().cycle());
+    series.map(|(series, colour)| (series.colour.unwrap_or(*colour), series))
 }
 
 /// The area of the axes, which run over whole decades.
@@ -166,13 +174,13 @@ impl DecadeFrame {
         for exponent in exponents(self.x) {
             let (x, _) = self.at((10f64.powi(exponent), 1.0));
             canvas.line(&[(x, TOP), (x, bottom)], GRID, 1.0)?;
-            let label = format!("1e{exponent}");
+            let label = power_of_ten(exponent);
             canvas.text(&label, (x, bottom + 8.0), Size::Tick, BELOW, INK)?;
         }
         for exponent in exponents(self.y) {
             let (_, y) = self.at((1.0, 10f64.powi(exponent)));
             canvas.line(&[(LEFT, y), (right, y)], GRID, 1.0)?;
-            let label = format!("1e{exponent}");
+            let label = power_of_ten(exponent);
             canvas.text(&label, (LEFT - 8.0, y), Size::Tick, LEFT_OF, INK)?;
         }
         let corners = [
@@ -220,8 +228,8 @@ impl DecadeFrame {
         let mut y = TOP + 14.0;
         let text =
             |y: f64, label: &str| canvas.text(label, (x + 22.0, y), Size::Label, RIGHT_OF, INK);
-        for (series, colour) in figure.series.iter().zip(CURVES.iter().cycle()) {
-            canvas.line(&[(x, y), (x + 14.0, y)], *colour, 5.0)?;
+        for (colour, series) in coloured(figure) {
+            canvas.line(&[(x, y), (x + 14.0, y)], colour, 5.0)?;
             text(y, &series.label)?;
             y += 22.0;
         }
@@ -306,6 +314,7 @@ mod tests {
         let point = |x: f64, y: f64| Point { x, y, mark: 1 };
         let series = [Series {
             label: "a series".into(),
+            colour: None,
             joined: true,
             points: vec![point(30.0, 2e-7), point(0.0, 1.0), point(4000.0, 3e-16)],
         }];
@@ -339,7 +348,13 @@ mod tests {
             (700.0, last.1),
         ];
         assert_eq!(frame.staircase(&figure.fronts[0]), expected);
-        for text in ["1e-16", "1e4", "a series", "another", "front"] {
+        for text in [
+            "10\u{207b}\u{b9}\u{2076}",
+            "10\u{2074}",
+            "a series",
+            "another",
+            "front",
+        ] {
             assert!(svg.contains(text), "{text}");
         }
         let empty = LogLog {

@@ -2,19 +2,35 @@
 
 use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use super::scale::{Axis, Margin};
-use super::style::{CURVES, FRAME, GRID, INK};
+use super::style::{CURVES, FRAME, GRID, INK, LIMIT, RGBColor, faded};
 use std::borrow::Cow;
 
 /// One curve of a panel.
+#[derive(Default)]
 pub struct Curve {
     /// Legend entry.
     pub label: Cow<'static, str>,
     /// Points: the quantity of the horizontal axis (time in s, unless the figure has another)
-    /// and the value in the panel's unit.
+    /// and the value in the panel's unit. A value that is not finite is a gap.
     pub points: Vec<(f64, f64)>,
+    /// Colour; without one that of its place among the [`CURVES`].
+    pub colour: Option<RGBColor>,
+    /// `true` draws dashes: what is asked for, beside what there is.
+    pub dashed: bool,
+}
+
+/// Lines at the values of a limit.
+pub struct LimitLine {
+    /// Legend entry.
+    pub label: String,
+    /// Values in the panel's unit.
+    pub values: Vec<f64>,
+    /// Colour.
+    pub colour: RGBColor,
 }
 
 /// One panel: curves of one unit.
+#[derive(Default)]
 pub struct Panel {
     /// Quantity of the vertical axis, such as `motor torque`.
     pub quantity: &'static str,
@@ -24,7 +40,19 @@ pub struct Panel {
     pub from_zero: bool,
     /// At most as many as there are colours.
     pub curves: Vec<Curve>,
+    /// Limits of the curves. One that is far beyond them stands in the legend alone.
+    pub limits: Vec<LimitLine>,
+    /// Parts of the horizontal axis in which a limit is broken, from and to.
+    pub breaches: Vec<(f64, f64)>,
+    /// Ends of the stretches of the horizontal axis that are numbered from 1, such as moves; from the axis's start on.
+    pub marks: Vec<f64>,
 }
+
+/// Limits more than so many times the values would press them flat.
+const FAR: f64 = 3.0;
+
+/// Most marks that can be told apart.
+const MARKS: usize = 64;
 
 const WIDTH: f64 = 900.0;
 const TOP: f64 = 52.0;
@@ -53,10 +81,10 @@ pub fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> 
         );
     let right = 52.0
         + widest(&mut panels.iter().flat_map(|panel| {
-            panel
-                .curves
-                .iter()
-                .map(|curve| Size::Label.width(&curve.label))
+            let labels = panel.curves.iter().map(|curve| curve.label.as_ref());
+            labels
+                .chain(panel.limits.iter().map(|limit| limit.label.as_str()))
+                .map(|label| Size::Label.width(label))
         }));
 
     let total = TOP + BOTTOM + height * panels.len() as f64 + GAP * (panels.len() as f64 - 1.0);
@@ -74,6 +102,9 @@ pub fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> 
                 axis,
             };
             frame.draw(canvas, panel)?;
+            if row == 0 {
+                frame.numbers(canvas, panel)?;
+            }
             if row + 1 == panels.len() {
                 frame.labels_below(canvas)?;
             }
@@ -86,10 +117,19 @@ fn vertical_axis(panel: &Panel, height: f64) -> Axis {
     let values = panel
         .curves
         .iter()
-        .flat_map(|curve| curve.points.iter().map(|p| p.1));
+        .flat_map(|curve| curve.points.iter().map(|p| p.1))
+        .filter(|value| value.is_finite());
     let zero = panel.from_zero.then_some(0.0);
     let (low, high) = range(values.chain(zero));
+    let limits = panel.limits.iter().flat_map(|limit| &limit.values);
+    let near = limits.copied().filter(|value| is_near(*value, (low, high)));
+    let (low, high) = range(near.chain([low, high]));
     Axis::new(low, high, panel.unit, Margin::Padded, height / 40.0)
+}
+
+/// Returns `true` if a limit can be shown beside values from `low` to `high`.
+fn is_near(limit: f64, (low, high): (f64, f64)) -> bool {
+    limit.abs() <= FAR * low.abs().max(high.abs())
 }
 
 fn time_axis(panels: &[Panel]) -> Axis {
@@ -120,6 +160,12 @@ pub fn axis_title(quantity: &str, unit: &str) -> String {
     }
 }
 
+/// Curves with their colours.
+fn coloured(panel: &Panel) -> impl Iterator<Item = (RGBColor, &Curve)> {
+    let curves = panel.curves.iter().zip(CURVES);
+    curves.map(|(curve, colour)| (curve.colour.unwrap_or(colour), curve))
+}
+
 struct PanelFrame<'a> {
     left: f64,
     right: f64,
@@ -140,6 +186,17 @@ impl PanelFrame<'_> {
     }
 
     fn draw(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
+        for (from, to) in &panel.breaches {
+            // An instant is seen, too.
+            let (from, to) = (self.x(*from) - 1.0, self.x(*to) + 1.0);
+            let corners = [
+                (from, self.top),
+                (to, self.top),
+                (to, self.bottom),
+                (from, self.bottom),
+            ];
+            canvas.polygon(&corners, faded(LIMIT, 0.16))?;
+        }
         for (time, _) in &self.over.ticks {
             let x = self.x(*time);
             canvas.line(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
@@ -151,13 +208,31 @@ impl PanelFrame<'_> {
             canvas.line(&[(self.left, y), (self.right, y)], colour, 1.0)?;
             canvas.text(label, (self.left - 8.0, y), Size::Tick, LEFT_OF, INK)?;
         }
-        for (curve, colour) in panel.curves.iter().zip(CURVES) {
-            let points: Vec<_> = curve
-                .points
-                .iter()
-                .map(|&(t, value)| (self.x(t), self.y(value)))
-                .collect();
-            canvas.line(&points, colour, 2.0)?;
+        for (colour, curve) in coloured(panel) {
+            let stretches = curve.points.split(|(_, value)| !value.is_finite());
+            for stretch in stretches {
+                let points: Vec<_> = stretch
+                    .iter()
+                    .map(|&(t, value)| (self.x(t), self.y(value)))
+                    .collect();
+                match curve.dashed {
+                    true => canvas.dashes(&points, colour, 1.5)?,
+                    false => canvas.line(&points, colour, 2.0)?,
+                }
+            }
+        }
+        for limit in &panel.limits {
+            let shown = self.axis.low..=self.axis.high;
+            for value in limit.values.iter().filter(|value| shown.contains(value)) {
+                let y = self.y(*value);
+                canvas.dashed((self.left, y), (self.right, y), limit.colour)?;
+            }
+        }
+        if panel.marks.len() <= MARKS {
+            for mark in &panel.marks {
+                let x = self.x(*mark);
+                canvas.line(&[(x, self.top), (x, self.bottom)], faded(FRAME, 0.6), 1.0)?;
+            }
         }
         let corners = [
             (self.left, self.top),
@@ -176,13 +251,43 @@ impl PanelFrame<'_> {
         self.legend(canvas, panel)
     }
 
+    /// Numbers of the marked stretches above the frame, where there is room.
+    fn numbers(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
+        if panel.marks.len() < 2 || panel.marks.len() > MARKS {
+            return Ok(());
+        }
+        let y = self.top - 8.0;
+        canvas.text("move", (self.left - 8.0, y), Size::Tick, LEFT_OF, FRAME)?;
+        let mut from = self.left;
+        for (index, mark) in panel.marks.iter().enumerate() {
+            let (to, text) = (self.x(*mark), (index + 1).to_string());
+            if to - from > Size::Tick.width(&text) + 3.0 {
+                canvas.text(&text, ((from + to) / 2.0, y), Size::Tick, CENTRED, FRAME)?;
+            }
+            from = to;
+        }
+        Ok(())
+    }
+
     /// Beside the frame, where it covers no curve.
     fn legend(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
-        for (row, (curve, colour)) in panel.curves.iter().zip(CURVES).enumerate() {
-            let y = self.top + 14.0 + 22.0 * row as f64;
-            let x = self.right + 12.0;
-            canvas.line(&[(x, y), (x + 22.0, y)], colour, 2.5)?;
-            canvas.text(&curve.label, (x + 29.0, y), Size::Label, RIGHT_OF, INK)?;
+        let x = self.right + 12.0;
+        let at = |row: usize| self.top + 14.0 + 22.0 * row as f64;
+        let text = |row: usize, label: &str| {
+            canvas.text(label, (x + 29.0, at(row)), Size::Label, RIGHT_OF, INK)
+        };
+        for (row, (colour, curve)) in coloured(panel).enumerate() {
+            let line = [(x, at(row)), (x + 22.0, at(row))];
+            match curve.dashed {
+                true => canvas.dashes(&line, colour, 1.5)?,
+                false => canvas.line(&line, colour, 2.5)?,
+            }
+            text(row, &curve.label)?;
+        }
+        for (row, limit) in panel.limits.iter().enumerate() {
+            let row = panel.curves.len() + row;
+            canvas.dashed((x, at(row)), (x + 22.0, at(row)), limit.colour)?;
+            text(row, &limit.label)?;
         }
         Ok(())
     }
@@ -206,5 +311,57 @@ impl PanelFrame<'_> {
             BELOW,
             INK,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(limit: f64) -> Panel {
+        Panel {
+            quantity: "torque",
+            unit: "N m",
+            curves: vec![Curve {
+                label: "motor 1".into(),
+                points: vec![(0.0, -1.0), (1.0, 2.0)],
+                ..Curve::default()
+            }],
+            limits: vec![LimitLine {
+                label: "limit".into(),
+                values: vec![limit, -limit],
+                colour: LIMIT,
+            }],
+            ..Panel::default()
+        }
+    }
+
+    #[test]
+    fn a_limit_is_on_the_axis_unless_it_would_press_the_curves_flat() {
+        let axis = |limit| vertical_axis(&panel(limit), 200.0);
+        assert!(axis(5.0).high > 5.0 && axis(5.0).low < -5.0);
+        assert!(axis(500.0).high < 3.0);
+        let dashes = |limit| {
+            let drawn = draw("title", &[panel(limit)]).unwrap();
+            assert!(drawn.contains(">\nlimit\n<"));
+            drawn
+                .matches(&crate::style::hex(LIMIT).to_uppercase())
+                .count()
+        };
+        assert!(
+            dashes(5.0) > 20 * dashes(500.0),
+            "{} {}",
+            dashes(5.0),
+            dashes(500.0)
+        );
+    }
+
+    #[test]
+    fn stretches_are_numbered_where_there_is_room() {
+        let mut panel = panel(5e3);
+        panel.marks = vec![0.5, 0.501, 1.0];
+        let drawn = draw("title", &[panel]).unwrap();
+        let has = |text: &str| drawn.contains(&format!(">\n{text}\n<"));
+        assert!(has("1") && !has("2") && has("3") && has("move"));
     }
 }

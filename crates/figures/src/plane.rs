@@ -8,6 +8,9 @@ use crate::style::{FRAME, GRID, INK, RGBColor};
 /// Distance of the grid's lines, about, in logical pixels.
 const INTERVAL: f64 = 80.0;
 
+/// Overlap of cells, in logical pixels.
+const SEAM: f64 = 0.4;
+
 /// Maps points of a plane to logical pixels.
 pub struct View {
     x: Axis,
@@ -85,10 +88,12 @@ impl View {
                     continue;
                 };
                 let ([left, y], [right, _]) = (centre(first, row), centre(last, row));
-                let (low, high) = (
+                // A hair over the next cell: no seam shows between them.
+                let [low, high] = [
                     self.at([left - half, y - half]),
                     self.at([right + half, y + half]),
-                );
+                ];
+                let (low, high) = ((low.0, low.1 + SEAM), (high.0, high.1 - SEAM));
                 let corners = [low, (high.0, low.1), high, (low.0, high.1)];
                 canvas.polygon(&corners, colour)?;
             }

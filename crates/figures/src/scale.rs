@@ -179,11 +179,16 @@ fn prefixed(unit: &str, exponent: i32) -> String {
     match prefix {
         _ if exponent == 0 => unit.into(),
         Some((_, prefix)) if !unit.is_empty() => format!("{prefix}{unit}"),
-        _ => {
-            let power: String = exponent.to_string().chars().map(superscript).collect();
-            format!("10{power} {unit}").trim_end().into()
-        }
+        _ => format!("{} {unit}", power_of_ten(exponent))
+            .trim_end()
+            .into(),
     }
+}
+
+/// Returns ten with `exponent` as a power.
+pub(crate) fn power_of_ten(exponent: i32) -> String {
+    let power: String = exponent.to_string().chars().map(superscript).collect();
+    format!("10{power}")
 }
 
 fn superscript(digit: char) -> char {

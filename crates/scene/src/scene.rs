@@ -202,7 +202,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with everything found wrong.
     pub fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, ReadDepth::Whole)
+        Self::parse_in(text, file, settings, ReadDepth::Whole, &mut None)
     }
 
     /// Reads as [`parse_set`](Self::parse_set), and looks at no pose: the job may ask for what the machine cannot do. A path is not
@@ -211,22 +211,37 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with every value that is refused.
     pub fn draft_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, ReadDepth::Values)
+        Self::parse_in(text, file, settings, ReadDepth::Values, &mut None)
     }
 
+    /// Reads the scene in `file` with `settings`, of which only the job is refused: its moves break a limit, or the machine cannot follow
+    /// them; a path without a plan has no moves. None of a scene that is good, or wrong in another way. It must not be played.
+    pub fn read_refused(file: impl AsRef<Path>, settings: &[Setting]) -> Option<Self> {
+        let file = file.as_ref();
+        let (text, name) = (text_of(file).ok()?, file.display().to_string());
+        let mut refused = None;
+        let read = Self::parse_in(&text, &name, settings, ReadDepth::Whole, &mut refused);
+        refused.filter(|_| read.is_err())
+    }
+
+    /// `refused` is set where the machine or its job is refused once everything else is right.
     fn parse_in(
         text: &str,
         file: &str,
         settings: &[Setting],
         depth: ReadDepth,
+        refused: &mut Option<Self>,
     ) -> Result<Self, SceneError> {
         with_scene(text, file, settings, TOP_KEYS, |document, root, whole| {
+            let key = key(whole.text.as_bytes());
             let (mut scene, placed, homing, places) =
-                read_scene(document, root, key(whole.text.as_bytes()), depth)
-                    .filter(|_| document.is_clean())?;
+                read_scene(document, root, key, depth, refused).filter(|_| document.is_clean())?;
             scene.machine_file = whole.machine_file.clone();
             if depth == ReadDepth::Whole {
                 check_machine(document, &scene, &placed, homing.as_ref(), &places);
+            }
+            if !document.is_clean() {
+                *refused = Some(scene.clone());
             }
             Some(scene)
         })
@@ -289,6 +304,7 @@ fn read_scene(
     root: &Section,
     key: u32,
     depth: ReadDepth,
+    refused: &mut Option<Scene>,
 ) -> Option<(Scene, PlacedJob, Option<PlacedHoming>, Places)> {
     refuse_redundant(root)?;
     let name = root.folder_name("name");
@@ -363,7 +379,13 @@ fn read_scene(
         && document.is_clean()
     {
         match depth {
-            ReadDepth::Whole => plan_path(document, &mut scene, path)?,
+            ReadDepth::Whole => {
+                if plan_path(document, &mut scene, path).is_none() {
+                    scene.job.path = Some(path.path.clone());
+                    *refused = Some(scene);
+                    return None;
+                }
+            }
             ReadDepth::Values => scene.job.path = Some(path.path.clone()),
         }
     }

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 use trirrr_core::machine::BuildError;
 use trirrr_core::number::Arithmetic;
-use trirrr_core::setpoint::{Pose, Quintics, Segment};
+use trirrr_core::setpoint::{Pose, Quintics, Segment, Setpoint};
 use trirrr_scene::{JobMove, Scene};
 
 /// A move is divided into 2^3 intervals at first, and into 2^9 at most.
@@ -159,6 +159,22 @@ impl<'s> ToleranceAnalysis<'s> {
                 ticks += each.duration_ticks;
                 self.of_move(index, each, start)
             })
+    }
+
+    /// Bounds of the error at the tool where the machine is commanded to stand at `pose`; `None` where none is proven.
+    pub fn at_rest(&self, pose: &Pose<f64>) -> Option<ToolError> {
+        let zero = Vector3::from([BoxModel::ZERO; 3]);
+        let setpoint = Setpoint {
+            pose: Pose {
+                position: pose.position.map(BoxModel::point),
+                angle: BoxModel::point(pose.angle),
+            },
+            velocity: zero,
+            acceleration: zero,
+        };
+        let commanded = self.machine.commanded(&setpoint).ok()?;
+        let error = self.machine.platform_error(&commanded)?;
+        Some(ToolError { error })
     }
 
     /// Shares of the parameters in the torque of `motor`, 0 to 2, during `span`, to first order: the change for plus one

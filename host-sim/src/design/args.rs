@@ -1,6 +1,7 @@
 //! Arguments of `trirrr design`.
 
 use crate::arguments::{DEFAULT_SCENE, SetArgs};
+use crate::pictures::PictureArgs;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_design::optimise::{Objective, VariedKey};
@@ -31,6 +32,15 @@ pub struct DesignArgs {
     /// Angle by which the platform must be able to turn to both sides, degrees: a place counts if it can
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = turn)]
     pub turn: f64,
+    /// Force on D in the map of torques, N, in its worst direction
+    #[arg(long, value_name = "N", default_value_t = 10.0, value_parser = not_negative)]
+    pub load_n: f64,
+    /// Acceleration of D in the map of torques, m/s^2, in its worst direction
+    #[arg(long, value_name = "M_S2", default_value_t = 1.0, value_parser = not_negative)]
+    pub acceleration_m_s2: f64,
+    /// Stiffness between each motor and its link, N m/rad, for the map of compliance [default: that of the scene]
+    #[arg(long, value_name = "NM_RAD", value_parser = positive)]
+    pub stiffness_nm_rad: Option<f64>,
     /// Catalogue of motors, a TOML file [default: the one that is shipped]
     #[arg(long, value_name = "FILE.toml")]
     pub motors: Option<PathBuf>,
@@ -46,6 +56,9 @@ pub struct DesignArgs {
     /// Print design.json, or study.json, in place of the summary
     #[arg(long)]
     pub json: bool,
+    /// Figures as PNG.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
     /// A study of other values.
     #[command(flatten)]
     pub vary: StudyArgs,
@@ -114,4 +127,18 @@ fn volts(text: &str) -> Result<f64, String> {
 
 fn turn(text: &str) -> Result<f64, String> {
     within(text, 0.0, 180.0)
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=1e9).contains(&value) => Ok(value),
+        _ => Err("expected a number from 0 to 1000000000".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (1e-9..=1e15).contains(&value) => Ok(value),
+        _ => Err("expected a number greater than 0, at most 1e15".into()),
+    }
 }

@@ -1,7 +1,8 @@
 //! `trirrr design`: where a machine can work, in which working mode, with which motors and bearings.
 
 mod args;
-mod maps;
+mod field;
+mod figures;
 mod motor_figures;
 mod optimise;
 mod page;
@@ -40,13 +41,27 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
     let json = text::as_json(&study, args);
     let json = format!("{json:#}\n");
     let mut files = Vec::new();
-    let mut figures = maps::all(&study);
+    let mut figures: Vec<(&'static str, String)> = Vec::new();
+    for (name, drawn) in figures::all(&study) {
+        let drawn = drawn.map_err(|error| {
+            CliError::Failed(format!("{}: {name}.svg: {error}", folder.display()))
+        })?;
+        figures.push((name, drawn));
+    }
     figures.extend(motor_figures::all(&study));
     for (name, drawn) in &figures {
         files.push(write(&folder, &format!("{name}.svg"), drawn)?);
     }
+    let pictures = args.pictures.beside(&files)?;
+    files.extend(pictures);
     files.push(write(&folder, "design.json", &json)?);
     files.push(write(&folder, "map.csv", &text::map_table(&study))?);
+    let heading = &study.scene.name;
+    files.push(write(
+        &folder,
+        "animation.html",
+        &study.animation.page(heading),
+    )?);
     files.push(write(
         &folder,
         "report.html",

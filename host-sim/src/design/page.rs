@@ -1,8 +1,9 @@
 //! A study as a page that opens from disk: one file, with its figures in it.
 
 use super::study::Study;
-use super::text::{MODE_HEADS, MOTOR_HEADS, area, connected_m2, mode_cells, motor_cells};
+use super::text::{MODE_HEADS, MOTOR_HEADS, area, mode_cells, motor_cells};
 use super::{DesignArgs, motor_figures};
+use crate::figures::escaped;
 use crate::terminal::digits;
 use std::fmt::Write;
 
@@ -10,13 +11,6 @@ use std::fmt::Write;
 pub(super) const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#222}\
 table{border-collapse:collapse;font-size:14px}th,td{border:1px solid #bbb;padding:.25em .6em;text-align:right}\
 td:first-child,th{text-align:left}svg{max-width:100%;height:auto}.no{text-align:left;color:#a33}.own{background:#eef7f3}";
-
-/// Text for HTML.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-}
 
 /// The page.
 pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, String)]) -> String {
@@ -33,6 +27,8 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
     };
     page += "<h2>The machine</h2>\n";
     figure(&mut page, "geometry");
+    page += "<h2>The job in motion</h2>\n";
+    page += &study.animation.player();
     page += "<h2>Working modes</h2>\n<p>Each row is the job of the scene with other elbows. A job that asks for the least time is planned in each mode. \
         The shaded row is the mode of the scene.</p>\n";
     modes(&mut page, study);
@@ -59,23 +55,70 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
         {:.3} % of the map are undecided.</p>",
         study.alpha_rad.to_degrees(),
         area(study.reach.area_m2()),
-        area(study.work.area_m2()),
-        1e4 * connected_m2(study),
-        100.0 * study.work.undecided()
+        area(study.work.map.area_m2()),
+        1e4 * study.work.connected_m2(),
+        100.0 * study.work.map.undecided()
     );
     figure(&mut page, "workspace");
+    let total = &study.total;
+    let disc = total.disc.map_or("no circle fits".to_owned(), |disc| {
+        format!(
+            "the largest circle has a radius of {} m",
+            digits(disc.radius_m)
+        )
+    });
+    let _ = writeln!(
+        page,
+        "<p>The total-orientation workspace is that in which the platform can have every angle: {}; {disc}.</p>",
+        area(total.map.area_m2())
+    );
+    figure(&mut page, "total_orientation");
     figure(&mut page, "angles");
-    page += "<h2>Speeds, forces, accuracy</h2>\n<p>Ratios at the centres of cells, at rest and without friction. Near a serial singularity the motors have to be fast; \
+    page += "<h2>Speeds, forces, stiffness, accuracy</h2>\n<p>Values at the centres of cells, at rest and without friction. Near a serial singularity the motors have to be fast; \
         near the parallel one they have to be strong, and the platform is hardly held.</p>\n";
-    for name in ["singularities", "rates", "forces", "accuracy"] {
+    for name in [
+        "singularities",
+        "rates",
+        "forces",
+        "torques",
+        "force_limit",
+        "compliance",
+        "accuracy",
+        "tolerances",
+        "angle_loads",
+    ] {
         figure(&mut page, name);
     }
+    for (is_missing, what, how) in [
+        (
+            study.scene.limits.torque_nm.is_none(),
+            "force that the motors allow",
+            "[limits] torque_nm",
+        ),
+        (
+            study.stiffness_nm_rad.is_none(),
+            "compliance",
+            "--stiffness-nm-rad, or stiffness_nm_rad of the drives or the plant",
+        ),
+        (
+            study.errors_m.is_none(),
+            "offset within tolerances",
+            "a table [tolerances]",
+        ),
+    ] {
+        if is_missing {
+            let _ = writeln!(page, "<p>A map of the {what} needs {how}.</p>");
+        }
+    }
+    page += "<h2>Velocity ratios along the job</h2>\n<p>The source divides the platform's rates by each motor's. These ratios depend on the motion; the Jacobian below depends on the pose alone.</p>\n";
+    figure(&mut page, "ratios");
+    figure(&mut page, "jacobian");
     page += "<h2>Bearings and pins</h2>\n<p>Sizes of the forces in the joints along the job, N. A: motor, B: elbow, C: platform.</p>\n<table><tr><th>leg</th>";
     for joint in ["A", "B", "C"] {
         let _ = write!(page, "<th>{joint} peak</th><th>{joint} RMS</th>");
     }
     page += "</tr>\n";
-    for (leg, joints) in study.joints.iter().enumerate() {
+    for (leg, joints) in study.reactions.forces.iter().enumerate() {
         let _ = write!(page, "<tr><td>{}</td>", leg + 1);
         for force in joints {
             let _ = write!(
@@ -87,7 +130,9 @@ pub(super) fn html(study: &Study, args: &DesignArgs, figures: &[(&'static str, S
         }
         page += "</tr>\n";
     }
-    page += "</table>\n<h2>Motors</h2>\n";
+    page += "</table>\n<p>Each curve is the tip of the force, from the middle of the figure; the dot is the start of the job.</p>\n";
+    figure(&mut page, "reactions");
+    page += "<h2>Motors</h2>\n";
     motors(&mut page, study);
     for name in motor_figures::NAMES {
         figure(&mut page, name);

@@ -1,17 +1,22 @@
 //! Study of a machine: everything that its report shows.
 
 use super::DesignArgs;
+use super::field::{AngleStudy, errors_m, loads};
+pub(super) use super::field::{LoadCase, Surface};
 use crate::failure::CliError;
+use crate::figures::Animation;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::f64::consts::PI;
 use trirrr_core::machine::Elbow;
-use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::setpoint::Setpoint;
 use trirrr_core::units::Units;
+use trirrr_design::loads::{PoseLoads, stiffness_nm_rad};
 use trirrr_design::modes::{MODES, ModeFault, ModeFigures, ModeResult, in_mode, job_in};
 use trirrr_design::motors::{Candidate, CatalogueMotor, JobLoad, SHIPPED, read_catalogue};
-use trirrr_design::ratios::Ratios;
-use trirrr_design::reactions::{JointForce, along_job};
-use trirrr_design::workspace::{CellGrid, Conditions, Disc, Rectangle, Workspace};
+use trirrr_design::ratios::{self, RatioInstant};
+use trirrr_design::reactions::{self, JobReactions};
+use trirrr_design::workspace::{CellGrid, Conditions, Workspace};
 use trirrr_scene::record::Record;
 use trirrr_scene::{JobPlayer, Scene, pipeline};
 
@@ -65,6 +70,9 @@ pub(super) struct AlphaRow {
     pub(super) degrees: f64,
     /// Bounds of the area, m^2.
     pub(super) area_m2: [f64; 2],
+    /// Values that half of the places there keep, and nine of ten: rate for 1 m/s, rad/s; torque of the load, N m; offset of D for 0.1
+    /// degrees, m; displacement for 1 N, m, or 0 where the stiffness is not known. None where there is no place.
+    pub(super) values: Option<[[f64; 2]; 4]>,
 }
 
 /// Motor of the catalogue on the job.
@@ -85,17 +93,29 @@ pub(super) struct Study {
     pub(super) alpha_rad: f64,
     /// Map of what the legs reach.
     pub(super) reach: Workspace,
-    /// Map of what keeps the distances of the scene's limits, with all angles within the turn.
-    pub(super) work: Workspace,
-    /// Whole cells of it that are connected with the start of the job.
-    pub(super) connected: Vec<bool>,
-    pub(super) disc: Option<Disc>,
-    pub(super) rectangle: Option<Rectangle>,
+    /// Angle to both sides that the map of the workspace asks for, rad.
+    pub(super) turn_rad: f64,
+    /// What keeps the distances of the scene's limits, with all angles within the turn.
+    pub(super) work: Surface,
+    /// The same with all angles of the platform.
+    pub(super) total: Surface,
     pub(super) alphas: Vec<AlphaRow>,
-    /// Grid of the ratios, and the ratios at centres of cells that the machine works in.
-    pub(super) ratios: (CellGrid, Vec<Option<Ratios>>),
+    /// Grid of the maps of values.
+    pub(super) coarse: CellGrid,
+    /// Loads at centres of cells that the machine works in.
+    pub(super) loads: Vec<Option<PoseLoads>>,
+    /// Load of the maps of torques.
+    pub(super) case: LoadCase,
+    /// Stiffness between motors and links, N m/rad, if it is known.
+    pub(super) stiffness_nm_rad: Option<[f64; 3]>,
+    /// Bounds of the offset of D there, m, in a scene with tolerances.
+    pub(super) errors_m: Option<Vec<Option<f64>>>,
     /// Forces in the joints A, B and C of each leg.
-    pub(super) joints: [[JointForce; 3]; 3],
+    pub(super) reactions: JobReactions,
+    /// Ratios of rates along the job.
+    pub(super) ratios: Vec<RatioInstant>,
+    /// The job in motion.
+    pub(super) animation: Animation,
     /// Figures of the job in other durations, s.
     pub(super) durations: Vec<(f64, ModeFigures)>,
     /// Motors of the catalogue on the job, those with the greatest margins first.
@@ -122,7 +142,8 @@ impl Study {
             |reason: String| CliError::Refused(format!("{}: {reason}", args.scene.display()));
         let catalogue = catalogue(args)?;
         let (scene, modes) = modes(args)?;
-        let machine = pipeline::of_scene::<f64>(&scene, Units::SI)
+        // With torques, also where the tick of the scene computes none.
+        let machine = pipeline::build_in::<f64>(&scene.parameters, Units::SI)
             .map_err(|error| refused(error.to_string()))?;
         let at_rest = |pose| Setpoint {
             pose,
@@ -151,36 +172,36 @@ impl Study {
         };
         let reach = Workspace::map(&scene.parameters, &reach, grid);
         let turned = conditions([alpha_rad - turn, alpha_rad + turn]);
-        let work = Workspace::map(&scene.parameters, &turned, grid);
-        let connected = work
-            .connected(scene.job.start.position.into())
-            .unwrap_or_else(|| vec![false; work.cells.len()]);
+        let work = Surface::of(&scene, &turned, grid);
         let coarse = CellGrid::around(&scene.parameters, COARSE);
+        let total = Surface::of(&scene, &conditions([-PI, PI]), coarse);
+        let case = LoadCase {
+            load_n: args.load_n,
+            acceleration_m_s2: args.acceleration_m_s2,
+        };
+        let stiffness_nm_rad = match args.stiffness_nm_rad {
+            Some(stiffness) => Some([stiffness; 3]),
+            None => stiffness_nm_rad(&scene),
+        };
+        let of_angles = AngleStudy {
+            scene: &scene,
+            machine: &*machine,
+            grid: coarse,
+            case,
+            stiffness_nm_rad,
+        };
         let alphas = (-180..=180)
             .step_by(ALPHA_STEP as usize)
             .filter(|_| is_full)
             .map(|degrees: i32| {
-                let alpha = f64::from(degrees).to_radians();
-                let map = Workspace::map(&scene.parameters, &conditions([alpha; 2]), coarse);
-                AlphaRow {
-                    degrees: f64::from(degrees),
-                    area_m2: map.area_m2(),
-                }
+                let degrees = f64::from(degrees);
+                of_angles.row(degrees, &conditions([degrees.to_radians(); 2]))
             });
         let alphas = alphas.collect();
-        let [columns, rows] = coarse.size;
-        let mut ratios = Vec::with_capacity(columns * rows);
-        for row in 0..rows {
-            for column in 0..columns {
-                let [x, y] = coarse.centre_m(column, row);
-                let cell = grid.cell_of([x, y]);
-                let is_kept = cell
-                    .is_some_and(|[column, row]| connected[row * grid.size[0] + column])
-                    && is_full;
-                let pose = Pose::from_f64(x, y, alpha_rad);
-                ratios.push(is_kept.then(|| Ratios::at(&*machine, pose)).flatten());
-            }
-        }
+        let loads = match is_full {
+            true => loads(&*machine, &work, &coarse, alpha_rad),
+            false => vec![None; coarse.size[0] * coarse.size[1]],
+        };
         let own_s = f64::from(scene.ticks()) * scene.period_s();
         // One at least: the figure has an axis.
         let factors = FACTORS.iter().take(if is_full { FACTORS.len() } else { 1 });
@@ -194,17 +215,30 @@ impl Study {
             .step_by(step as usize)
             .chain([player.ticks()])
             .map(|tick| player.at(tick).pose.position.into());
+        let mut animation = Animation::new(u64::from(player.ticks()) + 1, true);
+        for tick in 0..=player.ticks() {
+            let t_s = f64::from(tick) * scene.period_s();
+            // What cannot be reached is a reason in the table of modes.
+            if let Ok(record) = machine.evaluate(t_s, &player.at(tick)) {
+                animation.push(&record);
+            }
+        }
         Ok(Self {
             modes,
             alpha_rad,
-            disc: grid.largest_disc(&connected),
-            rectangle: grid.largest_rectangle(&connected),
+            turn_rad: turn,
             reach,
             work,
-            connected,
+            total,
             alphas,
-            ratios: (coarse, ratios),
-            joints: along_job(&scene).map_err(refused)?,
+            errors_m: errors_m(&scene, &loads, &coarse, alpha_rad),
+            coarse,
+            loads,
+            case,
+            stiffness_nm_rad,
+            reactions: reactions::along_job(&scene).map_err(refused)?,
+            ratios: ratios::along_job(&scene).map_err(refused)?,
+            animation,
             durations: durations.collect(),
             motors: match is_full {
                 true => motors(&scene, &catalogue).map_err(refused)?,

@@ -1,7 +1,7 @@
 //! A study as text, JSON and a table.
 
 use super::DesignArgs;
-use super::study::{ModeRow, MotorRow, Study, largest};
+use super::study::{ModeRow, MotorRow, Study, Surface, largest};
 use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -15,13 +15,6 @@ const MOTORS_SHOWN: usize = 8;
 /// Bounds of an area in words, cm^2.
 pub(super) fn area([low, high]: [f64; 2]) -> String {
     format!("{:.2} to {:.2} cm^2", CM2 * low, CM2 * high)
-}
-
-/// Area of the whole cells that are connected with the start, m^2.
-pub(super) fn connected_m2(study: &Study) -> f64 {
-    let cell = study.work.grid.cell_m;
-    let count = study.connected.iter().filter(|is_kept| **is_kept).count();
-    count as f64 * cell * cell
 }
 
 /// Cells of a row of the table of modes, after its name.
@@ -157,27 +150,20 @@ pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> St
     let _ = writeln!(
         text,
         "workspace   {}, {:.2} cm^2 connected with the start, undecided {:.3} % of the map",
-        area(study.work.area_m2()),
-        CM2 * connected_m2(study),
-        100.0 * study.work.undecided()
+        area(study.work.map.area_m2()),
+        CM2 * study.work.connected_m2(),
+        100.0 * study.work.map.undecided()
     );
-    if let Some(disc) = study.disc {
-        let [x, y] = disc.centre_m;
-        let _ = writeln!(
-            text,
-            "circle      radius {:.4} m about {x:.4}, {y:.4}",
-            disc.radius_m
-        );
-    }
-    if let Some(rectangle) = study.rectangle {
-        let ([x, y], [width, height]) = (rectangle.low_m, rectangle.size_m);
-        let _ = writeln!(
-            text,
-            "rectangle   {width:.4} m by {height:.4} m from {x:.4}, {y:.4}"
-        );
-    }
+    shapes(&mut text, &study.work);
+    let _ = writeln!(
+        text,
+        "all angles  {}, {:.2} cm^2 connected with the start",
+        area(study.total.map.area_m2()),
+        CM2 * study.total.connected_m2()
+    );
+    shapes(&mut text, &study.total);
     text += "\njoint       peak N      rms N\n";
-    for (leg, joints) in study.joints.iter().enumerate() {
+    for (leg, joints) in study.reactions.forces.iter().enumerate() {
         for (joint, force) in ["A", "B", "C"].iter().zip(joints) {
             let name = format!("{joint}{}", leg + 1);
             let _ = writeln!(
@@ -210,6 +196,25 @@ pub(super) fn summary(study: &Study, args: &DesignArgs, files: &[PathBuf]) -> St
     text
 }
 
+/// Largest circle and rectangle of a surface.
+fn shapes(text: &mut String, surface: &Surface) {
+    if let Some(disc) = surface.disc {
+        let [x, y] = disc.centre_m;
+        let _ = writeln!(
+            text,
+            "circle      radius {:.4} m about {x:.4}, {y:.4}",
+            disc.radius_m
+        );
+    }
+    if let Some(rectangle) = surface.rectangle {
+        let ([x, y], [width, height]) = (rectangle.low_m, rectangle.size_m);
+        let _ = writeln!(
+            text,
+            "rectangle   {width:.4} m by {height:.4} m from {x:.4}, {y:.4}"
+        );
+    }
+}
+
 /// Everything as JSON, in SI units.
 pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
     let mode = |row: &ModeRow| {
@@ -239,6 +244,14 @@ pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
             "figures": figures,
         })
     };
+    let disc = |surface: &Surface| {
+        let disc = surface.disc;
+        disc.map(|disc| json!({ "centre_m": disc.centre_m, "radius_m": disc.radius_m }))
+    };
+    let rectangle = |surface: &Surface| {
+        let rectangle = surface.rectangle;
+        rectangle.map(|each| json!({ "low_m": each.low_m, "size_m": each.size_m }))
+    };
     let map = |map: &trirrr_design::workspace::Workspace| {
         let [lower, upper] = map.area_m2();
         json!({
@@ -254,21 +267,36 @@ pub(super) fn as_json(study: &Study, args: &DesignArgs) -> Value {
         "best_elbows": study.best_mode().map(|row| row.result.elbows.map(|elbow| elbow.sign() as i32)),
         "modes": study.modes.iter().map(mode).collect::<Vec<_>>(),
         "turn_rad": args.turn.to_radians(),
-        "cells": study.work.grid.size,
+        "cells": study.work.map.grid.size,
         "reach": map(&study.reach),
-        "workspace": map(&study.work),
-        "connected_m2": connected_m2(study),
-        "disc": study.disc.map(|disc| json!({ "centre_m": disc.centre_m, "radius_m": disc.radius_m })),
-        "rectangle": study.rectangle.map(|each| json!({ "low_m": each.low_m, "size_m": each.size_m })),
+        "workspace": map(&study.work.map),
+        "connected_m2": study.work.connected_m2(),
+        "disc": disc(&study.work),
+        "rectangle": rectangle(&study.work),
+        "total_orientation": {
+            "workspace": map(&study.total.map),
+            "connected_m2": study.total.connected_m2(),
+            "disc": disc(&study.total),
+            "rectangle": rectangle(&study.total),
+        },
+        "load_n": study.case.load_n,
+        "acceleration_m_s2": study.case.acceleration_m_s2,
+        "stiffness_nm_rad": study.stiffness_nm_rad,
         "alphas": study.alphas.iter().map(|row| json!({
             "alpha_rad": row.degrees.to_radians(),
             "area_m2": row.area_m2,
+            "rate_per_speed_rad_m": row.values.map(|values| values[0]),
+            "torque_nm": row.values.map(|values| values[1]),
+            "offset_m": row.values.map(|values| values[2]),
+            "compliance_m_n": row.values.filter(|_| study.stiffness_nm_rad.is_some()).map(|values| values[3]),
         })).collect::<Vec<_>>(),
         "motors": study.motors.iter().map(motor_json).collect::<Vec<_>>(),
-        "joints": study.joints.map(|leg| leg.map(|force| json!({ "peak_n": force.peak_n, "rms_n": force.rms_n }))),
+        "joints": study.reactions.forces.map(|leg| leg.map(|force| json!({ "peak_n": force.peak_n, "rms_n": force.rms_n }))),
         "durations": study.durations.iter().map(|(seconds, figures)| json!({
             "duration_s": seconds,
             "torque_peak_nm": figures.torque_peak_nm,
+            "torque_rms_nm": figures.torque_rms_nm,
+            "power_peak_w": figures.power_peak_w,
             "work_j": figures.work_j,
         })).collect::<Vec<_>>(),
     })
@@ -299,28 +327,37 @@ fn motor_json(row: &MotorRow) -> Value {
     })
 }
 
-/// Ratios at the cells that the machine works in, as CSV in SI units.
+/// Values at the cells that the machine works in, as CSV in SI units. What the scene does not tell is empty.
 pub(super) fn map_table(study: &Study) -> String {
     let mut text = String::from(
-        "x_m,y_m,serial,parallel,rate_per_speed_rad_m,torque_per_force_m,offset_per_error_m_rad\n",
+        "x_m,y_m,serial,parallel,rate_per_speed_rad_m,torque_per_force_m,offset_per_error_m_rad,torque_nm,force_limit_n,compliance_m_n,tolerance_m\n",
     );
-    let (grid, ratios) = &study.ratios;
-    for (index, each) in ratios.iter().enumerate() {
+    let grid = &study.coarse;
+    for (index, each) in study.loads.iter().enumerate() {
         let Some(each) = each else {
             continue;
         };
         let [x, y] = grid.centre_m(index % grid.size[0], index / grid.size[0]);
-        let [serial, parallel] = each.distances;
+        let ratios = &each.ratios;
+        let [serial, parallel] = ratios.distances;
+        let limits = study.scene.limits.torque_nm;
+        let errors = study.errors_m.as_ref();
         let values = [
-            x,
-            y,
-            serial,
-            parallel,
-            each.rate_per_speed(),
-            each.torque_per_force(),
-            each.offset_per_error(),
+            Some(x),
+            Some(y),
+            Some(serial),
+            Some(parallel),
+            Some(ratios.rate_per_speed()),
+            Some(ratios.torque_per_force()),
+            Some(ratios.offset_per_error()),
+            Some(study.case.torque_nm(each)),
+            limits.map(|limits| each.force_n(limits)),
+            study
+                .stiffness_nm_rad
+                .map(|each_nm| each.compliance_m_n(each_nm)),
+            errors.and_then(|errors| errors[index]),
         ];
-        let cells = values.map(|value| format!("{value:?}"));
+        let cells = values.map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
         let _ = writeln!(text, "{}", cells.join(","));
     }
     text

@@ -49,12 +49,14 @@ impl CalibrationFigures<'_> {
                 .zip(self.rows)
                 .filter_map(|(number, row)| Some((f64::from(number), size(of(row)?, row))))
                 .collect(),
+            ..Curve::default()
         };
         let panel = |quantity, curves| Panel {
             quantity,
             unit: "m",
             from_zero: true,
             curves,
+            ..Panel::default()
         };
         let kept = |row: &JudgedRow| (!row.is_outlier).then_some(row.after);
         let panels = [

@@ -1,30 +1,60 @@
 //! The figures against time: which quantities of the record stand in which panel.
 
-use trirrr_scene::record::Record;
+use super::marks::{least, of_motors};
+use trirrr_core::limits::LimitParameters;
+use trirrr_figures::panel::LimitLine;
+use trirrr_figures::style::{ANGLE, MOTORS, RGBColor, X, Y};
+use trirrr_scene::record::{LegRecord, Record};
 
 /// One quantity of the record as a curve.
-pub(super) struct Source {
+pub(super) struct CurveSource {
     pub(super) label: &'static str,
     pub(super) value: fn(&Record) -> f64,
+    pub(super) colour: RGBColor,
     /// Angles that jump by a turn where atan2 does: drawn without the jump.
     pub(super) unwrap: bool,
 }
 
-const fn curve(label: &'static str, value: fn(&Record) -> f64) -> Source {
-    Source {
+const fn curve(label: &'static str, colour: RGBColor, value: fn(&Record) -> f64) -> CurveSource {
+    CurveSource {
         label,
         value,
+        colour,
         unwrap: false,
     }
 }
 
-const fn angle(label: &'static str, value: fn(&Record) -> f64) -> Source {
-    Source {
-        label,
-        value,
+const fn angle(label: &'static str, colour: RGBColor, value: fn(&Record) -> f64) -> CurveSource {
+    CurveSource {
         unwrap: true,
+        ..curve(label, colour, value)
     }
 }
+
+/// A curve for each leg by the given function.
+macro_rules! of_legs {
+    ($make:ident, $names:ident, $value:expr) => {
+        &[
+            $make($names[0], MOTORS[0], |r| {
+                let value: fn(&LegRecord) -> f64 = $value;
+                value(&r.legs[0])
+            }),
+            $make($names[1], MOTORS[1], |r| {
+                let value: fn(&LegRecord) -> f64 = $value;
+                value(&r.legs[1])
+            }),
+            $make($names[2], MOTORS[2], |r| {
+                let value: fn(&LegRecord) -> f64 = $value;
+                value(&r.legs[2])
+            }),
+        ]
+    };
+}
+
+/// Names of curves of motors and of the joints that they turn.
+pub(super) const MOTOR_NAMES: [&str; 3] = ["motor 1", "motor 2", "motor 3"];
+/// Names of curves of legs.
+const LEG_NAMES: [&str; 3] = ["leg 1", "leg 2", "leg 3"];
 
 /// One panel of a figure.
 pub(super) struct PanelSource {
@@ -32,7 +62,9 @@ pub(super) struct PanelSource {
     pub(super) unit: &'static str,
     /// The axis starts at zero, because the distance from zero matters.
     pub(super) from_zero: bool,
-    pub(super) curves: &'static [Source],
+    pub(super) curves: &'static [CurveSource],
+    /// Limits of the curves.
+    pub(super) limits: fn(&LimitParameters) -> Vec<LimitLine>,
 }
 
 /// One figure: its file, what its title says, its panels.
@@ -47,22 +79,26 @@ pub(super) struct FigureSource {
 const fn panel(
     quantity: &'static str,
     unit: &'static str,
-    curves: &'static [Source],
+    curves: &'static [CurveSource],
 ) -> PanelSource {
     PanelSource {
         quantity,
         unit,
         from_zero: false,
         curves,
+        limits: |_| Vec::new(),
     }
 }
 
-const fn distances(quantity: &'static str, curves: &'static [Source]) -> PanelSource {
-    PanelSource {
-        quantity,
-        unit: "",
-        from_zero: true,
-        curves,
+impl PanelSource {
+    const fn within(mut self, limits: fn(&LimitParameters) -> Vec<LimitLine>) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    const fn from_zero(mut self) -> Self {
+        self.from_zero = true;
+        self
     }
 }
 
@@ -76,9 +112,13 @@ const FIGURES: &[FigureSource] = &[
             panel(
                 "position",
                 "m",
-                &[curve("x", |r| r.pose[0]), curve("y", |r| r.pose[1])],
+                &[curve("x", X, |r| r.pose[0]), curve("y", Y, |r| r.pose[1])],
             ),
-            panel("orientation", "rad", &[curve("\u{3b1}", |r| r.pose[2])]),
+            panel(
+                "orientation",
+                "rad",
+                &[curve("\u{3b1}", ANGLE, |r| r.pose[2])],
+            ),
         ],
     },
     FigureSource {
@@ -89,12 +129,15 @@ const FIGURES: &[FigureSource] = &[
             panel(
                 "velocity",
                 "m/s",
-                &[curve("x", |r| r.velocity[0]), curve("y", |r| r.velocity[1])],
+                &[
+                    curve("x", X, |r| r.velocity[0]),
+                    curve("y", Y, |r| r.velocity[1]),
+                ],
             ),
             panel(
                 "angular velocity",
                 "rad/s",
-                &[curve("\u{3b1}", |r| r.velocity[2])],
+                &[curve("\u{3b1}", ANGLE, |r| r.velocity[2])],
             ),
         ],
     },
@@ -107,14 +150,14 @@ const FIGURES: &[FigureSource] = &[
                 "acceleration",
                 "m/s\u{b2}",
                 &[
-                    curve("x", |r| r.acceleration[0]),
-                    curve("y", |r| r.acceleration[1]),
+                    curve("x", X, |r| r.acceleration[0]),
+                    curve("y", Y, |r| r.acceleration[1]),
                 ],
             ),
             panel(
                 "angular acceleration",
                 "rad/s\u{b2}",
-                &[curve("\u{3b1}", |r| r.acceleration[2])],
+                &[curve("\u{3b1}", ANGLE, |r| r.acceleration[2])],
             ),
         ],
     },
@@ -124,22 +167,14 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel(
-                "proximal links",
+                "motor, proximal link",
                 "rad",
-                &[
-                    angle("leg 1", |r| r.legs[0].th1),
-                    angle("leg 2", |r| r.legs[1].th1),
-                    angle("leg 3", |r| r.legs[2].th1),
-                ],
+                of_legs!(angle, MOTOR_NAMES, |leg| leg.th1),
             ),
             panel(
-                "distal links",
+                "distal link",
                 "rad",
-                &[
-                    angle("leg 1", |r| r.legs[0].th2),
-                    angle("leg 2", |r| r.legs[1].th2),
-                    angle("leg 3", |r| r.legs[2].th2),
-                ],
+                of_legs!(angle, LEG_NAMES, |leg| leg.th2),
             ),
         ],
     },
@@ -149,22 +184,33 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel(
-                "proximal links",
+                "motor, proximal link",
                 "rad/s",
-                &[
-                    curve("leg 1", |r| r.legs[0].dth1),
-                    curve("leg 2", |r| r.legs[1].dth1),
-                    curve("leg 3", |r| r.legs[2].dth1),
-                ],
-            ),
+                of_legs!(curve, MOTOR_NAMES, |leg| leg.dth1),
+            )
+            .within(|limits| of_motors(limits.rate_rad_s)),
             panel(
-                "distal links",
+                "distal link",
                 "rad/s",
-                &[
-                    curve("leg 1", |r| r.legs[0].dth2),
-                    curve("leg 2", |r| r.legs[1].dth2),
-                    curve("leg 3", |r| r.legs[2].dth2),
-                ],
+                of_legs!(curve, LEG_NAMES, |leg| leg.dth2),
+            ),
+        ],
+    },
+    FigureSource {
+        file: "joint_acceleration.svg",
+        title: "angular accelerations of the links",
+        dynamic: false,
+        panels: &[
+            panel(
+                "motor, proximal link",
+                "rad/s\u{b2}",
+                of_legs!(curve, MOTOR_NAMES, |leg| leg.ddth1),
+            )
+            .within(|limits| of_motors(limits.acceleration_rad_s2)),
+            panel(
+                "distal link",
+                "rad/s\u{b2}",
+                of_legs!(curve, LEG_NAMES, |leg| leg.ddth2),
             ),
         ],
     },
@@ -175,42 +221,37 @@ const FIGURES: &[FigureSource] = &[
         panels: &[panel(
             "torque",
             "N m",
-            &[
-                curve("motor 1", |r| r.legs[0].torque),
-                curve("motor 2", |r| r.legs[1].torque),
-                curve("motor 3", |r| r.legs[2].torque),
-            ],
-        )],
+            of_legs!(curve, MOTOR_NAMES, |leg| leg.torque),
+        )
+        .within(|limits| of_motors(limits.torque_nm))],
     },
     FigureSource {
         file: "power.svg",
         title: "powers of the motors",
         dynamic: true,
-        panels: &[panel(
-            "power",
-            "W",
-            &[
-                curve("motor 1", |r| r.legs[0].power),
-                curve("motor 2", |r| r.legs[1].power),
-                curve("motor 3", |r| r.legs[2].power),
-                curve("sum", |r| r.legs.iter().map(|leg| leg.power).sum()),
-            ],
-        )],
+        panels: &[
+            panel("power", "W", of_legs!(curve, MOTOR_NAMES, |leg| leg.power))
+                .within(|limits| of_motors(limits.power_w)),
+            panel(
+                "sum of the powers",
+                "W",
+                &[curve("sum", ANGLE, |r| {
+                    r.legs.iter().map(|leg| leg.power).sum()
+                })],
+            ),
+        ],
     },
     FigureSource {
         file: "singularity.svg",
         title: "scale-free distances to singularity",
         dynamic: false,
         panels: &[
-            distances(
-                "serial",
-                &[
-                    curve("leg 1", |r| r.legs[0].serial),
-                    curve("leg 2", |r| r.legs[1].serial),
-                    curve("leg 3", |r| r.legs[2].serial),
-                ],
-            ),
-            distances("parallel", &[curve("machine", |r| r.parallel)]),
+            panel("serial", "", of_legs!(curve, LEG_NAMES, |leg| leg.serial))
+                .from_zero()
+                .within(|limits| least(limits.serial_distance_min)),
+            panel("parallel", "", &[curve("machine", ANGLE, |r| r.parallel)])
+                .from_zero()
+                .within(|limits| least(limits.parallel_distance_min)),
         ],
     },
 ];
@@ -223,7 +264,7 @@ pub(super) fn figures(torque: bool) -> impl Iterator<Item = &'static FigureSourc
 }
 
 /// Returns every curve, in the order of figures and panels.
-pub(super) fn sources(torque: bool) -> impl Iterator<Item = &'static Source> {
+pub(super) fn sources(torque: bool) -> impl Iterator<Item = &'static CurveSource> {
     figures(torque)
         .flat_map(|figure| figure.panels)
         .flat_map(|panel| panel.curves)

@@ -1,11 +1,11 @@
 //! Figure of the drives: how far the platform is off by what they measure, and what pushes it.
 
-use super::FigureError;
-use std::io;
+use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_client::drive_records::DriveRecord;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_figures::style::{ANGLE, PATH, RGBColor, X, Y};
 
 /// Samples of the drives, thinned out for the figure in bounded memory.
 pub struct DriveTraces {
@@ -34,32 +34,30 @@ impl DriveTraces {
     /// # Errors
     /// The file could not be written, and why.
     pub fn write(self, folder: &Path, heading: &str) -> Result<PathBuf, FigureError> {
-        let path = folder.join("drives.svg");
         let points = self.points.finish();
-        let panel = |quantity, unit, labels: &[(&'static str, usize)]| Panel {
+        let panel = |quantity, unit, labels: &[(&'static str, RGBColor, usize)]| Panel {
             quantity,
             unit,
             from_zero: true,
             curves: labels
                 .iter()
-                .map(|(label, index)| Curve {
+                .map(|(label, colour, index)| Curve {
                     label: (*label).into(),
                     points: points.iter().map(|(t, all)| (*t, all[*index])).collect(),
+                    colour: Some(*colour),
+                    dashed: false,
                 })
                 .collect(),
+            ..Panel::default()
         };
-        let mut panels = vec![panel("tool off its path", "m", &[("measured", 0)])];
+        let mut panels = vec![panel("D off its path", "m", &[("measured", PATH, 0)])];
         if self.torque {
-            panels.push(panel("estimated force", "N", &[("x", 1), ("y", 2)]));
-            panels.push(panel("estimated moment", "N m", &[("alpha", 3)]));
+            let force = [("x", X, 1), ("y", Y, 2)];
+            panels.push(panel("estimated force", "N", &force));
+            let moment = [("about D", ANGLE, 3)];
+            panels.push(panel("estimated moment", "N m", &moment));
         }
-        draw(&format!("{heading}: what the drives measure"), &panels)
-            .map_err(|error| io::Error::other(error.to_string()))
-            .and_then(|svg| std::fs::write(&path, svg))
-            .map_err(|source| FigureError {
-                path: path.clone(),
-                source,
-            })?;
-        Ok(path)
+        let drawn = draw(&format!("{heading}: what the drives measure"), &panels);
+        save(folder.join("drives.svg"), drawn)
     }
 }

@@ -33,12 +33,14 @@ pub fn write_torques(
                 .iter()
                 .map(|(t, values)| (*t, values[index]))
                 .collect(),
+            ..Curve::default()
         };
         Panel {
             quantity,
             unit: "N m",
             from_zero: false,
             curves: vec![curve(0, "measured"), curve(1, "found"), curve(2, "before")],
+            ..Panel::default()
         }
     };
     let panels: Vec<Panel> = MOTORS.iter().enumerate().map(panel).collect();

@@ -1,20 +1,20 @@
 //! The machine drawn to scale at several instants, with the path of the tool.
 
-use trirrr_figures::style::{RGBColor, WHITE};
-
-use trirrr_figures::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
-use trirrr_figures::panel::{axis_title, range};
-use trirrr_figures::scale::{Axis, Margin, seconds};
-use trirrr_figures::style::{BLUE, FRAME, GREEN, GRID, INK, PURPLE, VERMILLION, faded};
+use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use trirrr_figures::plane::View;
+use trirrr_figures::scale::seconds;
+use trirrr_figures::style::{CURVES, FRAME, GROUND, INK, LIMIT, PATH, RGBColor, WHITE, faded};
 use trirrr_scene::record::{LegRecord, Record};
 
-const LEFT: f64 = 72.0;
+const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 62.0;
 const LEGEND: f64 = 196.0;
+/// Widths of the links.
+const PROXIMAL: f64 = 5.6;
+const DISTAL: f64 = 3.2;
 /// The drawing fits into a square of this side, and is at least a third of it wide and high.
 const SIDE: f64 = 640.0;
-const GROUND: RGBColor = RGBColor(80, 80, 80);
 
 /// The machine at one instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,37 +41,61 @@ pub(super) struct Scenery {
     pub(super) guides: Vec<[[f64; 2]; 2]>,
     /// Positions of D, m.
     pub(super) path: Vec<(f64, f64)>,
+    /// Parts of the path on which a limit is broken, m.
+    pub(super) broken: Vec<Vec<(f64, f64)>>,
 }
 
 /// Draws the machine. Nothing to draw gives an empty frame.
 pub(super) fn draw(title: &str, scenery: &Scenery) -> Drawn {
-    let view = View::around(scenery);
+    let drawing = MachineDrawing {
+        view: view(scenery),
+        scenery,
+    };
+    let view = &drawing.view;
     let width = (LEFT + view.width + LEGEND).max(Size::Title.width(title) + 40.0);
     page(width, TOP + view.height + BOTTOM, |canvas| {
         canvas.text(title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
-        view.grid(canvas)?;
-        view.base(canvas, scenery)?;
+        view.grid(canvas, ["x", "y"])?;
+        drawing.base(canvas)?;
         let last = scenery.instants.len().saturating_sub(1);
         // In between first, so that the start and the end lie on top.
         for (index, record) in scenery.instants.iter().enumerate() {
             if index != 0 && index != last {
-                view.machine(canvas, record, Shade::Between)?;
+                drawing.machine(canvas, record, Shade::Between)?;
             }
         }
         if let (true, Some(start)) = (last > 0, scenery.instants.first()) {
-            view.machine(canvas, start, Shade::Start)?;
+            drawing.machine(canvas, start, Shade::Start)?;
         }
         if let Some(end) = scenery.instants.last() {
-            view.machine(canvas, end, Shade::End)?;
+            drawing.machine(canvas, end, Shade::End)?;
         }
         let path: Vec<_> = scenery.path.iter().map(|&(x, y)| view.at([x, y])).collect();
         canvas.line(&path, WHITE, 4.0)?;
-        canvas.line(&path, PURPLE, 2.2)?;
-        for point in path.first().into_iter().chain(path.last()) {
-            canvas.dot(*point, 3.6, PURPLE)?;
+        canvas.line(&path, PATH, 2.2)?;
+        for stretch in &scenery.broken {
+            let line: Vec<_> = stretch.iter().map(|&(x, y)| view.at([x, y])).collect();
+            canvas.line(&line, LIMIT, 3.4)?;
+            if let Some(first) = line.first() {
+                canvas.cross(*first, LIMIT)?;
+            }
         }
-        view.legend(canvas, scenery)
+        for point in path.first().into_iter().chain(path.last()) {
+            canvas.dot(*point, 3.6, PATH)?;
+        }
+        drawing.legend(canvas)
     })
+}
+
+fn view(scenery: &Scenery) -> View {
+    let joints = scenery.instants.iter().flat_map(|record| {
+        let legs = record.legs.iter();
+        legs.flat_map(|leg| [leg.base, leg.elbow(), leg.platform_joint()])
+    });
+    let guides = scenery.guides.iter().flatten().copied();
+    let path = scenery.path.iter().map(|&(x, y)| [x, y]);
+    let points: Vec<[f64; 2]> = joints.chain(guides).chain(path).collect();
+    View::around(&points, "m", (LEFT, TOP), SIDE)
 }
 
 /// Strength in which an instant is drawn.
@@ -110,96 +134,22 @@ fn closed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().chain(points.first()).copied().collect()
 }
 
-/// The map from metres to logical pixels, the same scale both ways.
-struct View {
-    x: Axis,
-    y: Axis,
-    width: f64,
-    height: f64,
+struct MachineDrawing<'a> {
+    view: View,
+    scenery: &'a Scenery,
 }
 
-impl View {
-    fn around(scenery: &Scenery) -> Self {
-        let joints = scenery.instants.iter().flat_map(|record| {
-            record
-                .legs
-                .iter()
-                .flat_map(|leg| [leg.base, leg.elbow(), leg.platform_joint()])
-        });
-        let points: Vec<[f64; 2]> = joints
-            .chain(scenery.guides.iter().flatten().copied())
-            .chain(scenery.path.iter().map(|&(x, y)| [x, y]))
-            .collect();
-        let (left, right) = range(points.iter().map(|p| p[0]));
-        let (low, high) = range(points.iter().map(|p| p[1]));
-        let span = f64::max(right - left, high - low);
-        // A machine that is a single point still has a scale.
-        let span = if span > 0.0 { span } else { 1.0 };
-        let margin = 0.09 * span;
-        let extent = |low: f64, high: f64| {
-            let missing = f64::max(0.0, span / 3.0 - (high - low)) / 2.0;
-            (low - margin - missing, high + margin + missing)
-        };
-        let ((left, right), (low, high)) = (extent(left, right), extent(low, high));
-        let pixels = SIDE / f64::max(right - left, high - low);
-        let (width, height) = ((right - left) * pixels, (high - low) * pixels);
-        let interval = 80.0;
-        Self {
-            x: Axis::new(left, right, "m", Margin::Exact, width / interval),
-            y: Axis::new(low, high, "m", Margin::Exact, height / interval),
-            width,
-            height,
-        }
-    }
-
-    fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
-        (
-            LEFT + self.x.fraction(x) * self.width,
-            TOP + (1.0 - self.y.fraction(y)) * self.height,
-        )
-    }
-
-    fn grid(&self, canvas: &Canvas<'_>) -> Draw {
-        let (right, bottom) = (LEFT + self.width, TOP + self.height);
-        for (value, label) in &self.x.ticks {
-            let x = LEFT + self.x.fraction(*value) * self.width;
-            canvas.line(&[(x, TOP), (x, bottom)], GRID, 1.0)?;
-            canvas.text(label, (x, bottom + 8.0), Size::Tick, BELOW, INK)?;
-        }
-        for (value, label) in &self.y.ticks {
-            let y = bottom - self.y.fraction(*value) * self.height;
-            canvas.line(&[(LEFT, y), (right, y)], GRID, 1.0)?;
-            canvas.text(label, (LEFT - 8.0, y), Size::Tick, LEFT_OF, INK)?;
-        }
-        let corners = [
-            (LEFT, TOP),
-            (right, TOP),
-            (right, bottom),
-            (LEFT, bottom),
-            (LEFT, TOP),
-        ];
-        canvas.line(&corners, FRAME, 1.0)?;
-        let middle = (LEFT + self.width / 2.0, bottom + 34.0);
-        canvas.text(
-            &axis_title("x", &self.x.unit),
-            middle,
-            Size::Label,
-            BELOW,
-            INK,
-        )?;
-        let middle = (20.0, TOP + self.height / 2.0);
-        canvas.upright(&axis_title("y", &self.y.unit), middle, Size::Label, INK)
-    }
-
+impl MachineDrawing<'_> {
     /// The polygon of the base joints with the motors' numbers, and the guides of the joints that move.
-    fn base(&self, canvas: &Canvas<'_>, scenery: &Scenery) -> Draw {
+    fn base(&self, canvas: &Canvas<'_>) -> Draw {
+        let (view, scenery) = (&self.view, self.scenery);
         let Some(last) = scenery.instants.last() else {
             return Ok(());
         };
         for [from, to] in &scenery.guides {
-            canvas.line(&[self.at(*from), self.at(*to)], GROUND, 1.5)?;
+            canvas.line(&[view.at(*from), view.at(*to)], GROUND, 1.5)?;
         }
-        let joints: Vec<_> = last.legs.iter().map(|leg| self.at(leg.base)).collect();
+        let joints: Vec<_> = last.legs.iter().map(|leg| view.at(leg.base)).collect();
         let count = joints.len() as f64;
         let centre = joints.iter().fold((0.0, 0.0), |sum, joint| {
             (sum.0 + joint.0 / count, sum.1 + joint.1 / count)
@@ -234,15 +184,29 @@ impl View {
     fn machine(&self, canvas: &Canvas<'_>, instant: &DrawnInstant, shade: Shade) -> Draw {
         draw_pose(
             canvas,
-            |point| self.at(point),
+            |point| self.view.at(point),
             &instant.legs,
             |colour| shade.of(colour),
         )
     }
 
+    /// Returns `true` if the machine ends where it began.
+    fn is_closed(&self) -> bool {
+        let instants = &self.scenery.instants;
+        let [Some(first), Some(last)] = [instants.first(), instants.last()] else {
+            return false;
+        };
+        let mut legs = first.legs.iter().zip(&last.legs);
+        let is_there = legs.all(|(one, other)| {
+            let [a, b] = [one, other].map(|leg| self.view.at(leg.elbow()));
+            (a.0 - b.0).hypot(a.1 - b.1) < 1.5
+        });
+        instants.len() > 1 && is_there
+    }
+
     /// Beside the drawing, where it covers nothing.
-    fn legend(&self, canvas: &Canvas<'_>, scenery: &Scenery) -> Draw {
-        let x = LEFT + self.width + 16.0;
+    fn legend(&self, canvas: &Canvas<'_>) -> Draw {
+        let x = LEFT + self.view.width + 16.0;
         let mut y = TOP + 12.0;
         let entry = |y: &mut f64, colours: &[RGBColor], width: f64, text: &str| -> Draw {
             for (i, colour) in colours.iter().enumerate() {
@@ -253,15 +217,29 @@ impl View {
             *y += 23.0;
             Ok(())
         };
-        entry(&mut y, &[BLUE], 5.0, "proximal links")?;
-        entry(&mut y, &[VERMILLION], 3.6, "distal links")?;
-        entry(&mut y, &[GREEN], 3.0, "platform")?;
-        entry(&mut y, &[PURPLE], 2.2, "path of D")?;
-        let instants = &scenery.instants;
+        let legs = self.scenery.instants.last().map_or(3, |at| at.legs.len());
+        let colours = &CURVES[..legs.min(CURVES.len())];
+        for (leg, colour) in colours.iter().enumerate() {
+            entry(&mut y, &[*colour], 4.0, &format!("leg {}", leg + 1))?;
+        }
+        entry(&mut y, &[FRAME], PROXIMAL, "thick: A to B")?;
+        entry(&mut y, &[FRAME], DISTAL, "thin: B to C")?;
+        entry(&mut y, &[PATH], 2.2, "platform, path of D")?;
+        if !self.scenery.broken.is_empty() {
+            entry(&mut y, &[LIMIT], 3.4, "limit broken")?;
+        }
+        let instants = &self.scenery.instants;
         let [Some(first), Some(last)] = [instants.first(), instants.last()] else {
             return Ok(());
         };
-        let mut shades = vec![(Shade::End, format!("t = {}", seconds(last.t)))];
+        let is_closed = self.is_closed();
+        let mut shades = vec![match is_closed {
+            true => (
+                Shade::End,
+                format!("t = {} and {}", seconds(first.t), seconds(last.t)),
+            ),
+            false => (Shade::End, format!("t = {}", seconds(last.t))),
+        }];
         if instants.len() > 2 {
             let between: Vec<String> = instants[1..instants.len() - 1]
                 .iter()
@@ -274,12 +252,16 @@ impl View {
             };
             shades.insert(0, (Shade::Between, text));
         }
-        if instants.len() > 1 {
+        if instants.len() > 1 && !is_closed {
             shades.insert(0, (Shade::Start, format!("t = {}", seconds(first.t))));
         }
         y += 12.0;
         for (shade, text) in shades {
-            let colours = [shade.of(BLUE), shade.of(VERMILLION)];
+            let colours: Vec<_> = colours
+                .iter()
+                .take(3)
+                .map(|colour| shade.of(*colour))
+                .collect();
             entry(&mut y, &colours, 4.0, &text)?;
         }
         Ok(())
@@ -294,13 +276,14 @@ pub(crate) fn draw_pose(
     shade: impl Fn(RGBColor) -> RGBColor,
 ) -> Draw {
     let platform: Vec<_> = legs.iter().map(|leg| at(leg.platform_joint())).collect();
-    canvas.polygon(&platform, shade(faded(GREEN, 0.55)))?;
-    canvas.line(&closed(&platform), shade(GREEN), 2.0)?;
-    for leg in legs {
+    canvas.polygon(&platform, shade(faded(PATH, 0.3)))?;
+    canvas.line(&closed(&platform), shade(PATH), 2.0)?;
+    // The first three are the colours of the motors.
+    for (leg, colour) in legs.iter().zip(CURVES) {
         let (base, elbow) = (at(leg.base), at(leg.elbow()));
         let joint = at(leg.platform_joint());
-        canvas.line(&[base, elbow], shade(BLUE), 5.0)?;
-        canvas.line(&[elbow, joint], shade(VERMILLION), 3.6)?;
+        canvas.line(&[base, elbow], shade(colour), PROXIMAL)?;
+        canvas.line(&[elbow, joint], shade(colour), DISTAL)?;
         canvas.joint(elbow, 4.6, shade(INK))?;
         canvas.joint(joint, 3.8, shade(INK))?;
         canvas.joint(base, 5.6, GROUND)?;
@@ -334,8 +317,9 @@ mod tests {
                 instants: [0.0, 1.0].map(|t| (&record(t, size)).into()).into(),
                 guides: vec![],
                 path: vec![(0.0, 0.0), (0.01 * size, 0.02 * size)],
+                broken: vec![],
             };
-            let view = View::around(&scenery);
+            let view = view(&scenery);
             let (origin, x, y) = (
                 view.at([0.0, 0.0]),
                 view.at([0.1 * size, 0.0]),
@@ -343,11 +327,24 @@ mod tests {
             );
             assert!((x.0 - origin.0 - (origin.1 - y.1)).abs() < 1e-6);
             assert!(x.0 - origin.0 > 50.0);
-            assert!(
-                draw("machine", &scenery)
-                    .unwrap()
-                    .contains("proximal links")
-            );
+            assert!(draw("machine", &scenery).unwrap().contains("path of D"));
+        }
+    }
+
+    #[test]
+    fn a_start_under_the_end_is_named_with_it() {
+        for (end, text) in [(1.0, "t = 0 s and 2 s"), (1.2, "t = 2 s")] {
+            let scenery = Scenery {
+                instants: [record(0.0, 1.0), record(1.0, 1.5), record(2.0, end)]
+                    .iter()
+                    .map(DrawnInstant::from)
+                    .collect(),
+                guides: vec![],
+                path: vec![],
+                broken: vec![],
+            };
+            let drawn = draw("machine", &scenery).unwrap();
+            assert!(drawn.contains(&format!(">\n{text}\n<")), "{text}");
         }
     }
 
@@ -358,6 +355,7 @@ mod tests {
                 instants,
                 guides: vec![],
                 path: vec![],
+                broken: vec![],
             };
             assert!(draw("machine", &scenery).unwrap().ends_with("</svg>\n"));
         }

@@ -4,6 +4,7 @@ use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_figures::style::{ANGLE, LIMIT, PATH};
 
 /// Speeds of a plan, thinned out in bounded memory.
 pub struct PlanTraces {
@@ -38,19 +39,23 @@ impl PlanTraces {
                 .iter()
                 .map(|(t, values)| (*t, values[index]))
                 .collect(),
+            colour: Some([PATH, LIMIT, ANGLE][index]),
+            dashed: index == 1,
         };
         let mut panels = vec![Panel {
             quantity: "speed of D",
             unit: "m/s",
             from_zero: true,
-            curves: vec![curve(0, "plan"), curve(1, "bound of any motion")],
+            curves: vec![curve(1, "bound of any motion"), curve(0, "plan")],
+            ..Panel::default()
         }];
         if self.with_alpha {
             panels.push(Panel {
-                quantity: "alpha",
+                quantity: "orientation",
                 unit: "rad",
                 from_zero: false,
-                curves: vec![curve(2, "chosen")],
+                curves: vec![curve(2, "\u{3b1}, chosen")],
+                ..Panel::default()
             });
         }
         let drawn = draw(&format!("{name}: the plan and its bound"), &panels);

@@ -1,20 +1,23 @@
 //! Figures of a simulated plant: how far it is off, and what its motors do.
 
-use super::FigureError;
-use std::io;
+mod path_error;
+
+use super::catalogue::MOTOR_NAMES;
+use super::marks::{JobMarks, of_motors};
+use super::traces::MotorCurves;
+use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_figures::style::{ANGLE, MOTORS, RGBColor, X, Y};
 use trirrr_plant::motor::wrapped;
 use trirrr_plant::table::Row;
-
-const MOTORS: [&str; 3] = ["motor 1", "motor 2", "motor 3"];
 
 /// One panel's curves while they are gathered.
 struct Gathered {
     quantity: &'static str,
     unit: &'static str,
-    labels: &'static [&'static str],
+    labels: &'static [(&'static str, RGBColor)],
     values: fn(&Row) -> [f64; 3],
     points: Decimator<3>,
 }
@@ -22,11 +25,21 @@ struct Gathered {
 /// Rows of a run, thinned out for the figures in bounded memory.
 pub struct PlantTraces {
     figures: [(&'static str, &'static str, Vec<Gathered>); 3],
+    /// Setpoint and place of D: x, y, x, y.
+    places: Decimator<4>,
+    marks: JobMarks,
 }
 
+/// Names and colours of the motors.
+const OF_MOTORS: [(&str, RGBColor); 3] = [
+    (MOTOR_NAMES[0], MOTORS[0]),
+    (MOTOR_NAMES[1], MOTORS[1]),
+    (MOTOR_NAMES[2], MOTORS[2]),
+];
+
 impl PlantTraces {
-    /// For a run of about `rows` rows.
-    pub fn new(rows: u64) -> Self {
+    /// For a run of about `rows` rows of a job with `marks`.
+    pub fn new(rows: u64, marks: JobMarks) -> Self {
         let panel = |quantity, unit, labels, values: fn(&Row) -> [f64; 3]| Gathered {
             quantity,
             unit,
@@ -34,24 +47,25 @@ impl PlantTraces {
             values,
             points: Decimator::new(rows),
         };
-        let joints = &["joint 1", "joint 2", "joint 3"];
         Self {
+            places: Decimator::new(rows),
+            marks,
             figures: [
                 (
                     "tracking.svg",
                     "tracking error",
                     vec![
-                        panel("tool", "m", &["x", "y"], |row| {
+                        panel("position of D", "m", &[("x", X), ("y", Y)], |row| {
                             [
                                 row.pose[0] - row.setpoint[0],
                                 row.pose[1] - row.setpoint[1],
                                 0.0,
                             ]
                         }),
-                        panel("platform angle", "rad", &["alpha"], |row| {
+                        panel("orientation", "rad", &[("\u{3b1}", ANGLE)], |row| {
                             [row.pose[2] - row.setpoint[2], 0.0, 0.0]
                         }),
-                        panel("joints", "rad", joints, |row| {
+                        panel("angle at the motor's joint", "rad", &OF_MOTORS, |row| {
                             [0, 1, 2].map(|i| wrapped(row.angles[i] - row.references[i]))
                         }),
                     ],
@@ -60,16 +74,16 @@ impl PlantTraces {
                     "current.svg",
                     "currents and voltages of the motors",
                     vec![
-                        panel("current", "A", &MOTORS, |row| row.currents),
-                        panel("voltage", "V", &MOTORS, |row| row.voltages),
+                        panel("current", "A", &OF_MOTORS, |row| row.currents),
+                        panel("voltage", "V", &OF_MOTORS, |row| row.voltages),
                     ],
                 ),
                 (
                     "plant_torque.svg",
                     "torques and powers of the motors in the plant",
                     vec![
-                        panel("torque", "N m", &MOTORS, |row| row.torques),
-                        panel("mechanical power", "W", &MOTORS, |row| row.powers),
+                        panel("torque", "N m", &OF_MOTORS, |row| row.torques),
+                        panel("mechanical power", "W", &OF_MOTORS, |row| row.powers),
                     ],
                 ),
             ],
@@ -83,45 +97,78 @@ impl PlantTraces {
                 panel.points.push(row.t, (panel.values)(row));
             }
         }
+        let ([xd, yd, _], [x, y, _]) = (row.setpoint, row.pose);
+        self.places.push(row.t, [xd, yd, x, y]);
     }
 
-    /// Draws everything into `folder`, which must exist; the files written.
+    /// Draws everything into `folder`, which must exist; the files written. `asked` are the torques and powers of the job, drawn beside
+    /// those of the plant.
     ///
     /// # Errors
     /// The file that could not be written, and why.
-    pub fn write_all(self, folder: &Path, heading: &str) -> Result<Vec<PathBuf>, FigureError> {
+    pub fn write_all(
+        self,
+        folder: &Path,
+        heading: &str,
+        asked: MotorCurves,
+    ) -> Result<Vec<PathBuf>, FigureError> {
         let mut written = Vec::new();
+        let limits = &self.marks.limits;
         for (file, title, gathered) in self.figures {
-            let panels: Vec<Panel> = gathered.into_iter().map(Gathered::panel).collect();
-            let path = folder.join(file);
-            draw(&format!("{heading}: {title}"), &panels)
-                .map_err(|error| io::Error::other(error.to_string()))
-                .and_then(|svg| std::fs::write(&path, svg))
-                .map_err(|source| FigureError {
-                    path: path.clone(),
-                    source,
-                })?;
-            written.push(path);
+            let mut panels: Vec<Panel> = gathered.into_iter().map(Gathered::panel).collect();
+            for panel in &mut panels {
+                let (limit, points) = match panel.quantity {
+                    "torque" => (limits.torque_nm, &asked.torques),
+                    "mechanical power" => (limits.power_w, &asked.powers),
+                    _ => (None, &None),
+                };
+                panel.limits = of_motors(limit);
+                panel.marks.clone_from(&self.marks.ends_s);
+                panel.curves.extend(points.iter().flat_map(ideal));
+            }
+            let drawn = draw(&format!("{heading}: {title}"), &panels);
+            written.push(save(folder.join(file), drawn)?);
         }
+        let drawn = path_error::draw(heading, &self.places.finish());
+        written.push(save(folder.join("path_error.svg"), drawn)?);
         Ok(written)
     }
+}
+
+/// Darker, so that it is seen on top of the plant's curve.
+fn dark(RGBColor(red, green, blue): RGBColor) -> RGBColor {
+    RGBColor(red / 2, green / 2, blue / 2)
+}
+
+/// Curves of an ideal machine, dashed.
+fn ideal(points: &[Vec<(f64, f64)>; 3]) -> impl Iterator<Item = Curve> {
+    const LABELS: [&str; 3] = ["ideal 1", "ideal 2", "ideal 3"];
+    (0..3).map(|motor| Curve {
+        label: LABELS[motor].into(),
+        points: points[motor].clone(),
+        colour: Some(dark(MOTORS[motor])),
+        dashed: true,
+    })
 }
 
 impl Gathered {
     fn panel(self) -> Panel {
         let points = self.points.finish();
-        let curve = |(index, label): (usize, &&'static str)| Curve {
+        let curve = |(index, (label, colour)): (usize, &(&'static str, RGBColor))| Curve {
             label: (*label).into(),
             points: points
                 .iter()
                 .map(|(t, values)| (*t, values[index]))
                 .collect(),
+            colour: Some(*colour),
+            dashed: false,
         };
         Panel {
             quantity: self.quantity,
             unit: self.unit,
             from_zero: true,
             curves: self.labels.iter().enumerate().map(curve).collect(),
+            ..Panel::default()
         }
     }
 }

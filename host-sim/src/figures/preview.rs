@@ -4,7 +4,7 @@ use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{FRAME, GREEN, INK, PURPLE, RGBColor, VERMILLION, faded};
+use trirrr_figures::style::{AREA, FRAME, INK, LIMIT, PATH, RGBColor, faded};
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, ReachMap};
 
@@ -73,7 +73,7 @@ impl Preview<'_> {
             self.motions(canvas, &curves)?;
             canvas.dot(view.at(self.start_m), 3.6, INK)?;
             if let Some(breach) = self.breach {
-                cross(canvas, view.at(breach))?;
+                canvas.cross(view.at(breach), LIMIT)?;
             }
             self.legend(canvas, TOP + view.height + 66.0)
         })
@@ -126,7 +126,7 @@ impl Preview<'_> {
             |column, row| reach.place_m(column, row),
             |column, row| {
                 let shade = shade(reach.margin(column, row)?);
-                Some(faded(GREEN, SHADES[shade].1))
+                Some(faded(AREA, SHADES[shade].1))
             },
         )
     }
@@ -136,7 +136,7 @@ impl Preview<'_> {
         let text = |row: f64, text: &str| {
             canvas.text(text, (LEFT + 48.0, line(row)), Size::Tick, RIGHT_OF, INK)
         };
-        canvas.line(&[(LEFT, line(0.0)), (LEFT + 36.0, line(0.0))], PURPLE, 1.6)?;
+        canvas.line(&[(LEFT, line(0.0)), (LEFT + 36.0, line(0.0))], PATH, 1.6)?;
         text(0.0, "tool on, paler at less power")?;
         canvas.dashed((LEFT, line(1.0)), (LEFT + 36.0, line(1.0)), FRAME)?;
         text(1.0, "tool off; the dot is the start")?;
@@ -144,14 +144,14 @@ impl Preview<'_> {
             let (left, right) = (LEFT + 9.0 * index as f64, LEFT + 9.0 * (index + 1) as f64);
             let (low, high) = (line(2.0) + 6.0, line(2.0) - 6.0);
             let corners = [(left, low), (right, low), (right, high), (left, high)];
-            canvas.polygon(&corners, faded(GREEN, *strength))?;
+            canvas.polygon(&corners, faded(AREA, *strength))?;
         }
         text(
             2.0,
             "reach at the angle of the start: distance to singularities from 0, 0.2, 0.4, 0.6",
         )?;
         if self.breach.is_some() {
-            cross(canvas, (LEFT + 18.0, line(3.0)))?;
+            canvas.cross((LEFT + 18.0, line(3.0)), LIMIT)?;
             text(3.0, "here the path is refused")?;
         }
         Ok(())
@@ -199,7 +199,7 @@ impl Stroke {
 
 /// Shade of a power, 0 to 1.
 fn tone(power: f64) -> RGBColor {
-    faded(PURPLE, 0.12 + 0.88 * power.clamp(0.0, 1.0))
+    faded(PATH, 0.12 + 0.88 * power.clamp(0.0, 1.0))
 }
 
 fn shade(margin: f64) -> usize {
@@ -226,13 +226,6 @@ fn places(piece: &Piece<f64>) -> Vec<[f64; 2]> {
 fn way(canvas: &Canvas<'_>, points: &[(f64, f64)]) -> Draw {
     for pair in points.windows(2) {
         canvas.dashed(pair[0], pair[1], FRAME)?;
-    }
-    Ok(())
-}
-
-fn cross(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Draw {
-    for turn in [-6.0, 6.0] {
-        canvas.line(&[(x - 6.0, y - turn), (x + 6.0, y + turn)], VERMILLION, 3.0)?;
     }
     Ok(())
 }

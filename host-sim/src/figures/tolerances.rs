@@ -1,10 +1,10 @@
 //! Figures of tolerances: the bound of the error at the tool, and the band of each torque.
 
-use super::FigureError;
-use std::io;
+use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_figures::style::{ANGLE, MOTORS, PATH, RGBColor, X, Y};
 use trirrr_tolerances::TimeSpan;
 
 /// Intervals of a move that are likely.
@@ -62,20 +62,26 @@ impl ToleranceTraces {
             None => name.into(),
         };
         let errors = self.errors.finish();
-        let curve = |index: usize, label: &'static str| curve(&errors, index, label);
+        let curve =
+            |index: usize, label: &'static str, colour| curve(&errors, index, label, colour);
         let panel = |quantity, unit, from_zero, curves| Panel {
             quantity,
             unit,
             from_zero,
             curves,
+            ..Panel::default()
         };
-        let position = vec![curve(0, "distance"), curve(1, "x"), curve(2, "y")];
+        let position = vec![
+            curve(0, "distance", PATH),
+            curve(1, "x", X),
+            curve(2, "y", Y),
+        ];
         let mut figures = vec![(
             "tolerances.svg",
             "bound of the error at the tool",
             vec![
                 panel("position", "m", true, position),
-                panel("orientation", "rad", true, vec![curve(3, "\u{3b1}")]),
+                panel("orientation", "rad", true, vec![curve(3, "\u{3b1}", ANGLE)]),
             ],
         )];
         if let Some(torques) = self.torques {
@@ -83,30 +89,35 @@ impl ToleranceTraces {
             let band = |(motor, quantity): (usize, &&'static str)| {
                 let (least, greatest) = (2 * motor, 2 * motor + 1);
                 let curves = [(least, "least"), (greatest, "greatest")];
-                let curves = curves.map(|(index, label)| self::curve(&points, index, label));
+                let colour = MOTORS[motor];
+                let curves =
+                    curves.map(|(index, label)| self::curve(&points, index, label, colour));
                 panel(quantity, "N m", false, curves.into())
             };
             let panels = TORQUES.iter().enumerate().map(band).collect();
             figures.push(("torque_band.svg", "bounds of the motors' torques", panels));
         }
         let write = |(file, title, panels): (&str, &str, Vec<Panel>)| {
-            let path = folder.join(file);
-            draw(&format!("{heading}: {title}"), &panels)
-                .map_err(|error| io::Error::other(error.to_string()))
-                .and_then(|svg| std::fs::write(&path, svg))
-                .map(|()| path.clone())
-                .map_err(|source| FigureError { path, source })
+            let drawn = draw(&format!("{heading}: {title}"), &panels);
+            save(folder.join(file), drawn)
         };
         figures.into_iter().map(write).collect()
     }
 }
 
-fn curve<const K: usize>(points: &[(f64, [f64; K])], index: usize, label: &'static str) -> Curve {
+fn curve<const K: usize>(
+    points: &[(f64, [f64; K])],
+    index: usize,
+    label: &'static str,
+    colour: RGBColor,
+) -> Curve {
     Curve {
         label: label.into(),
         points: points
             .iter()
             .map(|(t, values)| (*t, values[index]))
             .collect(),
+        colour: Some(colour),
+        dashed: false,
     }
 }

@@ -1,7 +1,9 @@
 //! Curves of the figures, gathered tick by tick in bounded memory.
 
-use super::catalogue::{Source, figures, sources};
+use super::animation::Animation;
+use super::catalogue::{CurveSource, figures, sources};
 use super::machine::{DrawnInstant, Scenery};
+use super::marks::JobMarks;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel};
 use trirrr_scene::record::Record;
@@ -21,8 +23,11 @@ pub(super) struct Trace {
 pub struct Traces {
     /// The scene computes torques.
     torque: bool,
+    marks: JobMarks,
     traces: Vec<Trace>,
-    path: Decimator<2>,
+    /// x, y, speed of D, and the largest torque.
+    path: Decimator<4>,
+    animation: Animation,
     ticks: u64,
     seen: u64,
     instants: Vec<Record>,
@@ -31,9 +36,11 @@ pub struct Traces {
 
 impl Traces {
     /// Gathers a job of `ticks` records of a scene with or without `torque`.
-    pub fn new(ticks: u64, torque: bool) -> Self {
+    pub fn new(ticks: u64, torque: bool, marks: JobMarks) -> Self {
         Self {
             torque,
+            marks,
+            animation: Animation::new(ticks, torque),
             traces: sources(torque).map(|_| Trace::new(ticks)).collect(),
             path: Decimator::new(ticks),
             ticks,
@@ -49,7 +56,12 @@ impl Traces {
             let value = (source.value)(record);
             trace.push(record.t, value, source.unwrap);
         }
-        self.path.push(record.t, [record.pose[0], record.pose[1]]);
+        let [x, y, _] = record.pose;
+        let [vx, vy, _] = record.velocity;
+        let torques = record.legs.iter().map(|leg| leg.torque.abs());
+        let values = [x, y, vx.hypot(vy), torques.fold(0.0, f64::max)];
+        self.path.push(record.t, values);
+        self.animation.push(record);
         let last_tick = self.ticks.saturating_sub(1);
         if is_drawn(self.seen, last_tick) {
             self.instants.push(*record);
@@ -66,8 +78,10 @@ impl Traces {
     /// The figures against time: file, title and panels.
     pub(super) fn panels(&mut self) -> Vec<(&'static str, &'static str, Vec<Panel>)> {
         let mut traces = std::mem::take(&mut self.traces).into_iter();
-        let curve = |(source, trace): (&Source, Trace)| Curve {
+        let curve = |(source, trace): (&CurveSource, Trace)| Curve {
             label: source.label.into(),
+            colour: Some(source.colour),
+            dashed: false,
             points: trace.finish(),
         };
         figures(self.torque)
@@ -82,29 +96,43 @@ impl Traces {
                         .zip(traces.by_ref())
                         .map(curve)
                         .collect(),
+                    limits: (panel.limits)(&self.marks.limits),
+                    breaches: Vec::new(),
+                    marks: self.marks.ends_s.clone(),
                 });
                 (figure.file, figure.title, panels.collect())
             })
             .collect()
     }
 
-    /// The machine at its instants and the path.
-    pub(super) fn scenery(self) -> Scenery {
+    /// Torques of the motors over time, and their powers; none of a scene without torques.
+    pub(super) fn of_motors(panels: &[(&'static str, &'static str, Vec<Panel>)]) -> MotorCurves {
+        let points = |file: &str| {
+            let figure = panels.iter().find(|(name, ..)| *name == file);
+            let curves = figure.map(|(.., panels)| &panels[0].curves);
+            curves.map(|curves| [0, 1, 2].map(|motor| curves[motor].points.clone()))
+        };
+        MotorCurves {
+            torques: points("torque.svg"),
+            powers: points("power.svg"),
+        }
+    }
+
+    /// The machine at its instants, the path with speed and torque, and the animation.
+    pub(super) fn scenery(self) -> (Scenery, Vec<(f64, [f64; 4])>, Animation) {
         let mut instants = self.instants;
         // The end, once, whether the job came to its end or was stopped.
         if let Some(last) = self.last.filter(|last| instants.last() != Some(last)) {
             instants.push(last);
         }
-        Scenery {
+        let path = self.path.finish();
+        let scenery = Scenery {
             instants: instants.iter().map(DrawnInstant::from).collect(),
             guides: Vec::new(),
-            path: self
-                .path
-                .finish()
-                .into_iter()
-                .map(|(_, [x, y])| (x, y))
-                .collect(),
-        }
+            path: path.iter().map(|(_, [x, y, ..])| (*x, *y)).collect(),
+            broken: Vec::new(),
+        };
+        (scenery, path, self.animation)
     }
 }
 
@@ -114,6 +142,18 @@ pub(super) fn is_drawn(tick: u64, last_tick: u64) -> bool {
         tick == (u128::from(last_tick) * u128::from(*part) / u128::from(*whole)) as u64
     };
     tick == 0 || INSTANTS.iter().any(at)
+}
+
+/// Points of three curves over time.
+type MotorPoints = [Vec<(f64, f64)>; 3];
+
+/// Curves of the motors as the job asks for them, beside those of a plant.
+#[derive(Clone, Debug, Default)]
+pub struct MotorCurves {
+    /// Torques, N m.
+    pub(super) torques: Option<MotorPoints>,
+    /// Powers, W.
+    pub(super) powers: Option<MotorPoints>,
 }
 
 impl Trace {
@@ -151,9 +191,16 @@ impl Trace {
 mod tests {
     use super::*;
 
+    fn marks() -> JobMarks {
+        JobMarks {
+            limits: trirrr_core::limits::LimitParameters::default(),
+            ends_s: Vec::new(),
+        }
+    }
+
     #[test]
     fn angles_are_drawn_without_jumps() {
-        let mut traces = Traces::new(200, true);
+        let mut traces = Traces::new(200, true, marks());
         for tick in 0..200 {
             let turning = 0.1 * f64::from(tick);
             let mut record = Record {
@@ -178,14 +225,14 @@ mod tests {
     #[test]
     fn the_machine_is_drawn_at_start_quarters_and_end() {
         let times = |ticks: u64, pushed: u64| {
-            let mut traces = Traces::new(ticks, false);
+            let mut traces = Traces::new(ticks, false, marks());
             for tick in 0..pushed {
                 traces.push(&Record {
                     t: tick as f64,
                     ..Record::default()
                 });
             }
-            let scenery = traces.scenery();
+            let (scenery, ..) = traces.scenery();
             scenery
                 .instants
                 .iter()

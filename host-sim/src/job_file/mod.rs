@@ -22,7 +22,7 @@ pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
 pub(crate) use queue::{QueuedJob, load_queue};
 
 use crate::failure::CliError;
-use crate::figures::Preview;
+use crate::figures::{FigureError, Preview, RefusedJob};
 use crate::recording::unwritable;
 use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -53,6 +53,15 @@ pub(crate) struct LoadedJob {
 }
 
 impl LoadedJob {
+    /// A scene with its own job.
+    fn of_scene(scene: Scene) -> Self {
+        Self {
+            scene,
+            machine: None,
+            pauses: Vec::new(),
+        }
+    }
+
     /// Says that nobody is waited for, where the job asks for it.
     pub(crate) fn warn_of_pauses(&self) {
         for line in &self.pauses {
@@ -98,21 +107,18 @@ pub(crate) fn load_drawn(
         .is_some_and(|extension| extension == "toml");
     match &args.machine {
         None if is_scene => {
-            let scene = args.set.scene_to_move(file)?;
-            if let Some(figure) = figure {
-                let path = scene.job.path.as_ref().ok_or_else(|| {
-                    CliError::Refused(format!(
-                        "{}: --figure draws a path, and the job has no [[job.path]]; `trirrr run --fast` draws its moves",
-                        file.display()
-                    ))
-                })?;
-                preview(&scene, path, None, figure)?;
+            let Some(figure) = figure else {
+                return Ok(LoadedJob::of_scene(args.set.scene_to_move(file)?));
+            };
+            let read = args.set.scene_to_move(file);
+            let refused = match read {
+                Ok(_) => None,
+                Err(_) => Scene::read_refused(file, &args.set.set),
+            };
+            if let Some(scene) = read.as_ref().ok().or(refused.as_ref()) {
+                draw(file, scene, figure)?;
             }
-            Ok(LoadedJob {
-                scene,
-                machine: None,
-                pauses: Vec::new(),
-            })
+            read.map(LoadedJob::of_scene)
         }
         None => Err(CliError::Refused(format!(
             "{}: a job needs a machine: add --machine SCENE.toml",
@@ -193,6 +199,32 @@ fn take_long(scene: &mut Scene, path: &LongPath) -> Result<(), UntakenJob<PathFa
     taken
 }
 
+/// Draws the job of a scene: its path and the reach of the machine, or of moves the curves that have limits and where they are broken.
+fn draw(file: &Path, scene: &Scene, figure: &Path) -> Result<(), CliError> {
+    if let Some(path) = &scene.job.path {
+        let planned = match scene.job.moves.is_empty() {
+            true => scene.clone().take_path(path),
+            false => Ok(()),
+        };
+        return preview(scene, path, planned.as_ref().err().and_then(breach), figure);
+    }
+    let Some(job) = RefusedJob::of(scene) else {
+        say(&format!(
+            "{}: no figure: the machine is refused",
+            file.display()
+        ));
+        return Ok(());
+    };
+    for file in job.write(figure).map_err(failed)? {
+        say(&format!("wrote {}", file.display()));
+    }
+    Ok(())
+}
+
+fn failed(error: FigureError) -> CliError {
+    unwritable(&error.path, &error.source)
+}
+
 /// Draws the path on the machine of `scene` into `file`.
 fn preview(
     scene: &Scene,
@@ -209,9 +241,7 @@ fn preview(
         reach: &reach,
         breach,
     };
-    let file = drawn
-        .write(file)
-        .map_err(|error| unwritable(&error.path, &error.source))?;
+    let file = drawn.write(file).map_err(failed)?;
     say(&format!("wrote {}", file.display()));
     Ok(())
 }

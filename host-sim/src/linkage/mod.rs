@@ -6,6 +6,7 @@ mod json;
 pub use inverse::InverseArgs;
 
 use crate::failure::CliError;
+use crate::pictures::PictureArgs;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use clap::Args;
@@ -40,6 +41,9 @@ pub struct LinkageArgs {
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Figures as PNG.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
 }
 
 /// Reads the linkage file, follows the linkage over its motion, writes the table and the figures,
@@ -65,11 +69,12 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     let mut results = ResultFolder::create(&folder, "linkage")?;
     // No position is a result too: those of an earlier linkage must not stand for it.
     results.begin()?;
-    let files = if track.positions.is_empty() {
+    let mut files = if track.positions.is_empty() {
         Vec::new()
     } else {
         write(&linkage, &track, &folder).map_err(|error| CliError::Failed(error.to_string()))?
     };
+    files.extend(args.pictures.beside(&files)?);
     let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
     results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
     let figures = study(&linkage, &track);

@@ -10,7 +10,7 @@ pub use peaks::{At, MotorPeaks, Peaks};
 
 use crate::failure::CliError;
 use crate::figures;
-use crate::figures::Traces;
+use crate::figures::{JobMarks, MotorCurves, Traces};
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::results::ResultFolder;
 use load::LoadMeter;
@@ -49,11 +49,13 @@ pub struct Recorded {
     pub lagrange: Option<LagrangeFound>,
     /// Written files, the table first.
     pub files: Vec<PathBuf>,
+    /// Torques and powers for other figures.
+    pub motors: MotorCurves,
 }
 
 impl Recorder {
     /// Prepares `ticks.csv` in the folder of `results` for a job of `ticks` records; the first record
-    /// begins the results. A scene without `torque` gets neither columns nor figures of torques and
+    /// begins the results. `marks` stand in the figures. A scene without `torque` gets neither columns nor figures of torques and
     /// powers. The columns of `lagrange` come last.
     ///
     /// # Errors
@@ -62,6 +64,7 @@ impl Recorder {
         mut results: ResultFolder,
         ticks: u64,
         torque: bool,
+        marks: JobMarks,
         lagrange: Option<LagrangeColumns>,
     ) -> Result<Self, CliError> {
         let (path, file) = results.table("ticks.csv")?;
@@ -74,7 +77,7 @@ impl Recorder {
             path,
             table,
             torque,
-            traces: Traces::new(ticks, torque),
+            traces: Traces::new(ticks, torque, marks),
             peaks: None,
             load: LoadMeter::default(),
             lagrange,
@@ -142,6 +145,7 @@ impl Recorder {
                 loads: Default::default(),
                 lagrange: None,
                 files: Vec::new(),
+                motors: MotorCurves::default(),
             };
             return Ok((nothing, self.results));
         }
@@ -152,7 +156,7 @@ impl Recorder {
             Some(last) if !is_complete => format!("{name} until t = {} s", last.t),
             _ => name.into(),
         };
-        let figures = figures::write_all(self.results.path(), &heading, self.traces)
+        let (figures, motors) = figures::write_all(self.results.path(), &heading, self.traces)
             .map_err(|error| unwritable(&error.path, &error.source))?;
         let recorded = Recorded {
             rows: self.rows,
@@ -160,6 +164,7 @@ impl Recorder {
             loads: self.load.loads(),
             lagrange: self.lagrange.map(|columns| columns.found()),
             files: std::iter::once(self.path).chain(figures).collect(),
+            motors,
         };
         Ok((recorded, self.results))
     }

@@ -2,6 +2,7 @@
 
 use crate::arguments::{DEFAULT_SCENE, number_type};
 use crate::job_file::JobFileArgs;
+use crate::pictures::PictureArgs;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_scene::NumberType;
@@ -10,13 +11,13 @@ use trirrr_scene::NumberType;
 ///
 /// Plays the job through the machine's service, in real time against absolute deadlines, and reports
 /// how well they were kept.
-/// Writes ticks.csv (one row per tick, SI units) and the figures as SVG. Plays scenes of redundant machines too, in f64
-/// and without a service.
+/// Writes ticks.csv (one row per tick, SI units), the figures as SVG, and animation.html. Plays scenes of redundant machines too, in
+/// f64 and without a service.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Ctrl-C ends the run cleanly: what was computed so far is written. So does a move that the machine \
 refuses (unreachable, singular, beyond a limit); the move, the leg or motor and the time in it are \
-named.")]
+named. `trirrr check SCENE.toml --figure refused.svg` draws a job that is refused.")]
 pub struct RunArgs {
     /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
     #[arg(default_value = DEFAULT_SCENE)]
@@ -50,6 +51,9 @@ pub struct RunArgs {
     /// milliseconds a row
     #[arg(long)]
     pub lagrange: bool,
+    /// Figures as PNG.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
 }
 
 impl Default for RunArgs {
@@ -66,6 +70,7 @@ impl Default for RunArgs {
             json: false,
             tolerances: false,
             lagrange: false,
+            pictures: PictureArgs::default(),
         }
     }
 }

@@ -13,6 +13,7 @@ pub use args::RunArgs;
 pub use plant::Simulated;
 
 use crate::failure::CliError;
+use crate::figures::JobMarks;
 use crate::histogram::Histogram;
 use crate::job_file::{self, LongMoves, QueuedJob};
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
@@ -191,7 +192,14 @@ fn run_job(
         false => None,
     };
     let scalar = args.scalar.unwrap_or(scene.number);
-    let report = simulate(scene, scalar, !args.fast, TickRows::of(args), folder, stop)?;
+    let mut report = simulate(scene, scalar, !args.fast, TickRows::of(args), folder, stop)?;
+    let results = ResultFolder::reopen(folder, "run");
+    let pictures = args.pictures.beside(&report.all_files())?;
+    if !pictures.is_empty() {
+        report.files.extend(pictures);
+        let why = report.reason();
+        results.end(&report.all_files(), why.as_deref().map_or(Ok(()), Err))?;
+    }
     if args.json {
         let text = json::summary(file, scene, &report);
         print(&format!("{text}\n"))?;
@@ -203,11 +211,11 @@ fn run_job(
         return Ok(report.end);
     }
     if let Some(analysis) = analysis {
-        let results = ResultFolder::reopen(folder, "run");
         let mut files = report.all_files();
         results.end(&files, Err("the tolerances are under way"))?;
         let bounded = tolerances::bound(scene, analysis, folder, stop)?;
         files.extend_from_slice(bounded.files());
+        files.extend(args.pictures.beside(bounded.files())?);
         let why = bounded.is_stopped().then(|| STOPPED.into());
         let why = why.or_else(|| report.reason());
         results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
@@ -285,8 +293,9 @@ fn simulate_in<N: ServiceNumber + Countable>(
         false => None,
     };
     let lagrange = rows.lagrange.then(|| LagrangeColumns::of_scene(scene));
+    let marks = JobMarks::of(scene);
     let recorder =
-        Recorder::create(results, setpoints, scene.torque, lagrange)?.thinned(rows.every);
+        Recorder::create(results, setpoints, scene.torque, marks, lagrange)?.thinned(rows.every);
     let expected = paced.then(|| Duration::from_secs_f64(setpoints as f64 / scene.tick_rate_hz));
     let recording = Recording {
         samples: Samples::new(&*pipeline, units),
@@ -337,13 +346,14 @@ fn simulate_in<N: ServiceNumber + Countable>(
         loads,
         lagrange,
         files,
+        motors,
     } = recorded;
     let drives = drives.filter(|_| results.has_begun());
     let drives = drives
         .map(|drives| drives.finish(&scene.name))
         .transpose()?;
     let plant = plant.filter(|_| results.has_begun());
-    let plant = plant.map(|plant| plant.finish(&scene.name, stop));
+    let plant = plant.map(|plant| plant.finish(&scene.name, motors, stop));
     let plant = plant.transpose()?;
     let report = RunReport {
         end: played.end,

@@ -2,7 +2,7 @@
 
 use super::summary::{line, seconds};
 use crate::failure::CliError;
-use crate::figures::PlantTraces;
+use crate::figures::{JobMarks, MotorCurves, PlantTraces};
 use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::digits;
@@ -103,17 +103,22 @@ impl<N: Transmit> PlantRecorder<'_, N> {
         self.follow(&output);
     }
 
-    /// Simulates to the end, unless `stop` is raised, and writes the rest.
+    /// Simulates to the end, unless `stop` is raised, and writes the rest. `asked` are the torques and powers of the job.
     ///
     /// # Errors
     /// Failed: something cannot be written.
-    pub(super) fn finish(mut self, name: &str, stop: &AtomicBool) -> Result<Simulated, CliError> {
+    pub(super) fn finish(
+        mut self,
+        name: &str,
+        asked: MotorCurves,
+        stop: &AtomicBool,
+    ) -> Result<Simulated, CliError> {
         let (rows, table) = (&mut self.rows, &mut self.table);
         let outcome = self.run.finish(stop, &mut |row| keep(row, rows, table));
         self.table.write(&mut self.rows);
         Ok(Simulated {
             outcome,
-            files: self.table.finish(name)?,
+            files: self.table.finish(name, asked)?,
         })
     }
 }
@@ -149,7 +154,7 @@ impl PlantTable {
             path,
             file,
             written,
-            traces: PlantTraces::new((run_s / record_s) as u64 + 1),
+            traces: PlantTraces::new((run_s / record_s) as u64 + 1, JobMarks::of(scene)),
         })
     }
 
@@ -162,13 +167,13 @@ impl PlantTable {
         }
     }
 
-    fn finish(mut self, name: &str) -> Result<Vec<PathBuf>, CliError> {
+    fn finish(mut self, name: &str, asked: MotorCurves) -> Result<Vec<PathBuf>, CliError> {
         self.written
             .and_then(|()| self.file.flush())
             .map_err(|error| unwritable(&self.path, &error))?;
         let figures = self
             .traces
-            .write_all(&self.folder, name)
+            .write_all(&self.folder, name, asked)
             .map_err(|error| unwritable(&error.path, &error.source))?;
         Ok(std::iter::once(self.path).chain(figures).collect())
     }

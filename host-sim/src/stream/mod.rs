@@ -16,6 +16,7 @@ pub(crate) use port::{Port, open_link};
 pub use session::StreamEnd;
 
 use crate::failure::CliError;
+use crate::figures::JobMarks;
 use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
@@ -265,7 +266,10 @@ impl Stream<'_> {
         };
         let mut results = ResultFolder::create(&folder, "stream")?;
         let drives = DriveRecorder::create(&mut results, scene, units, every)?;
-        let recorder = Recorder::create(results, ticks / u64::from(every) + 1, scene.torque, None)?;
+        // A hold shifts the moves.
+        let marks = JobMarks::of(scene).without_moves();
+        let rows = ticks / u64::from(every) + 1;
+        let recorder = Recorder::create(results, rows, scene.torque, marks, None)?;
         let hello = local::hello::<N>(scene);
         let client = JobClient::new(work, hello, every, patience(patience_s), conversation());
         let client = client.named(&scene.name).with_fields(fields);

@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod colours;
 pub mod docs;
 mod draws;
 mod error;

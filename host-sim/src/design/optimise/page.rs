@@ -3,9 +3,10 @@
 use super::files::{StudyResult, set_arguments, value_in_words};
 use super::record::StudyRecord;
 use super::{DesignArgs, folder_of};
-use crate::design::maps;
-use crate::design::page::{STYLE, escaped};
+use crate::design::figures;
+use crate::design::page::STYLE;
 use crate::design::study::Study;
+use crate::figures::escaped;
 use crate::terminal::digits;
 use std::fmt::Write;
 use trirrr_design::optimise::StudyScene;
@@ -105,7 +106,11 @@ fn machines(page: &mut String, args: &DesignArgs, study: &StudyScene, result: &S
         let mut args = args.clone();
         let settings = added.iter().filter_map(|setting| setting.parse().ok());
         args.set.set.extend(settings);
-        Study::brief(&args).ok().map(|study| maps::all(&study))
+        Study::brief(&args).ok().map(|study| {
+            let drawn = figures::all(&study).into_iter();
+            let drawn = drawn.filter_map(|(name, drawn)| Some((name, drawn.ok()?)));
+            drawn.collect::<Vec<_>>()
+        })
     };
     let before = drawn(&[]);
     let best = result

@@ -110,12 +110,14 @@ impl<R> Figure<R> {
         let curve = |it: Gathered<R>| Curve {
             label: it.label.into(),
             points: it.trace.finish(),
+            ..Curve::default()
         };
         let panel = |it: Chart<R>| Panel {
             quantity: it.quantity,
             unit: it.unit,
             from_zero: it.from_zero,
             curves: it.curves.into_iter().map(curve).collect(),
+            ..Panel::default()
         };
         let panels: Vec<Panel> = self.charts.into_iter().map(panel).collect();
         let drawn = draw(&format!("{heading}: {}", self.title), &panels);

@@ -61,6 +61,7 @@ impl RedundantTraces {
             instants: self.instants,
             guides: self.guides,
             path: points.map(|(_, [x, y])| (x, y)).collect(),
+            broken: Vec::new(),
         };
         let title = format!("{heading}: the machine and its path");
         files.push(save(

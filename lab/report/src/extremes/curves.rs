@@ -4,6 +4,7 @@
 use super::cases::{CaseMotion, ExtremeCase, polar};
 use super::measure::CaseOutcome;
 use super::{Column, columns};
+use crate::colours::of_number;
 use crate::draws::Draws;
 use crate::error::ReportError;
 use crate::page::Page;
@@ -241,6 +242,7 @@ pub(super) fn write(page: &mut Page<'_>, like: &Parameters) -> Result<(), Report
                 if series.len() == index {
                     series.push(Series {
                         label: column.scalar.into(),
+                        colour: of_number(column.scalar),
                         joined: true,
                         points: Vec::new(),
                     });

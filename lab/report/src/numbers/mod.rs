@@ -11,6 +11,7 @@ use super::page::Page;
 use super::progress::Progress;
 use super::scenes::shipped;
 use super::table::{Table, two_digits};
+use crate::colours::of_number;
 use crate::error::ReportError;
 use counts::{CORES, InstructionCount};
 use cycles::{BOARDS, ModelledCycles};
@@ -366,6 +367,7 @@ impl Cloud<'_> {
             });
             Series {
                 label: each.scalar.to_string(),
+                colour: of_number(each.scalar.name()),
                 joined: false,
                 points: points.collect(),
             }

@@ -108,6 +108,7 @@ pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), 
             .iter()
             .map(|tried| Series {
                 label: tried.name.into(),
+                colour: None,
                 joined: true,
                 points: tried
                     .trials

@@ -59,6 +59,7 @@ impl InputAxis {
         Curve {
             label: label.into(),
             points: points.map(|p| ((self.of)(p), value(p))).collect(),
+            ..Curve::default()
         }
     }
 }
@@ -112,6 +113,7 @@ fn draw(
                 unit,
                 from_zero: false,
                 curves: curves.by_ref().take(CURVES.len()).collect(),
+                ..Panel::default()
             });
         }
     }
