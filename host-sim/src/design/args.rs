@@ -68,7 +68,7 @@ pub struct DesignArgs {
 #[derive(Args, Clone, Debug)]
 pub struct StudyArgs {
     /// Vary one number within bounds, or the working mode: KEY=LOW..HIGH, with a key as in --set; several keys with commas between
-    /// them, or [*] for each leg, share the number; mode, or mode=+++,---. May stand several times
+    /// them, or `[*]` for each leg, share the number; mode, or mode=+++,---. May stand several times
     #[arg(long, value_name = "KEY=LOW..HIGH", requires = "objectives")]
     pub vary: Vec<VariedKey>,
     /// Quantity to make as good as possible, or two with a comma between them: workspace, disc, rectangle, torque, rms, time
