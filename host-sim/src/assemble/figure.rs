@@ -6,7 +6,7 @@ use crate::figures::draw_pose;
 use trirrr_design::assembly::elbows_of;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
-use trirrr_figures::style::{BLUE, GREEN, INK, PURPLE, VERMILLION};
+use trirrr_figures::style::{INK, MOTORS, PATH};
 use trirrr_scene::record::Record;
 
 const LEFT: f64 = 84.0;
@@ -102,7 +102,7 @@ fn draw(title: &str, shown: &[Shown], most: usize) -> Drawn {
 fn panel(canvas: &Canvas<'_>, view: &View, heading: &str, record: &Record, own: bool) -> Draw {
     let (left, top) = view.corner();
     let middle = (left + view.width / 2.0, top - 16.0);
-    let colour = if own { PURPLE } else { INK };
+    let colour = if own { PATH } else { INK };
     canvas.text(heading, middle, Size::Tick, CENTRED, colour)?;
     view.grid(canvas, ["x", "y"])?;
     if own {
@@ -114,7 +114,7 @@ fn panel(canvas: &Canvas<'_>, view: &View, heading: &str, record: &Record, own: 
             (left, bottom),
             (left, top),
         ];
-        canvas.line(&frame, PURPLE, 3.0)?;
+        canvas.line(&frame, PATH, 3.0)?;
     }
     draw_pose(
         canvas,
@@ -123,15 +123,15 @@ fn panel(canvas: &Canvas<'_>, view: &View, heading: &str, record: &Record, own: 
         |colour| colour,
     )?;
     let [x, y, _] = record.pose;
-    canvas.dot(view.at([x, y]), 3.2, PURPLE)
+    canvas.dot(view.at([x, y]), 3.2, PATH)
 }
 
 fn legend(canvas: &Canvas<'_>, y: f64) -> Draw {
     let entries = [
-        (BLUE, "proximal links"),
-        (VERMILLION, "distal links"),
-        (GREEN, "platform"),
-        (PURPLE, "D; frame: as in the scene"),
+        (MOTORS[0], "leg 1"),
+        (MOTORS[1], "leg 2"),
+        (MOTORS[2], "leg 3"),
+        (PATH, "platform, D; frame: as in the scene"),
     ];
     let mut x = LEFT;
     for (colour, text) in entries {
