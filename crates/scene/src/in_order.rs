@@ -56,8 +56,7 @@ pub(crate) fn in_order<T: Send, R, E: Send>(
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
-        // Some wait for their turn while the others work.
-        for _ in 0..cores + cores.div_ceil(2) {
+        for _ in 0..cores {
             scope.spawn(&run);
         }
     });
