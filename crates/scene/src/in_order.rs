@@ -57,7 +57,7 @@ pub(crate) fn in_order<T: Send, R, E: Send>(
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
         for _ in 0..cores {
-            scope.spawn(&run);
+            scope.spawn(run);
         }
     });
     let taken = taken.into_inner();

@@ -172,12 +172,20 @@ impl StopsSoFar {
     /// Adds the next block; `stops` are those within it.
     pub(crate) fn add(&mut self, scene: &Scene, block: &StopMoves, stops: &Stops) {
         self.longest.merge(stops.longest);
+        if self.open.moves.is_empty() || self.ends_in(scene, block) {
+            self.open = StopMoves::default();
+            self.open.append(block, stops.open..block.moves.len());
+        }
+    }
+
+    /// Follows the stops from what is open into `block`. Returns false if one goes on behind that, a short one: it is open, too, then.
+    fn ends_in(&mut self, scene: &Scene, block: &StopMoves) -> bool {
         let (count, before) = (self.open.moves.len(), self.open.ticks());
-        // From what is open into the block: as much of the block as the stops take.
         let mut seam_ticks = SEAM_TICKS;
         let mut head = 0;
         let mut head_ticks = 0;
-        while count > 0 {
+        loop {
+            // As much of the block as the stops take.
             while head < block.moves.len() && head_ticks <= seam_ticks {
                 self.open.append(block, head..head + 1);
                 head_ticks += u64::from(block.moves[head].duration_ticks);
@@ -186,19 +194,16 @@ impl StopsSoFar {
             let seam = self.open.stops(scene, before, false);
             if seam.open >= count {
                 self.longest.merge(seam.longest);
-                break;
+                return true;
             }
             if head == block.moves.len() {
-                // A short block: they go on into the next one.
                 self.longest.merge(seam.longest);
                 self.open.moves.drain(..seam.open);
                 self.open.paces.drain(..seam.open);
-                return;
+                return false;
             }
             seam_ticks *= 4;
         }
-        self.open = StopMoves::default();
-        self.open.append(block, stops.open..block.moves.len());
     }
 
     /// Ends the job.
