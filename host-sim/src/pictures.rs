@@ -28,7 +28,7 @@ impl PictureArgs {
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let share = figures.len().div_ceil(threads);
-        let written = std::thread::scope(|scope| {
+        std::thread::scope(|scope| {
             let shares: Vec<_> = figures
                 .chunks(share)
                 .map(|share| scope.spawn(move || share.iter().map(|file| draw(file)).collect()))
@@ -41,8 +41,7 @@ impl PictureArgs {
                 drawn
             });
             joined.flatten().collect()
-        });
-        written
+        })
     }
 }
 

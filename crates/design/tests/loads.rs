@@ -257,8 +257,8 @@ fn forces_in_the_joints_are_in_the_axes_of_their_links() {
     let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
     for (tick, vectors) in (0..).zip(&found.vectors) {
         let record = machine.evaluate(0.0, &player.at(tick)).unwrap();
-        for leg in 0..3 {
-            let arm = scene.parameters.legs[leg].proximal_m * vectors[leg][1][1];
+        for (leg, [_, [_, across], _]) in vectors.iter().enumerate() {
+            let arm = scene.parameters.legs[leg].proximal_m * across;
             // The distal link is pulled at by the proximal one, which the motor turns.
             assert!((arm - record.legs[leg].torque).abs() < 1e-9, "{tick} {leg}");
         }

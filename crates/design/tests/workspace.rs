@@ -246,7 +246,7 @@ fn torques_are_there_for_scenes_without_them() {
         own.torque_peak_nm.iter().all(|torque| *torque > 0.0),
         "{own:?}"
     );
-    let forces = along_job(&scene).expect("a job");
+    let forces = along_job(&scene).expect("a job").forces;
     assert!(
         forces
             .as_flattened()

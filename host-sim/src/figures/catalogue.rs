@@ -96,7 +96,7 @@ impl PanelSource {
         self
     }
 
-    const fn from_zero(mut self) -> Self {
+    const fn with_zero(mut self) -> Self {
         self.from_zero = true;
         self
     }
@@ -247,10 +247,10 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel("serial", "", of_legs!(curve, LEG_NAMES, |leg| leg.serial))
-                .from_zero()
+                .with_zero()
                 .within(|limits| least(limits.serial_distance_min)),
             panel("parallel", "", &[curve("machine", ANGLE, |r| r.parallel)])
-                .from_zero()
+                .with_zero()
                 .within(|limits| least(limits.parallel_distance_min)),
         ],
     },

@@ -13,6 +13,9 @@ const APART: f64 = 14.0;
 /// Size of the largest error in the figure, as a part of the path's extent.
 const SHOWN: f64 = 0.12;
 
+/// Time; x and y of the setpoint and of D.
+type PathInstant = (f64, [f64; 4]);
+
 /// Draws the error along `points`: time; x and y of the setpoint and of D, m.
 pub(super) fn draw(heading: &str, points: &[(f64, [f64; 4])]) -> Drawn {
     let wanted = |(_, [x, y, ..]): &(f64, [f64; 4])| [*x, *y];
@@ -42,7 +45,7 @@ pub(super) fn draw(heading: &str, points: &[(f64, [f64; 4])]) -> Drawn {
                 last = Some(from);
             }
         }
-        let line = |place: &dyn Fn(&(f64, [f64; 4])) -> [f64; 2]| -> Vec<(f64, f64)> {
+        let line = |place: &dyn Fn(&PathInstant) -> [f64; 2]| -> Vec<(f64, f64)> {
             points.iter().map(|point| view.at(place(point))).collect()
         };
         canvas.line(&line(&magnified), PATH, 1.8)?;
