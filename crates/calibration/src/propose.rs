@@ -192,13 +192,11 @@ fn gain(slopes: &DMatrix<f64>, inverse: &DMatrix<f64>) -> f64 {
     let mut inside = [[0.0; MOST_VALUES]; MOST_VALUES];
     for column in 0..size {
         let own = &columns[column * size..(column + 1) * size];
-        for row in 0..count {
-            let mut sum = 0.0;
-            for (index, part) in own.iter().enumerate() {
-                sum += slopes[(row, index)] * part;
-            }
-            for other in 0..count {
-                inside[row][other] += sum * slopes[(other, column)];
+        for (row, line) in inside.iter_mut().enumerate().take(count) {
+            let parts = own.iter().enumerate();
+            let sum: f64 = parts.map(|(index, part)| slopes[(row, index)] * part).sum();
+            for (other, cell) in line.iter_mut().enumerate().take(count) {
+                *cell += sum * slopes[(other, column)];
             }
         }
     }

@@ -68,8 +68,8 @@ pub(super) fn equations(
         if others.iter().any(|times| is_near(times, state.t)) {
             continue;
         }
-        for motor in 0..3 {
-            if with_motors && is_near(&motors[motor], state.t) {
+        for (motor, reversals) in motors.iter().enumerate() {
+            if with_motors && is_near(reversals, state.t) {
                 continue;
             }
             equations.push(TorqueEquation {

@@ -39,7 +39,7 @@ pub(crate) fn measured(
         line += 1;
         let asked = Pose::from_f64(pose[0], pose[1], pose[2]);
         let angles_rad = geometry.motor_angles(&geometry.position(&asked).expect("a pose"));
-        let real = machine.pose(angles_rad, *pose);
+        let real = machine.pose(angles_rad, *pose).expect("a pose");
         let mut off = |value: f64, noise: f64| value + noise * draw.normal();
         MeasuredRow {
             line,
@@ -54,7 +54,8 @@ pub(crate) fn measured(
     rows.collect()
 }
 
-/// Distances of D, m, from where it is sent, over `poses`: the machine is sent there by `used` and its encoder offsets.
+/// Distances of D, m, from where it is sent, over `poses`: the machine is sent there by `used` and its encoder offsets. Where
+/// it gets to no pose, there is none.
 pub(crate) fn errors(
     machine: &TrueMachine,
     used: &Parameters,
@@ -62,12 +63,12 @@ pub(crate) fn errors(
     poses: &[[f64; 3]],
 ) -> Vec<f64> {
     let geometry = Geometry::<f64>::build(used).expect("a machine");
-    let each = poses.iter().map(|pose| {
+    let each = poses.iter().filter_map(|pose| {
         let asked = Pose::from_f64(pose[0], pose[1], pose[2]);
         let angles = geometry.motor_angles(&geometry.position(&asked).expect("a pose"));
         let told = [0, 1, 2].map(|motor| angles[motor] - offsets[motor]);
-        let real = machine.pose(told, *pose);
-        (real[0] - pose[0]).hypot(real[1] - pose[1])
+        let real = machine.pose(told, *pose)?;
+        Some((real[0] - pose[0]).hypot(real[1] - pose[1]))
     });
     each.collect()
 }
@@ -114,6 +115,7 @@ fn study(seeds: std::ops::Range<u64>) -> Vec<[f64; 5]> {
         let before = errors(&machine, &nominal, [0.0; 3], &places);
         let used = found.values.put_into(&nominal);
         let after = errors(&machine, &used, found.values.offsets_rad(), &places);
+        assert_eq!(after.len(), places.len(), "seed {seed}");
         [
             rms(&before),
             largest(&before),

@@ -145,7 +145,7 @@ fn distances_from_one_point_do_not_see_a_turn_about_it() {
             panic!("no place");
         };
         let near = [x, y, angle_rad.expect("an angle")];
-        let real = bench.machine.pose(row.angles_rad, near);
+        let real = bench.machine.pose(row.angles_rad, near).expect("a pose");
         row.reading = DeviceReading::Distance {
             distance_m: (real[0] - centre_m[0]).hypot(real[1] - centre_m[1]),
             centre_m,
