@@ -14,13 +14,13 @@ const BCNC: &str = "bCNC==0.9.16";
 const CNCJS: &str = "cncjs@1.11.5";
 
 /// Installs a sender into a folder, and drives it against the program.
-type Sender = fn(&Path, &Path) -> Result<()>;
+type SenderDriver = fn(&Path, &Path) -> Result<()>;
 
 pub(crate) fn run() -> Result<()> {
     let trirrr = Programs::build()?.trirrr;
     let folder = target_directory().join("senders");
     // Both at a time: installing waits for a network, driving for motions.
-    let senders: [(&str, Sender); 2] = [("bcnc", bcnc), ("cncjs", cncjs)];
+    let senders: [(&str, SenderDriver); 2] = [("bcnc", bcnc), ("cncjs", cncjs)];
     parallel::map(senders.len(), &senders, |(name, drive)| {
         drive(&folder.join(name), &trirrr)
     })?;

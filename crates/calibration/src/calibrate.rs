@@ -5,7 +5,7 @@ use crate::directions::scaled_slopes;
 use crate::first_poses::{NominalMachine, aligned};
 use crate::forecast::{PoseError, deviation, uncalibrated};
 use crate::measurement::{DeviceReading, MeasuredRow};
-use crate::outliers::{Found, Rows, Spread, fit, without_outliers};
+use crate::outliers::{FoundValues, MeasuredRows, Spread, fit, without_outliers};
 use crate::parameter::{DEVICE, KinematicVector, PARAMETER_COUNT, ParameterGroup};
 use crate::refusal::{CalibrationRefusal, MOST_LEFT};
 use crate::result::{Calibration, JudgedRow};
@@ -48,13 +48,13 @@ pub fn calibrate(
     if setup.free_indices().is_empty() {
         return Err(CalibrationRefusal::NothingFree);
     }
-    let all = Rows {
+    let all = MeasuredRows {
         rows: rows.to_vec(),
         closed: closed.clone(),
     };
     let (kept, found) = without_outliers(setup, all, base)?;
     let inside = |line: u32| kept.rows.iter().any(|row| row.line == line);
-    let Found { directions, fitted } = &found;
+    let FoundValues { directions, fitted } = &found;
     check_use(setup, &nominal, &kept, &found, &base, places)?;
 
     let spread = Spread::of(&kept, &found);
@@ -143,9 +143,9 @@ fn check_frame(
     if median_m <= OTHER_FRAME * setup.expected_m {
         return Ok(());
     }
-    let places = rows.iter().filter_map(|row| match row.reading {
-        DeviceReading::Place { place_m, .. } => Some(place_m[0].hypot(place_m[1])),
-        DeviceReading::Distance { distance_m, .. } => Some(distance_m),
+    let places = rows.iter().map(|row| match row.reading {
+        DeviceReading::Place { place_m, .. } => place_m[0].hypot(place_m[1]),
+        DeviceReading::Distance { distance_m, .. } => distance_m,
     });
     let hint = match places.fold(0.0, f64::max) > 20.0 {
         true => "lengths in mm stand in columns x_mm, y_mm, distance_mm",
@@ -167,8 +167,8 @@ fn check_frame(
 fn check_use(
     setup: &CalibrationSetup,
     nominal: &NominalMachine,
-    rows: &Rows,
-    found: &Found,
+    rows: &MeasuredRows,
+    found: &FoundValues,
     base: &KinematicVector,
     places: &[[f64; 3]],
 ) -> Result<(), CalibrationRefusal> {
@@ -202,7 +202,7 @@ fn check_use(
 /// Fits without one row of [`CHECKED_EVERY`], and returns the differences of those rows with their lines. Empty where the rest sees less than all rows do.
 fn check_rows(
     setup: &CalibrationSetup,
-    rows: &Rows,
+    rows: &MeasuredRows,
     base: KinematicVector,
     seen: usize,
 ) -> Vec<(u32, [f64; 3])> {
@@ -210,7 +210,7 @@ fn check_rows(
     let part = |checked: bool| {
         let kept = (0..rows.rows.len()).filter(|index| is_checked(*index) == checked);
         let kept: Vec<usize> = kept.collect();
-        Rows {
+        MeasuredRows {
             rows: kept.iter().map(|index| rows.rows[*index]).collect(),
             closed: kept.iter().map(|index| rows.closed[*index]).collect(),
         }

@@ -192,16 +192,18 @@ mod tests {
         let (values, angles, pose) = nominal();
         let exact = slopes(&values, &angles, pose);
         let step = 1e-6;
-        for index in 0..3 * PER_LEG {
+        let [of_x, of_y, of_alpha] = exact;
+        let columns = of_x.into_iter().zip(of_y).zip(of_alpha);
+        for (index, ((x, y), alpha)) in columns.enumerate() {
             let at = |by: f64| {
                 let mut moved = values;
                 moved.0[index] += by;
                 close(&moved, &angles, pose).expect("a pose").pose
             };
             let (low, high) = (at(-step), at(step));
-            for row in 0..3 {
+            for (row, exact) in [x, y, alpha].into_iter().enumerate() {
                 let difference = (high[row] - low[row]) / (2.0 * step);
-                let off = (difference - exact[row][index]).abs();
+                let off = (difference - exact).abs();
                 assert!(off < 1e-7, "{}: {off}", parameter_name(index));
             }
         }

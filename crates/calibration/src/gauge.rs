@@ -4,7 +4,7 @@ use crate::closure::turned;
 use crate::parameter::{DEVICE, KinematicVector, PARAMETER_COUNT, PER_LEG, TARGET, parameter_name};
 use nalgebra_dense::DVector;
 
-type Direction = [f64; PARAMETER_COUNT];
+type KinematicDirection = [f64; PARAMETER_COUNT];
 
 /// Candidates for directions that are not seen, with their words: single parameters, shifts and rotations of the machine
 /// and of the platform's frame, joints of a platform that has always the angle `alpha`. In parameters, scaled by `expected`, of the indices in `free`.
@@ -14,7 +14,7 @@ pub(crate) fn candidates(
     free: &[usize],
     expected: &[f64],
 ) -> Vec<(String, DVector<f64>)> {
-    let mut found: Vec<(String, Direction)> = Vec::new();
+    let mut found: Vec<(String, KinematicDirection)> = Vec::new();
     for &index in free {
         let mut direction = [0.0; PARAMETER_COUNT];
         direction[index] = 1.0;
@@ -72,7 +72,7 @@ pub(crate) fn candidates(
 }
 
 /// The machine moves along an axis, and the device's frame with it.
-fn machine_moved(axis: usize) -> Direction {
+fn machine_moved(axis: usize) -> KinematicDirection {
     let mut direction = [0.0; PARAMETER_COUNT];
     for leg in 0..3 {
         direction[leg * PER_LEG + axis] = 1.0;
@@ -82,7 +82,7 @@ fn machine_moved(axis: usize) -> Direction {
 }
 
 /// The platform joint of a leg moves along an axis of the platform, and the base joint by the same in the fixed frame.
-fn leg_moved(leg: usize, axis: usize, alpha: f64) -> Direction {
+fn leg_moved(leg: usize, axis: usize, alpha: f64) -> KinematicDirection {
     let mut direction = [0.0; PARAMETER_COUNT];
     direction[leg * PER_LEG + 4 + axis] = 1.0;
     let mut unit = [0.0; 2];
@@ -92,7 +92,11 @@ fn leg_moved(leg: usize, axis: usize, alpha: f64) -> Direction {
 }
 
 /// The machine turns about a point; the device's frame turns with it, or stays.
-fn machine_turned(values: &KinematicVector, about: [f64; 2], with_device: bool) -> Direction {
+fn machine_turned(
+    values: &KinematicVector,
+    about: [f64; 2],
+    with_device: bool,
+) -> KinematicDirection {
     let mut direction = [0.0; PARAMETER_COUNT];
     for leg in 0..3 {
         let own = &values.0[leg * PER_LEG..];
@@ -107,7 +111,7 @@ fn machine_turned(values: &KinematicVector, about: [f64; 2], with_device: bool) 
     direction
 }
 
-fn platform_moved(axis: usize) -> Direction {
+fn platform_moved(axis: usize) -> KinematicDirection {
     let mut direction = [0.0; PARAMETER_COUNT];
     for leg in 0..3 {
         direction[leg * PER_LEG + 4 + axis] = 1.0;
@@ -116,7 +120,7 @@ fn platform_moved(axis: usize) -> Direction {
     direction
 }
 
-fn platform_turned(values: &KinematicVector, with_angle: bool) -> Direction {
+fn platform_turned(values: &KinematicVector, with_angle: bool) -> KinematicDirection {
     let mut direction = [0.0; PARAMETER_COUNT];
     for leg in 0..3 {
         let own = &values.0[leg * PER_LEG..];

@@ -87,8 +87,9 @@ pub(crate) fn seen_with_slopes(
         }
     };
     let in_device = |vector: [f64; 2]| turned(vector, -device[2]);
-    for index in 0..DEVICE {
-        let [dx, dy, dalpha] = [0, 1, 2].map(|row: usize| of_pose[row][index]);
+    let [of_x, of_y, of_alpha] = &of_pose;
+    let columns = of_x.iter().zip(of_y).zip(of_alpha);
+    for (index, ((&dx, &dy), &dalpha)) in columns.enumerate() {
         let [x, y] = in_device([dx - arm[1] * dalpha, dy + arm[0] * dalpha]);
         put(index, [x, y, dalpha]);
     }

@@ -18,21 +18,21 @@ const OUTLIER: f64 = 5.0;
 
 /// Rows with the poses from which their loops are closed.
 #[derive(Clone)]
-pub(crate) struct Rows {
+pub(crate) struct MeasuredRows {
     pub(crate) rows: Vec<MeasuredRow>,
     pub(crate) closed: Vec<LoopClosure>,
 }
 
-pub(crate) struct Found {
+pub(crate) struct FoundValues {
     pub(crate) directions: Directions,
     pub(crate) fitted: Fitted,
 }
 
 pub(crate) fn fit(
     setup: &CalibrationSetup,
-    rows: &Rows,
+    rows: &MeasuredRows,
     base: KinematicVector,
-) -> Result<Found, CalibrationRefusal> {
+) -> Result<FoundValues, CalibrationRefusal> {
     let directions = Directions::of(setup, &rows.rows, &base, &rows.closed);
     let seen = directions.sight.seen.ncols();
     let values: usize = rows.rows.iter().map(MeasuredRow::value_count).sum();
@@ -52,15 +52,15 @@ pub(crate) fn fit(
     let along = directions.unscaled(&directions.sight.seen);
     let fitted = Fit::run(&rows.rows, rows.closed.clone(), base, &along);
     let fitted = fitted.ok_or(CalibrationRefusal::NoFit)?;
-    Ok(Found { directions, fitted })
+    Ok(FoundValues { directions, fitted })
 }
 
 /// Fits, leaves out the row that is farthest off while that is an outlier, and fits again.
 pub(crate) fn without_outliers(
     setup: &CalibrationSetup,
-    mut rows: Rows,
+    mut rows: MeasuredRows,
     base: KinematicVector,
-) -> Result<(Rows, Found), CalibrationRefusal> {
+) -> Result<(MeasuredRows, FoundValues), CalibrationRefusal> {
     let most = rows.rows.len() / 10;
     let mut left_out = 0;
     loop {
@@ -85,8 +85,8 @@ pub(crate) fn without_outliers(
 }
 
 /// Residual of each row over what it should be by the fit: the largest of its values.
-pub(crate) fn studentised(rows: &Rows, found: &Found) -> Vec<f64> {
-    let Found { directions, fitted } = found;
+pub(crate) fn studentised(rows: &MeasuredRows, found: &FoundValues) -> Vec<f64> {
+    let FoundValues { directions, fitted } = found;
     let along = directions.unscaled(&directions.sight.seen);
     let slopes = jacobian(&rows.rows, &fitted.values, &fitted.closed) * along;
     // Part of each value that the fit makes up itself.
@@ -123,8 +123,8 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    pub(crate) fn of(rows: &Rows, found: &Found) -> Self {
-        let Found { directions, fitted } = found;
+    pub(crate) fn of(rows: &MeasuredRows, found: &FoundValues) -> Self {
+        let FoundValues { directions, fitted } = found;
         let along = directions.unscaled(&directions.sight.seen);
         let slopes = jacobian(&rows.rows, &fitted.values, &fitted.closed) * &along;
         let values = residuals(&rows.rows, &fitted.values, &fitted.closed);

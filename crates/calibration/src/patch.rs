@@ -10,20 +10,20 @@ pub struct ScenePatch {
 }
 
 /// One step of a path such as `machine.leg[1].base_m`.
-enum Step<'a> {
+enum PatchStep<'a> {
     Key(&'a str),
     /// Element of a list, from 0.
     Element(usize),
 }
 
-fn steps(path: &str) -> Vec<Step<'_>> {
+fn steps(path: &str) -> Vec<PatchStep<'_>> {
     let parts = path.split('.').flat_map(|part| match part.split_once('[') {
-        None => vec![Step::Key(part)],
+        None => vec![PatchStep::Key(part)],
         Some((key, rest)) => {
             let number = rest.trim_end_matches(']').parse::<usize>();
             vec![
-                Step::Key(key),
-                Step::Element(number.unwrap_or(1).max(1) - 1),
+                PatchStep::Key(key),
+                PatchStep::Element(number.unwrap_or(1).max(1) - 1),
             ]
         }
     });
@@ -52,8 +52,8 @@ impl ScenePatch {
         let mut item = self.document.as_item();
         for step in steps(path) {
             item = match step {
-                Step::Key(key) => item.get(key)?,
-                Step::Element(index) => item.get(index)?,
+                PatchStep::Key(key) => item.get(key)?,
+                PatchStep::Element(index) => item.get(index)?,
             };
         }
         (!item.is_none()).then_some(item)
@@ -99,11 +99,11 @@ impl ScenePatch {
         let mut item = self.document.as_item_mut();
         for step in steps(parent) {
             let next = match step {
-                Step::Key("") => continue,
+                PatchStep::Key("") => continue,
                 // A key that is missing would be added.
-                Step::Key(key) if item.get(key).is_none() => return false,
-                Step::Key(key) => item.get_mut(key),
-                Step::Element(index) => item.get_mut(index),
+                PatchStep::Key(key) if item.get(key).is_none() => return false,
+                PatchStep::Key(key) => item.get_mut(key),
+                PatchStep::Element(index) => item.get_mut(index),
             };
             let Some(next) = next else {
                 return false;

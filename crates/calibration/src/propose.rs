@@ -45,7 +45,7 @@ pub struct Proposal {
     pub after: PoseError,
 }
 
-struct Candidate {
+struct PoseCandidate {
     pose: [f64; 3],
     /// Values by free parameters, scaled.
     slopes: DMatrix<f64>,
@@ -74,12 +74,12 @@ pub fn propose(
     };
     let each = candidates.iter().filter_map(|pose| {
         let (row, at) = row_at(*pose)?;
-        Some(Candidate {
+        Some(PoseCandidate {
             pose: *pose,
             slopes: scaled_slopes(setup, &[row], &values, &[at]),
         })
     });
-    let each: Vec<Candidate> = each.collect();
+    let each: Vec<PoseCandidate> = each.collect();
     let mut information = DMatrix::identity(free.len(), free.len());
     if let Some(known) = known {
         information += &known.information;
@@ -129,7 +129,7 @@ impl PlannedReading {
 }
 
 /// Chooses candidates, greedily and by exchanges; `information` gets theirs.
-fn choose(each: &[Candidate], information: &mut DMatrix<f64>, count: usize) -> Vec<usize> {
+fn choose(each: &[PoseCandidate], information: &mut DMatrix<f64>, count: usize) -> Vec<usize> {
     let mut chosen = Vec::new();
     let mut inverse = inverse_of(information);
     for _ in 0..count {
@@ -209,7 +209,7 @@ fn gain(slopes: &DMatrix<f64>, inverse: &DMatrix<f64>) -> f64 {
     determinant.max(f64::MIN_POSITIVE).ln()
 }
 
-fn best(each: &[Candidate], inverse: &DMatrix<f64>) -> Option<(usize, f64)> {
+fn best(each: &[PoseCandidate], inverse: &DMatrix<f64>) -> Option<(usize, f64)> {
     let gains = each.iter().map(|one| gain(&one.slopes, inverse));
     gains
         .enumerate()

@@ -10,29 +10,29 @@ const MOST_FAULTS: usize = 20;
 const LARGEST_ANGLE_RAD: f64 = 100.0;
 
 /// Quantity of a table, and its columns: the name with the SI unit, then the other one and its unit in SI.
-struct Quantity {
+struct ColumnQuantity {
     names: [&'static str; 2],
     other_unit: f64,
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-const fn angle(names: [&'static str; 2]) -> Quantity {
-    Quantity {
+const fn angle(names: [&'static str; 2]) -> ColumnQuantity {
+    ColumnQuantity {
         names,
         other_unit: DEGREE,
     }
 }
 
-const fn length(names: [&'static str; 2]) -> Quantity {
-    Quantity {
+const fn length(names: [&'static str; 2]) -> ColumnQuantity {
+    ColumnQuantity {
         names,
         other_unit: 1e-3,
     }
 }
 
 /// Angles of the motors, place and angle of the target, distance and its fixed point, noise of lengths and angles.
-const QUANTITIES: [Quantity; 11] = [
+const QUANTITIES: [ColumnQuantity; 11] = [
     angle(["th1_1", "th1_1_deg"]),
     angle(["th1_2", "th1_2_deg"]),
     angle(["th1_3", "th1_3_deg"]),
@@ -56,7 +56,7 @@ const NOISE: usize = 9;
 const NOTE: &str = "note";
 
 /// Place and unit of the column of each quantity.
-type Places = [Option<(usize, f64)>; QUANTITIES.len()];
+type ColumnPlaces = [Option<(usize, f64)>; QUANTITIES.len()];
 
 /// Reads a table of measurements with a row of names. Each row has the angles of the three motors, and either a place
 /// (and an angle where it was measured) or a distance with its fixed point. `noise` holds for rows that give none. Rows that
@@ -88,7 +88,7 @@ pub fn read_measurements(
     }
 }
 
-fn places(table: &CellTable) -> Result<Places, ColumnFault> {
+fn places(table: &CellTable) -> Result<ColumnPlaces, ColumnFault> {
     let is_known = |name: &String| {
         name == NOTE
             || QUANTITIES
@@ -102,7 +102,7 @@ fn places(table: &CellTable) -> Result<Places, ColumnFault> {
             format!("not known; a column is one of {known}, {NOTE}"),
         ));
     }
-    let mut places = Places::default();
+    let mut places = ColumnPlaces::default();
     for (place, quantity) in places.iter_mut().zip(&QUANTITIES) {
         let [si, other] = quantity.names.map(|name| table.place(name));
         *place = match (si, other) {
@@ -142,7 +142,7 @@ fn places(table: &CellTable) -> Result<Places, ColumnFault> {
 
 fn read_row(
     table: &CellTable,
-    places: &Places,
+    places: &ColumnPlaces,
     row: &(u32, csv::StringRecord),
     noise: &MeasurementNoise,
 ) -> Result<MeasuredRow, ColumnFault> {

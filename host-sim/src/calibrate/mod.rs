@@ -22,7 +22,7 @@ use trirrr_calibration::{
 use trirrr_scene::Scene;
 
 /// What is written for a calibration.
-struct Written {
+struct CalibrateFiles {
     files: Vec<PathBuf>,
     /// Reason for which the calibrated scene is refused.
     refusal: Option<String>,
@@ -76,7 +76,7 @@ pub fn command(args: &CalibrateArgs) -> Result<(), CliError> {
     };
     let mut results = ResultFolder::create(&folder, "calibrate")?;
     results.begin()?;
-    let mut written = Written {
+    let mut written = CalibrateFiles {
         files: Vec::new(),
         refusal: None,
         offsets_in: None,

@@ -1,6 +1,6 @@
 //! A calibration as text, JSON and a table.
 
-use super::{CalibrateArgs, Findings, Written};
+use super::{CalibrateArgs, CalibrateFiles, Findings};
 use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -81,7 +81,11 @@ fn offsets(calibration: &Calibration) -> Option<String> {
 }
 
 /// Summary for a terminal.
-pub(super) fn summary(findings: &Findings, args: &CalibrateArgs, written: &Written) -> String {
+pub(super) fn summary(
+    findings: &Findings,
+    args: &CalibrateArgs,
+    written: &CalibrateFiles,
+) -> String {
     let scene = findings.scene;
     let mut text = String::new();
     if let Some(calibration) = findings.calibration {
@@ -237,7 +241,7 @@ fn error_json(error: &PoseError) -> Value {
 }
 
 /// Everything as one object, SI units.
-pub(super) fn as_json(findings: &Findings, written: &Written) -> Value {
+pub(super) fn as_json(findings: &Findings, written: &CalibrateFiles) -> Value {
     let calibration = findings.calibration.map(|it| {
         let parameter = |index: &usize| {
             json!({

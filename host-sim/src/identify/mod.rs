@@ -20,7 +20,7 @@ use trirrr_calibration::identify::{
 use trirrr_scene::Scene;
 
 /// What is written for an identification.
-struct Written {
+struct IdentifyFiles {
     files: Vec<PathBuf>,
     /// Reason for which the scene with the found values is refused, or is not written.
     refusal: Option<String>,
@@ -52,7 +52,7 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     };
     let mut results = ResultFolder::create(&folder, "identify")?;
     results.begin()?;
-    let mut written = Written {
+    let mut written = IdentifyFiles {
         files: Vec::new(),
         refusal: None,
         friction_in: None,

@@ -1,6 +1,6 @@
 //! An identification as text and JSON.
 
-use super::{IdentifyArgs, Written, found_friction};
+use super::{IdentifyArgs, IdentifyFiles, found_friction};
 use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -32,7 +32,7 @@ pub(super) fn head(
 }
 
 /// Summary for a terminal.
-pub(super) fn summary(scene: &Scene, found: &Identification, written: &Written) -> String {
+pub(super) fn summary(scene: &Scene, found: &Identification, written: &IdentifyFiles) -> String {
     let mut text = format!(
         "{}: {} torques, sampled every {} ms, filtered with sigma = {} ms\n",
         scene.name,
@@ -108,7 +108,7 @@ pub(super) fn summary(scene: &Scene, found: &Identification, written: &Written) 
 }
 
 /// Everything as one object, SI units.
-pub(super) fn as_json(scene: &Scene, found: &Identification, written: &Written) -> Value {
+pub(super) fn as_json(scene: &Scene, found: &Identification, written: &IdentifyFiles) -> Value {
     let parameter = |index: &usize| {
         json!({
             "name": body_name(*index),

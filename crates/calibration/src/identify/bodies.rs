@@ -94,7 +94,7 @@ pub fn body_name(index: usize) -> String {
 /// Unit of parameter `index`.
 pub fn body_unit(index: usize) -> &'static str {
     match index {
-        FRICTION.. if (index - FRICTION) % 2 == 0 => "N m s/rad",
+        FRICTION.. if (index - FRICTION).is_multiple_of(2) => "N m s/rad",
         FRICTION.. => "N m",
         PLATFORM.. => ["kg", "kg m", "kg m", "kg m^2"][index - PLATFORM],
         _ => ["kg m", "kg m^2", "kg", "kg m", "kg m^2"][index % PER_BODY_LEG],

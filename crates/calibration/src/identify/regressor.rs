@@ -281,7 +281,7 @@ mod tests {
                 0 => vec![(index - FRICTION) / 2],
                 _ => vec![0, 1, 2],
             };
-            let is_viscous = (index - FRICTION) % 2 == 0;
+            let is_viscous = (index - FRICTION).is_multiple_of(2);
             let lost: f64 = joints
                 .iter()
                 .map(|joint| {

@@ -84,7 +84,7 @@ pub fn identify(
     }
     let checked = |equation: &&&TorqueEquation| equation.block % CHECKED_EVERY == CHECKED_EVERY / 2;
     let (check, training): (Vec<&TorqueEquation>, Vec<&TorqueEquation>) =
-        all.iter().partition(|equation| checked(&equation));
+        all.iter().partition(|equation| checked(equation));
     let check_nm = (training.len() >= LEAST_EQUATIONS && !check.is_empty()).then(|| {
         let found = problem.solve(&training);
         [rms(&check, &nominal), rms(&check, &found.values)]

@@ -74,7 +74,8 @@ fn wrong_units_and_orders_are_named() {
         }
     };
     let no_loop = |bench: &mut Bench| bench.rows[4].angles_rad = [2.6, 0.5, -1.6];
-    let cases: [(&dyn Fn(&mut Bench), &str); 4] = [
+    type Spoil<'a> = &'a dyn Fn(&mut Bench);
+    let cases: [(Spoil, &str); 4] = [
         (&degrees, "th1_1_deg"),
         (&millimetres, "x_mm"),
         (&swapped, "order"),
