@@ -189,10 +189,15 @@ mod tests {
     #[test]
     fn a_line_is_measured_within_a_box() {
         let page = PageBox::around((5.0, 5.0), 10.0, 10.0);
-        assert_eq!(page.length_within([(-5.0, 5.0), (25.0, 5.0)]), 10.0);
-        assert_eq!(page.length_within([(2.0, 2.0), (2.0, 6.0)]), 4.0);
-        assert_eq!(page.length_within([(-5.0, 11.0), (25.0, 11.0)]), 0.0);
-        assert!((page.length_within([(-5.0, -5.0), (15.0, 15.0)]) - 200f64.sqrt()).abs() < 1e-12);
+        for (line, length) in [
+            ([(-5.0, 5.0), (25.0, 5.0)], 10.0),
+            ([(2.0, 2.0), (2.0, 6.0)], 4.0),
+            ([(-5.0, 11.0), (25.0, 11.0)], 0.0),
+            ([(-5.0, -5.0), (15.0, 15.0)], 200f64.sqrt()),
+        ] {
+            let found = page.length_within(line);
+            assert!((found - length).abs() < 1e-12, "{line:?}: {found}");
+        }
     }
 
     #[test]

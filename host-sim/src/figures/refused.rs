@@ -182,7 +182,7 @@ mod tests {
     fn a_breach_is_marked_from_its_start_to_its_end() {
         let text = include_str!("../../../scenes/vertical.toml");
         let mut scene = Scene::parse(text, "vertical.toml").unwrap();
-        scene.limits.torque_nm = Some([9.0, 9.0, 2.0]);
+        scene.limits.torque_nm = Some([9.0, 9.0, 2.45]);
         let job = RefusedJob::of(&scene).unwrap();
         let limits = |panel: &PanelSource| (panel.limits)(&scene.limits);
         let panels = figures(true).flat_map(|figure| figure.panels);
@@ -195,7 +195,7 @@ mod tests {
                 .breaches
                 .iter()
                 .any(|(from, to)| (*from..=*to).contains(t));
-            assert_eq!(is_marked, value.abs() > 2.0, "{t}");
+            assert_eq!(is_marked, value.abs() > 2.45, "{t}");
         }
         let scenery = job.scenery(&[panel]);
         assert!(!scenery.broken.is_empty());

@@ -118,7 +118,7 @@ mod tests {
             [1.0; 3]
         );
         let drawn = draw("job", &path(1e-4)).unwrap();
-        assert!(drawn.contains("500 times as large") && drawn.contains("at most 0.1 mm"));
+        assert!(drawn.contains("500 times as large") && drawn.contains("at most 0.1000 mm"));
         assert!(draw("job", &[]).unwrap().ends_with("</svg>\n"));
     }
 }
