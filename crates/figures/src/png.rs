@@ -113,8 +113,10 @@ fn ems(length: &str, face: &Face<'_>) -> Result<f32, NoPicture> {
     let Some(heights) = length.strip_suffix("ex") else {
         return Ok(0.0);
     };
-    let height = f32::from(face.x_height().unwrap_or(0)) / f32::from(face.units_per_em());
-    Ok(height * heights.parse::<f32>()?)
+    // DejaVu does not tell its height of an x: that of the glyph.
+    let drawn = || Some(face.glyph_bounding_box(face.glyph_index('x')?)?.y_max);
+    let height = face.x_height().or_else(drawn).unwrap_or(0);
+    Ok(f32::from(height) / f32::from(face.units_per_em()) * heights.parse::<f32>()?)
 }
 
 /// Outline of glyphs as the data of an SVG path.
