@@ -44,8 +44,43 @@ pub(super) struct StudyRecord {
 pub(super) struct CandidateRecord {
     mode: Option<String>,
     values: Vec<f64>,
-    #[serde(flatten)]
-    found: FoundValues,
+    // Written out in place of a flat `FoundValues`: numbers that serde keeps for a flat part are none to it where `serde_json` has
+    // arbitrary precision.
+    found: Option<Vec<f64>>,
+    reason: Option<String>,
+    shortfall: Option<f64>,
+}
+
+impl CandidateRecord {
+    fn of(each: &Appraisal) -> Self {
+        let FoundValues {
+            found,
+            reason,
+            shortfall,
+        } = FoundValues::from(&each.found);
+        Self {
+            mode: each.point.mode.map(|mode| mode.to_string()),
+            values: each.point.values.clone(),
+            found,
+            reason,
+            shortfall,
+        }
+    }
+
+    fn result(&self) -> Result<Vec<f64>, CandidateFault> {
+        let Self {
+            found,
+            reason,
+            shortfall,
+            ..
+        } = self.clone();
+        let values = FoundValues {
+            found,
+            reason,
+            shortfall,
+        };
+        values.result()
+    }
 }
 
 /// Values of the objectives, or why there are none.
@@ -84,11 +119,7 @@ impl StudyRecord {
         (own, found): (Result<Vec<f64>, CandidateFault>, Vec<Appraisal>),
         partial: bool,
     ) -> Self {
-        let candidates = found.iter().map(|each| CandidateRecord {
-            mode: each.point.mode.map(|mode| mode.to_string()),
-            values: each.point.values.clone(),
-            found: FoundValues::from(&each.found),
-        });
+        let candidates = found.iter().map(CandidateRecord::of);
         Self {
             format: FORMAT,
             scene: draft.name.clone(),
@@ -116,7 +147,7 @@ impl StudyRecord {
         let faulty = |each: &CandidateRecord| {
             let counts = |found: &Vec<f64>| found.len() == record.objectives.len();
             let mode = each.mode.as_ref();
-            !each.found.found.as_ref().is_none_or(counts)
+            !each.found.as_ref().is_none_or(counts)
                 || mode.is_some_and(|mode| mode.parse::<StudyMode>().is_err())
         };
         match () {
@@ -138,7 +169,7 @@ impl StudyRecord {
                 mode: each.mode.as_ref().and_then(|mode| mode.parse().ok()),
                 values: each.values.clone(),
             },
-            found: each.found.result(),
+            found: each.result(),
         };
         self.candidates.iter().map(of).collect()
     }
