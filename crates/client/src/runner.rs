@@ -1,12 +1,12 @@
 //! A job on a machine in the same program: client and service talk in one thread, without a line.
 
-use crate::job_client::{Action, JobClient};
+use crate::job_client::{Action, JobClient, JobWork};
 use crate::local::LocalService;
 use crate::{JobFailure, Patience};
 use std::time::Duration;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{
-    AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry, Transmit,
+    Command, Hello, Message, Reply, Request, State, Telemetry, Transmit,
 };
 use trirrr_service::{Output, Readings, ServiceNumber};
 
@@ -43,18 +43,18 @@ pub struct JobRunner<'a, N: ServiceNumber> {
 }
 
 impl<'a, N: ServiceNumber> JobRunner<'a, N> {
-    /// Creates the runner of `moves` on `service`, a machine that is what `hello` says and ticks at
+    /// Creates the runner of `work` on `service`, a machine that is what `hello` says and ticks at
     /// `tick_rate_hz`.
     pub fn new(
         service: &'a mut dyn LocalService<N>,
-        moves: Vec<AnyMove<N>>,
+        work: impl Into<JobWork<N>>,
         hello: Hello,
         tick_rate_hz: f64,
     ) -> Self {
         let period = Duration::from_secs_f64(1.0 / tick_rate_hz);
         // A status between any two ticks, as there is no line to spare: a machine whose moves are
         // short is fed in time.
-        let client = JobClient::new(moves, hello, 1, Patience::default(), 0);
+        let client = JobClient::new(work, hello, 1, Patience::default(), 0);
         Self {
             service,
             client: client.with_status_every(period),
@@ -87,7 +87,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                     let Request { sequence, command } = request;
                     let message = Message::Reply { sequence, reply };
                     self.client.receive(&message, self.now);
-                    if is_done && command.offered().is_none() {
+                    if is_done && !command.brings_moves() {
                         // The tick takes one order at a time: the one after a start is the first of
                         // the path.
                         if matches!(command, Command::Start) {

@@ -54,7 +54,7 @@ fn end(path: &JobPath, start: usize, ends: Range<usize>) -> Option<usize> {
         .or_else(|| (ends.len() == PIECES_MAX - PIECES).then_some(ends.end))
 }
 
-/// Moves of the `blocks` of `path`, dwells among them.
+/// Moves of the `blocks` of `path`, dwells among them, each with the number of its table in the file.
 ///
 /// # Errors
 /// That of the first block that has no plan.
@@ -63,7 +63,7 @@ pub(crate) fn plan_blocks(
     path: &JobPath,
     blocks: &[Range<usize>],
     effort: Effort,
-) -> Result<Vec<JobMove>, Unplanned> {
+) -> Result<Vec<(usize, JobMove)>, Unplanned> {
     let next = AtomicUsize::new(0);
     let refused = AtomicUsize::new(usize::MAX);
     let planned = Mutex::new(vec![None; blocks.len()]);
@@ -89,13 +89,13 @@ pub(crate) fn plan_blocks(
         }
     });
     let planned = planned.into_inner().unwrap_or_default();
-    let mut moves: Vec<JobMove> = Vec::new();
+    let mut moves: Vec<(usize, JobMove)> = Vec::new();
     for block in planned.into_iter().flatten() {
         let start = moves.len();
         moves.extend(block?);
         // Pieces meet but for rounding; moves do exactly.
         if start > 0 {
-            moves[start].from = moves[start - 1].to;
+            moves[start].1.from = moves[start - 1].1.to;
         }
     }
     Ok(moves)
@@ -107,7 +107,7 @@ fn plan_block(
     blocks: &[Range<usize>],
     index: usize,
     effort: Effort,
-) -> Result<Vec<JobMove>, Unplanned> {
+) -> Result<Vec<(usize, JobMove)>, Unplanned> {
     let source = |block: usize| {
         blocks
             .get(block)
@@ -139,9 +139,11 @@ fn plan_block(
         free: None,
         dwells: dwells.collect(),
         tools: path.tools[first..behind].to_vec(),
+        rows: Vec::new(),
         ..*path
     };
     let planned = plan_job(scene, &block, effort)
         .map_err(|error| error.in_block(first, blocks[index].start))?;
-    Ok(planned.steps().into_iter().map(|(_, each)| each).collect())
+    let steps = planned.steps().into_iter();
+    Ok(steps.map(|(source, each)| (source + first, each)).collect())
 }

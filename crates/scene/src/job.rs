@@ -2,6 +2,7 @@
 
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::job_path::{JobPath, PlacedPath, read_path};
+use crate::levels::JobLevels;
 use crate::read::{Bound, Document, Place, Section};
 use nalgebra::Vector3;
 use trirrr_core::number::Number;
@@ -18,6 +19,8 @@ pub struct Job {
     pub moves: Vec<JobMove>,
     /// Path that the moves were planned for, if the job gives one instead of moves.
     pub path: Option<JobPath>,
+    /// Levels of the tool along moves of the path.
+    pub levels: JobLevels,
 }
 
 /// One move, a polynomial in time on every coordinate: a cubic, or a quintic with accelerations at its ends.
@@ -52,24 +55,11 @@ pub struct Tool {
 impl Job {
     /// The job in `units`, without its path.
     pub fn in_units(&self, units: &Units) -> Self {
-        let moved = |each: &JobMove| JobMove {
-            from: units.pose(&each.from),
-            to: units.pose(&each.to),
-            start_velocity: units.velocity(&each.start_velocity),
-            end_velocity: units.velocity(&each.end_velocity),
-            accelerations: each
-                .accelerations
-                .map(|both| both.map(|one| units.acceleration(&one))),
-            tool: each.tool.map(|tool| Tool {
-                speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
-                ..tool
-            }),
-            ..*each
-        };
         Self {
             start: units.pose(&self.start),
-            moves: self.moves.iter().map(moved).collect(),
+            moves: self.moves.iter().map(|each| each.in_units(units)).collect(),
             path: None,
+            levels: self.levels.clone(),
         }
     }
 
@@ -89,6 +79,24 @@ impl Job {
 }
 
 impl JobMove {
+    /// The move in `units`.
+    pub(crate) fn in_units(&self, units: &Units) -> Self {
+        Self {
+            from: units.pose(&self.from),
+            to: units.pose(&self.to),
+            start_velocity: units.velocity(&self.start_velocity),
+            end_velocity: units.velocity(&self.end_velocity),
+            accelerations: self
+                .accelerations
+                .map(|both| both.map(|one| units.acceleration(&one))),
+            tool: self.tool.map(|tool| Tool {
+                speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
+                ..tool
+            }),
+            ..*self
+        }
+    }
+
     /// Returns what the curve of the move is given by, in the number type `N`.
     pub fn ends<N: Number>(&self) -> Ends<N, Quintics> {
         let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
@@ -152,6 +160,7 @@ pub(crate) fn read_job(
                 start: start?,
                 moves: Vec::new(),
                 path: Some(placed.path.clone()),
+                levels: JobLevels::default(),
             },
             path: Some(placed),
         });
@@ -225,6 +234,7 @@ pub(crate) fn read_job(
             start: start?,
             moves,
             path: None,
+            levels: JobLevels::default(),
         },
         path: None,
     })

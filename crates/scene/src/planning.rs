@@ -4,6 +4,7 @@ use crate::blocks::{blocks, plan_blocks};
 use crate::job::{Job, JobMove};
 use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
+use crate::levels::{JobLevels, misfit};
 use crate::obstacle::obstacle;
 use crate::offer::CAPACITY;
 use crate::read::Document;
@@ -60,6 +61,14 @@ pub enum Unplanned {
         /// Most ticks of a move.
         longest: u32,
     },
+    /// The tool passes more levels in a tick than the service plays, or D turns back among them.
+    #[error(
+        "the pixels of the row are too short for the speed: the tool changes at ticks; take a lower speed or a larger pitch"
+    )]
+    Levels {
+        /// Number of the row's part in the file, from 0.
+        number: usize,
+    },
     /// The job is longer than a service counts.
     #[error("the moves take {0} ticks together, at most 4294967295 are allowed")]
     Ticks(u64),
@@ -81,7 +90,9 @@ impl Unplanned {
                 *number += source;
                 refusal.place.piece += piece;
             }
-            Self::Dwell { number } | Self::LongDwell { number, .. } => *number += source,
+            Self::Dwell { number } | Self::LongDwell { number, .. } | Self::Levels { number } => {
+                *number += source;
+            }
             Self::Machine(_) | Self::Units | Self::Ticks(_) => {}
         }
         self
@@ -121,6 +132,13 @@ impl PlannedJob {
             .zip(end.into_iter().cycle());
         steps.extend(last.map(|(dwell, at)| (dwell.source, stand(path, dwell, at))));
         steps
+    }
+
+    /// Returns the [steps](Self::steps) as they are played, and the levels of the moves among them.
+    pub fn listed(&self) -> (Vec<(usize, JobMove)>, JobLevels) {
+        let mut steps = self.steps();
+        let levels = JobLevels::of(&self.path.rows, &mut steps);
+        (steps, levels)
     }
 
     /// Duration of the moves and dwells in ticks.
@@ -422,22 +440,48 @@ impl Scene {
         match &blocks(self, path)[..] {
             [_] => {
                 let planned = plan_job(self, path, effort)?;
-                self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
-                self.job.path = Some(planned.path);
+                self.take_steps(planned.steps(), planned.path)?;
             }
             blocks => {
-                let moves = plan_blocks(self, path, blocks, effort)?;
-                let ticks = moves
+                let steps = plan_blocks(self, path, blocks, effort)?;
+                let ticks = steps
                     .iter()
-                    .map(|each| u64::from(each.duration_ticks))
+                    .map(|(_, each)| u64::from(each.duration_ticks))
                     .sum();
                 if ticks > u64::from(u32::MAX) {
                     return Err(Unplanned::Ticks(ticks));
                 }
-                self.job.moves = moves;
-                self.job.path = Some(path.clone());
+                self.take_steps(steps, path.clone())?;
             }
         }
+        Ok(())
+    }
+
+    /// Gives the machine the moves `steps` of `path`, with the levels of its rows.
+    fn take_steps(
+        &mut self,
+        mut steps: Vec<(usize, JobMove)>,
+        path: JobPath,
+    ) -> Result<(), Unplanned> {
+        let levels = JobLevels::of(&path.rows, &mut steps);
+        let sources: Vec<usize> = steps.iter().map(|(source, _)| *source).collect();
+        let moves: Vec<JobMove> = steps.into_iter().map(|(_, each)| each).collect();
+        if !levels.is_empty() {
+            let trial = Self {
+                job: Job {
+                    moves: moves.clone(),
+                    path: None,
+                    levels: JobLevels::default(),
+                    ..self.job
+                },
+                ..self.clone()
+            };
+            if let Some(index) = misfit(&trial, &moves, &levels) {
+                let number = sources[index];
+                return Err(Unplanned::Levels { number });
+            }
+        }
+        (self.job.moves, self.job.levels, self.job.path) = (moves, levels, Some(path));
         Ok(())
     }
 }
@@ -453,7 +497,8 @@ pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedP
             ref error @ (Unplanned::Path { number, .. }
             | Unplanned::NoAlpha { number, .. }
             | Unplanned::Dwell { number }
-            | Unplanned::LongDwell { number, .. }),
+            | Unplanned::LongDwell { number, .. }
+            | Unplanned::Levels { number }),
         ) => document.refuse(&placed.places[number], error.to_string()),
         // The machine is checked, and refused, by itself.
         Err(Unplanned::Machine(_)) => {}

@@ -5,7 +5,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
-use trirrr_scene::{Dwell, JobPath, Tool};
+use trirrr_scene::{Dwell, JobPath, LevelRow, Tool};
 use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
 
 /// Length, m or rad, below which a motion is what the rounding of decimals has left.
@@ -33,6 +33,8 @@ pub(crate) struct PathBuilder {
     settings: Vec<Option<Tool>>,
     /// The next piece begins at rest.
     stops: bool,
+    /// Rows of levels.
+    rows: Vec<LevelRow>,
     /// Lines at which the job waits for the user.
     pub(crate) pauses: Vec<u32>,
 }
@@ -48,6 +50,7 @@ impl PathBuilder {
             tools: Vec::new(),
             settings: Vec::new(),
             stops: true,
+            rows: Vec::new(),
             pauses: Vec::new(),
         }
     }
@@ -101,6 +104,26 @@ impl PathBuilder {
         Ok(())
     }
 
+    /// Adds a straight motion with levels of the tool's power at equal distances.
+    ///
+    /// # Errors
+    /// As [`push`](Self::push).
+    pub(crate) fn push_row(&mut self, element: &Element, levels: &[u8]) -> Result<(), PathFault> {
+        let (from, pieces) = (self.at.position, self.pieces.len());
+        self.push(element)?;
+        if let Some(piece) = self.pieces.get_mut(pieces) {
+            // No other motion has its setting: moves end where it ends.
+            piece.setting = self.settings.len();
+            self.settings.push(self.tools[piece.source]);
+            self.rows.push(LevelRow {
+                source: piece.source,
+                ends_m: [from.into(), self.at.position.into()],
+                levels: levels.to_vec(),
+            });
+        }
+        Ok(())
+    }
+
     fn note_tool(&mut self, source: usize, tool: Option<Tool>) {
         if self.tools.len() <= source {
             self.tools.resize(source + 1, None);
@@ -145,6 +168,7 @@ impl PathBuilder {
         let off = self.setting(None);
         let (pieces, dwells, tools) =
             (self.pieces.clone(), self.dwells.clone(), self.tools.clone());
+        let rows = self.rows.clone();
         for offset in (1..times as usize).map(|index| index * pass) {
             if has_length(&back) {
                 self.pieces.push(PathPiece {
@@ -160,6 +184,10 @@ impl PathBuilder {
             self.pieces.extend(pieces.iter().map(|each| PathPiece {
                 source: each.source + offset,
                 ..*each
+            }));
+            self.rows.extend(rows.iter().map(|each| LevelRow {
+                source: each.source + offset,
+                ..each.clone()
             }));
             self.dwells.extend(dwells.iter().map(|each| Dwell {
                 source: each.source + offset,
@@ -190,6 +218,7 @@ impl PathBuilder {
             free: None,
             dwells: self.dwells,
             tools: self.tools,
+            rows: self.rows,
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })

@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
+use trirrr_client::JobWork;
 use trirrr_client::describe::Units;
 use trirrr_client::local::{self, LocalService};
 use trirrr_client::records::{Samples, is_of_a_job};
@@ -220,7 +221,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
         pipeline::of_scene::<N>(scene, units).map_err(|error| refused(error.to_string()))?;
-    let moves = offer::moves::<N>(scene, &units);
+    let work = JobWork::of(offer::moves::<N>(scene, &units), &scene.job.levels);
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();
@@ -252,7 +253,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
             let angles = machine.motors().each_ref().map(|motor| motor.angle);
             let closed = plant.as_mut().map(|plant| ClosedLoop::new(plant, angles));
             let runner =
-                JobRunner::new(machine, moves, local::hello::<N>(scene), scene.tick_rate_hz);
+                JobRunner::new(machine, work, local::hello::<N>(scene), scene.tick_rate_hz);
             let rate_hz = paced.then_some(scene.tick_rate_hz);
             let played = play(runner, closed, rate_hz, stop, &sender);
             // The recorder ends with the last tick that it is sent.

@@ -135,16 +135,16 @@ fn stream<N: ServiceNumber>(
         return stream.play(work, taken, journal, &|_| from).end;
     }
     let moves = offer::moves::<N>(scene, &units);
-    let key = stream.key(&JobWork::from(moves.clone()));
+    let levels = &scene.job.levels;
+    let key = stream.key(&JobWork::of(moves.clone(), levels));
     let rest = |from| {
         let period = units.time(scene.period_s());
-        JobRest::new(&moves, from, N::factor_from_f64(period))
+        JobRest::listed(&moves, levels, from, N::factor_from_f64(period))
     };
     let play = |from: JobPlace, taken| {
         let rest: JobRest<N> = rest(from);
         let journal = Journal::new(folder, key.clone(), from);
-        let work = JobWork::from(rest.moves().to_vec());
-        stream.play(work, taken, journal, &|place| rest.place(place))
+        stream.play(rest.work(), taken, journal, &|place| rest.place(place))
     };
     if !args.resume {
         return play(from, None).end;
@@ -228,12 +228,12 @@ impl Stream<'_> {
         let pipeline = pipeline::of_scene::<N>(scene, self.units)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let units = Units::of_scene(scene, &self.units);
-        let durations: Vec<u64> = match &work {
-            JobWork::Moves(moves) => {
+        let durations: Vec<u64> = match work.moves() {
+            Some(moves) => {
                 let ticks = moves.iter().map(|each| u64::from(each.common().ticks));
                 ticks.collect()
             }
-            JobWork::Path { .. } => {
+            None => {
                 let moves = scene.job.moves.iter();
                 moves.map(|each| u64::from(each.duration_ticks)).collect()
             }

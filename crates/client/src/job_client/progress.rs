@@ -1,60 +1,12 @@
 //! Count of what a machine has taken and played of a job.
 
-use trirrr_core::setpoint::Pose;
+use super::levels::{GivenLevels, NextLevels};
+use super::work::JobWork;
+use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    AnyMove, BATCH, Command, JobAccount, JobLabel, Move, MoveBatch, OfferedMoves, PathPiece,
+    AnyMove, BATCH, Command, JobAccount, ListedMove, Move, MoveBatch, OfferedMoves, PathPiece,
     Status, Transmit,
 };
-use trirrr_protocol::wire::checksum;
-
-/// Work of a job.
-#[derive(Clone, Debug)]
-pub enum JobWork<N: Transmit> {
-    /// Moves.
-    Moves(Vec<AnyMove<N>>),
-    /// A path that the machine plans itself.
-    Path {
-        /// Pose at its start.
-        start: Pose<N>,
-        /// Pieces, the last one marked.
-        pieces: Vec<PathPiece<N>>,
-    },
-}
-
-impl<N: Transmit> JobWork<N> {
-    /// Returns the number of items: moves, or pieces.
-    pub fn items(&self) -> u32 {
-        // A machine counts them in 32 bits.
-        match self {
-            Self::Moves(moves) => moves.len() as u32,
-            Self::Path { pieces, .. } => pieces.len() as u32,
-        }
-    }
-
-    /// Returns the label of the job under `name`. Its checksum is over all items.
-    pub fn label(&self, name: &str) -> JobLabel {
-        // Every part has a length that is known beforehand.
-        let add = |sum: u32, part: Option<u32>| checksum(&(sum, part)).unwrap_or_default();
-        let check = match self {
-            Self::Moves(moves) => {
-                let parts = moves.iter().map(|each| checksum(&each.step()));
-                parts.fold(0, add)
-            }
-            Self::Path { pieces, .. } => pieces.iter().map(checksum).fold(0, add),
-        };
-        JobLabel {
-            name: trirrr_service::name(name),
-            items: self.items(),
-            check,
-        }
-    }
-}
-
-impl<N: Transmit> From<Vec<AnyMove<N>>> for JobWork<N> {
-    fn from(moves: Vec<AnyMove<N>>) -> Self {
-        Self::Moves(moves)
-    }
-}
 
 /// Numbers by which a machine calls the first move and the first piece of a job.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +31,10 @@ pub(super) struct JobProgress<N: Transmit> {
     room: u16,
     /// Most moves in a batch.
     batch: usize,
+    /// Moves that are over, as far as known.
+    over: u32,
+    /// Levels that were given.
+    given: GivenLevels,
 }
 
 impl<N: Transmit> JobProgress<N> {
@@ -91,6 +47,8 @@ impl<N: Transmit> JobProgress<N> {
             flying: 0,
             room: 0,
             batch: 1,
+            over: 0,
+            given: GivenLevels::default(),
         }
     }
 
@@ -120,17 +78,14 @@ impl<N: Transmit> JobProgress<N> {
     }
 
     fn any(&self, index: u32) -> Option<&AnyMove<N>> {
-        match &self.work {
-            JobWork::Moves(moves) => moves.get(usize::try_from(index).ok()?),
-            JobWork::Path { .. } => None,
-        }
+        self.work.moves()?.get(usize::try_from(index).ok()?)
     }
 
     /// Returns the pose at the start of the job.
     pub(super) fn start(&self) -> Option<Pose<N>> {
         match &self.work {
-            JobWork::Moves(moves) => moves.first().map(|each| each.common().from),
             JobWork::Path { start, .. } => Some(*start),
+            work => work.moves()?.first().map(|each| each.common().from),
         }
     }
 
@@ -183,6 +138,7 @@ impl<N: Transmit> JobProgress<N> {
             r#move: status.next,
             piece: status.piece,
         });
+        self.over = self.moves_done(status).min(self.items());
         let mut next = status.next;
         for moves in flying {
             // Those before the next are in the status already.
@@ -221,26 +177,78 @@ impl<N: Transmit> JobProgress<N> {
     pub(super) fn next_offer(&self) -> Option<Command<N>> {
         let base = self.base.filter(|_| self.room > 0)?;
         let index = usize::try_from(self.offered).ok()?;
+        let number = base.r#move.wrapping_add(self.offered);
         match &self.work {
-            JobWork::Moves(moves) => {
-                let number = base.r#move.wrapping_add(self.offered);
-                let next = moves.get(index)?;
-                let before = index.checked_sub(1).and_then(|index| moves.get(index));
-                let most = self.batch.min(usize::from(self.room));
-                let behind = moves.get(index..)?;
-                let behind = behind.get(..most).unwrap_or(behind);
-                let batch = before.map(|before| MoveBatch::new(number, &before.end(), behind));
-                // A single move says where it starts, which may not be where the last one ends.
-                let batch = batch.filter(|batch| batch.steps().count() > 1);
-                Some(match batch {
-                    Some(batch) => Command::Moves(batch),
-                    None => next.numbered(number).command(),
-                })
+            JobWork::Moves(moves) => self.next_moves(moves, index, number, moves.len()),
+            JobWork::Listed { moves, levels } => {
+                // The next move with levels: a batch ends before it.
+                let behind = levels.ranges.partition_point(|(of, _)| *of < self.offered);
+                match levels.ranges.get(behind) {
+                    Some((of, range)) if *of == self.offered => {
+                        let span = self.over..self.offered;
+                        match self.given.next(levels, range, span)? {
+                            NextLevels::Piece(piece) => Some(Command::Levels(piece)),
+                            NextLevels::Given(range) => {
+                                let next = moves.get(index)?;
+                                let start = match index.checked_sub(1) {
+                                    Some(before) => moves.get(before)?.end(),
+                                    None => at_rest(next.common().from),
+                                };
+                                let listed = ListedMove::new(number, &start, next, range);
+                                Some(Command::Listed(listed))
+                            }
+                        }
+                    }
+                    next => {
+                        let end = next.map_or(moves.len(), |(of, _)| *of as usize);
+                        self.next_moves(moves, index, number, end)
+                    }
+                }
             }
             JobWork::Path { pieces, .. } => Some(Command::Path(PathPiece {
                 number: base.piece.wrapping_add(self.offered),
                 ..*pieces.get(index)?
             })),
+        }
+    }
+
+    /// The command that offers moves from `index` on, before `end`.
+    fn next_moves(
+        &self,
+        moves: &[AnyMove<N>],
+        index: usize,
+        number: u32,
+        end: usize,
+    ) -> Option<Command<N>> {
+        let next = moves.get(index)?;
+        let before = index.checked_sub(1).and_then(|index| moves.get(index));
+        let most = self.batch.min(usize::from(self.room));
+        let behind = moves.get(index..end)?;
+        let behind = behind.get(..most).unwrap_or(behind);
+        let batch = before.map(|before| MoveBatch::new(number, &before.end(), behind));
+        // A single move says where it starts, which may not be where the last one ends.
+        let batch = batch.filter(|batch| batch.steps().count() > 1);
+        Some(match batch {
+            Some(batch) => Command::Moves(batch),
+            None => next.numbered(number).command(),
+        })
+    }
+
+    /// Sets the levels for which the machine has room.
+    pub(super) fn set_level_room(&mut self, room: u16) {
+        self.given.set_room(room);
+    }
+
+    /// The machine has taken levels.
+    pub(super) fn confirm_levels(&mut self) {
+        self.given.confirm();
+    }
+
+    /// Gives levels from that on which the machine calls `number`; where it calls none of the job so, those of the next move by the numbers
+    /// from there on.
+    pub(super) fn go_back_to_level(&mut self, number: u32) {
+        if let Some(levels) = self.work.levels() {
+            self.given.go_back(number, levels.first_from(self.taken));
         }
     }
 
@@ -256,7 +264,10 @@ impl<N: Transmit> JobProgress<N> {
                 self.offered = self.offered.wrapping_add(moves.count);
                 self.room = self.room.saturating_sub(moves.count as u16);
             }
-            None => self.offered = self.offered.wrapping_add(1),
+            None => match command {
+                Command::Levels(piece) => self.given.count(piece),
+                _ => self.offered = self.offered.wrapping_add(1),
+            },
         }
     }
 
@@ -273,6 +284,11 @@ impl<N: Transmit> JobProgress<N> {
 
     /// Returns true if nothing can be offered before the next status.
     pub(super) fn waits(&self) -> bool {
-        self.room == 0 || self.offered == self.items()
+        self.room == 0 || self.offered == self.items() || self.next_offer().is_none()
     }
+}
+
+/// The setpoint of a machine that stands at `pose`.
+fn at_rest<N: Transmit>(pose: Pose<N>) -> Setpoint<N> {
+    AnyMove::Cubic(Move::rest_to_rest(0, pose, pose, 1)).end()
 }

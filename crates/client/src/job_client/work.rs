@@ -1,0 +1,96 @@
+//! Work of a job: moves, with levels or without, or a path.
+
+use trirrr_core::setpoint::Pose;
+use trirrr_protocol::message::{AnyMove, JobLabel, LEVELS, LevelPiece, PathPiece, Transmit};
+use trirrr_protocol::wire::checksum;
+use trirrr_scene::JobLevels;
+
+/// Work of a job.
+#[derive(Clone, Debug)]
+pub enum JobWork<N: Transmit> {
+    /// Moves.
+    Moves(Vec<AnyMove<N>>),
+    /// Moves, some of which have levels of the tool's power.
+    Listed {
+        /// The moves.
+        moves: Vec<AnyMove<N>>,
+        /// Their levels.
+        levels: JobLevels,
+    },
+    /// A path that the machine plans itself.
+    Path {
+        /// Pose at its start.
+        start: Pose<N>,
+        /// Pieces, the last one marked.
+        pieces: Vec<PathPiece<N>>,
+    },
+}
+
+impl<N: Transmit> JobWork<N> {
+    /// The work of `moves` with these levels.
+    pub fn of(moves: Vec<AnyMove<N>>, levels: &JobLevels) -> Self {
+        match levels.is_empty() {
+            true => Self::Moves(moves),
+            false => Self::Listed {
+                moves,
+                levels: levels.clone(),
+            },
+        }
+    }
+
+    /// The moves; none of a path.
+    pub fn moves(&self) -> Option<&[AnyMove<N>]> {
+        match self {
+            Self::Moves(moves) | Self::Listed { moves, .. } => Some(moves),
+            Self::Path { .. } => None,
+        }
+    }
+
+    /// The levels of the moves, if there are any.
+    pub fn levels(&self) -> Option<&JobLevels> {
+        match self {
+            Self::Listed { levels, .. } => Some(levels),
+            Self::Moves(_) | Self::Path { .. } => None,
+        }
+    }
+
+    /// Returns the number of items: moves, or pieces.
+    pub fn items(&self) -> u32 {
+        // A machine counts them in 32 bits.
+        match self {
+            Self::Moves(moves) | Self::Listed { moves, .. } => moves.len() as u32,
+            Self::Path { pieces, .. } => pieces.len() as u32,
+        }
+    }
+
+    /// Returns the label of the job under `name`. Its checksum is over all items.
+    pub fn label(&self, name: &str) -> JobLabel {
+        // Every part has a length that is known beforehand.
+        let add = |sum: u32, part: Option<u32>| checksum(&(sum, part)).unwrap_or_default();
+        let of_moves = |moves: &[AnyMove<N>]| {
+            let parts = moves.iter().map(|each| checksum(&each.step()));
+            parts.fold(0, add)
+        };
+        let check = match self {
+            Self::Moves(moves) => of_moves(moves),
+            Self::Listed { moves, levels } => {
+                let pieces = levels.levels.chunks(LEVELS);
+                let pieces = pieces.map(|part| checksum(&LevelPiece::new(0, part)));
+                let sum = pieces.fold(of_moves(moves), add);
+                levels.ranges.iter().map(checksum).fold(sum, add)
+            }
+            Self::Path { pieces, .. } => pieces.iter().map(checksum).fold(0, add),
+        };
+        JobLabel {
+            name: trirrr_service::name(name),
+            items: self.items(),
+            check,
+        }
+    }
+}
+
+impl<N: Transmit> From<Vec<AnyMove<N>>> for JobWork<N> {
+    fn from(moves: Vec<AnyMove<N>>) -> Self {
+        Self::Moves(moves)
+    }
+}
