@@ -224,7 +224,9 @@ fn programs() -> [Step; 5] {
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
-    let parts = ["--part", "jobs", "--part", "line", "--part", "failures"];
+    let parts = [
+        "--part", "jobs", "--part", "line", "--part", "raster", "--part", "failures",
+    ];
     let board = [["xtask", "emulate"].as_slice(), &EMULATED, &parts].concat();
     [
         Step::new("the host programs", Programs::builder()),

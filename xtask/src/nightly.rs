@@ -263,6 +263,8 @@ fn steps() -> Result<Vec<Step>> {
     steps.push(archives);
     let line = ["xtask", "emulate", "--part", "line", "--frames", "200000"];
     steps.push(Step::cargo("a bad line for long", &line));
+    let raster = ["xtask", "emulate", "--part", "raster", "--seconds", "600"];
+    steps.push(Step::cargo("a raster image of ten minutes", &raster));
     steps.push(Step::cargo(
         "long fuzzing",
         &["xtask", "fuzz", "--seconds", "600"],
