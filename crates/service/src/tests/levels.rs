@@ -440,7 +440,7 @@ fn a_retarget_drops_the_levels_behind_the_cut() {
     let (row, chain): (Vec<_>, Vec<_>) = bench.telemetry.iter().copied().partition(is_before);
     check(&row, &tones, 1e-8);
     assert!(chain.iter().all(|sample| sample.tool == 0.0));
-    bench.list_row(&vec![50; 60]);
+    bench.list_row(&[50; 60]);
     bench.telemetry.clear();
     bench.done(Command::Start);
     bench.until(State::Idle);
