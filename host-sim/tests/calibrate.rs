@@ -1,9 +1,11 @@
 //! `trirrr calibrate` and `trirrr identify`: results, files and refusals.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn repository(file: &str) -> String {
@@ -12,11 +14,7 @@ fn repository(file: &str) -> String {
 }
 
 fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(arguments)
-        .current_dir(folder.path())
-        .output()
-        .unwrap()
+    common::command(folder, arguments).output().unwrap()
 }
 
 fn json(output: &Output) -> Value {

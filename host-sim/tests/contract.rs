@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// What `trirrr COMMAND scenes/SCENE --json` prints.
+/// Object that `trirrr COMMAND scenes/SCENE --json` prints.
 fn object(command: &str, scene: &str) -> Value {
     let folder = TempDir::new().unwrap();
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

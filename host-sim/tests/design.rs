@@ -1,9 +1,11 @@
 //! `trirrr design`: what its report says, against what other commands say.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn repository(file: &str) -> PathBuf {
@@ -11,11 +13,7 @@ fn repository(file: &str) -> PathBuf {
 }
 
 fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(arguments)
-        .current_dir(folder.path())
-        .output()
-        .unwrap()
+    common::command(folder, arguments).output().unwrap()
 }
 
 fn json(output: &Output) -> Value {

@@ -1,9 +1,11 @@
 //! Figures, pictures and the tables of the documents, against what the program writes.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 use trirrr_client::drive_records::DriveRecord;
 use trirrr_plant::table::COLUMNS;
@@ -14,11 +16,7 @@ fn repository(file: &str) -> PathBuf {
 }
 
 fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(arguments)
-        .current_dir(folder.path())
-        .output()
-        .unwrap()
+    common::command(folder, arguments).output().unwrap()
 }
 
 fn scene(name: &str) -> String {

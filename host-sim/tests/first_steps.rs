@@ -1,15 +1,13 @@
 //! First steps far from the repository: the scenes that are built in.
 
+mod common;
+
 use std::fs;
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(arguments)
-        .current_dir(folder.path())
-        .output()
-        .unwrap()
+    common::command(folder, arguments).output().unwrap()
 }
 
 fn error(output: &Output) -> String {

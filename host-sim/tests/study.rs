@@ -1,9 +1,11 @@
 //! `trirrr design --vary`: the machine that does a job best, against loops over `trirrr run`.
 
+mod common;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn scene(name: &str) -> String {
@@ -14,10 +16,8 @@ fn scene(name: &str) -> String {
 }
 
 fn trirrr(folder: &TempDir, threads: &str, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(arguments)
+    common::command(folder, arguments)
         .env("RAYON_NUM_THREADS", threads)
-        .current_dir(folder.path())
         .output()
         .unwrap()
 }

@@ -41,7 +41,7 @@ pub struct MeasuredRow {
     pub line: u32,
     /// Angles that the encoders told, or that were commanded, rad.
     pub angles_rad: [f64; 3],
-    /// What was measured.
+    /// Measured value.
     pub reading: DeviceReading,
     /// Standard deviations of the reading.
     pub noise: MeasurementNoise,

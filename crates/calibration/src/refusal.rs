@@ -41,7 +41,7 @@ pub enum CalibrationRefusal {
         median_m: f64,
         /// Expected deviation of a length, m.
         expected_m: f64,
-        /// What it may be.
+        /// Likely cause.
         hint: &'static str,
     },
     /// The iteration ended nowhere.

@@ -52,7 +52,7 @@ pub const SKY: RGBColor = RGBColor(86, 180, 233);
 pub const INK: RGBColor = RGBColor(40, 40, 40);
 /// Frames of axes.
 pub const FRAME: RGBColor = RGBColor(110, 110, 110);
-/// What is fixed to the base.
+/// Parts that are fixed to the base.
 pub const GROUND: RGBColor = RGBColor(80, 80, 80);
 /// Grid lines.
 pub const GRID: RGBColor = RGBColor(226, 226, 226);

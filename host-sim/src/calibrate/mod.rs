@@ -21,7 +21,7 @@ use trirrr_calibration::{
 };
 use trirrr_scene::Scene;
 
-/// What is written for a calibration.
+/// Files that are written for a calibration.
 struct CalibrateFiles {
     files: Vec<PathBuf>,
     /// Reason for which the calibrated scene is refused.

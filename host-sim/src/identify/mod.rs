@@ -19,7 +19,7 @@ use trirrr_calibration::identify::{
 };
 use trirrr_scene::Scene;
 
-/// What is written for an identification.
+/// Files that are written for an identification.
 struct IdentifyFiles {
     files: Vec<PathBuf>,
     /// Reason for which the scene with the found values is refused, or is not written.

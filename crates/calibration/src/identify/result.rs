@@ -46,7 +46,7 @@ pub enum IdentificationRefusal {
         samples: usize,
         /// Equations that are left.
         used: usize,
-        /// What would do.
+        /// Remedy in words.
         hint: &'static str,
     },
     /// All torques are 0.

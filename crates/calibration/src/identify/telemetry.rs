@@ -34,7 +34,7 @@ pub struct JointSample {
 /// Reads a table with a row of names: `t`, the angles of `columns`, and `tau1` to `tau3`. Other columns are not read.
 ///
 /// # Errors
-/// What is wrong: separators, missing columns, cells, times that do not rise, with line, column and reason.
+/// Faults of the table: separators, missing columns, cells, times that do not rise, with line, column and reason.
 pub fn read_telemetry(
     text: &str,
     columns: MotionColumns,

@@ -68,18 +68,10 @@ impl CandidateRecord {
     }
 
     fn result(&self) -> Result<Vec<f64>, CandidateFault> {
-        let Self {
-            found,
-            reason,
-            shortfall,
-            ..
-        } = self.clone();
-        let values = FoundValues {
-            found,
-            reason,
-            shortfall,
-        };
-        values.result()
+        self.found.clone().ok_or_else(|| CandidateFault {
+            reason: self.reason.clone().unwrap_or_default(),
+            shortfall: self.shortfall.unwrap_or(0.0),
+        })
     }
 }
 
@@ -99,15 +91,6 @@ impl From<&Result<Vec<f64>, CandidateFault>> for FoundValues {
             reason: fault.map(|fault| fault.reason.clone()),
             shortfall: fault.map(|fault| fault.shortfall),
         }
-    }
-}
-
-impl FoundValues {
-    fn result(&self) -> Result<Vec<f64>, CandidateFault> {
-        self.found.clone().ok_or_else(|| CandidateFault {
-            reason: self.reason.clone().unwrap_or_default(),
-            shortfall: self.shortfall.unwrap_or(0.0),
-        })
     }
 }
 

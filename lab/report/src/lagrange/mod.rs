@@ -24,7 +24,7 @@ pub(crate) const STEPS: usize = variants::COUNT;
 struct LagrangeDifference {
     /// The machine.
     name: &'static str,
-    /// What acts on it besides the motors.
+    /// Loads on it besides the motors.
     loads: &'static str,
     /// States that were compared, of the move and random ones.
     states: [usize; 2],

@@ -127,7 +127,7 @@ impl Pen<'_, '_> {
         labels.draw(self.canvas)
     }
 
-    /// What names should not cover: links, guides, feet, and less so curves and later positions.
+    /// Things that names should not cover: links, guides, feet, and less so curves and later positions.
     fn avoid(&self, labels: &mut Labels, position: &Position) {
         let outline = |position: &Position, link: usize| {
             let points = points_of(self.linkage, link).into_iter();
