@@ -6,6 +6,8 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use trirrr_client::local::{self, LocalService};
 use trirrr_core::model::Dynamic;
 use trirrr_core::tick::{Motor, Tick};
+// It holds the services of all number types and models: compiled there, they need not be compiled here.
+use trirrr_host_sim as _;
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request};
 use trirrr_scene::{JobPlayer, NumberType, Scene, in_number_type, offer, units};
 use trirrr_service::ServiceNumber;

@@ -148,20 +148,14 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
-        Step::cargo("instructions of all scenes", &["xtask", "insns", "--check"]),
-        Step::cargo(
-            "admission of all scenes",
-            &["xtask", "admission", "--check"],
-        ),
-        Step::cargo(
-            "modelled cycles of all scenes",
-            &["xtask", "cycles", "--check"],
-        ),
-        Step::cargo("sizes of all scenes", &["xtask", "size", "--check"]),
-        Step::cargo(
+        Step::chore("instructions of all scenes", &["insns", "--check"])?,
+        Step::chore("admission of all scenes", &["admission", "--check"])?,
+        Step::chore("modelled cycles of all scenes", &["cycles", "--check"])?,
+        Step::chore("sizes of all scenes", &["size", "--check"])?,
+        Step::chore(
             "emulated boards of all scenes, in fixed point too",
-            &["xtask", "emulate", "--fixed"],
-        ),
+            &["emulate", "--fixed"],
+        )?,
         Step::cargo(
             "the study of integrators",
             &[
@@ -274,11 +268,8 @@ fn steps() -> Result<Vec<Step>> {
         archives.command.args(["-p", &package.name]);
     }
     steps.push(archives);
-    let line = ["xtask", "emulate", "--part", "line", "--frames", "200000"];
-    steps.push(Step::cargo("a bad line for long", &line));
-    steps.push(Step::cargo(
-        "long fuzzing",
-        &["xtask", "fuzz", "--seconds", "600"],
-    ));
+    let line = ["emulate", "--part", "line", "--frames", "200000"];
+    steps.push(Step::chore("a bad line for long", &line)?);
+    steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
     Ok(steps)
 }

@@ -100,6 +100,20 @@ mod tests {
         }
     }
 
+    /// It builds the chores with the features of the tests, and of no other packages.
+    #[test]
+    fn ci_leaves_out_the_same_packages() {
+        let script = include_str!("../../.ci/run").split_whitespace();
+        let words: Vec<&str> = script.collect();
+        let named = words.windows(2).filter(|pair| pair[0] == "--exclude");
+        let mut named: Vec<&str> = named.map(|pair| pair[1]).collect();
+        let device = DEVICE_PACKAGES.iter().map(|(package, _)| *package);
+        let mut left_out: Vec<&str> = device.chain(NIGHTLY_PACKAGES).collect();
+        named.sort_unstable();
+        left_out.sort_unstable();
+        assert_eq!(named, left_out);
+    }
+
     #[test]
     fn libraries_are_published_and_chores_are_not() {
         let packages = Package::all().expect("cargo metadata");

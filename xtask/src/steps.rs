@@ -3,6 +3,7 @@
 use crate::packages::choose_host;
 use crate::repository::{cargo, root};
 use anyhow::{Context, Result, bail};
+use std::env;
 use std::iter;
 use std::path::Path;
 use std::process::Command;
@@ -26,6 +27,13 @@ impl Step {
         Self::new(name, command)
     }
 
+    /// A chore of this program. What runs is this very file: cargo would build it again, with other features.
+    pub(crate) fn chore(name: impl Into<String>, arguments: &[&str]) -> Result<Self> {
+        let mut command = Command::new(env::current_exe().context("this program has no path")?);
+        command.current_dir(root()).args(arguments);
+        Ok(Self::new(name, command))
+    }
+
     /// Cargo's `command` about every package that is for a host, with `arguments` behind.
     pub(crate) fn on_host(name: &str, command: &str, arguments: &[&str]) -> Self {
         let mut step = Self::cargo(name, &[command]);
@@ -36,13 +44,13 @@ impl Step {
 
     /// The command as it is typed in the root.
     fn line(&self) -> String {
-        // Cargo is called by its path.
         let program = Path::new(self.command.get_program());
-        let program = program.file_name().unwrap_or_default();
-        let words: Vec<_> = iter::once(program)
-            .chain(self.command.get_args())
-            .map(|word| word.to_string_lossy())
-            .collect();
+        let is_chore = env::current_exe().is_ok_and(|this| this == program);
+        // Cargo is called by its path.
+        let name = program.file_name().unwrap_or_default().to_string_lossy();
+        let name = if is_chore { "cargo xtask".into() } else { name };
+        let arguments = self.command.get_args().map(|word| word.to_string_lossy());
+        let words: Vec<_> = iter::once(name).chain(arguments).collect();
         format!("{} (in {})", words.join(" "), root().display())
     }
 }
@@ -83,6 +91,8 @@ mod tests {
     fn a_failed_step_can_be_repeated_from_its_message() {
         let step = Step::cargo("tests", &["test", "-p", "xtask"]);
         assert!(step.line().starts_with("cargo test -p xtask (in "));
+        let step = Step::chore("shape", &["house", "--check"]).expect("a path");
+        assert!(step.line().starts_with("cargo xtask house --check (in "));
     }
 
     #[test]
