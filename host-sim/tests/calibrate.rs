@@ -282,6 +282,45 @@ fn masses_and_friction_of_a_simulated_machine_are_found() {
     assert!(fs::metadata(out.join("torques.svg")).unwrap().len() > 1000);
 }
 
+/// Drives that hold a position from tick to tick tell a torque that depends on the place in the tick, in proportion to the rate.
+#[test]
+fn viscous_friction_behind_drives_that_hold_a_position_is_named_as_unseen() {
+    let folder = TempDir::new().unwrap();
+    let scene = repository("scenes/plant-odrive.toml");
+    let run = trirrr(&folder, &["run", "--fast", &scene]);
+    assert!(run.status.success());
+    let table = "out/plant-odrive/drives.csv";
+    let found = json(&trirrr(&folder, &["identify", &scene, table, "--json"]));
+    let number = |value: &Value| value.as_f64().unwrap();
+    let parameters = found["parameters"].as_array().unwrap();
+    let of = |name: &'static str| {
+        let named = parameters
+            .iter()
+            .filter(move |parameter| parameter["name"].as_str().unwrap().starts_with(name));
+        named.map(|parameter| [number(&parameter["value"]), number(&parameter["deviation"])])
+    };
+    for [value, deviation] in of("Coulomb") {
+        println!("{value} +- {deviation}");
+    }
+    // Stiffness of 300 N m/rad and ticks of 2 ms: half a tick is 0.3 N m s/rad.
+    let readings: Vec<[f64; 2]> = of("rate in the told torque").collect();
+    assert_eq!(readings.len(), 3);
+    for [value, _] in readings {
+        assert!((0.03..0.3).contains(&value.abs()), "{value}");
+    }
+    assert_eq!(of("viscous").count(), 0);
+    let blind = found["directions"]["blind"].to_string();
+    assert!(
+        blind.contains("viscous friction of motor 3: the place in the tick"),
+        "{blind}"
+    );
+    // Without them nothing fits: the friction would drive.
+    let bare = ["identify", &scene, table, "--json", "--hold", "readings"];
+    let bare = json(&trirrr(&folder, &bare));
+    let residual = |found: &Value| number(&found["residual_nm"][1]);
+    assert!(residual(&found) < 0.3 * residual(&bare), "{found}");
+}
+
 #[test]
 fn bad_telemetry_is_refused_with_file_line_and_column() {
     let folder = TempDir::new().unwrap();
