@@ -101,7 +101,7 @@ impl Posed<'_> {
                 canvas.dashed(b, (b.0 + 62.0, b.1), FRAME)?;
                 AngleArc::new(b, 38.0, 0.0, leg.th2).draw(canvas, "th2_1", colour)?;
                 beside(canvas, "proximal_m", a, b)?;
-                beside(canvas, "distal_m", c, b)?;
+                beside(canvas, "distal_m", b, c)?;
             }
             let sign = match parameters.legs[index].elbow.sign() > 0.0 {
                 true => "+1",
