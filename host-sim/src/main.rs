@@ -45,7 +45,13 @@ fn main() -> ExitCode {
         Command::Follow(args) => to_the_end(|stop| goals::follow(args, stop)),
         Command::Design(args) => to_the_end(|stop| design::command(args, stop)),
         Command::Assemble(args) => assemble::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Calibrate(args) => calibrate::command(args).map(|()| ExitCode::SUCCESS),
+        // Only a conversation with a board has a clean end at Ctrl-C.
+        Command::Calibrate(args) if args.board.port.is_some() => {
+            switch(|stop| calibrate::command(args, stop))
+        }
+        Command::Calibrate(args) => {
+            calibrate::command(args, &AtomicBool::new(false)).map(|()| ExitCode::SUCCESS)
+        }
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),

@@ -1,8 +1,10 @@
 //! `trirrr assemble`: printed text, files, exit codes.
 
+mod common;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn scene(name: &str) -> PathBuf {
@@ -10,12 +12,11 @@ fn scene(name: &str) -> PathBuf {
 }
 
 fn assemble(folder: &TempDir, scene: &Path, more: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
+    common::command(folder, &[])
         .arg("assemble")
         .arg(scene)
         .args(more)
         .args(["--out", "here"])
-        .current_dir(folder.path())
         .output()
         .unwrap()
 }

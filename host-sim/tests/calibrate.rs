@@ -282,6 +282,64 @@ fn masses_and_friction_of_a_simulated_machine_are_found() {
     assert!(fs::metadata(out.join("torques.svg")).unwrap().len() > 1000);
 }
 
+/// Drives that hold a position from tick to tick tell a torque that depends on the place in the tick, in proportion to the rate.
+#[test]
+fn friction_behind_drives_that_hold_a_position_is_found_but_for_the_viscous_part() {
+    let folder = TempDir::new().unwrap();
+    let scene = repository("scenes/plant-odrive.toml");
+    let job = repository("scenes/jobs/friction.csv");
+    let run = ["run", "--fast", &job, "--machine", &scene, "--out", "out"];
+    let run = trirrr(&folder, &run);
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+    let asked = ["identify", &scene, "out/drives.csv", "--free", "joints"];
+    let identified = |more: &[&str]| json(&trirrr(&folder, &[&asked[..], more].concat()));
+    let found = identified(&["--json"]);
+    let number = |value: &Value| value.as_f64().unwrap();
+    let parameters = found["parameters"].as_array().unwrap();
+    let of = |name: &str| -> Vec<[f64; 2]> {
+        let named = parameters
+            .iter()
+            .filter(|parameter| parameter["name"].as_str().unwrap().starts_with(name));
+        named
+            .map(|parameter| [number(&parameter["value"]), number(&parameter["deviation"])])
+            .collect()
+    };
+    // The simulated joints rub with that.
+    let real = [0.02, 0.02, 0.02, 0.002, 0.002];
+    let coulomb = of("Coulomb");
+    assert_eq!(coulomb.len(), real.len());
+    for ([value, deviation], real) in coulomb.into_iter().zip(real) {
+        assert!(
+            (value - real).abs() < 4.0 * deviation,
+            "{value} +- {deviation}, {real}"
+        );
+        assert!(deviation < 0.002, "{deviation}");
+    }
+    // Stiffness of 300 N m/rad and ticks of 2 ms: half a tick is 0.3 N m s/rad.
+    let readings = of("rate in the told torque");
+    assert_eq!(readings.len(), 3);
+    for [value, deviation] in readings {
+        assert!(
+            (10.0 * deviation..0.3).contains(&value.abs()),
+            "{value} +- {deviation}"
+        );
+    }
+    assert_eq!(of("viscous friction of motor").len(), 0);
+    let blind = found["directions"]["blind"].to_string();
+    assert!(
+        blind.contains("viscous friction of motor 3: the place in the tick"),
+        "{blind}"
+    );
+    // Without them nothing fits: the friction would drive.
+    let bare = identified(&["--json", "--hold", "readings"]);
+    let residual = |found: &Value| number(&found["residual_nm"][1]);
+    assert!(residual(&found) < 0.3 * residual(&bare), "{found}");
+}
+
 #[test]
 fn bad_telemetry_is_refused_with_file_line_and_column() {
     let folder = TempDir::new().unwrap();

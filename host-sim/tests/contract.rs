@@ -1,18 +1,17 @@
 //! Objects for programs, whose keys others rely on.
 
+mod common;
+
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use tempfile::TempDir;
 
 /// Object that `trirrr COMMAND scenes/SCENE --json` prints.
 fn object(command: &str, scene: &str) -> Value {
     let folder = TempDir::new().unwrap();
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
-    let output = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args([command, "--json"])
+    let output = common::command(&folder, &[command, "--json"])
         .arg(scenes.join(scene))
-        .current_dir(folder.path())
         .output()
         .unwrap();
     assert!(output.status.success(), "{command} {scene}");

@@ -1,8 +1,10 @@
 //! Jobs in files of their own, on the machine of a scene.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn repository(file: &str) -> PathBuf {
@@ -11,13 +13,12 @@ fn repository(file: &str) -> PathBuf {
 
 /// Runs `trirrr COMMAND JOB --machine SCENE ARGUMENTS` in `folder`.
 fn trirrr(folder: &TempDir, command: &str, job: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
+    common::command(folder, &[])
         .arg(command)
         .arg(job)
         .arg("--machine")
         .arg(repository("scenes/engraving.toml"))
         .args(arguments)
-        .current_dir(folder.path())
         .output()
         .unwrap()
 }
@@ -48,10 +49,8 @@ fn columns<const N: usize>(folder: &TempDir, job: &str, names: [&str; N]) -> Vec
 #[test]
 fn a_drawing_in_g_code_is_played_as_the_one_in_a_scene() {
     let folder = TempDir::new().unwrap();
-    let scene = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(["run", "--fast", "--out", "out/scene"])
+    let scene = common::command(&folder, &["run", "--fast", "--out", "out/scene"])
         .arg(repository("scenes/engraving.toml"))
-        .current_dir(folder.path())
         .status();
     assert!(scene.unwrap().success());
     let job = repository("scenes/jobs/plate.ngc");
@@ -139,9 +138,7 @@ fn a_job_and_a_scene_are_told_apart() {
     let output = trirrr(&folder, "run", &scene, &[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("leave --machine out"));
-    let alone = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(["plan", "job.ngc"])
-        .current_dir(folder.path())
+    let alone = common::command(&folder, &["plan", "job.ngc"])
         .output()
         .unwrap();
     assert_eq!(alone.status.code(), Some(2));
@@ -197,10 +194,8 @@ fn a_job_is_checked_without_a_trace() {
     assert!(text(&output.stdout).starts_with("plate: good\n"));
     let output = trirrr(&folder, "check", &job, &[&placed[..], &["--json"]].concat());
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let scene = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-        .args(["check", "--json"])
+    let scene = common::command(&folder, &["check", "--json"])
         .arg(repository("scenes/engraving.toml"))
-        .current_dir(folder.path())
         .output()
         .unwrap();
     let scene: serde_json::Value = serde_json::from_slice(&scene.stdout).unwrap();
@@ -674,8 +669,7 @@ fn a_path_is_drawn_before_anything_moves() {
 #[test]
 fn shells_complete_the_commands() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let output = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-            .args(["completions", shell])
+        let output = common::command(".", &["completions", shell])
             .output()
             .unwrap();
         assert!(output.status.success());

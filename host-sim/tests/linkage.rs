@@ -1,7 +1,9 @@
 //! `trirrr linkage`: printed text, files written, exit codes.
 
+mod common;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// The folder of the shipped files.
 fn folder() -> PathBuf {
@@ -14,7 +16,7 @@ fn shipped_text(name: &str) -> String {
 }
 
 fn run(file: &Path, more: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
+    common::command(".", &[])
         .arg("linkage")
         .arg(file)
         .args(more)

@@ -1,8 +1,10 @@
 //! `trirrr run` and `trirrr check` of redundant machines, and what the other commands say of them; torques by Lagrange.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 const KINDS: [&str; 5] = ["4rrr", "6rrr", "prrr-2rrr", "2prrr-rrr", "3prrr"];
@@ -13,7 +15,7 @@ fn scene_file(name: &str) -> PathBuf {
 }
 
 fn trirrr(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trirrr"));
+    let mut command = common::command(".", &[]);
     command.args(args).output().expect("trirrr starts")
 }
 

@@ -1,8 +1,10 @@
 //! `docs/tutorial.md`, as a reader follows it.
 
+mod common;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 /// Commands of the tutorial that go on until a user ends them, or need another compiler.
@@ -24,9 +26,8 @@ fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
 
 fn run(folder: &TempDir, line: &str) -> Output {
     let arguments = line.strip_prefix("cargo run --release -- ").unwrap();
-    Command::new(env!("CARGO_BIN_EXE_trirrr"))
+    common::command(folder, &[])
         .args(arguments.split(' '))
-        .current_dir(folder.path())
         .output()
         .unwrap()
 }

@@ -1,5 +1,6 @@
 """Studies in parts, with the program itself."""
 
+import importlib.util
 import os
 import shutil
 import tempfile
@@ -52,6 +53,14 @@ class Studies(unittest.TestCase):
         self.assertLessEqual(len(alone["candidates"]), 60)
         # Each mode belongs to a part, and all of them are looked at.
         self.assertEqual(len({each["mode"] for each in alone["candidates"]}), 8)
+
+    @unittest.skipIf(importlib.util.find_spec("distributed") is None, "Dask is not installed: pip install dask distributed")
+    def test_a_study_is_the_same_over_processes_of_dask(self):
+        from dask.distributed import Client, LocalCluster
+
+        with LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+            over = self.run_study(client, vary=["mode"], evaluations=8)
+        self.assertEqual(over, self.run_study(None, vary=["mode"], evaluations=8))
 
     def test_a_wrong_bound_is_refused_with_key_and_reason(self):
         with self.assertRaises(study.StudyRefused) as refused:

@@ -1,11 +1,15 @@
 //! Arguments of `trirrr calibrate`.
 
-use crate::arguments::SetArgs;
+use crate::arguments::{SetArgs, factor, number_type};
+use crate::goals::MachineArgs;
 use crate::job_file::origin;
+use crate::stream::PortArgs;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trirrr_calibration::{CalibrationSetup, MeasurementNoise, ParameterGroup};
+use trirrr_client::transport::Address;
+use trirrr_scene::NumberType;
 
 /// Readings that poses are proposed for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -14,6 +18,35 @@ pub enum MeasuredKind {
     Pose,
     /// Place of the target alone
     Place,
+}
+
+/// Board that takes the calibrated geometry.
+#[derive(Args, Clone, Debug)]
+pub struct CalibratedBoardArgs {
+    /// The board, /dev/tty... or tcp:HOST:PORT, which gets the calibrated legs while it is idle, and keeps them until it is switched off.
+    /// Its image must hold the code for that, as `trirrr device` does
+    #[arg(long, value_name = "PORT", requires = "measurements")]
+    pub port: Option<Address>,
+    /// Rate of a serial port
+    #[arg(
+        long,
+        value_name = "BAUD",
+        default_value_t = 921_600,
+        requires = "port"
+    )]
+    pub baud: u32,
+    /// Key file of a TCP port that expects a key
+    #[arg(long, value_name = "FILE", requires = "port")]
+    pub key: Option<PathBuf>,
+    /// Number type of the board's image [default: the scene's]
+    #[arg(long, value_parser = number_type(), requires = "port")]
+    pub scalar: Option<NumberType>,
+    /// Seconds without an answer after which the board is given up
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor, requires = "port")]
+    pub patience: f64,
+    /// The joints have been turned by the encoder offsets since the poses were measured: legs are all that the board lacks
+    #[arg(long, requires = "port")]
+    pub joints_placed: bool,
 }
 
 /// `trirrr calibrate`.
@@ -71,6 +104,9 @@ pub struct CalibrateArgs {
     /// Time for which the machine stands at each proposed pose, s
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = crate::arguments::factor)]
     pub dwell: f64,
+    /// The board.
+    #[command(flatten)]
+    pub board: CalibratedBoardArgs,
     /// Folder for what is written, made if missing; results of an earlier command go [default: out/NAME-calibration]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -113,6 +149,23 @@ impl CalibrateArgs {
         setup.free.extend(added);
         setup.free.retain(|group| !self.hold.contains(group));
         setup
+    }
+
+    /// The machine that gets the calibrated geometry.
+    pub(super) fn machine(&self) -> Option<MachineArgs> {
+        let board = &self.board;
+        Some(MachineArgs {
+            scene: self.scene.clone(),
+            set: self.set.clone(),
+            line: PortArgs {
+                port: board.port.clone()?,
+                baud: board.baud,
+                key: board.key.clone(),
+            },
+            scalar: board.scalar,
+            patience: board.patience,
+            feed: None,
+        })
     }
 
     /// Noise of rows that give none.

@@ -1,6 +1,7 @@
 //! `trirrr calibrate`: the machine that is there, from measurements; and what to measure next.
 
 mod args;
+mod board;
 mod next;
 mod patch;
 mod text;
@@ -12,9 +13,11 @@ use crate::figures::CalibrationFigures;
 use crate::recording::unwritable;
 use crate::results::{ResultFolder, write_text as write};
 use crate::terminal::print;
+use board::CalibratedBoard;
 use next::NextPoses;
 use patch::patch;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use trirrr_calibration::{
     Calibration, CalibrationRefusal, ColumnFault, MARGIN, MeasuredRow, SafeRegion, calibrate,
     read_measurements,
@@ -36,6 +39,7 @@ struct Findings<'a> {
     region: &'a Region,
     calibration: Option<&'a Calibration>,
     next: Option<&'a NextPoses>,
+    board: Option<&'a CalibratedBoard>,
 }
 
 /// Poses over which errors are told.
@@ -45,11 +49,11 @@ struct Region {
     margin: [f64; 2],
 }
 
-/// Calibrates, proposes, writes and prints.
+/// Calibrates, proposes, sends the geometry to a board, writes and prints.
 ///
 /// # Errors
-/// Refused: the scene, the measurements, or measurements that see nothing useful. Failed: a file cannot be written.
-pub fn command(args: &CalibrateArgs) -> Result<(), CliError> {
+/// Refused: the scene, the measurements, measurements that see nothing useful, or by the board. Failed: the port, or a file that cannot be written.
+pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.set.scene(&args.scene)?;
     // A table that cannot be read is told before the workspace is proven.
     let rows = args.measurements.as_ref().map(|file| read(file, args));
@@ -69,6 +73,17 @@ pub fn command(args: &CalibrateArgs) -> Result<(), CliError> {
         .propose
         .map(|count| NextPoses::find(&scene, args, &region.safe, calibration.as_ref(), count));
     let next = next.transpose()?;
+    let board = match (args.machine(), &calibration) {
+        (Some(machine), Some(calibration)) => Some(CalibratedBoard::set(
+            &machine,
+            args.board.joints_placed,
+            &scene,
+            calibration,
+            &places,
+            stop,
+        )?),
+        _ => None,
+    };
 
     let folder = match &args.out {
         Some(folder) => folder.clone(),
@@ -86,6 +101,7 @@ pub fn command(args: &CalibrateArgs) -> Result<(), CliError> {
         region: &region,
         calibration: calibration.as_ref(),
         next: next.as_ref(),
+        board: board.as_ref(),
     };
     if let Some(calibration) = &calibration {
         let (patched, offsets_in) = patch(&scene, args, calibration)?;

@@ -1,5 +1,6 @@
 //! A calibration as text, JSON and a table.
 
+use super::board::CalibratedBoard;
 use super::{CalibrateArgs, CalibrateFiles, Findings};
 use crate::terminal::digits;
 use serde_json::{Value, json};
@@ -9,7 +10,7 @@ use trirrr_calibration::{
 };
 
 /// Length in words, um or mm.
-fn length(metres: f64) -> String {
+pub(super) fn length(metres: f64) -> String {
     match metres.abs() < 1e-3 {
         true => format!("{} um", digits(1e6 * metres)),
         false => format!("{} mm", digits(1e3 * metres)),
@@ -71,7 +72,7 @@ pub(super) fn head(
 }
 
 /// Encoder offsets in words, where they were fitted.
-fn offsets(calibration: &Calibration) -> Option<String> {
+pub(super) fn offsets(calibration: &Calibration) -> Option<String> {
     let offsets = calibration.values.offsets_rad();
     let is_fitted = offsets.iter().any(|offset| *offset != 0.0);
     let each = (1..).zip(offsets).map(|(motor, offset): (u32, f64)| {
@@ -109,6 +110,9 @@ pub(super) fn summary(
                 text,
                 "  warning     the calibrated scene is refused: {refusal}"
             );
+        }
+        if let Some(board) = findings.board {
+            board.say(&mut text, written.offsets_in);
         }
     }
     if let Some(next) = findings.next {
@@ -230,7 +234,7 @@ fn size_json(size: &ResidualSize) -> Value {
     })
 }
 
-fn error_json(error: &PoseError) -> Value {
+pub(super) fn error_json(error: &PoseError) -> Value {
     json!({
         "rms_m": error.rms_m,
         "worst_m": error.worst_m,
@@ -287,6 +291,7 @@ pub(super) fn as_json(findings: &Findings, written: &CalibrateFiles) -> Value {
             "margin": findings.region.margin,
         },
         "calibration": calibration,
+        "board": findings.board.map(CalibratedBoard::as_json),
         "next": next,
     })
 }

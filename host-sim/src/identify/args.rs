@@ -5,6 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trirrr_calibration::identify::{BodyGroup, IdentificationSetup, MotionColumns};
+use trirrr_scene::{CanProtocol, Scene};
 
 /// Angles that motion is taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -34,10 +35,11 @@ pub struct IdentifyArgs {
     /// Values in place of those of the scene.
     #[command(flatten)]
     pub set: SetArgs,
-    /// Group to identify, too: links, joints. May stand several times [default: platform, motors]
+    /// Group to identify, too: links, joints, readings. May stand several times [default: platform, motors; readings, too, where the
+    /// scene's drives hold a position from command to command]
     #[arg(long, value_name = "GROUP", value_parser = group())]
     pub free: Vec<BodyGroup>,
-    /// Group that stays as it is: platform, motors. May stand several times
+    /// Group that stays as it is: platform, motors, readings. May stand several times
     #[arg(long, value_name = "GROUP", value_parser = group())]
     pub hold: Vec<BodyGroup>,
     /// Angles that the motion is taken from
@@ -58,13 +60,16 @@ pub struct IdentifyArgs {
 }
 
 impl IdentifyArgs {
-    /// Settings of the identification.
-    pub(super) fn setup(&self) -> IdentificationSetup {
+    /// Settings of the identification of the machine of `scene`.
+    pub(super) fn setup(&self, scene: &Scene) -> IdentificationSetup {
         let mut setup = IdentificationSetup {
             width_s: self.smooth,
             sliding_rad_s: self.sliding,
             ..IdentificationSetup::default()
         };
+        if holds_positions(scene) {
+            setup.free.push(BodyGroup::Readings);
+        }
         let added = self.free.iter().filter(|group| !setup.free.contains(group));
         let added: Vec<BodyGroup> = added.copied().collect();
         setup.free.extend(added);
@@ -79,6 +84,13 @@ impl IdentifyArgs {
             MotionSource::Commanded => MotionColumns::Commanded,
         }
     }
+}
+
+/// Returns true for drives that hold a position from one command to the next: between ticks their torque rises and falls in step.
+fn holds_positions(scene: &Scene) -> bool {
+    let drives = scene.drives.iter().flatten();
+    let mut protocols = drives.filter_map(|drive| Some(drive.can()?.protocol));
+    protocols.any(|protocol| matches!(protocol, CanProtocol::Odrive | CanProtocol::Mit(_)))
 }
 
 fn group() -> impl TypedValueParser<Value = BodyGroup> {

@@ -40,7 +40,13 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     let start = scene.job.start;
     let start = [start.position.x, start.position.y, start.angle];
     let friction = known_friction(&scene);
-    let found = identify(&scene.parameters, start, friction, &samples, &args.setup());
+    let found = identify(
+        &scene.parameters,
+        start,
+        friction,
+        &samples,
+        &args.setup(&scene),
+    );
     let found = found.map_err(|refusal| match refusal {
         IdentificationRefusal::Row(fault) => of_lines(file, &[fault]),
         other => CliError::Refused(format!("{}: {other}", file.display())),

@@ -1,6 +1,9 @@
 //! `trirrr enable`, `disable` and `drives`: switches the drives of a machine, and shows what they tell.
 
+mod geometry;
 mod talk;
+
+pub(crate) use geometry::{ReplacedGeometry, replace_geometry};
 
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
@@ -135,11 +138,7 @@ fn settled<N: ServiceNumber>(talk: &mut Talk<'_, N>) -> Result<Status<N>, CliErr
 /// Prints the state, and the pose if it is known.
 fn say<N: ServiceNumber>(talk: &Talk<'_, N>, status: &Status<N>) -> Result<(), CliError> {
     let mut text = describe::state(status.state, Acting::Nothing);
-    if let Some(end) = &status.end {
-        let length = talk.units().length_m;
-        let [x, y] =
-            [end.pose.position.x, end.pose.position.y].map(|value| value.to_f64() * length);
-        let alpha = N::angle_to_f64(end.pose.angle);
+    if let Some([x, y, alpha]) = geometry::stands(status, &talk.units()) {
         text += &format!(", stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad");
     }
     print(&format!("{text}\n"))

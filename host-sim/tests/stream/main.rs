@@ -2,6 +2,7 @@
 //! serial port.
 
 mod bridge;
+mod calibrated;
 mod commands;
 mod common;
 mod drives;

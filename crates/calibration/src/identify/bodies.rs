@@ -14,8 +14,11 @@ pub(crate) const FRICTION: usize = PLATFORM + 4;
 /// First parameter of friction in the other joints: viscous and Coulomb's of the elbows, then of the platform's joints.
 pub(crate) const PASSIVE: usize = FRICTION + 6;
 
+/// First parameter of the readings of torque: the part in proportion to the rate, of each motor.
+pub(crate) const READING: usize = PASSIVE + 4;
+
 /// Number of parameters.
-pub const BODY_COUNT: usize = PASSIVE + 4;
+pub const BODY_COUNT: usize = READING + 3;
 
 /// Parameters that are identified or held together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,11 +31,20 @@ pub enum BodyGroup {
     Motors,
     /// Friction of elbows and platform joints: one number for all three of a kind.
     Joints,
+    /// Parts of the told torques that come from the place in the tick at which a drive that holds a position tells them. Such a part is
+    /// in proportion to the rate, of either sign: viscous friction of the motors cannot be told from it, and is held.
+    Readings,
 }
 
 impl BodyGroup {
     /// All groups.
-    pub const ALL: [Self; 4] = [Self::Links, Self::Platform, Self::Motors, Self::Joints];
+    pub const ALL: [Self; 5] = [
+        Self::Links,
+        Self::Platform,
+        Self::Motors,
+        Self::Joints,
+        Self::Readings,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -41,12 +53,14 @@ impl BodyGroup {
             Self::Platform => "platform",
             Self::Motors => "motors",
             Self::Joints => "joints",
+            Self::Readings => "readings",
         }
     }
 
     /// Group of parameter `index`.
     pub fn of(index: usize) -> Self {
         match index {
+            READING.. => Self::Readings,
             PASSIVE.. => Self::Joints,
             FRICTION.. => Self::Motors,
             PLATFORM.. => Self::Platform,
@@ -77,7 +91,8 @@ pub fn body_name(index: usize) -> String {
         "Coulomb friction of the platform joints",
     ];
     match index {
-        PASSIVE.. => OF_JOINTS[(index - PASSIVE).min(3)].into(),
+        READING.. => format!("rate in the told torque of motor {}", index - READING + 1),
+        PASSIVE.. => OF_JOINTS[index - PASSIVE].into(),
         FRICTION.. => {
             let kind = ["viscous", "Coulomb"][(index - FRICTION) % 2];
             format!("{kind} friction of motor {}", (index - FRICTION) / 2 + 1)
@@ -94,6 +109,7 @@ pub fn body_name(index: usize) -> String {
 /// Unit of parameter `index`.
 pub fn body_unit(index: usize) -> &'static str {
     match index {
+        READING.. => "N m s/rad",
         FRICTION.. if (index - FRICTION).is_multiple_of(2) => "N m s/rad",
         FRICTION.. => "N m",
         PLATFORM.. => ["kg", "kg m", "kg m", "kg m^2"][index - PLATFORM],
@@ -104,10 +120,16 @@ pub fn body_unit(index: usize) -> &'static str {
 /// Returns true for a parameter that cannot be negative: masses, inertias, friction.
 pub(crate) fn is_positive(index: usize) -> bool {
     match index {
+        READING.. => false,
         FRICTION.. => true,
         PLATFORM.. => matches!(index - PLATFORM, 0 | 3),
         _ => matches!(index % PER_BODY_LEG, 1 | 2 | 4),
     }
+}
+
+/// Returns true for the viscous friction of a motor.
+pub(crate) fn is_viscous_of_motor(index: usize) -> bool {
+    (FRICTION..PASSIVE).contains(&index) && (index - FRICTION).is_multiple_of(2)
 }
 
 /// Values of all parameters, SI.

@@ -1,6 +1,6 @@
 //! Knowledge about bodies before their identification: expected deviations, and masses that no motion tells apart.
 
-use super::bodies::{BODY_COUNT, FRICTION, PER_BODY_LEG, PLATFORM, body_name};
+use super::bodies::{BODY_COUNT, FRICTION, PER_BODY_LEG, PLATFORM, READING, body_name};
 use super::equations::TorqueEquation;
 use nalgebra_dense::DVector;
 use trirrr_core::machine::Parameters;
@@ -42,9 +42,10 @@ pub(super) fn scales(machine: &Parameters, equations: &[TorqueEquation]) -> [f64
     };
     let torque = mean(&|equation| equation.torque).max(1e-9);
     let rate = mean(&|equation| equation.slopes[FRICTION + 2 * equation.motor]).max(1e-3);
-    for pair in scales[FRICTION..].chunks_mut(2) {
+    for pair in scales[FRICTION..READING].chunks_mut(2) {
         pair.copy_from_slice(&[0.5 * torque / rate, 0.5 * torque]);
     }
+    scales[READING..].fill(0.5 * torque / rate);
     scales
 }
 

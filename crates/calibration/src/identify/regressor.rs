@@ -1,6 +1,6 @@
 //! Torques by unit of each parameter: the core's own model with one parameter at a time.
 
-use super::bodies::{BODY_COUNT, FRICTION, PASSIVE, PER_BODY_LEG, PLATFORM};
+use super::bodies::{BODY_COUNT, FRICTION, PASSIVE, PER_BODY_LEG, PLATFORM, READING};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use trirrr_core::machine::{LinkParameters, Parameters, PlatformParameters};
 use trirrr_core::setpoint::Setpoint;
@@ -149,7 +149,7 @@ impl UnitMachines {
         })
     }
 
-    /// Columns of friction, and the rates of the joints A, B and C.
+    /// Columns of friction and of readings, and the rates of the joints A, B and C.
     #[allow(clippy::type_complexity)] // a list of columns and a matrix
     fn friction(
         &self,
@@ -174,7 +174,7 @@ impl UnitMachines {
         let (elbow, joint) = (two - ratios.inverse, turn - two);
         let motors = ratios.inverse * setpoint.velocity;
         let rates = [motors, elbow * setpoint.velocity, joint * setpoint.velocity];
-        let mut columns = Vec::with_capacity(10);
+        let mut columns = Vec::with_capacity(BODY_COUNT - FRICTION);
         for motor in 0..3 {
             for (part, moment) in [motors[motor], motors[motor].signum()]
                 .into_iter()
@@ -183,6 +183,9 @@ impl UnitMachines {
                 let mut column = [0.0; 3];
                 column[motor] = moment;
                 columns.push((FRICTION + 2 * motor + part, column));
+                if part == 0 {
+                    columns.push((READING + motor, column));
+                }
             }
         }
         // Virtual work: torques . one v = moments . (rates of the joints by v) v.
@@ -268,7 +271,7 @@ mod tests {
     fn motors_give_the_power_that_friction_takes() {
         let machines = UnitMachines::new(&heavy()).expect("machines");
         let rows = machines.rows(&moving()).expect("torques");
-        for index in FRICTION..BODY_COUNT {
+        for index in FRICTION..READING {
             let power: f64 = (0..3)
                 .map(|motor| rows.slopes[motor][index] * rows.rates[0][motor])
                 .sum();

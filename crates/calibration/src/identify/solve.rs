@@ -1,6 +1,6 @@
 //! Identification of the free parameters from samples.
 
-use super::bodies::{BODY_COUNT, BodyGroup, BodyVector};
+use super::bodies::{BODY_COUNT, BodyGroup, BodyVector, body_name, is_viscous_of_motor};
 use super::equations::{TorqueEquation, equations, rms};
 use super::expected::scales;
 use super::linear::LinearProblem;
@@ -63,7 +63,11 @@ pub fn identify(
 
     let nominal = BodyVector::of(machine, friction);
     let is_free = |index: &usize| setup.free.contains(&BodyGroup::of(*index));
-    let free: Vec<usize> = (0..BODY_COUNT).filter(is_free).collect();
+    // The columns of viscous friction and of readings are the same ones.
+    let is_hidden =
+        |index: &usize| setup.free.contains(&BodyGroup::Readings) && is_viscous_of_motor(*index);
+    let (hidden, free): (Vec<usize>, Vec<usize>) =
+        (0..BODY_COUNT).filter(is_free).partition(is_hidden);
     let scales = scales(machine, &equations);
     // Neighbours share most of what the filter has averaged.
     let shared = (2.0 * std::f64::consts::PI.sqrt() * width_s / period_s).max(1.0);
@@ -107,7 +111,12 @@ pub fn identify(
             after_nm: by(&solved.values),
         }
     };
-    let [blind, weak] = problem.words(&solved.sight, machine);
+    let [mut blind, weak] = problem.words(&solved.sight, machine);
+    let hidden = hidden.into_iter().map(|index| {
+        let name = body_name(index);
+        format!("{name}: the place in the tick at which a drive tells its torque looks the same")
+    });
+    blind.extend(hidden);
     let (_, impossible) = solved.values.put_into(machine);
     Ok(Identification {
         nominal,

@@ -6,7 +6,8 @@ use std::f64::consts::SQRT_2;
 /// Winding of a two-phase stepper with a bipolar driver that holds its current.
 ///
 /// The pull-out torque is an estimate: that of a synchronous motor on a sinusoidal voltage, `T = k V / Z - k^2 w R / Z^2`, and at most the
-/// holding torque (P. Acarnley, Stepping Motors, 4th edition, chapter 5). `V` is the supply, `w` the speed, `Z^2 = R^2 + (p w L)^2`
+/// holding torque. The current is `(V - k w) / (R + j p w L)` as phasors; `T` is `k` times its part in phase with the back EMF `k w`, at
+/// the load angle where that is largest. `V` is the supply, `w` the speed, `Z^2 = R^2 + (p w L)^2`
 /// with the electrical time constant `L / R` and `p` a quarter of the steps of a turn. The constant `k` is the holding torque over the
 /// currents of both phases, `sqrt(2)` times the rated one. Resonance, iron and the driver take torque from that: plan with a half.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]

@@ -41,6 +41,10 @@ pub(crate) fn draw(title: &str, parameters: &Parameters, record: &Record) -> Dra
     let bases = record.legs.map(|leg| leg.base);
     points.extend(bases.map(|[x, y]| [x - room, y - room]));
     points.extend(bases.map(|[x, y]| [x + room, y + room]));
+    // Names of elbows stand farther out.
+    let elbows = record.legs.map(|leg| leg.elbow());
+    points.extend(elbows.map(|[x, y]| [x - 1.4 * room, y - 1.4 * room]));
+    points.extend(elbows.map(|[x, y]| [x + 1.4 * room, y + 1.4 * room]));
     let whole = View::around(&points, "m", (LEFT, TOP), SIDE);
     let left = LEFT + whole.width + 110.0;
     let reach = 1.35 * posed.radius();

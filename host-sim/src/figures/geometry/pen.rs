@@ -40,7 +40,7 @@ impl AngleArc {
         }
         // The name of a small angle would lie on its sides: it stands before the first one.
         let part = match self.by.abs() < 0.6 {
-            true => -0.3 * self.by.signum() / self.by.abs().max(1e-3),
+            true => -0.3 / self.by.abs().max(1e-3),
             false => 0.5,
         };
         let middle = self.from + part * self.by;
