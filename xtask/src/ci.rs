@@ -91,25 +91,25 @@ fn answers(program: &str, arguments: &[&str]) -> bool {
 
 fn steps() -> Result<Vec<Step>> {
     let packages = Package::all()?;
-    let mut steps = lints()?;
+    let mut steps = lints();
     steps.push(Step::on_host("tests", "test", &[]));
     steps.extend(examples(&packages));
     let mut docs = Step::cargo("docs", &["doc", "--quiet", "--no-deps"]);
     docs.command.env("RUSTDOCFLAGS", "-Dwarnings");
     steps.push(docs);
     steps.extend(releases(&packages));
-    steps.extend(figures()?);
-    steps.extend(programs()?);
-    steps.push(Step::chore("fuzzing", &["fuzz"])?);
+    steps.extend(figures());
+    steps.extend(programs());
+    steps.push(Step::cargo("fuzzing", &["xtask", "fuzz"]));
     Ok(steps)
 }
 
-fn lints() -> Result<Vec<Step>> {
+fn lints() -> Vec<Step> {
     let all = ["--quiet", "--all-targets", "--", "-Dwarnings"];
     let mut steps = vec![
         Step::cargo("format", &["fmt", "--all", "--check"]),
         Step::on_host("lints of the host crates", "clippy", &all),
-        Step::chore("the shape of the source", &["house", "--check"])?,
+        Step::cargo("the shape of the source", &["xtask", "house", "--check"]),
     ];
     for (package, target) in DEVICE_PACKAGES {
         let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
@@ -121,7 +121,7 @@ fn lints() -> Result<Vec<Step>> {
         }
         steps.push(step);
     }
-    Ok(steps)
+    steps
 }
 
 /// Runs each example that needs no board; the tests' step has built them.
@@ -210,24 +210,24 @@ const EMULATED: [&str; 7] = [
 ];
 
 /// Figures of images against those that are checked in.
-fn figures() -> Result<[Step; 4]> {
+fn figures() -> [Step; 4] {
     let scenes = MEASURED.map(|scene| ["--scene", scene]).concat();
     let measured = |name: &str, chore: &str| {
-        let arguments = [[chore, "--check"].as_slice(), &scenes].concat();
-        Step::chore(name, &arguments)
+        let arguments = [["xtask", chore, "--check"].as_slice(), &scenes].concat();
+        Step::cargo(name, &arguments)
     };
-    Ok([
-        measured("instructions per tick", "insns")?,
-        measured("instructions per admission", "admission")?,
+    [
+        measured("instructions per tick", "insns"),
+        measured("instructions per admission", "admission"),
         // Traces the images of the two steps above.
-        measured("modelled cycles", "cycles")?,
+        measured("modelled cycles", "cycles"),
         // Builds the firmware too, for both boards, and checks that it can boot.
-        measured("sizes", "size")?,
-    ])
+        measured("sizes", "size"),
+    ]
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> Result<[Step; 6]> {
+fn programs() -> [Step; 6] {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -236,16 +236,18 @@ fn programs() -> Result<[Step; 6]> {
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
-    let parts = ["--part", "jobs", "--part", "line", "--part", "failures"];
-    let board = [["emulate"].as_slice(), &EMULATED, &parts].concat();
-    Ok([
+    let parts = [
+        "--part", "jobs", "--part", "line", "--part", "raster", "--part", "failures",
+    ];
+    let board = [["xtask", "emulate"].as_slice(), &EMULATED, &parts].concat();
+    [
         Step::new("the host programs", Programs::builder()),
         simulator("a scene run", &run, "thesis"),
         simulator("a batch evaluation", &eval, "extreme.csv"),
-        Step::chore("the Python client", &["client"])?,
-        Step::chore("senders of G-code", &["senders"])?,
-        Step::chore("the emulated board", &board)?,
-    ])
+        Step::cargo("the Python client", &["xtask", "client"]),
+        Step::cargo("senders of G-code", &["xtask", "senders"]),
+        Step::cargo("the emulated board", &board),
+    ]
 }
 
 #[cfg(test)]

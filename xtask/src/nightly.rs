@@ -148,14 +148,20 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
-        Step::chore("instructions of all scenes", &["insns", "--check"])?,
-        Step::chore("admission of all scenes", &["admission", "--check"])?,
-        Step::chore("modelled cycles of all scenes", &["cycles", "--check"])?,
-        Step::chore("sizes of all scenes", &["size", "--check"])?,
-        Step::chore(
+        Step::cargo("instructions of all scenes", &["xtask", "insns", "--check"]),
+        Step::cargo(
+            "admission of all scenes",
+            &["xtask", "admission", "--check"],
+        ),
+        Step::cargo(
+            "modelled cycles of all scenes",
+            &["xtask", "cycles", "--check"],
+        ),
+        Step::cargo("sizes of all scenes", &["xtask", "size", "--check"]),
+        Step::cargo(
             "emulated boards of all scenes, in fixed point too",
-            &["emulate", "--fixed"],
-        )?,
+            &["xtask", "emulate", "--fixed"],
+        ),
         Step::cargo(
             "the study of integrators",
             &[
@@ -268,8 +274,13 @@ fn steps() -> Result<Vec<Step>> {
         archives.command.args(["-p", &package.name]);
     }
     steps.push(archives);
-    let line = ["emulate", "--part", "line", "--frames", "200000"];
-    steps.push(Step::chore("a bad line for long", &line)?);
-    steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
+    let line = ["xtask", "emulate", "--part", "line", "--frames", "200000"];
+    steps.push(Step::cargo("a bad line for long", &line));
+    let raster = ["xtask", "emulate", "--part", "raster", "--seconds", "600"];
+    steps.push(Step::cargo("a raster image of ten minutes", &raster));
+    steps.push(Step::cargo(
+        "long fuzzing",
+        &["xtask", "fuzz", "--seconds", "600"],
+    ));
     Ok(steps)
 }
