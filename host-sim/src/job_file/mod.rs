@@ -258,6 +258,7 @@ fn number(error: &Unplanned) -> Option<u32> {
         Unplanned::Path { number, .. }
         | Unplanned::NoAlpha { number, .. }
         | Unplanned::Dwell { number }
+        | Unplanned::Tool { number }
         | Unplanned::LongDwell { number, .. } => Some(*number as u32),
         Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => None,
     }
