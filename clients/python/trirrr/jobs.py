@@ -77,7 +77,7 @@ class Job:
     #: Name that the machine tells to whoever asks what it plays.
     name: str = ""
 
-    def label(self, moves: list[Any], numbers: Numbers) -> JobLabel:
+    def label(self, moves: list[Any], numbers: Numbers) -> Any:
         """What the machine keeps of the job that consists of ``moves``."""
         check = 0
         for move in moves:
@@ -120,7 +120,7 @@ class Job:
         return [move(number, step) for number, step in enumerate(self.steps)]
 
 
-def common(move: Any) -> Move:
+def common(move: Any) -> Any:
     """The part of ``move`` that a quintic has in common with a cubic."""
     return getattr(move, "common", move)
 
@@ -181,17 +181,11 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         velocity = acceleration = _REST
         for index, each in enumerate([] if is_path else job["move"], 1):
             end = _pose(each["to"])
-            end_velocity = tuple(
-                float(each.get("end_velocity", {}).get(key, 0.0))
-                for key in ("vx_m_s", "vy_m_s", "valpha_rad_s")
-            )
-            accelerations = None
+            end_velocity = _vector(each.get("end_velocity", {}), "vx_m_s", "vy_m_s", "valpha_rad_s")
+            accelerations: tuple[Vector, Vector] | None = None
             if each.get("curve", "cubic") == "quintic":
-                end_acceleration = tuple(
-                    float(each.get("end_acceleration", {}).get(key, 0.0))
-                    for key in ("ax_m_s2", "ay_m_s2", "aalpha_rad_s2")
-                )
-                accelerations = (acceleration, end_acceleration)
+                given = each.get("end_acceleration", {})
+                accelerations = (acceleration, _vector(given, "ax_m_s2", "ay_m_s2", "aalpha_rad_s2"))
             duration = each.get("duration_s")
             tool = each.get("tool")
             steps.append(
@@ -218,6 +212,12 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
     legs = scene.get("machine", {}).get("leg", [])
     torque = bool(scene.get("torque", True))
     return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""))
+
+
+def _vector(table: dict[str, Any], *keys: str) -> Vector:
+    """Three values, 0 where they are left out."""
+    a, b, c = (float(table.get(key, 0.0)) for key in keys)
+    return (a, b, c)
 
 
 def _pose(table: dict[str, Any]) -> Vector:
