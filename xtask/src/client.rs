@@ -150,7 +150,7 @@ fn install() -> Result<()> {
     pip.args(["-m", "pip", "install", "--quiet", MYPY])
         .arg(format!("{}[figures,serial,tables]", package().display()))
         // The profile of the other programs here: compiling takes longer than running.
-        .env("MATURIN_PEP517_ARGS", "--profile dev")
+        .env("MATURIN_PEP517_ARGS", "--profile dev --features shared")
         .env("CARGO_TARGET_DIR", target_directory());
     succeed(&mut pip, "the installation of the Python package")?;
     println!("installed in {:.0} s", started.elapsed().as_secs_f64());

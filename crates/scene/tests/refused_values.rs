@@ -3,6 +3,7 @@
 mod common;
 
 use common::{THESIS, VERTICAL, case, check, edit, problems};
+use trirrr_scene::Scene;
 
 #[test]
 #[rustfmt::skip] // two lines a case
@@ -92,8 +93,8 @@ fn unknown_keys_suggest_the_right_one() {
     check(THESIS, &[
         case(("[platform]", 1, "[platform]\ncolour = 3"),
             "platform.colour", Some("3"), "unknown key; keys here are mass_kg, inertia_kgm2, com_m"),
-        case(("[platform]", 1, "[platform]\ncom_mm = [1, 2]"),
-            "platform.com_mm", Some("[1, 2]"), "did you mean `com_m`?"),
+        case(("[platform]", 1, "[platform]\ncom_cm = [1, 2]"),
+            "platform.com_cm", Some("[1, 2]"), "did you mean `com_m`?"),
         case(("[platform]", 1, "[platform]\ngravity_m_s2 = [0, -9.81]"),
             "platform.gravity_m_s2", Some("[0, -9.81]"), "it belongs at the top of the file, before the first table"),
         case(("tick_rate_hz", 1, "nmber = \"f32\"\ntick_rate_hz"),
@@ -102,15 +103,15 @@ fn unknown_keys_suggest_the_right_one() {
             "job.pause_s", Some("1"), "unknown key; keys here are start, move"),
         case(("[platform]", 1, "[limit]\nrate_rad_s = 1\n[platform]"),
             "limit", Some("[limit]"), "did you mean `limits`?"),
-        case(("[limits]", 1, "[limits]\nrate_rpm = 1"),
-            "limits.rate_rpm", Some("1"), "did you mean `rate_rad_s`?"),
+        case(("[limits]", 1, "[limits]\nrate_rps = 1"),
+            "limits.rate_rps", Some("1"), "unknown key"),
         case(("duration_s", 1, "end_velocity = { vx_mm_s = 1 }\nduration_s"),
             "job.move[1].end_velocity.vx_mm_s", Some("1"), "did you mean `vx_m_s`?"),
     ]);
     // A renamed key is missing as well.
     for (from, to, key, meant) in [
         ("joint_radius_m = 0.02", "radius_mm = 20", "machine.leg[1].radius_mm", "joint_radius_m"),
-        ("joint_angle_rad", "joint_angle_deg", "machine.leg[1].joint_angle_deg", "joint_angle_rad"),
+        ("joint_angle_rad", "joint_angle_grad", "machine.leg[1].joint_angle_grad", "joint_angle_rad"),
         ("duration_s", "duration_ms", "job.move[1].duration_ms", "duration_s"),
         ("tick_rate_hz", "tick_rate", "tick_rate", "tick_rate_hz"),
         ("mass_kg", "mass_g", "platform.mass_g", "mass_kg"),
@@ -426,8 +427,8 @@ fn tolerances_that_no_machine_can_have() {
             "must not be negative (N)",
         ),
         (
-            "distal_mm = 0.1",
-            "distal_mm",
+            "distal_cm = 0.1",
+            "distal_cm",
             "0.1",
             "unknown key; did you mean `distal_m`?",
         ),
