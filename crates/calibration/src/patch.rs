@@ -193,7 +193,8 @@ mod tests {
 
     #[test]
     fn a_value_takes_the_place_of_the_same_in_another_unit() {
-        let mut patch = ScenePatch::of("[[machine.leg]]\nproximal_mm = 200\nbase_mm = [0, 433]\n").expect("TOML");
+        let mut patch = ScenePatch::of("[[machine.leg]]\nproximal_mm = 200\nbase_mm = [0, 433]\n")
+            .expect("TOML");
         assert!(patch.put_number("machine.leg[1].proximal_m", 0.2003));
         assert!(patch.put_numbers("machine.leg[1].base_m", &[0.0, 0.4331]));
         let wanted = "[[machine.leg]]\nproximal_m = 0.2003 # was proximal_mm = 200\nbase_m = [0.0, 0.4331] # was base_mm = [0, 433]\n";

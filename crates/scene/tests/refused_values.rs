@@ -133,6 +133,77 @@ fn unknown_keys_suggest_the_right_one() {
 
 #[test]
 #[rustfmt::skip] // two lines a case
+fn values_in_other_units() {
+    check(THESIS, &[
+        case(("distal_m = 0.2", 1, "distal_mm = -200"),
+            "machine.leg[1].distal_mm", Some("-200"), "must be greater than 0 (m); it is -0.2 m"),
+        case(("distal_m = 0.2", 1, "distal_m = 0.2\ndistal_mm = 200"),
+            "machine.leg[1].distal_mm", Some("200"), "`distal_m` is given, too; leave out one of both"),
+        case(("distal_m = 0.2", 1, "distal_mm = \"200\""),
+            "machine.leg[1].distal_mm", Some("\"200\""), "expected a number in mm, found a string"),
+        case(("base_m = [0.5, 0.433]", 1, "base_mm = [500, nan]"),
+            "machine.leg[2].base_mm[2]", Some("nan"), "must be a finite number (m)"),
+        case(("rate_rad_s = 2.0", 1, "rate_rpm = -20"),
+            "limits.rate_rpm", Some("-20"), "must be greater than 0 (rad/s); it is -2.094 rad/s"),
+        case(("joint_angle_rad = 2.6179938779914944", 1, "joint_angle_rad = 150"),
+            "machine.leg[1].joint_angle_rad", Some("150"),
+            "must be within two turns, from -12.566 to 12.566 (rad); in degrees it is `joint_angle_deg`"),
+        case(("alpha_rad = 0.15707963267948966", 1, "alpha_rad = 9e9"),
+            "job.start.alpha_rad", Some("9e9"), "in degrees it is `alpha_deg`"),
+        case(("alpha_rad = 0.15707963267948966", 1, "alpha_deg = 721"),
+            "job.start.alpha_deg", Some("721"), "must be within two turns, from -12.566 to 12.566 (rad); it is 12.58 rad"),
+        case(("mass_kg = 0.5", 1, "mass_kg = 0,5"), "", None, "a number has a decimal point: 0.5, not 0,5"),
+    ]);
+}
+
+#[test]
+fn a_scene_in_other_units_is_the_same_scene() {
+    let mut text = THESIS.to_owned();
+    for (si, other) in [
+        ("proximal_m = 0.2", "proximal_mm = 200"),
+        ("distal_m = 0.2", "distal_mm = 200"),
+        ("joint_radius_m = 0.02", "joint_radius_mm = 20"),
+        ("base_m = [0.5, 0.433]", "base_mm = [500, 433]"),
+        (
+            "joint_angle_rad = 2.6179938779914944",
+            "joint_angle_deg = 150",
+        ),
+        (
+            "joint_angle_rad = 4.71238898038469",
+            "joint_angle_deg = 270",
+        ),
+        (
+            "x_m = 0.21, y_m = 0.22, alpha_rad = 0.15707963267948966",
+            "x_mm = 210, y_mm = 220, alpha_deg = 9",
+        ),
+        ("rate_rad_s = 2.0", "rate_rpm = 19.098593171027442"),
+    ] {
+        assert!(text.contains(si), "{si}");
+        text = text.replace(si, other);
+    }
+    let [expected, found] = [THESIS, &text].map(|text| Scene {
+        key: 0,
+        ..Scene::parse(text, "a.toml").unwrap_or_else(|error| panic!("{error}"))
+    });
+    assert_eq!(found, expected);
+    // A setting replaces the value, whatever its unit in the file.
+    for (text, setting) in [
+        (&*text, "machine.leg[*].distal_m=0.21"),
+        (THESIS, "machine.leg[*].distal_mm=210"),
+    ] {
+        let settings = [setting.parse().expect("a setting")];
+        let scene = Scene::parse_set(text, "a.toml", &settings);
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(
+            scene.parameters.legs.map(|leg| leg.distal_m),
+            [0.21; 3],
+            "{setting}"
+        );
+    }
+}
+
+#[test]
+#[rustfmt::skip] // two lines a case
 fn the_service_and_the_tool() {
     check(THESIS, &[
         case(("[platform]", 1, "[service]\nsilence_timeout_s = 0\n[platform]"),

@@ -106,8 +106,12 @@ fn unread(error: &csv::Error) -> PathFault {
         line: error.position().map_or(0, |place| place.line() as u32),
         word: String::new(),
         reason: match error.kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } if len > expected_len => {
-                format!("{len} cells, and the table has {expected_len} columns; with decimal commas in it, write decimal points")
+            csv::ErrorKind::UnequalLengths {
+                expected_len, len, ..
+            } if len > expected_len => {
+                format!(
+                    "{len} cells, and the table has {expected_len} columns; with decimal commas in it, write decimal points"
+                )
             }
             _ => format!("no table: {error}"),
         },
@@ -262,7 +266,11 @@ mod tests {
                 "{table}: {fault}"
             );
         }
-        for table in ["x_mm;y_mm\n1;2\n", "x_mm\ty_mm\n1\t2\n", "x_mm,y_mm\n1,5,2\n"] {
+        for table in [
+            "x_mm;y_mm\n1;2\n",
+            "x_mm\ty_mm\n1\t2\n",
+            "x_mm,y_mm\n1,5,2\n",
+        ] {
             let fault = read_table(table, &SETUP).expect_err(table);
             assert!(fault.reason.contains("decimal points"), "{table}: {fault}");
         }

@@ -147,7 +147,14 @@ fn bytes_that_are_no_text_spoil_their_row_only() {
     cases.extend_from_slice(b"\xff\xfe");
     cases.extend_from_slice(format!("{MACHINE},{STATE}\n").as_bytes());
     let (count, rows) = table(NumberType::F64, &cases);
-    assert_eq!(count, RowCounts { rows: 2, ok: 1, is_cut: false });
+    assert_eq!(
+        count,
+        RowCounts {
+            rows: 2,
+            ok: 1,
+            is_cut: false
+        }
+    );
     assert!(rows[1][1].starts_with("invalid: ax_1 = "), "{}", rows[1][1]);
     assert!(rows[1][1].ends_with("is not a number"));
 }

@@ -64,7 +64,9 @@ const MOVE: [&str; 8] = ["x0", "xf", "y0", "yf", "a0", "af", "T", "t"];
 /// Reason for which a header of one column is refused: its columns are separated by something else than commas. None if they are not.
 pub fn other_separator(only: &str) -> Option<String> {
     let separators = [(';', "semicolons"), ('\t', "tabs")];
-    let (_, word) = separators.iter().find(|(separator, _)| only.contains(*separator))?;
+    let (_, word) = separators
+        .iter()
+        .find(|(separator, _)| only.contains(*separator))?;
     Some(format!(
         "the columns are separated by {word}; separate them by commas, and write decimal points"
     ))

@@ -40,7 +40,10 @@ const COMPOUND: [&str; 5] = ["nm_rad", "nm_s_rad", "v_s_rad", "nm_rad_s", "rad_m
 /// assert_eq!((name.as_str(), to_own(150.0)), ("distal_mm", 0.15));
 /// ```
 pub fn in_other_unit(key: &str) -> Option<(String, fn(f64) -> f64)> {
-    if COMPOUND.iter().any(|unit| split_suffix(key, unit).is_some()) {
+    if COMPOUND
+        .iter()
+        .any(|unit| split_suffix(key, unit).is_some())
+    {
         return None;
     }
     PAIRS.iter().find_map(|pair| {

@@ -183,7 +183,10 @@ impl<'d, 't> Section<'d, 't> {
             });
         };
         if self.ask(name) && own.is_some() {
-            self.refuse(name, format!("`{key}` is given, too; leave out one of both"));
+            self.refuse(
+                name,
+                format!("`{key}` is given, too; leave out one of both"),
+            );
         }
         Some(MeasuredValue {
             name,

@@ -32,9 +32,9 @@ const UNITS: &[(&str, &str)] = &[
 
 /// Units that scenes do not use, but that people write.
 const FOREIGN_UNITS: &[&str] = &[
-    "deg_s2", "rpm_s", "mm_s2", "deg_s", "kgcm2", "gcm2", "mm_s", "degrees", "radians",
-    "ncm", "khz", "mhz", "inch", "min", "cm", "um", "us", "ms", "km", "in", "mv",
-    "ma", "mh", "uh", "kn", "kw", "mw", "g", "t",
+    "deg_s2", "rpm_s", "mm_s2", "deg_s", "kgcm2", "gcm2", "mm_s", "degrees", "radians", "ncm",
+    "khz", "mhz", "inch", "min", "cm", "um", "us", "ms", "km", "in", "mv", "ma", "mh", "uh", "kn",
+    "kw", "mw", "g", "t",
 ];
 
 /// The unit that the last part of a key names, written for a reader; `None` for a key without.
