@@ -25,7 +25,7 @@ from .messages import NUMBERS, Command, SectionName
 from .ports import Port, PortError, open_port
 from .postcard import Value
 from .record import Recorder
-from .stream import Stream
+from .stream import ON_THE_WAY, Stream
 
 #: A machine is at a pose if it is as near as this, m and rad: its number type may round.
 _NEAR = 1e-3
@@ -132,7 +132,7 @@ class Board:
         self.enable()
         if self.status().state == "Unhomed":
             self._ask(Command.Home())
-        while (status := self.status()).state == "Homing":
+        while (status := self.status()).state in ON_THE_WAY:
             self._exchange.listen(LOOK_S)
         if status.fault is not None:
             raise BoardError(status.fault)
@@ -192,7 +192,7 @@ class Board:
         """
         read = jobs.read(os.fspath(job), None if moves is None else os.fspath(moves))
         recorder = Recorder()
-        job = self._job = Stream(
+        stream = self._job = Stream(
             self._open,
             read,
             recorder.hear,
@@ -203,12 +203,12 @@ class Board:
         )
         try:
             self.close()
-            job.run()
-            legs = [section.content.leg for section in job.survey]
-            rows = recorder.rows(job.exchange.identity, legs, job.exchange.numbers)
+            stream.run()
+            legs = [section.content.leg for section in stream.survey]
+            rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
             return record.as_columns(rows, read.torque)
         finally:
-            job.exchange = None
+            stream.exchange = None
             try:
                 self._greet()
             finally:

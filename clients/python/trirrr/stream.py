@@ -34,9 +34,13 @@ _NOT_YET = {
 _NEAR_M, _NEAR_RAD, _WAY_S = 5e-4, 5e-3, 0.2
 
 
+#: States that pass by themselves and are no job's.
+ON_THE_WAY = ("Homing", "Recovering", "Stopping")
+
+
 def _is_on_the_way(status: Any) -> bool:
     """Whether the machine is in a state that passes by itself and is no job's."""
-    return status.state.name in ("Homing", "Recovering", "Stopping")
+    return status.state.name in ON_THE_WAY
 
 
 class JobFailed(Exception):

@@ -111,7 +111,7 @@ fn unknown_keys_suggest_the_right_one() {
     // A renamed key is missing as well.
     for (from, to, key, meant) in [
         ("joint_radius_m = 0.02", "radius_mm = 20", "machine.leg[1].radius_mm", "joint_radius_m"),
-        ("joint_angle_rad", "joint_angle_grad", "machine.leg[1].joint_angle_grad", "joint_angle_rad"),
+        ("joint_angle_rad", "joint_angle_degrees", "machine.leg[1].joint_angle_degrees", "joint_angle_rad"),
         ("duration_s", "duration_ms", "job.move[1].duration_ms", "duration_s"),
         ("tick_rate_hz", "tick_rate", "tick_rate", "tick_rate_hz"),
         ("mass_kg", "mass_g", "platform.mass_g", "mass_kg"),

@@ -59,7 +59,7 @@ fn tcp_hint(address: &Address) -> String {
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The serial port does not exist: the cable is out, or the name is wrong.
-    #[error("{0}: no such port{}", tcp_hint(.0))]
+    #[error("{0}: no such port{hint}", hint = tcp_hint(.0))]
     Missing(Address),
     /// Another program has the port.
     #[error("{0}: busy, another program has it open")]
