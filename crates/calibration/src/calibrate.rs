@@ -192,7 +192,11 @@ fn check_use(
     if left <= MOST_LEFT * known || known == 0.0 {
         return Ok(());
     }
-    let words = found.directions.words(base, &rows.rows).concat().join("; ");
+    let unseen = found.directions.words(base, &rows.rows).concat();
+    let words = match unseen.is_empty() {
+        true => "every direction is seen, but no machine near the scene's explains the rows".into(),
+        false => unseen.join("; "),
+    };
     Err(CalibrationRefusal::Useless {
         left_percent: 100.0 * left / known,
         words,

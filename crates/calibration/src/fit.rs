@@ -26,17 +26,20 @@ pub(crate) struct Fit<'a> {
 
 /// Parameters that fit, and the poses of the rows there.
 pub(crate) struct Fitted {
+    /// Along the fitted directions.
+    pub(crate) variables: DVector<f64>,
     pub(crate) values: KinematicVector,
     pub(crate) closed: Vec<LoopClosure>,
 }
 
 impl<'a> Fit<'a> {
-    /// Fits `rows`, whose loops close at `starts` with the parameters `base`. None where no step leads on.
+    /// Fits `rows`, whose loops close at `starts` with the parameters `base`. The search starts at `variables` along `directions`. None where no step leads on.
     pub(crate) fn run(
         rows: &'a [MeasuredRow],
         starts: Vec<LoopClosure>,
         base: KinematicVector,
         directions: &'a DMatrix<f64>,
+        variables: DVector<f64>,
     ) -> Option<Fitted> {
         let mut fit = Self {
             rows,
@@ -47,7 +50,7 @@ impl<'a> Fit<'a> {
             values: base,
             closed: None,
         };
-        fit.move_to(DVector::zeros(directions.ncols()));
+        fit.move_to(variables);
         if directions.ncols() == 0 {
             return fit.end();
         }
@@ -59,8 +62,11 @@ impl<'a> Fit<'a> {
     }
 
     fn end(self) -> Option<Fitted> {
-        let values = self.values;
-        self.closed.map(|closed| Fitted { values, closed })
+        Some(Fitted {
+            variables: self.variables,
+            values: self.values,
+            closed: self.closed?,
+        })
     }
 
     fn move_to(&mut self, variables: DVector<f64>) {

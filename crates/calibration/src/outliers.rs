@@ -8,7 +8,7 @@ use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use crate::refusal::CalibrationRefusal;
 use crate::setup::CalibrationSetup;
 use crate::sight::columns_of;
-use nalgebra_dense::DMatrix;
+use nalgebra_dense::{DMatrix, DVector};
 
 /// Values beyond the directions that are seen: without them nothing is left to judge the fit by.
 const SPARE_VALUES: usize = 3;
@@ -16,11 +16,26 @@ const SPARE_VALUES: usize = 3;
 /// Residual of an outlier, in standard deviations.
 const OUTLIER: f64 = 5.0;
 
+/// Root mean square of the residuals, in standard deviations, from which on a search has not found the machine.
+const LOST: f64 = 5.0;
+
+/// Parts of the rows that are fitted first where the search is lost.
+const FIRST_PARTS: [f64; 3] = [0.9, 0.75, 0.5];
+
 /// Rows with the poses from which their loops are closed.
 #[derive(Clone)]
 pub(crate) struct MeasuredRows {
     pub(crate) rows: Vec<MeasuredRow>,
     pub(crate) closed: Vec<LoopClosure>,
+}
+
+impl MeasuredRows {
+    /// Root mean square of the residuals, in standard deviations.
+    fn rms(&self, fitted: &Fitted) -> f64 {
+        let values = residuals(&self.rows, &fitted.values, &fitted.closed);
+        let squares: f64 = values.iter().map(|value| value * value).sum();
+        (squares / values.len().max(1) as f64).sqrt()
+    }
 }
 
 pub(crate) struct FoundValues {
@@ -50,9 +65,51 @@ pub(crate) fn fit(
         });
     }
     let along = directions.unscaled(&directions.sight.seen);
-    let fitted = Fit::run(&rows.rows, rows.closed.clone(), base, &along);
-    let fitted = fitted.ok_or(CalibrationRefusal::NoFit)?;
+    let from_base = Fit::run(
+        &rows.rows,
+        rows.closed.clone(),
+        base,
+        &along,
+        DVector::zeros(seen),
+    );
+    let fitted = match from_base {
+        Some(fitted) if rows.rms(&fitted) < LOST => fitted,
+        lost => {
+            let steps = FIRST_PARTS.iter();
+            let steps = steps.filter_map(|part| in_two_steps(rows, base, &along, *part));
+            let found = lost.into_iter().chain(steps);
+            let best = found.min_by(|one, other| rows.rms(one).total_cmp(&rows.rms(other)));
+            best.ok_or(CalibrationRefusal::NoFit)?
+        }
+    };
     Ok(FoundValues { directions, fitted })
+}
+
+/// Fits the `part` of the rows that is least off, then all rows from there. Near a parallel singularity a small error of the parts moves the
+/// platform far, and a step that helps the other rows leads such a row out of its assembly mode: the search ends before it has begun.
+fn in_two_steps(
+    rows: &MeasuredRows,
+    base: KinematicVector,
+    along: &DMatrix<f64>,
+    part: f64,
+) -> Option<Fitted> {
+    let off = |index: usize| {
+        let row = &rows.rows[index];
+        let residuals = row.residuals(&base, rows.closed[index].pose);
+        let values = residuals.iter().take(row.value_count());
+        values.fold(0.0, |most: f64, value| most.max(value.abs()))
+    };
+    let mut order: Vec<usize> = (0..rows.rows.len()).collect();
+    order.sort_by(|one, other| off(*one).total_cmp(&off(*other)));
+    order.truncate((part * order.len() as f64).ceil() as usize);
+    let first = MeasuredRows {
+        rows: order.iter().map(|index| rows.rows[*index]).collect(),
+        closed: order.iter().map(|index| rows.closed[*index]).collect(),
+    };
+    let zero = DVector::zeros(along.ncols());
+    let found = Fit::run(&first.rows, first.closed, base, along, zero)?;
+    let starts = rows.closed.clone();
+    Fit::run(&rows.rows, starts, base, along, found.variables)
 }
 
 /// Fits, leaves out the row that is farthest off while that is an outlier, and fits again.
