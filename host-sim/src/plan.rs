@@ -13,13 +13,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use trirrr_core::setpoint::Pose;
 use trirrr_plan::course::{Effort, PathPiece, Run};
-use trirrr_scene::{Dwell, JobPath, PlannedJob, Scene, limited, plan_job};
+use trirrr_protocol::message::LEVEL_PARTS;
+use trirrr_scene::{Dwell, JobLevels, JobMove, JobPath, PlannedJob, Scene, limited, plan_job};
 
 /// `trirrr plan`.
 ///
 /// Plans the `[[job.path]]` of a scene in the least time and proves how near to the optimum the plan is: prints its
 /// duration, a lower bound of the duration of any motion along the path, and which limit acts for how long. Writes
-/// plan.csv (the plan and the bound along the path), moves.csv (the moves that a machine plays) and a figure.
+/// plan.csv (the plan and the bound along the path), moves.csv (the moves that a machine plays), levels.csv (where a row of an image has its powers in a list) and a figure.
 #[derive(Args, Clone, Debug)]
 pub struct PlanArgs {
     /// The scene, a TOML file; or with --machine a job: G-code, a drawing (SVG, DXF), an image, a table of poses (CSV)
@@ -170,9 +171,14 @@ fn write(
         );
         traces.push(t, [speed, speed_max, alpha]);
     }
-    let moves = moves_table(scene, job);
+    let (steps, levels) = job.listed();
+    let moves = moves_table(scene, &steps, &levels);
+    let mut tables = vec![("plan.csv", plan), ("moves.csv", moves)];
+    if !levels.is_empty() {
+        tables.push(("levels.csv", levels_table(&steps, &levels)));
+    }
     let mut files = Vec::new();
-    for (file, text) in [("plan.csv", plan), ("moves.csv", moves)] {
+    for (file, text) in tables {
         let file = folder.join(file);
         std::fs::write(&file, text).map_err(|error| unwritable(&file, &error))?;
         files.push(file);
@@ -183,7 +189,7 @@ fn write(
 }
 
 /// The moves as a table that other clients play: the state at the end of each, after a row for the start.
-fn moves_table(scene: &Scene, job: &PlannedJob) -> String {
+fn moves_table(scene: &Scene, steps: &[(usize, JobMove)], levels: &JobLevels) -> String {
     let mut table =
         String::from("piece,duration,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,power,speed\n");
     let mut row = |source: usize, duration: f64, values: [[f64; 3]; 3], tool: [f64; 2]| {
@@ -200,14 +206,45 @@ fn moves_table(scene: &Scene, job: &PlannedJob) -> String {
         [pose(&scene.job.start), [0.0; 3], [0.0; 3]],
         [0.0; 2],
     );
-    for (source, each) in job.steps() {
-        let tool = each
-            .tool
-            .map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
+    for (index, (source, each)) in (0..).zip(steps) {
+        // A client that plays the table without the levels leaves the tool off there.
+        let tool = each.tool.filter(|_| levels.get(index).is_none());
+        let tool = tool.map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
         let acceleration = each.accelerations.map_or([0.0; 3], |[_, end]| end.into());
         let end = [pose(&each.to), each.end_velocity.into(), acceleration];
         let duration = f64::from(each.duration_ticks) * scene.period_s();
-        row(source, duration, end, tool);
+        row(*source, duration, end, tool);
+    }
+    table
+}
+
+/// Levels of the tool's power along moves: the number of the move, from 1, its power at a speed, the place in the first level at which it
+/// starts, the levels that it passes, and the levels, parts of 255 of the power.
+fn levels_table(steps: &[(usize, JobMove)], levels: &JobLevels) -> String {
+    let mut table = String::from("move,power,speed,offset,span,levels\n");
+    for (index, range) in &levels.ranges {
+        let parts = f64::from(LEVEL_PARTS);
+        let [offset, span] =
+            [u32::from(range.offset), range.span].map(|all| f64::from(all) / parts);
+        let tool = steps.get(*index as usize).and_then(|(_, each)| each.tool);
+        let (power, speed) = tool.map_or((0.0, 0.0), |tool| (tool.power, tool.speed_m_s));
+        let _ = write!(
+            table,
+            "{},{power:?},{speed:?},{offset:?},{span:?},",
+            index + 1
+        );
+        let (from, to) = (range.first as usize, range.next() as usize);
+        for (place, level) in levels
+            .levels
+            .get(from..to)
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
+            let space = if place == 0 { "" } else { " " };
+            let _ = write!(table, "{space}{level}");
+        }
+        table.push('\n');
     }
     table
 }

@@ -49,6 +49,7 @@ impl Uncertain {
                 }],
                 path: None,
                 spool: None,
+                levels: trirrr_scene::JobLevels::default(),
             },
             ..Scene::parse(THESIS, "thesis.toml").expect("the thesis scene")
         }

@@ -9,7 +9,7 @@ from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
     Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, MoveBatch,
     MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, AngleReference, Refusal, Reply,
-    LeastDuration, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
+    LeastDuration, LevelPiece, LevelRange, ListedMove, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
@@ -69,6 +69,29 @@ def moves() -> object:
     return Request(303, Command.Moves(batch))
 
 
+def levels() -> object:
+    """Four levels for a move, behind 1000 that were given before."""
+    row = (0,) * 32
+    first = (0, 85, 170, 255) + row[4:]
+    return Request(303, Command.Levels(LevelPiece(first=1000, count=4, levels=(first, row, row, row))))
+
+
+def listed() -> object:
+    """The move of these levels, behind ``a_move``."""
+    velocity = (single(0.1), 0.0, 0.0)
+    before = Setpoint(Pose(*map(single, (0.28, 0.28, 0.2))), velocity, (0.0, 0.0, 0.0))
+    step = MoveStep(
+        to=Pose(*map(single, (0.29, 0.28, 0.2))),
+        velocity=velocity,
+        acceleration=None,
+        ticks=100,
+        tool=ToolSetting(power=0.75, speed=single(0.1)),
+    )
+    check = zlib.crc32(postcard.dumps(messages.SETPOINT, before, F32))
+    own = LevelRange(first=1000, count=4, offset=32_768, span=229_376)
+    return Request(304, Command.Listed(ListedMove(number=3, check=check, step=step, levels=own)))
+
+
 EXAMPLES = {
     "hello": (F32, Request, hello(F32)),
     "hello-f64": (F64, Request, hello(F64)),
@@ -89,12 +112,15 @@ EXAMPLES = {
         next_sequence=300,
         reference=AngleReference.Homed(),
         board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
+        levels=4096,
     )))),
     "status": (F32, Request, Request(301, Command.Status())),
     "move": (F32, Request, move(single)),
     "move-f64": (F64, Request, move(float)),
     "quintic": (F32, Request, quintic(single)),
     "moves": (F32, Request, moves()),
+    "levels": (F32, Request, levels()),
+    "listed": (F32, Request, listed()),
     "kept": (F32, Message, Message.Reply(sequence=304, reply=Reply.Kept(missing=303))),
     "telemetry-rate": (F32, Request, Request(302, Command.Telemetry(every=10, fields=messages.ALL_FIELDS))),
     "job": (F32, Request, Request(302, Command.Job(

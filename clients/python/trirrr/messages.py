@@ -252,6 +252,10 @@ Refusal = Enum(
     NoFeedback=None,
     NoBatches=None,
     Check={"expected": U32},
+    NoLevels=None,
+    LevelNumber={"expected": U32},
+    LevelsFull=None,
+    LevelRange=None,
 )
 
 Hello = Struct(
@@ -303,6 +307,29 @@ MoveBatch = Struct(
     number=U32,
     check=U32,
     steps=array(Optional(MoveStep), BATCH),
+)
+
+LevelPiece = Struct(
+    "LevelPiece",
+    first=U32,
+    count=BYTE,
+    levels=array(array(BYTE, 32), 4),
+)
+
+LevelRange = Struct(
+    "LevelRange",
+    first=U32,
+    count=U16,
+    offset=U16,
+    span=U32,
+)
+
+ListedMove = Struct(
+    "ListedMove",
+    number=U32,
+    check=U32,
+    step=MoveStep,
+    levels=LevelRange,
 )
 
 Recovery = Struct(
@@ -384,6 +411,8 @@ Command = Enum(
     Drives={"every": U16},
     Moves=MoveBatch,
     Job=JobLabel,
+    Levels=LevelPiece,
+    Listed=ListedMove,
 )
 
 Request = Struct(
@@ -453,6 +482,7 @@ Identity = Struct(
     next_sequence=U32,
     reference=AngleReference,
     board=Board,
+    levels=U16,
 )
 
 Verdict = Struct(

@@ -253,6 +253,7 @@ mod tests {
             next_sequence: 40,
             reference: AngleReference::Declared,
             board: Board::HOST,
+            levels: 0,
         };
         let (request, _) = exchange.receive(&reply(7, Reply::Hello(identity))).unwrap();
         assert_eq!(request.sequence, 7);

@@ -14,12 +14,15 @@ use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
     Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
-    HomingCoefficients, Output, Played, Readings, Retreats, Service, ServiceError, ServiceNumber,
-    Settings, WithContact, WithFeedback, WithHoming,
+    HomingCoefficients, LevelRing, Output, Played, Readings, Retreats, Service, ServiceError,
+    ServiceNumber, Settings, WithContact, WithFeedback, WithHoming, WithLevels,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
 const MOVES: usize = offer::CAPACITY + 1;
+
+/// Levels of power for which there is memory, a power of two: as many as a scene may ask for.
+const LEVELS: usize = 1 << 14;
 
 /// Places of the queue for telemetry samples, which the owner fetches after every tick. One place
 /// stays empty.
@@ -176,6 +179,7 @@ fn build<N: ServiceNumber, T>(
         start,
         feedback,
         contact,
+        levels: scene.service.power_lists,
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
@@ -201,6 +205,8 @@ struct Described<N: ServiceNumber> {
     homing: Option<HomingCoefficients<N>>,
     feedback: Option<FeedbackCoefficients<N>>,
     contact: Option<ContactCoefficients<N>>,
+    /// Levels of power for which there is room.
+    levels: u16,
 }
 
 struct Play<N: ServiceNumber, F> {
@@ -214,14 +220,18 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
     fn visit<M: Model<N = N>>(self) -> Self::Output {
         let Self { described, play } = self;
         let scene =
-            WithHoming {
-                scene: Adjustable::<
-                    M,
-                    Quintics,
-                    ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>,
-                >::new(described.parameters, described.limits),
-                homing: described.homing.as_ref(),
-            };
+            Adjustable::<M, Quintics, ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>>::new(
+                described.parameters,
+                described.limits,
+            );
+        let scene = WithLevels::<_, LEVELS> {
+            scene,
+            room: described.levels,
+        };
+        let scene = WithHoming {
+            scene,
+            homing: described.homing.as_ref(),
+        };
         let scene = WithFeedback {
             scene,
             feedback: described.feedback.as_ref(),
@@ -245,6 +255,7 @@ where
             N = N,
             Replacement = Section,
             Batch = MoveBatch<N>,
+            Levels = LevelRing<N, LEVELS>,
             Part = Section,
             Curves = Quintics,
             Feedback = DriveFeedback<N>,

@@ -4,10 +4,12 @@
 //! speeds of the job. So whatever was proven of the job is proven of the way back, and the machine passes the place in the very
 //! motion in which it would have passed it. There the tool goes on.
 
+use crate::job_client::JobWork;
 use core::convert::Infallible;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
-use trirrr_protocol::message::{AnyMove, Move};
+use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Move, Transmit};
+use trirrr_scene::JobLevels;
 
 /// Place on the path of a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,6 +29,8 @@ pub struct JobRest<N: Number> {
     lead: u32,
     /// Index in the whole job of the move behind these.
     next: u32,
+    /// Levels of the moves.
+    levels: JobLevels,
 }
 
 impl<N: Number> JobRest<N> {
@@ -69,6 +73,7 @@ impl<N: Number> JobRest<N> {
                 from,
                 lead: 0,
                 next: from.index,
+                levels: JobLevels::default(),
             });
         };
         let mut opening = match from.at {
@@ -94,12 +99,52 @@ impl<N: Number> JobRest<N> {
             moves: opening,
             from,
             next: from.index + 1,
+            levels: JobLevels::default(),
         })
     }
 
     /// Index in the whole job of the move that follows [these](Self::moves): the number of its moves where none does.
     pub fn next(&self) -> u32 {
         self.next
+    }
+
+    /// The same of a job whose moves have the levels `levels`. A move that is cut goes on in the middle of a level.
+    #[must_use]
+    pub fn listed(
+        moves: &[AnyMove<N>],
+        levels: &JobLevels,
+        from: JobPlace,
+        period: N::Factor,
+    ) -> Self {
+        let mut rest = Self::new(moves, from, period);
+        let JobPlace { index, at } = rest.from;
+        let mut ranges = Vec::new();
+        for (of, range) in levels.ranges.iter().filter(|(of, _)| *of >= index) {
+            let place = of - index + rest.lead;
+            let left = match (*of == index && at > 0, moves.get(*of as usize)) {
+                (true, Some(cut)) => remaining(range, share(cut, at, period)),
+                _ => Some(*range),
+            };
+            match (left, rest.moves.get_mut(place as usize)) {
+                (Some(left), _) => ranges.push((place, left)),
+                // D has arrived. Without levels the tool would have its whole power.
+                (None, Some(each)) => *each = without_tool(each),
+                (None, None) => {}
+            }
+        }
+        rest.levels = JobLevels {
+            ranges,
+            levels: levels.levels.clone(),
+        };
+        rest
+    }
+
+    /// The moves as the work of a client.
+    pub fn work(&self) -> JobWork<N>
+    where
+        N: Transmit,
+    {
+        JobWork::of(self.moves.clone(), &self.levels)
     }
 
     /// The moves, the way back first.
@@ -180,6 +225,30 @@ fn split<N: Number>(whole: &AnyMove<N>, at: u32, period: N::Factor) -> [AnyMove<
         ),
         AnyMove::new(behind, accelerations.map(|[_, end]| [acceleration, end])),
     ]
+}
+
+/// Fraction of the chord of a move at which D is at the tick `at`.
+fn share<N: Number>(each: &AnyMove<N>, at: u32, period: N::Factor) -> f64 {
+    let segment = segment(each, period);
+    let place = |at: u32| segment.at(at).pose.position.map(N::to_f64);
+    let (start, end) = (place(0), place(each.common().ticks));
+    let chord = end - start;
+    ((place(at) - start).dot(&chord) / chord.dot(&chord)).clamp(0.0, 1.0)
+}
+
+/// Levels behind the fraction `share` of their move; none where nothing is left.
+fn remaining(range: &LevelRange, share: f64) -> Option<LevelRange> {
+    // The cast of what is not a number gives 0.
+    let passed = (share * f64::from(range.span)).round() as u32;
+    let begin = u64::from(range.offset) + u64::from(passed);
+    let skipped = begin / u64::from(LEVEL_PARTS);
+    let rest = LevelRange {
+        first: range.first + skipped as u32,
+        count: range.count.checked_sub(skipped as u16)?,
+        offset: (begin % u64::from(LEVEL_PARTS)) as u16,
+        span: range.span.checked_sub(passed)?,
+    };
+    rest.is_whole().then_some(rest)
 }
 
 #[cfg(test)]
@@ -307,5 +376,92 @@ mod tests {
         };
         assert!(JobRest::new(&job, end, PERIOD).moves().is_empty());
         assert_eq!(JobRest::new(&job, JobPlace::default(), PERIOD).moves(), job);
+    }
+
+    /// Power of a place on a chord, from levels and their range.
+    fn level(levels: &JobLevels, range: &LevelRange, share: f64) -> u8 {
+        let parts = f64::from(range.offset) + share * f64::from(range.span);
+        let index = (parts / f64::from(LEVEL_PARTS)) as usize;
+        levels.levels[range.first as usize + index.min(usize::from(range.count) - 1)]
+    }
+
+    /// Cut at any tick: each place of what is left has the level that it had.
+    #[test]
+    fn what_is_left_of_a_move_keeps_its_levels() {
+        let job = job();
+        let levels = JobLevels {
+            levels: (0..90).map(|index| (index * 37 % 256) as u8).collect(),
+            ranges: vec![
+                (
+                    1,
+                    LevelRange {
+                        first: 0,
+                        count: 41,
+                        offset: 1234,
+                        span: 40 * LEVEL_PARTS,
+                    },
+                ),
+                (
+                    2,
+                    LevelRange {
+                        first: 41,
+                        count: 49,
+                        offset: 0,
+                        span: 49 * LEVEL_PARTS - 7,
+                    },
+                ),
+            ],
+        };
+        for at in [0, 1, 13, 50, 99, 100] {
+            let from = JobPlace { index: 1, at };
+            let rest = JobRest::listed(&job, &levels, from, PERIOD);
+            let begin = share(&job[1], at, PERIOD);
+            let JobWork::Listed {
+                moves,
+                levels: left,
+            } = rest.work()
+            else {
+                panic!("it has levels");
+            };
+            assert_eq!(moves, rest.moves());
+            // Behind the way back: the rest of the move, and the next one.
+            let [first, next] = &left.ranges[..] else {
+                panic!("{:?}", left.ranges);
+            };
+            assert_eq!(
+                (first.0, next),
+                (rest.lead, &(rest.lead + 1, levels.ranges[1].1))
+            );
+            for step in 0..=1000 {
+                let within = (f64::from(step) + 0.5) / 1001.0;
+                let whole = begin + within * (1.0 - begin);
+                let parts = 1234.0 + whole * f64::from(levels.ranges[0].1.span);
+                let is_border = (parts / f64::from(LEVEL_PARTS))
+                    .fract()
+                    .min(1.0 - (parts / f64::from(LEVEL_PARTS)).fract())
+                    < 1e-4;
+                let found = level(&left, &first.1, within);
+                let expected = level(&levels, &levels.ranges[0].1, whole);
+                assert!(found == expected || is_border, "{at} {step}");
+            }
+        }
+        // Where nothing of the levels is left, the tool is off.
+        let short = LevelRange {
+            first: 0,
+            count: 1,
+            offset: 0,
+            span: 1,
+        };
+        let ended = JobLevels {
+            levels: vec![255],
+            ranges: vec![(1, short)],
+        };
+        let rest = JobRest::listed(&job, &ended, JobPlace { index: 1, at: 99 }, PERIOD);
+        assert!(rest.levels.is_empty());
+        assert_eq!(rest.moves()[rest.lead as usize].common().tool_power, 0.0);
+        // At the end of the move nothing of its levels is left.
+        let from = JobPlace { index: 2, at: 0 };
+        let rest = JobRest::listed(&job, &levels, from, PERIOD);
+        assert_eq!(rest.levels.ranges, [(0, levels.ranges[1].1)]);
     }
 }

@@ -97,7 +97,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                     let Request { sequence, command } = request;
                     let message = Message::Reply { sequence, reply };
                     self.client.receive(&message, self.now);
-                    if is_done && command.offered().is_none() {
+                    if is_done && !command.brings_moves() {
                         // The tick takes one order at a time: the one after a start is the first of
                         // the path.
                         if matches!(command, Command::Start) {

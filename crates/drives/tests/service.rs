@@ -13,7 +13,7 @@ use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
 use trirrr_drives::{Active, Enable};
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, Move, Recovery, Reply, State};
 use trirrr_scene::Scene;
-use trirrr_service::{Adjustable, Channels, Ramp, Service, Settings};
+use trirrr_service::{Adjustable, Channels, CommandOf, Ramp, Service, Settings};
 
 type Scalar = f32;
 type SceneChannels = Channels<Adjustable<Dynamic<Scalar>>, 4, 4>;
@@ -95,7 +95,7 @@ impl<'a> Machine<'a> {
         self.ticks(2);
     }
 
-    fn ask(&mut self, command: Command<Scalar>) {
+    fn ask(&mut self, command: CommandOf<Adjustable<Dynamic<Scalar>>>) {
         let reply = self.service.submit(&command);
         assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
         while self.service.step() {}

@@ -54,6 +54,7 @@ impl BlockCutter {
                 free: None,
                 dwells: Vec::new(),
                 tools: Vec::new(),
+                rows: Vec::new(),
                 tolerance_m,
                 tolerance_rad,
             },
@@ -137,6 +138,7 @@ impl BlockCutter {
             free: None,
             dwells: dwells.copied().collect(),
             tools: path.tools[next - self.first..].to_vec(),
+            rows: Vec::new(),
             ..*path
         };
         path.dwells.retain(|dwell| !is_behind(dwell));

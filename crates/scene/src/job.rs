@@ -2,6 +2,7 @@
 
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::job_path::{JobPath, PlacedPath, read_path};
+use crate::levels::JobLevels;
 use crate::read::{Bound, Document, Place, Section};
 use crate::spool::MoveSpool;
 use nalgebra::Vector3;
@@ -22,6 +23,8 @@ pub struct Job {
     pub path: Option<JobPath>,
     /// The moves of a long job, in place of `moves`: those are none then.
     pub spool: Option<Arc<MoveSpool>>,
+    /// Levels of the tool along moves of the path.
+    pub levels: JobLevels,
 }
 
 /// One move, a polynomial in time on every coordinate: a cubic, or a quintic with accelerations at its ends.
@@ -56,25 +59,12 @@ pub struct Tool {
 impl Job {
     /// The job in `units`, without its path. Moves in a spool stay in SI units.
     pub fn in_units(&self, units: &Units) -> Self {
-        let moved = |each: &JobMove| JobMove {
-            from: units.pose(&each.from),
-            to: units.pose(&each.to),
-            start_velocity: units.velocity(&each.start_velocity),
-            end_velocity: units.velocity(&each.end_velocity),
-            accelerations: each
-                .accelerations
-                .map(|both| both.map(|one| units.acceleration(&one))),
-            tool: each.tool.map(|tool| Tool {
-                speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
-                ..tool
-            }),
-            ..*each
-        };
         Self {
             start: units.pose(&self.start),
-            moves: self.moves.iter().map(moved).collect(),
+            moves: self.moves.iter().map(|each| each.in_units(units)).collect(),
             path: None,
             spool: self.spool.clone(),
+            levels: self.levels.clone(),
         }
     }
 
@@ -114,6 +104,24 @@ impl Job {
 }
 
 impl JobMove {
+    /// The move in `units`.
+    pub(crate) fn in_units(&self, units: &Units) -> Self {
+        Self {
+            from: units.pose(&self.from),
+            to: units.pose(&self.to),
+            start_velocity: units.velocity(&self.start_velocity),
+            end_velocity: units.velocity(&self.end_velocity),
+            accelerations: self
+                .accelerations
+                .map(|both| both.map(|one| units.acceleration(&one))),
+            tool: self.tool.map(|tool| Tool {
+                speed_m_s: tool.speed_m_s / units.of(1, -1, 0),
+                ..tool
+            }),
+            ..*self
+        }
+    }
+
     /// Returns what the curve of the move is given by, in the number type `N`.
     pub fn ends<N: Number>(&self) -> Ends<N, Quintics> {
         let pose = |pose: &Pose<f64>| Pose::from_f64(pose.position.x, pose.position.y, pose.angle);
@@ -194,6 +202,7 @@ pub fn read_job_with(
                 moves: Vec::new(),
                 path: Some(placed.path.clone()),
                 spool: None,
+                levels: JobLevels::default(),
             },
             path: Some(placed),
         });
@@ -269,6 +278,7 @@ pub fn read_job_with(
             moves,
             path: None,
             spool: None,
+            levels: JobLevels::default(),
         },
         path: None,
     })

@@ -2,6 +2,7 @@
 
 use crate::duration::whole_ticks;
 use crate::job::{Tool, read_tool};
+use crate::levels::LevelRow;
 use crate::read::{Bound, Place, Section};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::Pose;
@@ -32,6 +33,8 @@ pub struct JobPath {
     pub dwells: Vec<Dwell>,
     /// Work of the tool on each table of the file, a piece or a dwell.
     pub tools: Vec<Option<Tool>>,
+    /// Straight parts with levels of the tool's power, in order.
+    pub rows: Vec<LevelRow>,
     /// Largest distance of the played motion from the path, m.
     pub tolerance_m: f64,
     /// Largest deviation of alpha, rad.
@@ -178,6 +181,7 @@ pub(crate) fn read_path(
             pieces,
             dwells,
             tools,
+            rows: Vec::new(),
             tolerance_m,
             tolerance_rad,
         },

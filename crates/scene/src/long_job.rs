@@ -3,6 +3,8 @@
 use crate::Scene;
 use crate::blocks::PathBlock;
 use crate::in_order::in_order;
+use crate::job::Job;
+use crate::levels::JobLevels;
 use crate::longest_stop::{StopMoves, StopsSoFar};
 use crate::planning::{Unplanned, check_ticks, join, plan_block};
 use crate::spool::SpoolWriter;
@@ -40,7 +42,8 @@ impl Scene {
         // None once a move is not judged again as it was when it was planned.
         let mut so_far = Some(StopsSoFar::default());
         let plan = |block: PathBlock| {
-            let moves = plan_block(scene, &block)?;
+            let steps = plan_block(scene, &block)?.into_iter();
+            let moves: Vec<_> = steps.map(|(_, each)| each).collect();
             let judged = StopMoves::judged(scene, moves.clone());
             let stops = judged.map(|judged| {
                 let stops = judged.stops(scene, u64::MAX, false);
@@ -50,7 +53,7 @@ impl Scene {
         };
         let blocks = blocks.map(|block| block.map_err(UntakenJob::Path));
         in_order(blocks, plan, |(mut moves, stops)| {
-            join(spool.last(), &mut moves);
+            join(spool.last(), moves.first_mut());
             so_far = so_far
                 .take()
                 .zip(stops)
@@ -64,9 +67,13 @@ impl Scene {
         check_ticks(spool.ticks())?;
         let longest_stop = so_far.map(|so_far| so_far.end(scene));
         let spool = spool.finish(longest_stop).map_err(UntakenJob::Spool)?;
-        self.job.moves = Vec::new();
-        self.job.path = None;
-        self.job.spool = Some(Arc::new(spool));
+        self.job = Job {
+            start: self.job.start,
+            moves: Vec::new(),
+            path: None,
+            spool: Some(Arc::new(spool)),
+            levels: JobLevels::default(),
+        };
         Ok(())
     }
 }

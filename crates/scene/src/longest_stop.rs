@@ -3,6 +3,7 @@
 use crate::Scene;
 use crate::job::{Job, JobMove};
 use crate::judge::judge_quickly;
+use crate::levels::JobLevels;
 use crate::planning::join;
 use crate::words::short;
 use core::ops::Range;
@@ -69,6 +70,7 @@ impl StopMoves {
             moves,
             path: None,
             spool: None,
+            levels: JobLevels::default(),
             start: scene.job.start,
         };
         let trial = Scene {
@@ -153,7 +155,7 @@ impl StopMoves {
 
     /// Lets the first move begin where `before` ends.
     pub(crate) fn join(&mut self, before: Option<&JobMove>) {
-        join(before, &mut self.moves);
+        join(before, self.moves.first_mut());
     }
 }
 

@@ -108,6 +108,11 @@ pub fn spooled<N: Transmit>(
     moves.map(|(each, number)| offer(each, number))
 }
 
+/// Returns a move of a job in the number type `N` and in `units`, with the number 0.
+pub(crate) fn one<N: Transmit>(each: &JobMove, units: &Units) -> AnyMove<N> {
+    offer(&each.in_units(units), 0)
+}
+
 /// Converts a pose to the number type `N`.
 pub fn pose<N: Transmit>(pose: &Pose<f64>) -> Pose<N> {
     Pose::from_f64(pose.position.x, pose.position.y, pose.angle)

@@ -5,6 +5,7 @@ use crate::in_order::in_order;
 use crate::job::{Job, JobMove};
 use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
+use crate::levels::{JobLevels, misfit};
 use crate::obstacle::obstacle;
 use crate::offer::CAPACITY;
 use crate::read::Document;
@@ -61,6 +62,14 @@ pub enum Unplanned {
         /// Most ticks of a move.
         longest: u32,
     },
+    /// The tool passes more levels in a tick than the service plays, or D turns back among them.
+    #[error(
+        "the pixels of the row are too short for the speed: the tool changes at ticks; take a lower speed or a larger pitch"
+    )]
+    Levels {
+        /// Number of the row's part in the file, from 0.
+        number: usize,
+    },
     /// The job is longer than a service counts.
     #[error("the moves take {0} ticks together, at most 4294967295 are allowed")]
     Ticks(u64),
@@ -82,7 +91,9 @@ impl Unplanned {
                 *number += source;
                 refusal.place.piece += piece;
             }
-            Self::Dwell { number } | Self::LongDwell { number, .. } => *number += source,
+            Self::Dwell { number } | Self::LongDwell { number, .. } | Self::Levels { number } => {
+                *number += source;
+            }
             Self::Machine(_) | Self::Units | Self::Ticks(_) => {}
         }
         self
@@ -122,6 +133,13 @@ impl PlannedJob {
             .zip(end.into_iter().cycle());
         steps.extend(last.map(|(dwell, at)| (dwell.source, stand(path, dwell, at))));
         steps
+    }
+
+    /// Returns the [steps](Self::steps) as they are played, and the levels of the moves among them.
+    pub fn listed(&self) -> (Vec<(usize, JobMove)>, JobLevels) {
+        let mut steps = self.steps();
+        let levels = JobLevels::of(&self.path.rows, &mut steps);
+        (steps, levels)
     }
 
     /// Duration of the moves and dwells in ticks.
@@ -165,16 +183,22 @@ pub(crate) fn check_ticks(ticks: u64) -> Result<(), Unplanned> {
     }
 }
 
-/// Moves of a block, dwells among them.
-pub(crate) fn plan_block(scene: &Scene, block: &PathBlock) -> Result<Vec<JobMove>, Unplanned> {
+/// Moves of a block, dwells among them, each with the number of its table in the file.
+pub(crate) fn plan_block(
+    scene: &Scene,
+    block: &PathBlock,
+) -> Result<Vec<(usize, JobMove)>, Unplanned> {
     let planned = plan_job(scene, &block.path, Effort::default())
         .map_err(|error| error.in_block(block.first, block.before))?;
-    Ok(planned.steps().into_iter().map(|(_, each)| each).collect())
+    let steps = planned.steps().into_iter();
+    Ok(steps
+        .map(|(source, each)| (block.first + source, each))
+        .collect())
 }
 
-/// Lets `block` begin where the move before it ends: pieces meet but for rounding, moves do exactly.
-pub(crate) fn join(before: Option<&JobMove>, block: &mut [JobMove]) {
-    if let (Some(before), [first, ..]) = (before, block) {
+/// Lets the `first` move of a block begin where the move before it ends: pieces meet but for rounding, moves do exactly.
+pub(crate) fn join(before: Option<&JobMove>, first: Option<&mut JobMove>) {
+    if let (Some(before), Some(first)) = (before, first) {
         first.from = before.to;
     }
 }
@@ -441,22 +465,54 @@ impl Scene {
     pub fn take_path(&mut self, path: &JobPath) -> Result<(), Unplanned> {
         if is_one_block(self, path) {
             let planned = plan_job(self, path, Effort::default())?;
-            self.job.moves = planned.steps().into_iter().map(|(_, each)| each).collect();
-            (self.job.path, self.job.spool) = (Some(planned.path), None);
-            return Ok(());
+            return self.take_steps(planned.steps(), planned.path);
         }
-        let mut moves: Vec<JobMove> = Vec::new();
+        let mut steps: Vec<(usize, JobMove)> = Vec::new();
         let scene = &*self;
         let plan = |block: PathBlock| plan_block(scene, &block);
         in_order(blocks(path).map(Ok), plan, |mut block| {
-            join(moves.last(), &mut block);
-            moves.append(&mut block);
+            let first = block.first_mut().map(|(_, first)| first);
+            join(steps.last().map(|(_, last)| last), first);
+            steps.append(&mut block);
             Ok(())
         })?;
-        let ticks = moves.iter().map(|each| u64::from(each.duration_ticks));
+        let ticks = steps.iter().map(|(_, each)| u64::from(each.duration_ticks));
         check_ticks(ticks.sum())?;
-        (self.job.moves, self.job.spool) = (moves, None);
-        self.job.path = Some(path.clone());
+        self.take_steps(steps, path.clone())
+    }
+
+    /// Gives the machine the moves `steps` of `path`, with the levels of its rows.
+    fn take_steps(
+        &mut self,
+        mut steps: Vec<(usize, JobMove)>,
+        path: JobPath,
+    ) -> Result<(), Unplanned> {
+        let levels = JobLevels::of(&path.rows, &mut steps);
+        let sources: Vec<usize> = steps.iter().map(|(source, _)| *source).collect();
+        let moves: Vec<JobMove> = steps.into_iter().map(|(_, each)| each).collect();
+        if !levels.is_empty() {
+            let trial = Self {
+                job: Job {
+                    moves: moves.clone(),
+                    path: None,
+                    spool: None,
+                    levels: JobLevels::default(),
+                    ..self.job
+                },
+                ..self.clone()
+            };
+            if let Some(index) = misfit(&trial, &moves, &levels) {
+                let number = sources[index];
+                return Err(Unplanned::Levels { number });
+            }
+        }
+        self.job = Job {
+            moves,
+            path: Some(path),
+            spool: None,
+            levels,
+            ..self.job
+        };
         Ok(())
     }
 }
@@ -472,7 +528,8 @@ pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedP
             ref error @ (Unplanned::Path { number, .. }
             | Unplanned::NoAlpha { number, .. }
             | Unplanned::Dwell { number }
-            | Unplanned::LongDwell { number, .. }),
+            | Unplanned::LongDwell { number, .. }
+            | Unplanned::Levels { number }),
         ) => document.refuse(&placed.places[number], error.to_string()),
         // The machine is checked, and refused, by itself.
         Err(Unplanned::Machine(_)) => {}

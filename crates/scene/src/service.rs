@@ -20,6 +20,8 @@ pub struct Service {
     /// The machine takes moves in batches. If it is not said, it does where the job has need of it: see
     /// [`Scene::takes_batches`](crate::Scene::takes_batches).
     pub batches: Option<bool>,
+    /// Levels of the tool's power for which the machine has room, a power of two; 0: it plays no power lists.
+    pub power_lists: u16,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -32,6 +34,7 @@ impl Default for Service {
             stop_time_max_s: None,
             plans_paths: false,
             batches: None,
+            power_lists: 0,
             telemetry_ticks: 1,
         }
     }
@@ -97,12 +100,33 @@ pub(crate) fn read_service(
         true => section.boolean("batches").map(Some),
         false => Some(None),
     };
+    let power_lists = match section.has("power_lists") {
+        true => read_power_lists(&section),
+        false => Some(0),
+    };
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
         stop_time_max_s: stop_time_max_s?,
         plans_paths: plans_paths?,
         batches: batches?,
+        power_lists: power_lists?,
         telemetry_ticks: telemetry_ticks?,
     })
+}
+
+/// Fewest and most levels of power for which a machine may have room.
+const POWER_LISTS: [u16; 2] = [256, 16_384];
+
+fn read_power_lists(section: &Section) -> Option<u16> {
+    let [least, most] = POWER_LISTS;
+    let bytes = section.integer("power_lists", 0, most.into())?;
+    if bytes != 0 && (bytes < u32::from(least) || !bytes.is_power_of_two()) {
+        let reason = format!(
+            "must be a power of two from {least} to {most} (bytes of a board's RAM), or 0 for no power lists"
+        );
+        section.refuse("power_lists", reason);
+        return None;
+    }
+    Some(bytes as u16)
 }

@@ -71,6 +71,7 @@ impl Chords {
             free: None,
             dwells: self.dwells.clone(),
             tools: self.tools.clone(),
+            rows: Vec::new(),
             tolerance_m: TOLERANCES[0],
             tolerance_rad: TOLERANCES[1],
         }

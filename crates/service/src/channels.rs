@@ -12,6 +12,7 @@ use super::service::Service;
 use super::settings::Settings;
 use super::splice::{SpliceChannels, SplicesOf};
 use crate::feedback::Feedback;
+use crate::levels::LevelKind;
 use crate::number::ServiceNumber;
 use crate::planner::PathPlanner;
 use core::borrow::Borrow;
@@ -50,6 +51,7 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     setups: S::Slot,
     feedback: S::Feedback,
     contact: S::Contact,
+    levels: S::Levels,
     planner: S::Planner,
     window: RequestWindow<S>,
     shared: SharedCounters,
@@ -99,6 +101,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
             setups: S::Slot::EMPTY,
             feedback: S::Feedback::EMPTY,
             contact: S::Contact::EMPTY,
+            levels: S::Levels::EMPTY,
             planner: S::Planner::EMPTY,
             window: RequestWindow::EMPTY,
             shared: SharedCounters::new(),
@@ -157,6 +160,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         let (splices_in, splices_out) = self.splices.split();
         let (feedback_in, feedback_out) = self.feedback.split(scene.feedback());
         let (contact_in, contact_out) = self.contact.split(scene.contact());
+        let (store, player) = self.levels.split(settings.period, scene.levels());
         let shared = &self.shared;
         self.planner.set_up(settings.planning);
         let foreground = Foreground::new(
@@ -172,6 +176,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 splices: splices_out,
                 feedback: feedback_out,
                 contact: contact_out,
+                levels: player,
                 reports: Sender::new(reports_in),
                 faults: Sender::new(faults_in),
                 samples: Sender::new(samples_in),
@@ -191,6 +196,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 splices: splices_in,
                 feedback: feedback_in,
                 contact: contact_in,
+                levels: store,
                 reports: Receiver::new(reports_out),
                 faults: Receiver::new(faults_out),
                 samples: Receiver::new(samples_out),

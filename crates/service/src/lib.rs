@@ -44,6 +44,7 @@ mod foreground;
 mod guard;
 mod handoff;
 mod homing;
+mod levels;
 mod number;
 mod offered;
 mod pace;
@@ -75,6 +76,7 @@ pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
     HomingTimes, NoHoming, Plan, Progress,
 };
+pub use levels::{LevelKind, LevelPlayer, LevelRing, LevelStore, check_levels};
 pub use number::ServiceNumber;
 pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
 pub use pace::{MovePaces, Pace, Ramp};
@@ -82,7 +84,7 @@ pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
     Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact, WithFeedback,
-    WithHoming,
+    WithHoming, WithLevels,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

@@ -2,6 +2,7 @@
 
 use crate::admission::{Aim, Aiming};
 use crate::background::Retargeting;
+use crate::levels::LevelKind;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::splice::{Optional, Present, SpliceChannels, SpliceQueues};
@@ -68,10 +69,11 @@ impl<const JERK: bool> PlayedCurves for Quintics<JERK> {
     }
 }
 
-/// Types as which a service of the scene `S` reads quintics and batches.
+/// Types as which a service of the scene `S` reads quintics, batches and power lists.
 type ContentsOf<S> = (
     <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
     <S as Scene>::Batch,
+    <<S as Scene>::Levels as LevelKind<<S as Scene>::N>>::Request,
 );
 
 /// Command as a service of the scene `S` reads it.

@@ -221,7 +221,12 @@ impl<N: Transmit> Settings<N> {
 }
 
 impl<N: Number> Settings<N> {
-    pub(super) fn identity(&self, queue: u16, batch: u8, next_sequence: u32) -> Identity {
+    /// The identity of a machine that has room for so many moves, takes so many in a batch, and has room for so many levels.
+    pub(super) fn identity(
+        &self,
+        (queue, batch, levels): (u16, u8, u16),
+        next_sequence: u32,
+    ) -> Identity {
         let scene = &self.scene;
         Identity {
             protocol: PROTOCOL,
@@ -240,6 +245,7 @@ impl<N: Number> Settings<N> {
             next_sequence,
             reference: scene.reference,
             board: self.board,
+            levels,
         }
     }
 }

@@ -24,6 +24,7 @@ const SETUP: RasterSetup = RasterSetup {
     },
     overscan_m: 0.0,
     one_way: false,
+    list: None,
 };
 
 /// An image of `columns` with these tones, row by row from above.
@@ -93,6 +94,52 @@ fn rows_are_runs_of_equal_power_from_below_and_to_and_fro() {
     };
     let path = raster(5, &tones, TONES).path(&one_way).unwrap();
     assert_eq!(steps(&path.elements)[8], ([3.0, 1.5], 0.8, true));
+}
+
+/// A machine that plays lists: a row is one motion, or a few, with a level for each pixel.
+#[test]
+fn rows_of_lists_have_the_pixels_in_the_sense_in_which_they_are_burnt() {
+    let mut tones = vec![255, 0, 51, 0, 204, 255];
+    tones.extend([0; 5]);
+    tones.push(255);
+    let setup = RasterSetup {
+        list: Some(2),
+        ..SETUP
+    };
+    let path = raster(6, &tones, TONES).path(&setup).unwrap();
+    let expected = [
+        ([0.0, 0.5], 0.0, false),
+        ([0.0, 0.5], 0.0, true),
+        ([2.0, 0.5], 0.8, true),
+        ([4.0, 0.5], 0.8, true),
+        ([5.0, 0.5], 0.8, true),
+        ([5.0, 0.5], 0.0, true),
+        ([5.0, 1.5], 0.0, false),
+        ([5.0, 1.5], 0.0, true),
+        ([3.0, 1.5], 0.8, true),
+        ([1.0, 1.5], 0.8, true),
+        ([1.0, 1.5], 0.0, true),
+    ];
+    assert_eq!(steps(&path.elements), expected);
+    let lists = [
+        (3, vec![255, 255]),
+        (4, vec![255, 255]),
+        (5, vec![255]),
+        (9, vec![51, 255]),
+        (10, vec![204, 255]),
+    ];
+    assert_eq!(path.lists, lists);
+    // Few levels are parts of 255 as well, and a wide gap ends a list.
+    let mut tones = [255; 12];
+    (tones[0], tones[1], tones[11]) = (0, 128, 0);
+    let few = Tones { count: 4, ..TONES };
+    let path = raster(12, &tones, few).path(&RasterSetup {
+        list: Some(100),
+        overscan_m: 1e-3,
+        ..SETUP
+    });
+    let lists = [(3, vec![255, 85]), (7, vec![255])];
+    assert_eq!(path.unwrap().lists, lists);
 }
 
 #[test]

@@ -114,6 +114,8 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Replace(_) => "replace",
         Command::Move(_) | Command::Quintic(_) => "move",
         Command::Moves(_) => "moves",
+        Command::Levels(_) => "levels of power",
+        Command::Listed(_) => "a move with levels",
         Command::Start => "start",
         Command::Hold => "hold",
         Command::Resume => "resume",

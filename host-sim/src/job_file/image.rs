@@ -6,6 +6,9 @@ use trirrr_scene::Scene;
 use trirrr_toolpath::raster::{GreyImage, RasterPath, RasterSetup};
 use trirrr_toolpath::{PathFault, ToolPlace, ToolWork};
 
+/// Lists for which a machine has room at least: one is played, others come.
+const LISTS: usize = 4;
+
 fn fault(word: &str, reason: String) -> PathFault {
     PathFault {
         line: 0,
@@ -70,5 +73,9 @@ pub(super) fn rows(
         },
         overscan_m: own.overscan_m(),
         one_way: own.one_way,
+        list: match scene.service.power_lists {
+            0 => None,
+            room => Some(usize::from(room) / LISTS),
+        },
     })
 }

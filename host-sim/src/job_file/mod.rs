@@ -258,7 +258,8 @@ fn number(error: &Unplanned) -> Option<u32> {
         Unplanned::Path { number, .. }
         | Unplanned::NoAlpha { number, .. }
         | Unplanned::Dwell { number }
-        | Unplanned::LongDwell { number, .. } => Some(*number as u32),
+        | Unplanned::LongDwell { number, .. }
+        | Unplanned::Levels { number } => Some(*number as u32),
         Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => None,
     }
 }

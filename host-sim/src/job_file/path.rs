@@ -5,7 +5,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
-use trirrr_scene::{Dwell, JobPath, Tool};
+use trirrr_scene::{Dwell, JobPath, LevelRow, Tool};
 use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
 
 /// Length, m or rad, below which a motion is what the rounding of decimals has left.
@@ -134,6 +134,11 @@ impl PathReader {
         });
     }
 
+    /// Gives the pieces from here on a setting of their own.
+    fn change_setting(&mut self) {
+        self.setting += 1;
+    }
+
     fn note_tool(&mut self, source: usize, tool: Option<Tool>, sink: &mut impl PathSink) {
         self.sources = self.sources.max(source + 1);
         sink.tool(source, tool);
@@ -174,6 +179,8 @@ struct PathParts {
     dwells: Vec<Dwell>,
     /// Tool of each element.
     tools: Vec<Option<Tool>>,
+    /// Rows of levels.
+    rows: Vec<LevelRow>,
 }
 
 impl PathSink for Option<PathParts> {
@@ -216,6 +223,31 @@ impl PathBuilder {
         self.reader.push(element, 0, &mut self.parts)
     }
 
+    /// Adds a straight motion with levels of the tool's power at equal distances.
+    ///
+    /// # Errors
+    /// As [`push`](Self::push).
+    pub(super) fn push_row(&mut self, element: &Element, levels: &[u8]) -> Result<(), PathFault> {
+        let from = self.reader.at.position;
+        let pieces = self.reader.pieces();
+        // No other motion has its setting: moves end where it ends.
+        self.reader.change_setting();
+        self.push(element)?;
+        self.reader.change_setting();
+        let row = self.parts.as_mut().and_then(|parts| {
+            let source = parts.pieces.get(pieces)?.source;
+            Some((source, &mut parts.rows))
+        });
+        if let Some((source, rows)) = row {
+            rows.push(LevelRow {
+                source,
+                ends_m: [from.into(), self.reader.at.position.into()],
+                levels: levels.to_vec(),
+            });
+        }
+        Ok(())
+    }
+
     /// Keeps no parts any more: they are only counted.
     pub(super) fn count_only(&mut self) {
         self.parts = None;
@@ -241,6 +273,7 @@ impl PathBuilder {
             parts.dwells.clone(),
             parts.tools.clone(),
         );
+        let rows = parts.rows.clone();
         if pieces.len().max(pass) * times as usize > PIECES_MAX {
             return Err(too_often(times, PIECES_MAX));
         }
@@ -254,6 +287,10 @@ impl PathBuilder {
             parts.pieces.extend(pieces.iter().map(|each| PathPiece {
                 source: each.source + offset,
                 ..*each
+            }));
+            parts.rows.extend(rows.iter().map(|each| LevelRow {
+                source: each.source + offset,
+                ..each.clone()
             }));
             parts.dwells.extend(dwells.iter().map(|each| Dwell {
                 source: each.source + offset,
@@ -281,6 +318,7 @@ impl PathBuilder {
             free: None,
             dwells: parts.dwells,
             tools: parts.tools,
+            rows: parts.rows,
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })

@@ -227,7 +227,21 @@ fn from_drawing(
 fn from_image(bytes: &[u8], machine: &Scene, args: &JobFileArgs) -> Result<ReadPath, PathFault> {
     let mut rows = image::rows(&read_image(bytes)?, machine, level_origin(args)?, args)?;
     let elements = std::mem::take(&mut rows.elements);
-    with_elements(elements, machine, args, PlacesIn::Image(rows))
+    let lists = std::mem::take(&mut rows.lists);
+    let mut lists = lists.into_iter().peekable();
+    let mut builder = PathBuilder::new(machine.job.start, machine.tick_rate_hz);
+    for element in &elements {
+        match lists.next_if(|(line, _)| *line == element.line) {
+            Some((_, levels)) => builder.push_row(element, &levels)?,
+            None => builder.push(element)?,
+        }
+    }
+    finish(
+        builder,
+        1e-3 * args.corner,
+        args.repeat,
+        PlacesIn::Image(rows),
+    )
 }
 
 fn with_elements(

@@ -276,7 +276,7 @@ fn simulate_in<N: ServiceNumber + Countable>(
     let supply = scene.job.spool.as_deref().map(MoveSupply::<N>::whole);
     let work = match &supply {
         Some(supply) => supply.work()?,
-        None => JobWork::from(offer::moves::<N>(scene, &units)),
+        None => JobWork::of(offer::moves::<N>(scene, &units), &scene.job.levels),
     };
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;

@@ -6,7 +6,7 @@ use crate::supply::{MoveSupply, opening};
 use trirrr_client::{JobPlace, JobRest, JobWork};
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{AnyMove, Transmit};
-use trirrr_scene::{MoveSpool, Scene, offer};
+use trirrr_scene::{JobLevels, MoveSpool, Scene, offer};
 
 /// Work for the client of a stream.
 pub(super) struct StreamWork<'a, N: Transmit> {
@@ -21,7 +21,9 @@ pub(super) struct StreamWork<'a, N: Transmit> {
 
 /// Moves of a whole job.
 pub(super) enum StreamMoves<'a, N: Transmit> {
-    InMemory(Vec<AnyMove<N>>),
+    /// The moves, and the levels of some.
+    InMemory(Vec<AnyMove<N>>, &'a JobLevels),
+    /// The spool of a long job, which has no levels.
     InFile(&'a MoveSpool),
 }
 
@@ -30,7 +32,7 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
     pub(super) fn of(scene: &'a Scene, units: &Units) -> Self {
         match &scene.job.spool {
             Some(spool) => Self::InFile(spool),
-            None => Self::InMemory(offer::moves(scene, units)),
+            None => Self::InMemory(offer::moves(scene, units), &scene.job.levels),
         }
     }
 
@@ -40,7 +42,7 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
     /// Failed: the spool cannot be read.
     pub(super) fn whole(&self) -> Result<JobWork<N>, CliError> {
         match self {
-            Self::InMemory(moves) => Ok(JobWork::from(moves.clone())),
+            Self::InMemory(moves, levels) => Ok(JobWork::of(moves.clone(), levels)),
             Self::InFile(spool) => MoveSupply::whole(spool).work(),
         }
     }
@@ -51,7 +53,7 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
     /// Failed: the spool cannot be read.
     pub(super) fn rest(&self, from: JobPlace, period: N::Factor) -> Result<JobRest<N>, CliError> {
         match self {
-            Self::InMemory(moves) => Ok(JobRest::new(moves, from, period)),
+            Self::InMemory(moves, levels) => Ok(JobRest::listed(moves, levels, from, period)),
             Self::InFile(spool) => opening(spool, from, period),
         }
     }
@@ -62,7 +64,7 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
     /// Failed: the spool cannot be read.
     pub(super) fn work(&self, rest: &JobRest<N>) -> Result<StreamWork<'a, N>, CliError> {
         match self {
-            Self::InMemory(_) => Ok(StreamWork::of_moves(rest.moves().to_vec())),
+            Self::InMemory(..) => Ok(StreamWork::of_rest(rest)),
             Self::InFile(spool) => {
                 let supply = MoveSupply::behind(spool, rest)?;
                 Ok(StreamWork {
@@ -77,14 +79,14 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
 }
 
 impl<N: Transmit> StreamWork<'_, N> {
-    fn of_moves(moves: Vec<AnyMove<N>>) -> Self {
-        let ticks = moves.iter().map(|each| each.common().ticks);
+    fn of_rest(rest: &JobRest<N>) -> Self {
+        let ticks = rest.moves().iter().map(|each| each.common().ticks);
         let mut starts = MoveStarts::default();
         let ticks = starts.extend(0, 0, ticks);
         Self {
             starts,
             ticks,
-            work: moves.into(),
+            work: rest.work(),
             supply: None,
         }
     }

@@ -12,7 +12,7 @@ use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
 use trirrr_service::{
     Adjustable, Channels, Output, PowerTimes, Ramp, Reactions, SceneIdentity, Service,
-    ServiceNumber, Settings, name,
+    ServiceNumber, Settings, WithLevels, name,
 };
 
 /// Ticks per second.
@@ -40,8 +40,11 @@ pub type MessageDecoder = Decoder<LONGEST_MESSAGE>;
 /// The queues of a [`Device`].
 pub type DeviceChannels = Channels<DeviceScene, { QUEUE + 1 }, 64>;
 
-/// The thesis machine, whose parts can be changed.
-pub type DeviceScene<N = f64> = Adjustable<Dynamic<N>>;
+/// Levels of power for which the device has room.
+pub const LEVELS: u16 = 1024;
+
+/// The thesis machine, whose parts can be changed, with power lists.
+pub type DeviceScene<N = f64> = WithLevels<Adjustable<Dynamic<N>>, { LEVELS as usize }>;
 
 /// The service, and a decoder in front of it that lets a test see every request.
 pub struct Device<'q, N: ServiceNumber = f64> {
@@ -123,8 +126,12 @@ impl<'q, N: ServiceNumber> Device<'q, N> {
             },
             board: Board::HOST,
         };
+        let scene = WithLevels {
+            scene: Adjustable::new(example(), limits),
+            room: LEVELS,
+        };
         let service = channels
-            .service(Adjustable::new(example(), limits), pose, settings)
+            .service(scene, pose, settings)
             .expect("the thesis machine stands at its start");
         Self {
             service,

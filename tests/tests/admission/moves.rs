@@ -138,6 +138,7 @@ impl Offer {
                 moves: vec![only],
                 path: None,
                 spool: None,
+                levels: trirrr_scene::JobLevels::default(),
             },
             ..thesis.clone()
         };

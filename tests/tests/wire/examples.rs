@@ -9,9 +9,9 @@ use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
     Acting, AngleReference, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity,
-    JobLabel, LeastDuration, Message, Move, MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove,
-    Refusal, Reply, Request, Start, State, Telemetry, TelemetryFields, Transmit, Verdict,
-    Violation,
+    JobLabel, LeastDuration, LevelPiece, LevelRange, ListedMove, Message, Move, MoveBatch,
+    NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start, State, Telemetry,
+    TelemetryFields, Transmit, Verdict, Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -135,6 +135,38 @@ fn moves() -> Request<f32> {
     plain(303, Command::Moves(batch))
 }
 
+/// Four levels for a move, behind 1000 that were given before.
+fn levels() -> Request<f32> {
+    plain(
+        303,
+        Command::Levels(LevelPiece::new(1000, &[0, 85, 170, 255])),
+    )
+}
+
+/// The move: over 3.5 levels, from the middle of the first on.
+fn listed() -> Request<f32> {
+    let Command::Move(before) = a_move().command else {
+        unreachable!("it is one");
+    };
+    let cubic = Move {
+        number: 3,
+        from: before.to,
+        to: Pose::from_f64(0.29, 0.28, 0.2),
+        start_velocity: before.end_velocity,
+        ticks: 100,
+        ..before
+    };
+    let range = LevelRange {
+        first: 1000,
+        count: 4,
+        offset: 32_768,
+        span: 229_376,
+    };
+    let start = AnyMove::Cubic(before).end();
+    let listed = ListedMove::new(3, &start, &AnyMove::Cubic(cubic), range);
+    plain(304, Command::Listed(listed))
+}
+
 fn identity() -> Message<f32> {
     let mut name = [0; NAME_CAPACITY];
     name[..6].copy_from_slice(b"thesis");
@@ -161,6 +193,7 @@ fn identity() -> Message<f32> {
                 clock: Clock::Crystal,
                 start: Start::Power,
             },
+            levels: 4096,
         }),
     }
 }
@@ -296,6 +329,17 @@ fn the_example_frames_are_the_messages() {
             "telemetry",
             "A sample of tick 100,000, with all fields.",
             &telemetry(),
+        ),
+        section(
+            "levels",
+            "Four levels for a move, behind 1000 that were given before.",
+            &levels(),
+        ),
+        section(
+            "listed",
+            "The move, behind `move`: 0.01 m along x in 100 ticks at the same speed and with the same tool, over 3.5 levels from \
+             the middle of the first on.",
+            &listed(),
         ),
         section("job", "The next 25 moves are the job `thesis`.", &job()),
     ];

@@ -67,6 +67,16 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "the moves of the batch do not start where the last one ends (its checksum is {expected:#010x}): has the board two \
              clients?"
         ),
+        Refusal::NoLevels => {
+            "the board's image plays no power lists: set power_lists in [service] of its scene".into()
+        }
+        Refusal::LevelNumber { expected } => format!(
+            "the levels of power are not those that follow (number {expected} does): has the board two clients?"
+        ),
+        Refusal::LevelsFull => "the board has no room for more levels of power yet".into(),
+        Refusal::LevelRange => {
+            "its levels of power do not cover it, are more than two a tick, or D turns back on the way".into()
+        }
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

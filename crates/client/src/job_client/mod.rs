@@ -1,19 +1,20 @@
 //! Plays a job on a machine: hello, moves as the machine has room for them, start, and an eye on the
 //! job to its end.
 
+mod levels;
 mod phase;
 mod progress;
 mod reply;
 mod schedule;
 mod status;
 mod supply;
+mod work;
 
 use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
 use crate::{JobFailure, JobPlace};
 use phase::{Next, Phase};
 use progress::JobProgress;
-pub use progress::JobWork;
 use schedule::Schedule;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -22,6 +23,7 @@ use trirrr_protocol::message::{
     Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, Status, Telemetry,
     TelemetryFields, Transmit,
 };
+pub use work::JobWork;
 
 /// Next act of the owner of the port.
 #[derive(Clone, Debug, PartialEq)]

@@ -146,10 +146,10 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
-    /// Returns true if a request may follow those in flight: moves and questions for the status may, behind each other.
+    /// Returns true if a request may follow those in flight: moves with their levels and questions for the status may, behind each other.
     pub(super) fn goes_on(&self) -> bool {
         let follows = |request: &Request<N>| {
-            request.command.offered().is_some() || request.command == Command::Status
+            request.command.brings_moves() || request.command == Command::Status
         };
         self.phase == Phase::Streaming
             && self.exchange.has_room()
@@ -159,7 +159,7 @@ impl<N: Transmit> JobClient<N> {
     /// Returns true if moves are in flight.
     pub(super) fn offers(&self) -> bool {
         let mut open = self.exchange.open();
-        open.any(|request| request.command.offered().is_some())
+        open.any(|request| request.command.brings_moves())
     }
 
     /// Returns true if the machine stands, has judged all moves that it has taken, and has moves to

@@ -1,66 +1,13 @@
 //! Count of what a machine has taken and played of a job.
 
-use super::supply::{MoveChecksum, SuppliedMoves};
-use trirrr_core::setpoint::Pose;
+use super::levels::{GivenLevels, NextLevels};
+use super::supply::SuppliedMoves;
+use super::work::JobWork;
+use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    AnyMove, BATCH, Command, JobAccount, JobLabel, Move, MoveBatch, OfferedMoves, PathPiece,
+    AnyMove, BATCH, Command, JobAccount, ListedMove, Move, MoveBatch, OfferedMoves, PathPiece,
     Status, Transmit,
 };
-use trirrr_protocol::wire::checksum;
-
-/// Work of a job.
-#[derive(Clone, Debug)]
-pub enum JobWork<N: Transmit> {
-    /// Moves.
-    Moves(Vec<AnyMove<N>>),
-    /// Moves that the owner of the client supplies as the job goes on.
-    Supplied(SuppliedMoves<N>),
-    /// A path that the machine plans itself.
-    Path {
-        /// Pose at its start.
-        start: Pose<N>,
-        /// Pieces, the last one marked.
-        pieces: Vec<PathPiece<N>>,
-    },
-}
-
-impl<N: Transmit> JobWork<N> {
-    /// Returns the number of items: moves, or pieces.
-    pub fn items(&self) -> u32 {
-        // A machine counts them in 32 bits.
-        match self {
-            Self::Moves(moves) => moves.len() as u32,
-            Self::Supplied(moves) => moves.items(),
-            Self::Path { pieces, .. } => pieces.len() as u32,
-        }
-    }
-
-    /// Returns the label of the job under `name`. Its checksum is over all items.
-    pub fn label(&self, name: &str) -> JobLabel {
-        // Every part has a length that is known beforehand.
-        let add = |sum: u32, part: Option<u32>| checksum(&(sum, part)).unwrap_or_default();
-        let check = match self {
-            Self::Moves(moves) => {
-                let mut check = MoveChecksum::default();
-                moves.iter().for_each(|each| check.add(each));
-                check.value()
-            }
-            Self::Supplied(moves) => moves.check().value(),
-            Self::Path { pieces, .. } => pieces.iter().map(checksum).fold(0, add),
-        };
-        JobLabel {
-            name: trirrr_service::name(name),
-            items: self.items(),
-            check,
-        }
-    }
-}
-
-impl<N: Transmit> From<Vec<AnyMove<N>>> for JobWork<N> {
-    fn from(moves: Vec<AnyMove<N>>) -> Self {
-        Self::Moves(moves)
-    }
-}
 
 /// Numbers by which a machine calls the first move and the first piece of a job.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +32,10 @@ pub(super) struct JobProgress<N: Transmit> {
     room: u16,
     /// Most moves in a batch.
     batch: usize,
+    /// Moves that are over, as far as known.
+    over: u32,
+    /// Levels that were given.
+    given: GivenLevels,
 }
 
 impl<N: Transmit> JobProgress<N> {
@@ -97,6 +48,8 @@ impl<N: Transmit> JobProgress<N> {
             flying: 0,
             room: 0,
             batch: 1,
+            over: 0,
+            given: GivenLevels::default(),
         }
     }
 
@@ -126,24 +79,15 @@ impl<N: Transmit> JobProgress<N> {
     }
 
     fn any(&self, index: u32) -> Option<&AnyMove<N>> {
-        let (moves, first) = self.here()?;
+        let (moves, first) = self.work.here()?;
         moves.get(usize::try_from(index.checked_sub(first)?).ok()?)
-    }
-
-    /// The moves that the client has, and the index of the first; none of a path.
-    fn here(&self) -> Option<(&[AnyMove<N>], u32)> {
-        match &self.work {
-            JobWork::Moves(moves) => Some((moves, 0)),
-            JobWork::Supplied(moves) => Some(moves.here()),
-            JobWork::Path { .. } => None,
-        }
     }
 
     /// Returns the moves of a job that are supplied as it goes on.
     pub(super) fn supplied(&self) -> Option<&SuppliedMoves<N>> {
         match &self.work {
             JobWork::Supplied(moves) => Some(moves),
-            JobWork::Moves(_) | JobWork::Path { .. } => None,
+            JobWork::Moves(_) | JobWork::Listed { .. } | JobWork::Path { .. } => None,
         }
     }
 
@@ -151,7 +95,7 @@ impl<N: Transmit> JobProgress<N> {
     pub(super) fn supplied_mut(&mut self) -> Option<&mut SuppliedMoves<N>> {
         match &mut self.work {
             JobWork::Supplied(moves) => Some(moves),
-            JobWork::Moves(_) | JobWork::Path { .. } => None,
+            JobWork::Moves(_) | JobWork::Listed { .. } | JobWork::Path { .. } => None,
         }
     }
 
@@ -163,9 +107,11 @@ impl<N: Transmit> JobProgress<N> {
     /// Returns the pose at the start of the job.
     pub(super) fn start(&self) -> Option<Pose<N>> {
         match &self.work {
-            JobWork::Moves(moves) => moves.first().map(|each| each.common().from),
             JobWork::Supplied(moves) => Some(moves.start()),
             JobWork::Path { start, .. } => Some(*start),
+            JobWork::Moves(moves) | JobWork::Listed { moves, .. } => {
+                moves.first().map(|each| each.common().from)
+            }
         }
     }
 
@@ -218,6 +164,7 @@ impl<N: Transmit> JobProgress<N> {
             r#move: status.next,
             piece: status.piece,
         });
+        self.over = self.moves_done(status).min(self.items());
         let mut next = status.next;
         for moves in flying {
             // Those before the next are in the status already.
@@ -258,9 +205,35 @@ impl<N: Transmit> JobProgress<N> {
         let number = base.r#move.wrapping_add(self.offered);
         match &self.work {
             JobWork::Moves(_) | JobWork::Supplied(_) => {
-                let (moves, first) = self.here()?;
+                let (moves, first) = self.work.here()?;
                 let index = usize::try_from(self.offered.checked_sub(first)?).ok()?;
                 self.next_moves(moves, index, number, moves.len())
+            }
+            JobWork::Listed { moves, levels } => {
+                let index = usize::try_from(self.offered).ok()?;
+                // The next move with levels: a batch ends before it.
+                let behind = levels.ranges.partition_point(|(of, _)| *of < self.offered);
+                match levels.ranges.get(behind) {
+                    Some((of, range)) if *of == self.offered => {
+                        let span = self.over..self.offered;
+                        match self.given.next(levels, range, span)? {
+                            NextLevels::Piece(piece) => Some(Command::Levels(piece)),
+                            NextLevels::Given(range) => {
+                                let next = moves.get(index)?;
+                                let start = match index.checked_sub(1) {
+                                    Some(before) => moves.get(before)?.end(),
+                                    None => at_rest(next.common().from),
+                                };
+                                let listed = ListedMove::new(number, &start, next, range);
+                                Some(Command::Listed(listed))
+                            }
+                        }
+                    }
+                    next => {
+                        let end = next.map_or(moves.len(), |(of, _)| *of as usize);
+                        self.next_moves(moves, index, number, end)
+                    }
+                }
             }
             JobWork::Path { pieces, .. } => Some(Command::Path(PathPiece {
                 number: base.piece.wrapping_add(self.offered),
@@ -291,6 +264,24 @@ impl<N: Transmit> JobProgress<N> {
         })
     }
 
+    /// Sets the levels for which the machine has room.
+    pub(super) fn set_level_room(&mut self, room: u16) {
+        self.given.set_room(room);
+    }
+
+    /// The machine has taken levels.
+    pub(super) fn confirm_levels(&mut self) {
+        self.given.confirm();
+    }
+
+    /// Gives levels from that on which the machine calls `number`; where it calls none of the job so, those of the next move by the numbers
+    /// from there on.
+    pub(super) fn go_back_to_level(&mut self, number: u32) {
+        if let Some(levels) = self.work.levels() {
+            self.given.go_back(number, levels.first_from(self.taken));
+        }
+    }
+
     /// Offers nothing before the next status.
     pub(super) fn is_full(&mut self) {
         self.room = 0;
@@ -303,7 +294,10 @@ impl<N: Transmit> JobProgress<N> {
                 self.offered = self.offered.wrapping_add(moves.count);
                 self.room = self.room.saturating_sub(moves.count as u16);
             }
-            None => self.offered = self.offered.wrapping_add(1),
+            None => match command {
+                Command::Levels(piece) => self.given.count(piece),
+                _ => self.offered = self.offered.wrapping_add(1),
+            },
         }
     }
 
@@ -320,6 +314,13 @@ impl<N: Transmit> JobProgress<N> {
 
     /// Returns true if nothing can be offered before the next status.
     pub(super) fn waits(&self) -> bool {
-        self.room == 0 || self.offered == self.items()
+        self.room == 0
+            || self.offered == self.items()
+            || (self.work.levels().is_some() && self.next_offer().is_none())
     }
+}
+
+/// The setpoint of a machine that stands at `pose`.
+fn at_rest<N: Transmit>(pose: Pose<N>) -> Setpoint<N> {
+    AnyMove::Cubic(Move::rest_to_rest(0, pose, pose, 1)).end()
 }

@@ -11,6 +11,7 @@ impl<N: Transmit> JobClient<N> {
         self.last_taken = None;
         self.schedule.adapt_to(&identity);
         self.progress.set_batch(identity.batch);
+        self.progress.set_level_room(identity.levels);
         self.identity = Some(identity);
         self.phase = match self.status {
             None => Phase::Meeting,
@@ -46,7 +47,17 @@ impl<N: Transmit> JobClient<N> {
                 self.phase = Phase::Underway;
                 self.schedule.look_at(now);
             }
-            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Path(_) => {
+            Command::Levels(_) => {
+                self.progress.confirm_levels();
+                if self.progress.waits() && !self.offers() {
+                    self.schedule.look_at(now);
+                }
+            }
+            Command::Move(_)
+            | Command::Quintic(_)
+            | Command::Moves(_)
+            | Command::Listed(_)
+            | Command::Path(_) => {
                 self.progress.count_taken(command);
                 if let Some(status) = &mut self.status {
                     match command.offered() {
@@ -121,6 +132,18 @@ impl<N: Transmit> JobClient<N> {
             (_, Refusal::QueueFull) => {
                 self.progress.is_full();
                 self.schedule.wait(now);
+            }
+            // No room yet: what is behind the piece was not taken either.
+            (Command::Levels(piece), Refusal::LevelsFull) => {
+                self.progress.go_back_to_level(piece.first);
+                self.progress.is_full();
+                self.schedule.wait(now);
+            }
+            // The machine counts its levels in another way, or has not taken some: it says where to go on.
+            (Command::Levels(_) | Command::Listed(_), Refusal::LevelNumber { expected }) => {
+                self.progress.go_back_to_level(expected);
+                self.progress.is_full();
+                self.schedule.look_at(now);
             }
             // The machine has not taken one before: the status says from where to go on.
             (_, Refusal::MoveNumber { .. }) if command.offered().is_some() => {

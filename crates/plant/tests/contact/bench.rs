@@ -14,9 +14,9 @@ use trirrr_protocol::message::{
     Command, DriveReading, DriveState, Fault, Move, QuinticMove, Reply, State,
 };
 use trirrr_service::{
-    Adjustable, Channels, ContactCoefficients, ContactModel, ContactObserver, ContactParameters,
-    FeedbackCoefficients, FeedbackParameters, Output, Power, Service, Settings, StopCategory,
-    WithContact, WithFeedback,
+    Adjustable, Channels, CommandOf, ContactCoefficients, ContactModel, ContactObserver,
+    ContactParameters, FeedbackCoefficients, FeedbackParameters, Output, Power, Service, Settings,
+    StopCategory, WithContact, WithFeedback,
 };
 
 type Links = Dynamic<f32, Centred<f32>, Massive<f32, Horizontal>>;
@@ -210,7 +210,7 @@ impl Bench {
         panic!("{:?}", bench.service.status());
     }
 
-    fn done(&mut self, command: Command<f32>) {
+    fn done(&mut self, command: CommandOf<Scene>) {
         assert_eq!(self.service.submit(&command), Reply::Done, "{command:?}");
     }
 

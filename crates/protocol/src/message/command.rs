@@ -2,7 +2,10 @@
 
 use super::report::NAME_CAPACITY;
 use super::scene::{Section, SectionName};
-use super::{Move, MoveBatch, PathPiece, QuinticMove, TelemetryFields, Transmit, Unread};
+use super::{
+    LevelPiece, ListedMove, Move, MoveBatch, PathPiece, QuinticMove, TelemetryFields, Transmit,
+    Unread,
+};
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -13,11 +16,11 @@ use trirrr_core::setpoint::Pose;
 /// [`Unread`](super::Unread) by a machine that takes none. `C` is the same for quintic moves and for batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema"
 )]
 pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
@@ -33,11 +36,11 @@ pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema"
 )]
 pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
@@ -97,6 +100,10 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Moves(C::Batch),
     /// Names the job whose moves come next; only in idle with nothing queued. Every [status](super::Status) has it from then on.
     Job(JobLabel),
+    /// Gives levels of the tool's power, for moves to come.
+    Levels(C::Levels),
+    /// Offers a move whose levels were given, as [`Command::Moves`] does one without.
+    Listed(C::Listed),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -158,21 +165,28 @@ pub trait MoveContents {
     type Piece: Clone + Copy + core::fmt::Debug + PartialEq;
     /// A [`MoveBatch`].
     type Batch: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`LevelPiece`].
+    type Levels: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// A [`ListedMove`].
+    type Listed: Clone + Copy + core::fmt::Debug + PartialEq;
 }
 
 /// All of it is read.
-pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>);
+pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>, ListedMove<N>);
 
-/// As which a quintic move is read, and a batch.
-impl<Q, B> MoveContents for (Q, B)
+/// As which a quintic move is read, a batch, and a move with levels.
+impl<Q, B, L> MoveContents for (Q, B, L)
 where
     Q: QuinticContent + Clone + Copy + core::fmt::Debug + PartialEq,
     B: Clone + Copy + core::fmt::Debug + PartialEq,
+    L: ListedContent + Clone + Copy + core::fmt::Debug + PartialEq,
 {
     type Quintic = Q;
     type Goal = Q::Goal;
     type Piece = Q::Piece;
     type Batch = B;
+    type Levels = L::Levels;
+    type Listed = L;
 }
 
 /// Type as which a quintic move is read, with those as which a [`Goal`] and a [`PathPiece`] are.
@@ -191,6 +205,20 @@ impl<N: Number> QuinticContent for QuinticMove<N> {
 impl<N: Number> QuinticContent for Unread<QuinticMove<N>> {
     type Goal = Unread<Goal<N>>;
     type Piece = Unread<PathPiece<N>>;
+}
+
+/// Type as which a move with levels is read, with that as which a [`LevelPiece`] is.
+pub trait ListedContent {
+    /// A [`LevelPiece`], read or not.
+    type Levels: Clone + Copy + core::fmt::Debug + PartialEq;
+}
+
+impl<N: Number> ListedContent for ListedMove<N> {
+    type Levels = LevelPiece;
+}
+
+impl<N: Number> ListedContent for Unread<ListedMove<N>> {
+    type Levels = Unread<LevelPiece>;
 }
 
 /// Moves that a command offers, as they are counted.
@@ -227,6 +255,11 @@ impl<N: Number, S, C: MoveContents> Command<N, S, C> {
 }
 
 impl<N: Number, S> Command<N, S> {
+    /// Returns true for moves, and for levels of moves: several such requests may be in flight, and no order of the tick is among them.
+    pub fn brings_moves(&self) -> bool {
+        matches!(self, Self::Levels(_)) || self.offered().is_some()
+    }
+
     /// The moves that the command offers.
     pub fn offered(&self) -> Option<OfferedMoves> {
         match self {
@@ -239,6 +272,11 @@ impl<N: Number, S> Command<N, S> {
                 number: batch.number,
                 count: batch.steps().count() as u32,
                 ticks: batch.steps().last().map_or(0, |step| step.ticks),
+            }),
+            Self::Listed(listed) => Some(OfferedMoves {
+                number: listed.number,
+                count: 1,
+                ticks: listed.step.ticks,
             }),
             _ => None,
         }

@@ -16,6 +16,7 @@
 mod board;
 mod command;
 mod drive;
+mod levels;
 mod moves;
 mod part;
 mod path;
@@ -30,10 +31,11 @@ mod violation;
 
 pub use board::{AngleReference, Board, Clock, Registers, Start};
 pub use command::{
-    AllMoves, Command, Goal, Hello, JobLabel, MoveContents, OfferedMoves, QuinticContent, Recovery,
-    Request,
+    AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
+    QuinticContent, Recovery, Request,
 };
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
+pub use levels::{FULL_LEVEL, LEVEL_PARTS, LEVELS, LISTED, LevelPiece, LevelRange, ListedMove};
 pub use moves::{AnyMove, BATCH, Move, MoveBatch, MoveStep, QuinticMove, ToolSetting};
 pub use part::{Content, Unread, Written};
 pub use path::{PathCurve, PathPiece};

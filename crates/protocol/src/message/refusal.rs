@@ -111,4 +111,15 @@ pub enum Refusal<N: Number> {
         /// Checksum of the setpoint at which the last move ends.
         expected: u32,
     },
+    /// The image holds no code for power lists.
+    NoLevels,
+    /// The levels do not follow those before, or those of the move were not given.
+    LevelNumber {
+        /// Number of the level behind the last one given.
+        expected: u32,
+    },
+    /// No room for so many levels.
+    LevelsFull,
+    /// The levels do not cover the move, are too many for its ticks, or D turns back on its way along the chord.
+    LevelRange,
 }

@@ -125,6 +125,8 @@ pub struct Identity {
     pub reference: AngleReference,
     /// Board that carries the machine.
     pub board: Board,
+    /// Levels of power for which it has room; 0 where it plays no power lists.
+    pub levels: u16,
 }
 
 /// Status of the machine and its job.

@@ -3,6 +3,7 @@
 mod contact;
 mod control;
 mod enable;
+mod levels;
 mod moves;
 mod offers;
 
@@ -17,6 +18,7 @@ mod window;
 pub(super) use super::contact::BackgroundContact;
 use super::feedback::BackgroundFeedback;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
+use super::levels::BackgroundLevels;
 use super::offered::PlayedCurves;
 use super::pace::{Room, RoomCount};
 use super::planner::PathPlanner;
@@ -58,6 +60,7 @@ pub struct Background<'q, S: Scene> {
     splices: BackgroundSplices<'q, S>,
     feedback: BackgroundFeedback<'q, S>,
     contact: BackgroundContact<'q, S>,
+    levels: BackgroundLevels<'q, S>,
     reports: Receiver<'q, ReportOf<S>>,
     faults: Receiver<'q, Fault<S::N>>,
     samples: Receiver<'q, Telemetry<S::N>>,
@@ -122,6 +125,7 @@ pub(super) struct BackgroundEnds<'q, S: Scene> {
     pub(super) splices: BackgroundSplices<'q, S>,
     pub(super) feedback: BackgroundFeedback<'q, S>,
     pub(super) contact: BackgroundContact<'q, S>,
+    pub(super) levels: BackgroundLevels<'q, S>,
     pub(super) reports: Receiver<'q, ReportOf<S>>,
     pub(super) faults: Receiver<'q, Fault<S::N>>,
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
@@ -155,6 +159,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             splices: ends.splices,
             feedback: ends.feedback,
             contact: ends.contact,
+            levels: ends.levels,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -332,6 +337,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     fn start_over(&mut self, report: &ReportOf<S>) {
         self.generation = report.generation;
         self.offered.clear();
+        self.drop_levels();
         self.checking = false;
         self.aim = Aiming::<N>::NONE;
         self.planner.drop_path();

@@ -31,7 +31,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         room.min(usize::from(u16::MAX)) as u16
     }
 
-    fn longest(&self) -> u32 {
+    pub(super) fn longest(&self) -> u32 {
         longest_move(self.moves.capacity())
     }
 
@@ -207,6 +207,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.planner.keep();
         let planned = self.queued(&offered, self.judgement.paces());
         let QueuedMove { ticks, number, .. } = planned;
+        self.admit_levels(number);
         if !self.moves.send(planned) {
             return;
         }
@@ -268,6 +269,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return;
         };
         self.checking = false;
+        self.drop_levels();
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
         let Move {

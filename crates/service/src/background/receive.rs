@@ -115,7 +115,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let queue = u16::try_from(self.moves.capacity()).unwrap_or(u16::MAX);
         let batch = if S::Batch::IS_READ { BATCH } else { 1 };
         let next = self.window.next();
-        Reply::Hello(self.settings.identity(queue, batch as u8, next))
+        let capacity = (queue, batch as u8, self.scene.levels());
+        Reply::Hello(self.settings.identity(capacity, next))
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
@@ -143,12 +144,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         match command {
             Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
             Command::Replace(section) => self.change(section),
-            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Retarget(_)
+            Command::Move(_)
+            | Command::Quintic(_)
+            | Command::Moves(_)
+            | Command::Listed(_)
+            | Command::Retarget(_)
                 if self.is_retargeting() =>
             {
                 Err(Refusal::Retargeting)
             }
-            Command::Move(_) | Command::Quintic(_) | Command::Moves(_) | Command::Retarget(_)
+            Command::Move(_)
+            | Command::Quintic(_)
+            | Command::Moves(_)
+            | Command::Listed(_)
+            | Command::Retarget(_)
                 if self.planner.is_active() =>
             {
                 Err(Refusal::PathUnderWay)
@@ -156,6 +165,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Move(offered) => self.offer(offered, S::Curves::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
             Command::Moves(batch) => self.offer_batch(batch.content()),
+            Command::Levels(piece) => self.give_levels(piece.content()),
+            Command::Listed(listed) => self.offer_listed(listed.content()),
             Command::Start => self.start(),
             Command::Hold => self.hold(),
             Command::Resume => self.resume(),

@@ -358,6 +358,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return;
         };
         self.offered.cut_behind(at.number);
+        self.drop_levels();
         self.checking = false;
         for index in 0..moves {
             let Some(offered) = self.planned_offer(index, first) else {

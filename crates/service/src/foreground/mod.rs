@@ -16,6 +16,7 @@ use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
 use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::homing::Homing;
+use super::levels::TickLevels;
 use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
 use super::retreat::{RetreatKind, TrailOf};
@@ -49,6 +50,7 @@ pub struct Foreground<'q, S: Scene> {
     splices: TickSplices<'q, S>,
     pub(super) feedback: TickFeedback<'q, S>,
     contact: TickContact<'q, S>,
+    levels: TickLevels<'q, S>,
     reports: Sender<'q, ReportOf<S>>,
     faults: Sender<'q, Fault<S::N>>,
     samples: Sender<'q, Telemetry<S::N>>,
@@ -124,6 +126,7 @@ pub(super) struct ForegroundEnds<'q, S: Scene> {
     pub(super) splices: TickSplices<'q, S>,
     pub(super) feedback: TickFeedback<'q, S>,
     pub(super) contact: TickContact<'q, S>,
+    pub(super) levels: TickLevels<'q, S>,
     pub(super) reports: Sender<'q, ReportOf<S>>,
     pub(super) faults: Sender<'q, Fault<S::N>>,
     pub(super) samples: Sender<'q, Telemetry<S::N>>,
@@ -158,6 +161,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             splices: ends.splices,
             feedback: ends.feedback,
             contact: ends.contact,
+            levels: ends.levels,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -229,6 +233,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.listen();
         self.watch();
         self.take_splice();
+        if let Some(levels) = self.levels.get_mut() {
+            levels.drop_stale(self.generation);
+        }
         let started = self.take_order();
         let target = self.advance(started);
         let setpoint = match target {
@@ -461,6 +468,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         if let Some(splices) = self.splices.get_mut() {
             splices.drop_queue();
         }
+        self.end_levels();
         self.forget_trail();
         self.feed.end();
         self.held = false;

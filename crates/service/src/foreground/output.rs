@@ -52,15 +52,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Power of the tool: in proportion to its speed along the path, or constant, and nothing unless the job
     /// runs.
     #[inline]
-    pub(super) fn tool(&self, setpoint: &Setpoint<N>) -> N {
+    pub(super) fn tool(&mut self, setpoint: &Setpoint<N>) -> N {
         if !self.state.is_running() {
             return N::ZERO;
         }
-        match &self.current {
+        let power = match &self.current {
             Some(QueuedMove {
                 tool: Some(tool), ..
             }) => tool.power(setpoint),
-            _ => N::ZERO,
+            _ => return N::ZERO,
+        };
+        match self.levels.get_mut() {
+            Some(levels) => levels.part_of(power, setpoint),
+            None => power,
+        }
+    }
+
+    /// No move is under way any more: its levels go.
+    #[inline]
+    pub(super) fn end_levels(&mut self) {
+        if let Some(levels) = self.levels.get_mut() {
+            levels.end();
         }
     }
 

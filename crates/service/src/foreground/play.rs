@@ -8,6 +8,7 @@ use super::super::pace::{FULL, MovePaces, Pace};
 use super::super::scene::Scene;
 use super::{Foreground, Part, Path, Target};
 use crate::number::ServiceNumber;
+use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
@@ -92,6 +93,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     return;
                 }
                 self.current = None;
+                self.end_levels();
                 self.path = Path::None;
                 self.position = PathPosition::START;
                 self.feed.end();
@@ -311,7 +313,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let Some(current) = &self.current else {
             return false;
         };
-        self.begun = current.number.wrapping_add(1);
+        let number = current.number;
+        if let Some(levels) = self.levels.get_mut() {
+            levels.begin(number, self.generation);
+        }
+        self.begun = number.wrapping_add(1);
         self.path = Path::Move;
         self.begin_part(0);
         true

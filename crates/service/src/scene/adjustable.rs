@@ -57,6 +57,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Curves = K;
     type Planner = P;
     type Part = Section;
+    type Levels = ();
     type Homing = NoHoming;
     type Feedback = ();
     type Contact = ();
@@ -76,6 +77,11 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
             &si.parameters(&self.parameters),
             &si.limits(&self.limits),
         )
+    }
+
+    #[inline(always)]
+    fn levels(&self) -> u16 {
+        0
     }
 
     fn homing(&self) -> NoHoming {

@@ -76,6 +76,7 @@ where
     type Curves = K;
     type Planner = P;
     type Part = Written<'a>;
+    type Levels = ();
     type Homing = NoHoming;
     type Feedback = ();
     type Contact = ();
@@ -93,6 +94,11 @@ where
             SectionName::Platform => self.parts.platform,
             SectionName::Limits => self.parts.limits,
         }))
+    }
+
+    #[inline(always)]
+    fn levels(&self) -> u16 {
+        0
     }
 
     #[inline(always)]

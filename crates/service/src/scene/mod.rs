@@ -2,12 +2,12 @@
 //!
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
-//! [`WithHoming`] adds homing to either, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that. The choice
+//! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// homing, feedback, contacts and retreats.
-macro_rules! inner_scene {
+/// power lists, homing, feedback, contacts and retreats.
+macro_rules! inner_machine {
     () => {
         type N = N;
         type Model = S::Model;
@@ -60,12 +60,27 @@ macro_rules! inner_scene {
         }
     };
 }
+use inner_machine;
+
+/// Items as those of `inner_machine`, and the power lists.
+macro_rules! inner_scene {
+    () => {
+        $crate::scene::inner_machine!();
+        type Levels = S::Levels;
+
+        #[inline(always)]
+        fn levels(&self) -> u16 {
+            self.scene.levels()
+        }
+    };
+}
 use inner_scene;
 
 mod adjustable;
 mod compiled;
 mod contact;
 mod homed;
+mod levels;
 mod measured;
 mod slot;
 
@@ -73,6 +88,7 @@ pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
 pub use contact::WithContact;
 pub use homed::WithHoming;
+pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
 
@@ -80,6 +96,7 @@ use crate::coefficients::Coefficients;
 use crate::contact::{ContactChannels, ContactCoefficients};
 use crate::feedback::{Feedback, FeedbackCoefficients};
 use crate::homing::{Homing, Plan};
+use crate::levels::LevelKind;
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
@@ -129,6 +146,9 @@ pub trait Scene {
     /// Kinds of moves that the machine plays.
     type Curves: PlayedCurves;
 
+    /// Power lists; `()` without any.
+    type Levels: LevelKind<Self::N>;
+
     /// Planner of paths; `()` without any.
     type Planner: PathPlanner<Self::N>;
 
@@ -158,6 +178,9 @@ pub trait Scene {
 
     /// Returns the part `name` in SI units; the machine is in `units`. `None` if there is no such leg.
     fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
+
+    /// Returns the levels of power for which there is room; 0 of a machine that plays no power lists.
+    fn levels(&self) -> u16;
 
     /// Returns the homing, not begun.
     fn homing(&self) -> Self::Homing;

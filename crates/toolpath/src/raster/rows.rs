@@ -24,6 +24,8 @@ pub struct RasterSetup {
     pub overscan_m: f64,
     /// Every row goes along x. Otherwise every other one goes back.
     pub one_way: bool,
+    /// Most levels of a [list](RasterPath::lists). None: each run of equal power is an element of its own.
+    pub list: Option<usize>,
 }
 
 /// Tool path of a raster image.
@@ -31,6 +33,8 @@ pub struct RasterSetup {
 pub struct RasterPath {
     /// The elements. Their lines count the runs.
     pub elements: Vec<Element>,
+    /// Levels of the pixels along an element, parts of 255 of its power, with the line of the element; in order.
+    pub lists: Vec<(u32, Vec<u8>)>,
     /// Number of the first element of each row that is burnt, and the row, from 1.
     rows: Vec<(u32, usize)>,
 }
@@ -57,6 +61,7 @@ impl Raster {
             setup,
             path: RasterPath {
                 elements: Vec::new(),
+                lists: Vec::new(),
                 rows: Vec::new(),
             },
             line: 0,
@@ -115,6 +120,27 @@ fn runs(row: &[u8]) -> Vec<Stretch> {
     runs
 }
 
+/// Pixels that become lists.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct OpenList {
+    /// Columns as those of a [`Stretch`].
+    ends: [usize; 2],
+    levels: Vec<u8>,
+}
+
+impl OpenList {
+    /// Adds a run that begins where the pixels end; `full` is the level of the full power.
+    fn add(&mut self, run: &Stretch, full: f64) {
+        if self.levels.is_empty() {
+            self.ends[0] = run.ends[0];
+        }
+        self.ends[1] = run.ends[1];
+        let level = (255.0 * f64::from(run.level) / full).round() as u8;
+        let pixels = run.ends[0].abs_diff(run.ends[1]);
+        self.levels.extend(std::iter::repeat_n(level, pixels));
+    }
+}
+
 struct RowWalk<'s> {
     setup: &'s RasterSetup,
     path: RasterPath,
@@ -138,6 +164,7 @@ impl RowWalk<'_> {
         let feed = Some(setup.feed_m_s);
         self.to([along(first.ends[0]) - overscan, y], None, None);
         self.to([along(first.ends[0]), y], None, feed);
+        let mut open = OpenList::default();
         for run in runs {
             let [from, to] = run.ends.map(along);
             let power = setup.work.power * f64::from(run.level) / full;
@@ -145,12 +172,19 @@ impl RowWalk<'_> {
                 power,
                 ..setup.work
             });
-            if work.is_none() && (to - from).abs() > GAP_M + 2.0 * setup.overscan_m {
+            let is_gap = work.is_none() && (to - from).abs() > GAP_M + 2.0 * setup.overscan_m;
+            if setup.list.is_some() && !is_gap {
+                open.add(run, full);
+                continue;
+            }
+            self.list(&mut open, y);
+            if is_gap {
                 self.to([from + overscan, y], None, feed);
                 self.to([to - overscan, y], None, None);
             }
             self.to([to, y], work, feed);
         }
+        self.list(&mut open, y);
         self.to([along(last.ends[1]) + overscan, y], None, feed);
         if let Some(Element {
             act: Act::Motion(motion),
@@ -158,6 +192,25 @@ impl RowWalk<'_> {
         }) = self.path.elements.last_mut()
         {
             motion.stops = true;
+        }
+    }
+
+    /// Adds the pixels so far, divided evenly where they are too many for one element.
+    fn list(&mut self, open: &mut OpenList, y: f64) {
+        let setup = self.setup;
+        let OpenList { ends, levels } = std::mem::take(open);
+        let most = setup.list.unwrap_or(usize::MAX).max(1);
+        let parts = levels.len().div_ceil(most).max(1);
+        let most = levels.len().div_ceil(parts).max(1);
+        let mut column = ends[0];
+        for part in levels.chunks(most) {
+            column = match ends[0] < ends[1] {
+                true => column + part.len(),
+                false => column - part.len(),
+            };
+            let to = [column as f64 * setup.pitch_m, y];
+            self.to(to, Some(setup.work), Some(setup.feed_m_s));
+            self.path.lists.push((self.line, part.to_vec()));
         }
     }
 

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::{Limits, Platform, Section};
 use trirrr_protocol::message::{
-    Command, DriveFault, FaultCode, Move, Recovery, Refusal, Reply, Request, State, WINDOW,
+    AnyMove, Command, DriveFault, FaultCode, LEVEL_PARTS, LevelPiece, LevelRange, ListedMove, Move,
+    Recovery, Refusal, Reply, Request, State, WINDOW,
 };
 
 /// Silence after which the machine stops, ticks.
@@ -28,6 +29,7 @@ pub fn play(data: &[u8]) -> Reached {
         watched: Watched::new(Device::enabled(&mut channels, watch::limits(), SILENCE)),
         changed: false,
         sequence: 0,
+        level: 0,
         last: None,
         kept: HashMap::new(),
     };
@@ -45,6 +47,8 @@ struct Session<'q> {
     /// The scene is not the first any more.
     changed: bool,
     sequence: u32,
+    /// Number of the next level.
+    level: u32,
     /// The last request that counted, with its answer.
     last: Option<(Request<f64>, Reply<f64>)>,
     /// Requests that wait for one before them.
@@ -67,7 +71,10 @@ impl Session<'_> {
             }
             4 => {
                 let chained = self.chained_move(bytes)?;
-                self.ask(Command::Move(chained));
+                match bytes.byte()? {
+                    list if list & 1 == 1 => self.listed(chained, list),
+                    _ => self.ask(Command::Move(chained)),
+                }
             }
             5 => self.ask(Command::Start),
             6 => self.ask(Command::Hold),
@@ -110,6 +117,28 @@ impl Session<'_> {
             _ => self.raw(bytes)?,
         }
         Some(())
+    }
+
+    /// A move with levels, of which the machine may have been given others before.
+    fn listed(&mut self, each: Move<f64>, list: u8) {
+        const COUNT: u16 = 64;
+        let levels = [list; COUNT as usize];
+        self.ask(Command::Levels(LevelPiece::new(self.level, &levels)));
+        match &self.last {
+            Some((_, Reply::Done)) => self.level = self.level.wrapping_add(COUNT.into()),
+            Some((_, Reply::Refused(Refusal::LevelNumber { expected }))) => self.level = *expected,
+            _ => {}
+        }
+        let range = LevelRange {
+            first: self.level.wrapping_sub(COUNT.into()),
+            count: COUNT,
+            offset: u16::from(list) << 8,
+            span: (u32::from(COUNT) - 1) * LEVEL_PARTS,
+        };
+        let stands = AnyMove::Cubic(each).end();
+        let start = self.watched.device.service.status().end.unwrap_or(stands);
+        let listed = ListedMove::new(each.number, &start, &AnyMove::Cubic(each), range);
+        self.ask(Command::Listed(listed));
     }
 
     /// A command with the next sequence number.

@@ -1,10 +1,11 @@
 //! All states of the service that a model of its commands reaches: every command is survivable, and from each state a way leads out.
 //!
 //! The search is breadth first. Each state is reached anew by the shortest list of acts that leads to it, on a service of its own, and every act is
-//! tried from there. States that a host and the outputs cannot tell apart are one. Three machines are explored: one without anything more, one that has
-//! to be homed, and one whose drives tell where they are and feel contacts.
+//! tried from there. States that a host and the outputs cannot tell apart are one. Four machines are explored: one without anything more, one that has
+//! to be homed, one that plays power lists, and one whose drives tell where they are and feel contacts.
 
 mod homed;
+mod listed;
 mod measured;
 mod plain;
 
@@ -14,7 +15,9 @@ use std::collections::{BTreeSet, VecDeque};
 use std::format;
 use std::string::String;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{DriveFault, FaultCode, Goal, Recovery};
+use trirrr_protocol::message::{
+    AnyMove, DriveFault, FaultCode, Goal, LEVEL_PARTS, LevelPiece, LevelRange, ListedMove, Recovery,
+};
 
 /// Ticks that an accepted command is watched for.
 const WATCHED: u32 = 40;
@@ -50,6 +53,10 @@ enum Ask {
     Offer,
     OfferMoving,
     Retarget,
+    /// Levels, behind those given.
+    Levels,
+    /// A move with the last levels given.
+    Listed,
     Feed(u8),
     /// Limits of the torque, N m; none.
     Torque(Option<f64>),
@@ -152,6 +159,26 @@ trait Explored: Sized {
                 cut: true,
                 least_ticks: 0,
             }),
+            Ask::Levels => Command::Levels(LevelPiece::new(self.next_level(), &[90; 60])),
+            Ask::Listed => {
+                let range = LevelRange {
+                    first: self.next_level().wrapping_sub(60),
+                    count: 60,
+                    offset: 0,
+                    span: 60 * LEVEL_PARTS,
+                };
+                let Command::Move(each) = offer([0.0; 3]) else {
+                    unreachable!("an offer is a move");
+                };
+                let start = AnyMove::Cubic(each).end();
+                let start = status.end.unwrap_or(start);
+                Command::Listed(ListedMove::new(
+                    status.next,
+                    &start,
+                    &AnyMove::Cubic(each),
+                    range,
+                ))
+            }
             Ask::Feed(percent) => Command::FeedOverride { percent },
             Ask::Torque(limit) => {
                 let limits = LimitParameters {
@@ -164,6 +191,15 @@ trait Explored: Sized {
                 let limits = LimitParameters::default();
                 replace(SectionName::Platform, &under(y), &limits)
             }
+        }
+    }
+
+    /// Number of the next level; 0 of a machine that takes none.
+    fn next_level(&mut self) -> u32 {
+        let far = LevelPiece::new(u32::MAX / 2, &[0]);
+        match self.bench().ask(Command::Levels(far)) {
+            Reply::Refused(Refusal::LevelNumber { expected }) => expected,
+            _ => 0,
         }
     }
 
