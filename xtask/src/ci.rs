@@ -236,7 +236,9 @@ fn programs() -> Result<[Step; 6]> {
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
-    let parts = ["--part", "jobs", "--part", "line", "--part", "failures"];
+    let parts = [
+        "--part", "jobs", "--part", "line", "--part", "raster", "--part", "failures",
+    ];
     let board = [["emulate"].as_slice(), &EMULATED, &parts].concat();
     Ok([
         Step::new("the host programs", Programs::builder()),

@@ -270,6 +270,8 @@ fn steps() -> Result<Vec<Step>> {
     steps.push(archives);
     let line = ["emulate", "--part", "line", "--frames", "200000"];
     steps.push(Step::chore("a bad line for long", &line)?);
+    let raster = ["emulate", "--part", "raster", "--seconds", "600"];
+    steps.push(Step::chore("a raster image of ten minutes", &raster)?);
     steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
     Ok(steps)
 }

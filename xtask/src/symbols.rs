@@ -91,6 +91,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.homing.is_some(),
     },
     Mark {
+        what: "power lists",
+        names: &["10WithLevels", "10MoveLevels"],
+        used: |scene| scene.service.power_lists > 0,
+    },
+    Mark {
         what: "feedback",
         names: &["12WithFeedback"],
         used: |scene| scene.feedback.is_some(),
@@ -223,6 +228,7 @@ mod tests {
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
+            ("_RNv6levels4list10MoveLevels", "power lists"),
             (
                 "_RNv8switches13RuledSwitches6closed",
                 "switches that close by rule",

@@ -6,6 +6,8 @@ use crate::scene::CONTACT;
 use crate::scene::FEEDBACK;
 #[cfg(homing)]
 use crate::scene::HOMING;
+#[cfg(levels)]
+use crate::scene::LEVELS;
 use crate::scene::{
     BATCHES, COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar,
     TICK_RATE_HZ,
@@ -17,6 +19,8 @@ use trirrr_service::WithContact;
 use trirrr_service::WithFeedback;
 #[cfg(homing)]
 use trirrr_service::WithHoming;
+#[cfg(levels)]
+use trirrr_service::WithLevels;
 use trirrr_service::{Compiled, Scene, Settings};
 
 #[cfg(contact_refused)]
@@ -25,18 +29,28 @@ compile_error!(
 );
 
 /// Places for moves; one stays empty. At one tick a move, and 1 kHz, the machine has a quarter of a second to live on.
+#[cfg(not(levels))]
 const MOVES: usize = 257;
+/// Power lists take the room of some.
+#[cfg(levels)]
+const MOVES: usize = 225;
 
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
 type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
 
-/// Scene with its homing, if it has any.
+/// Scene with its power lists, if it plays any.
+#[cfg(not(levels))]
+type LevelScene = CompiledScene;
+#[cfg(levels)]
+type LevelScene = WithLevels<CompiledScene, { LEVELS as usize }>;
+
+/// The same with its homing, if it has any.
 #[cfg(not(homing))]
-type HomedScene = CompiledScene;
+type HomedScene = LevelScene;
 #[cfg(homing)]
-type HomedScene = WithHoming<'static, CompiledScene>;
+type HomedScene = WithHoming<'static, LevelScene>;
 
 /// The same with its feedback, if its drives tell where they are.
 #[cfg(not(feedback))]
@@ -92,6 +106,11 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
         coefficients: &COEFFICIENTS,
         parts: PARTS,
         types: core::marker::PhantomData,
+    };
+    #[cfg(levels)]
+    let scene = WithLevels {
+        scene,
+        room: LEVELS,
     };
     #[cfg(homing)]
     let scene = WithHoming {

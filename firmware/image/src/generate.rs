@@ -42,7 +42,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
-/// Sets the kind of the scene's drives as `cfg(drive = "...")`, `cfg(homing)` for a scene with homing, and `cfg(contact)` for one
+/// Sets the kind of the scene's drives as `cfg(drive = "...")`, `cfg(homing)` for a scene with homing, `cfg(levels)` for one with power lists, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -112,6 +112,10 @@ fn print_kinds(scene: &Scene) {
     if scene.power.has_brake {
         println!("cargo:rustc-cfg=brake");
         println!("cargo:brake=yes");
+    }
+    println!("cargo:rustc-check-cfg=cfg(levels)");
+    if scene.service.power_lists > 0 {
+        println!("cargo:rustc-cfg=levels");
     }
     println!("cargo:rustc-check-cfg=cfg(feedback)");
     if scene.feedback.is_some() {

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, JobClient, JobFailure, Patience, UserCommand};
-use trirrr_protocol::message::{AnyMove, Message, Reply, Telemetry};
+use trirrr_client::{Action, JobClient, JobFailure, JobWork, Patience, UserCommand};
+use trirrr_protocol::message::{Message, Reply, Telemetry, TelemetryFields};
 use trirrr_service::ServiceNumber;
 
 /// Longest look at the line while there is something else to do.
@@ -18,7 +18,7 @@ const LOOK: Duration = Duration::from_millis(2);
 /// How long the samples behind the end of a job may take.
 const LAST_SAMPLES: Duration = Duration::from_secs(5);
 
-/// A job that takes longer does not end.
+/// A job that takes so much longer than three times its duration does not end.
 const LONGEST: Duration = Duration::from_secs(300);
 
 /// Of so many ticks, in one the user holds the job or resumes it.
@@ -66,6 +66,8 @@ pub(crate) struct Tally {
     pub(crate) dropped_frames: u64,
     pub(crate) reconnects: u64,
     pub(crate) holds: u64,
+    /// Bytes to the board.
+    pub(crate) bytes: u64,
 }
 
 /// When a sample comes.
@@ -92,6 +94,8 @@ pub(crate) struct Conversation {
     /// Job that the next client goes on with.
     attached: Option<u32>,
     number: u32,
+    /// Content of samples.
+    fields: TelemetryFields,
     pub(crate) tally: Tally,
 }
 
@@ -122,8 +126,15 @@ impl Conversation {
             held: false,
             attached: None,
             number: std::process::id(),
+            fields: TelemetryFields::ALL,
             tally: Tally::default(),
         }
+    }
+
+    /// Asks for samples with `fields` only.
+    pub(crate) fn with_fields(mut self, fields: TelemetryFields) -> Self {
+        self.fields = fields;
+        self
     }
 
     /// Lets the next client go on with the job that the machine has.
@@ -136,7 +147,7 @@ impl Conversation {
         self.port.context("the line is lost")
     }
 
-    /// Plays `moves` to their end. `see` gets each sample as the board sends it, and may break the
+    /// Plays `work` to its end. `see` gets each sample as the board sends it, and may break the
     /// conversation off; after the end it is called for what follows until it does.
     ///
     /// # Errors
@@ -144,10 +155,10 @@ impl Conversation {
     pub(crate) fn play<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
-        moves: Vec<AnyMove<N>>,
+        work: impl Into<JobWork<N>>,
         see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<JobClient<N>> {
-        let (client, result) = self.converse(expected, moves, see)?;
+        let (client, result) = self.converse(expected, work, see)?;
         result.map_err(|failure| anyhow!(client.describe(&failure)))?;
         Ok(client)
     }
@@ -160,7 +171,7 @@ impl Conversation {
     pub(crate) fn converse<N: ServiceNumber>(
         &mut self,
         expected: &Expected<N>,
-        moves: Vec<AnyMove<N>>,
+        work: impl Into<JobWork<N>>,
         mut see: impl FnMut(&Telemetry<N>, Moment) -> Result<ControlFlow<()>>,
     ) -> Result<(JobClient<N>, End<N>)> {
         let patience = Patience {
@@ -168,7 +179,16 @@ impl Conversation {
             attempts: 7,
         };
         self.number = self.number.wrapping_add(1000);
-        let mut client = JobClient::new(moves, expected.hello, 1, patience, self.number);
+        let work = work.into();
+        let moves = work.moves().unwrap_or_default();
+        let ticks: u64 = moves
+            .iter()
+            .map(|each| u64::from(each.common().ticks))
+            .sum();
+        let seconds = ticks as f64 / expected.scene.tick_rate_hz;
+        let longest = LONGEST + Duration::from_secs_f64(3.0 * seconds);
+        let mut client =
+            JobClient::new(work, expected.hello, 1, patience, self.number).with_fields(self.fields);
         if let Some(taken) = self.attached.take() {
             client = client.attached(taken);
         }
@@ -178,7 +198,7 @@ impl Conversation {
         let mut noise = Noise::Asked;
         loop {
             ensure!(
-                start.elapsed() < LONGEST,
+                start.elapsed() < longest,
                 "the job does not end: {:?}",
                 client.status()
             );
@@ -270,6 +290,7 @@ impl Conversation {
                 None => 0,
             };
             let (first, rest) = bytes.split_at(at);
+            self.tally.bytes += bytes.len() as u64;
             port.send(first)?;
             if let (Some(random), false) = (&mut self.random, first.is_empty() || rest.is_empty()) {
                 std::thread::sleep(Duration::from_micros(random.below(5000)));

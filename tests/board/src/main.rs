@@ -12,6 +12,7 @@ mod expected;
 mod log;
 mod play;
 mod port;
+mod raster;
 mod report;
 mod torture;
 
@@ -58,6 +59,18 @@ enum Test {
     },
     /// Leave the board in the middle of the job, see it stop, and play the job with another client
     Abandon(Board),
+    /// Burn a raster image of 0.1 mm pixels at 100 mm/s, each with another power than the one before, with a sample of every tick,
+    /// and compare the power at each place
+    Raster {
+        #[command(flatten)]
+        board: Board,
+        /// Duration of the job, s
+        #[arg(long, default_value_t = 6.0)]
+        seconds: f64,
+        /// Seed of the powers
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Print why the board started and which fault it has latched, once it has failed
     Report(Board),
     /// Print the log that came out of the board's second serial port
@@ -92,6 +105,7 @@ fn main() -> Result<()> {
     let board = match &test {
         Test::Play { board, .. }
         | Test::Torture { board, .. }
+        | Test::Raster { board, .. }
         | Test::Abandon(board)
         | Test::Report(board) => board,
         Test::Log { elf, log } => return log::print(elf, log),
@@ -118,6 +132,7 @@ fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()
             seed,
             ..
         } => torture::run(&expected, port, *frames, *percent, *seed),
+        Test::Raster { seconds, seed, .. } => raster::run(&expected, port, *seconds, *seed),
         // Needs no board.
         Test::Log { .. } => Ok(()),
     }

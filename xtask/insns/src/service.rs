@@ -11,13 +11,20 @@ use trirrr_service::{Background, Channels, CommandOf, Compiled, Foreground, Sett
 
 type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
 
-/// The scene of an image that does not change it.
-#[cfg(not(homing))]
-type CountedHomedScene = CompiledScene;
+/// The scene of an image that does not change it, with its power lists, if it plays any.
+#[cfg(not(levels))]
+type CountedLevelScene = CompiledScene;
+#[cfg(levels)]
+type CountedLevelScene =
+    trirrr_service::WithLevels<CompiledScene, { crate::scene::LEVELS as usize }>;
 
-/// The same, of a machine that is homed.
+/// The same of a machine that is not homed,
+#[cfg(not(homing))]
+type CountedHomedScene = CountedLevelScene;
+
+/// and of one that is.
 #[cfg(homing)]
-type CountedHomedScene = trirrr_service::WithHoming<'static, CompiledScene>;
+type CountedHomedScene = trirrr_service::WithHoming<'static, CountedLevelScene>;
 
 /// The same, of drives that tell where they are.
 #[cfg(not(drive = "odrive"))]
@@ -53,6 +60,11 @@ pub fn scene() -> CountedScene {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
         types: core::marker::PhantomData,
+    };
+    #[cfg(levels)]
+    let scene = trirrr_service::WithLevels {
+        scene,
+        room: crate::scene::LEVELS,
     };
     #[cfg(homing)]
     let scene = trirrr_service::WithHoming {

@@ -93,6 +93,19 @@ impl Clients {
         Ok(said)
     }
 
+    /// A raster image of so many seconds, the power of every sample compared; printed with the name of the scene.
+    pub(super) fn burn(&self, built: &Built, board: &Board, seconds: u32) -> Result<()> {
+        let mut command = Command::new(&self.0.board_test);
+        command.arg("raster").arg(&built.scene.path);
+        command.args(["--port", board.address(), "--scalar", built.scalar]);
+        command.args(["--seconds", &seconds.to_string()]);
+        // An emulator on a busy host is slower than silicon.
+        let limit = TIME_LIMIT + 4 * Duration::from_secs(seconds.into());
+        let said = qemu::output(&mut command, limit)?;
+        println!("{built}: {}", said.trim_end());
+        Ok(())
+    }
+
     /// Homing and job, every value of every sample compared.
     pub(super) fn play(&self, built: &Built, board: &Board) -> Result<Played> {
         let inputs = built.inputs.map(|inputs| ["--inputs", inputs.name()]);

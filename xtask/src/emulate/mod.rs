@@ -34,6 +34,9 @@ const SIMULATED: &str = "plant-thesis";
 /// a job of some seconds.
 const LINE_SCENE: &str = "chained";
 
+/// The scene with power lists.
+const RASTER_SCENE: &str = "scenes/paths/raster.toml";
+
 #[derive(clap::Args)]
 pub(crate) struct EmulateArgs {
     /// Scenes, by name or file; all that are for a board without
@@ -47,6 +50,9 @@ pub(crate) struct EmulateArgs {
     /// Frames of `line` before the last job begins
     #[arg(long, default_value_t = 20_000)]
     frames: u64,
+    /// Seconds of `raster`
+    #[arg(long, default_value_t = 6)]
+    seconds: u32,
 }
 
 /// Part of the emulation: one kind of run on an emulated board.
@@ -56,6 +62,8 @@ enum EmulationPart {
     Jobs,
     /// Random jobs over a line that damages every fifth frame; a client that goes
     Line,
+    /// Burn a raster image on a scene with power lists, and compare the power at each place
+    Raster,
     /// Inject failures, read their causes after the reset
     Failures,
 }
@@ -67,6 +75,7 @@ pub(crate) fn run(arguments: &EmulateArgs) -> Result<()> {
     parallel::map(arguments.part.len(), &arguments.part, |part| match part {
         EmulationPart::Jobs => jobs(arguments, &clients),
         EmulationPart::Line => line(arguments, &clients),
+        EmulationPart::Raster => raster(arguments, &clients),
         EmulationPart::Failures => failures::run(&clients),
     })?;
     Ok(())
@@ -253,6 +262,18 @@ fn line(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         // A client that goes in the middle of the job.
         clients.show("abandon", &built, &board, &[])?;
         board.end()?;
+    }
+    Ok(())
+}
+
+fn raster(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
+    for scene in repository::scenes_named(&[RASTER_SCENE.to_owned()])? {
+        let built = Built::new(&scene, of_scene(Scene::read(&scene.path)?.number))?;
+        let board = Board::boot(&built.image)?;
+        clients.burn(&built, &board, arguments.seconds)?;
+        let used = board.end()?.stack;
+        let bound = stack_bound(&built.image, used)?;
+        println!("{built}: {used} bytes of stack, by its code {bound} at most");
     }
     Ok(())
 }

@@ -66,6 +66,9 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     };
     file.line(&format!("pub type Planner = {planner};"));
     file.constant("BATCHES", "bool", scene.takes_batches().to_string());
+    if scene.service.power_lists > 0 {
+        file.constant("LEVELS", "u16", scene.service.power_lists.to_string());
+    }
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -289,6 +292,12 @@ mod tests {
         };
         let source = |scene: &Scene| source(scene, "f32").expect("SI units");
         assert_eq!(source(&scene), source(&exact));
+    }
+
+    #[test]
+    fn a_scene_with_power_lists_has_their_room_and_no_other_has() {
+        assert!(shipped("paths/raster.toml").contains("pub const LEVELS: u16 = 4096;\n"));
+        assert!(!shipped("engraving.toml").contains("LEVELS"));
     }
 
     #[test]
