@@ -10,6 +10,7 @@
 mod conversation;
 mod errands;
 mod long_job;
+mod raster;
 mod slow_line;
 
 use conversation::{Conversation, Tally};

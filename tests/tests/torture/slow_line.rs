@@ -6,7 +6,7 @@ use trirrr_bench::device::{
     Device, DeviceScene, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame, request_frame,
 };
 use trirrr_bench::slow_link::SlowLink;
-use trirrr_client::{Action, JobClient, Patience};
+use trirrr_client::{Action, JobClient, JobWork, Patience};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, AnyMove, Message, Move, State};
@@ -80,18 +80,20 @@ pub(crate) fn circles(count: u32, ticks: u32) -> Vec<AnyMove<f64>> {
     (0..count).map(each).collect()
 }
 
-/// Plays `moves` over a line with `delay` ticks and `bytes_per_tick` each way.
+/// Plays `work` over a line with `delay` ticks and `bytes_per_tick` each way.
 ///
 /// # Panics
 /// A job that fails, or does not end.
-pub(crate) fn play(moves: Vec<AnyMove<f64>>, delay: u64, bytes_per_tick: usize) -> Pace {
+pub(crate) fn play(work: impl Into<JobWork<f64>>, delay: u64, bytes_per_tick: usize) -> Pace {
+    let work = work.into();
+    let moves = work.moves().unwrap_or_default();
     let length: u64 = moves
         .iter()
         .map(|each| u64::from(each.common().ticks))
         .sum();
     let mut channels = Box::new(Channels::<DeviceScene, MOVES, 64>::new());
     let mut device = Device::new(&mut channels, LimitParameters::default(), 0);
-    let mut client = JobClient::new(moves, hello(), 0, Patience::default(), 1);
+    let mut client = JobClient::new(work, hello(), 0, Patience::default(), 1);
     let mut decoder = MessageDecoder::new();
     let mut there = SlowLink::new(delay, bytes_per_tick);
     let mut back = there.clone();
