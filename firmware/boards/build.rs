@@ -14,10 +14,12 @@ const BOARDS: [(&str, &str, &str); 2] = [
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=../build.rs");
-    let drives = env::var("DEP_TRIRRR_APP_DRIVES")?;
-    println!("cargo:rustc-check-cfg=cfg(drive, values({drives}))");
-    let drive = env::var("DEP_TRIRRR_APP_DRIVE")?;
-    println!("cargo:rustc-cfg=drive={drive:?}");
+    for name in ["drive", "tool"] {
+        let of_app = format!("DEP_TRIRRR_APP_{}", name.to_uppercase());
+        let kinds = env::var(format!("{of_app}S"))?;
+        println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
+        println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
+    }
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if env::var_os("DEP_TRIRRR_APP_HOMING").is_some() {
         println!("cargo:rustc-cfg=homing");

@@ -86,6 +86,11 @@ const MARKS: &[Mark] = &[
         used: |scene| matches!(kind(scene), "odrive" | "mit" | "moteus"),
     },
     Mark {
+        what: "a tool",
+        names: &["4tool4duty5build", "4tool5level5build"],
+        used: |scene| scene.tool.is_some(),
+    },
+    Mark {
         what: "homing",
         names: &["10WithHoming", "5Cycle"],
         used: |scene| scene.homing.is_some(),
@@ -227,6 +232,7 @@ mod tests {
             ("_RNv7payload6Offset", "an offset payload"),
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
+            ("_RNv4tool4duty5build", "a tool"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
             ("_RNv6levels4list10MoveLevels", "power lists"),
             (

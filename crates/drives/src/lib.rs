@@ -8,6 +8,7 @@
 //! | `kind = "stepper"` | [`stepper`] | [`stepper::Steppers::apply`] | [`stepper::Slots::slot`], from a timer |
 //! | `kind = "bldc"` | [`bldc`] | [`bldc::Bldcs::measure`], [`bldc::Bldcs::apply`] | [`bldc::Loops::sample`], from a timer |
 //! | `kind = "can"` | [`can`] | [`can::CanDrives::measure`], [`can::CanDrives::apply`] | |
+//! | `[tool]` | [`tool`] | [`tool::ToolLine::apply`] | |
 //!
 //! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor panics. A drive that
 //! fails gives a [`Failure`], to be latched by [`Foreground::raise`](trirrr_service::Foreground::raise). While
@@ -41,6 +42,7 @@ mod failure;
 pub mod joint;
 mod obeying;
 pub mod stepper;
+pub mod tool;
 mod winding;
 
 pub use enable::{Active, Enable};

@@ -44,7 +44,8 @@ pub struct JobPath {
 /// A stand of the machine on the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dwell {
-    /// Number of its table in the file, from 0. The machine stands where the piece before ends.
+    /// Number of its table in the file, from 0. The machine stands where the piece before ends. A stand that waits for the tool has
+    /// the number of the piece behind it.
     pub source: usize,
     /// Duration in ticks, positive.
     pub ticks: u32,
@@ -60,7 +61,7 @@ impl JobPath {
     ) -> impl Iterator<Item = &Dwell> {
         let lies = move |dwell: &&Dwell| {
             after.is_none_or(|after| dwell.source > after)
-                && before.is_none_or(|before| dwell.source < before)
+                && before.is_none_or(|before| dwell.source <= before)
         };
         self.dwells.iter().filter(lies)
     }

@@ -51,6 +51,7 @@ mod settings;
 mod spool;
 pub mod tables;
 mod tolerances;
+mod tool;
 mod visible;
 pub mod words;
 
@@ -84,6 +85,7 @@ pub use service::Service;
 pub use settings::settings;
 pub use spool::{MoveSpool, SpooledMoves};
 pub use tolerances::{BodyTolerances, Tolerances};
+pub use tool::{ToolKind, ToolPort};
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;

@@ -9,7 +9,8 @@ use crate::levels::{JobLevels, misfit};
 use crate::obstacle::obstacle;
 use crate::offer::CAPACITY;
 use crate::read::Document;
-use crate::{NumberType, Scene};
+use crate::tool::{NO_SPEED, follows_speed};
+use crate::{NumberType, Scene, ToolPort};
 use nalgebra::Vector3;
 use thiserror::Error;
 use trirrr_core::limits::Limits;
@@ -70,6 +71,12 @@ pub enum Unplanned {
         /// Number of the row's part in the file, from 0.
         number: usize,
     },
+    /// The power of a tool that is on or off follows the speed.
+    #[error("{NO_SPEED}")]
+    Tool {
+        /// Number of the table in the file, from 0.
+        number: usize,
+    },
     /// The job is longer than a service counts.
     #[error("the moves take {0} ticks together, at most 4294967295 are allowed")]
     Ticks(u64),
@@ -91,7 +98,10 @@ impl Unplanned {
                 *number += source;
                 refusal.place.piece += piece;
             }
-            Self::Dwell { number } | Self::LongDwell { number, .. } | Self::Levels { number } => {
+            Self::Dwell { number }
+            | Self::LongDwell { number, .. }
+            | Self::Levels { number }
+            | Self::Tool { number } => {
                 *number += source;
             }
             Self::Machine(_) | Self::Units | Self::Ticks(_) => {}
@@ -169,7 +179,25 @@ fn stand(path: &JobPath, dwell: &Dwell, at: Pose<f64>) -> JobMove {
 /// # Errors
 /// [`Unplanned`].
 pub fn plan_job(scene: &Scene, path: &JobPath, effort: Effort) -> Result<PlannedJob, Unplanned> {
-    let planned = plan_alpha(scene, path, effort)?;
+    plan_part(scene, path, Some(false), effort)
+}
+
+/// Plans as [`plan_job`]; the tool is `on` before the path, or nobody knows.
+fn plan_part(
+    scene: &Scene,
+    path: &JobPath,
+    on: Option<bool>,
+    effort: Effort,
+) -> Result<PlannedJob, Unplanned> {
+    let planned = match scene.tool.filter(ToolPort::switches) {
+        Some(port) => {
+            if let Some(number) = path.tools.iter().position(|tool| follows_speed(*tool)) {
+                return Err(Unplanned::Tool { number });
+            }
+            plan_alpha(scene, &path.waiting(port.travel_ticks, on), effort)?
+        }
+        None => plan_alpha(scene, path, effort)?,
+    };
     check_dwells(scene, &planned)?;
     check_ticks(planned.ticks())?;
     Ok(planned)
@@ -188,7 +216,8 @@ pub(crate) fn plan_block(
     scene: &Scene,
     block: &PathBlock,
 ) -> Result<Vec<(usize, JobMove)>, Unplanned> {
-    let planned = plan_job(scene, &block.path, Effort::default())
+    let on = (block.before == 0).then_some(false);
+    let planned = plan_part(scene, &block.path, on, Effort::default())
         .map_err(|error| error.in_block(block.first, block.before))?;
     let steps = planned.steps().into_iter();
     Ok(steps
@@ -206,12 +235,9 @@ pub(crate) fn join(before: Option<&JobMove>, first: Option<&mut JobMove>) {
 /// Checks that the service stands where the path dwells: a plan knows the machine's limits, not the number type.
 fn check_dwells(scene: &Scene, planned: &PlannedJob) -> Result<(), Unplanned> {
     let steps = planned.steps();
-    let is_dwell = |(source, _): &&(usize, JobMove)| {
-        planned
-            .path
-            .dwells
-            .iter()
-            .any(|each| each.source == *source)
+    let is_dwell = |(source, stand): &&(usize, JobMove)| {
+        let mut dwells = planned.path.dwells.iter();
+        stand.from == stand.to && dwells.any(|each| each.source == *source)
     };
     let dwells: Vec<_> = steps.iter().filter(is_dwell).copied().collect();
     let longest = longest_move(CAPACITY);
@@ -529,7 +555,8 @@ pub(crate) fn plan_path(document: &Document, scene: &mut Scene, placed: &PlacedP
             | Unplanned::NoAlpha { number, .. }
             | Unplanned::Dwell { number }
             | Unplanned::LongDwell { number, .. }
-            | Unplanned::Levels { number }),
+            | Unplanned::Levels { number }
+            | Unplanned::Tool { number }),
         ) => document.refuse(&placed.places[number], error.to_string()),
         // The machine is checked, and refused, by itself.
         Err(Unplanned::Machine(_)) => {}

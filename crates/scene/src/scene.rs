@@ -18,6 +18,7 @@ use crate::power::{Power, read_power, read_reactions};
 use crate::read::{Bound, Document, Place, Section, Setting, text_of, with_scene};
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
+use crate::tool::{ToolPort, check_tool, read_tool_port};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -78,6 +79,8 @@ pub struct Scene {
     pub feedback: Option<Feedback>,
     /// Detection of forces at the tool, if the scene asks for it.
     pub contact: Option<Contact>,
+    /// Output of a board to the tool, if the tool has one.
+    pub tool: Option<ToolPort>,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -337,6 +340,11 @@ fn read_scene(
     };
     let of_contact = reactions.map(|(_, contact)| contact);
     let contact = read_contact(root, &needs, of_contact);
+    let tool = read_tool_port(
+        root,
+        rate,
+        drives.flatten().as_ref().map(|[drive, ..]| drive),
+    );
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
     let controller = read_controller(root, rate);
     let plant = read_plant(root, drives, controller);
@@ -368,12 +376,16 @@ fn read_scene(
         reactions: reactions?.0,
         feedback: feedback?,
         contact: contact?,
+        tool: tool?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         controller: controller?,
         plant: None,
         tolerances: tolerances?,
     };
+    if let Some(port) = &scene.tool {
+        check_tool(document, port, &placed, scene.tick_rate_hz);
+    }
     // A plan of a machine that is refused would only repeat why.
     if let Some(path) = &placed.path
         && document.is_clean()

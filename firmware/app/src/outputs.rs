@@ -8,6 +8,8 @@ use embedded_hal::digital::OutputPin;
 use trirrr_drives::Failure;
 #[cfg(not(feedback))]
 use trirrr_drives::stepper::Steppers;
+#[cfg(not(tool = "none"))]
+use trirrr_drives::tool::{ToolLine, ToolOutput};
 #[cfg(feedback)]
 use {
     core::ops::Deref,
@@ -42,6 +44,13 @@ pub trait Outputs {
     /// Follows a new zero of the joint angles: all are greater `by` so much from now on, without a motion.
     fn shift(&mut self, by: [Angle; 3]) {
         let _ = by;
+    }
+
+    /// Hands the `power` of a tick on to the tool, 0 to 1. `runs` is true while a job runs. Once per tick; also where a fault
+    /// comes behind the tick, so that the tool is off before the next one.
+    #[inline(always)]
+    fn work(&mut self, power: Scalar, runs: bool) {
+        let _ = (power, runs);
     }
 }
 
@@ -194,5 +203,51 @@ impl<O: Outputs, P: OutputPin> Outputs for Braked<O, P> {
     #[inline(always)]
     fn shift(&mut self, by: [Angle; 3]) {
         self.outputs.shift(by);
+    }
+}
+
+/// Outputs beside that of the tool.
+#[cfg(not(tool = "none"))]
+pub struct Tooled<O, T> {
+    outputs: O,
+    tool: ToolLine<T, { crate::scene::tool::DELAY }>,
+}
+
+#[cfg(not(tool = "none"))]
+impl<O: Outputs, T: ToolOutput> Tooled<O, T> {
+    /// Joins the outputs with that of the tool, which is off.
+    pub fn new(outputs: O, tool: T) -> Self {
+        Self {
+            outputs,
+            tool: ToolLine::new(tool, crate::scene::tool::HOLDS),
+        }
+    }
+}
+
+#[cfg(not(tool = "none"))]
+impl<O: Outputs, T: ToolOutput> Outputs for Tooled<O, T> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        self.outputs.measure()
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        self.outputs.apply(output)
+    }
+
+    #[inline(always)]
+    fn angles(&self) -> Option<[Angle; 3]> {
+        self.outputs.angles()
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.outputs.shift(by);
+    }
+
+    #[inline(always)]
+    fn work(&mut self, power: Scalar, runs: bool) {
+        self.tool.apply(power, runs);
     }
 }

@@ -64,6 +64,14 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         if let Err(failure) = self.outputs.apply(self.foreground.output()) {
             self.fail(&failure);
         }
+        self.work();
+    }
+
+    /// Hands the tool its power. After a fault that is none.
+    #[inline(always)]
+    fn work(&mut self) {
+        let runs = self.foreground.state().is_running();
+        self.outputs.work(self.foreground.output().tool, runs);
     }
 
     /// Latches the failure of a drive as a fault and switches all drives off.
@@ -98,6 +106,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             heartbeat::beat();
         } else {
             self.switch_off();
+            self.work();
         }
     }
 }

@@ -6,9 +6,11 @@ mod constant;
 mod drive;
 mod kinds;
 mod source;
+mod tool;
 
 pub use drive::{DriveError, drive, kind};
 pub use source::{source, units};
+pub use tool::tool_kind;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -42,7 +44,8 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
-/// Sets the kind of the scene's drives as `cfg(drive = "...")`, `cfg(homing)` for a scene with homing, `cfg(levels)` for one with power lists, and `cfg(contact)` for one
+/// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
+/// scene with homing, `cfg(levels)` for one with power lists, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -68,7 +71,10 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
     let drives = drive(&scene, &units(&scene, scalar)?)
         .map_err(|error| format!("{}: {error}", visible(&file.display().to_string())))?;
-    fs::write(out.join("scene.rs"), source(&scene, scalar)? + &drives)?;
+    fs::write(
+        out.join("scene.rs"),
+        source(&scene, scalar)? + &drives + &tool::tool(&scene),
+    )?;
     print_kinds(&scene);
     print_contact(&scene, scalar);
     Ok(())
@@ -92,17 +98,10 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
 }
 
 /// Sets the kinds of the scene as `cfg`s, and tells them to the build scripts of dependent packages
-/// (`DEP_..._DRIVES`, `DRIVE`, `HOMING`, `BRAKE` and `FEEDBACK`).
+/// (`DEP_..._DRIVES`, `DRIVE`, `TOOLS`, `TOOL`, `HOMING`, `BRAKE` and `FEEDBACK`).
 fn print_kinds(scene: &Scene) {
-    let drives: Vec<String> = drive::KINDS
-        .iter()
-        .map(|kind| format!("{kind:?}"))
-        .collect();
-    let (drives, drive) = (drives.join(", "), kind(scene));
-    println!("cargo:rustc-check-cfg=cfg(drive, values({drives}))");
-    println!("cargo:drives={drives}");
-    println!("cargo:rustc-cfg=drive={drive:?}");
-    println!("cargo:drive={drive}");
+    print_kind("drive", drive::KINDS, kind(scene));
+    print_kind("tool", tool::TOOLS, tool_kind(scene));
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
@@ -122,6 +121,16 @@ fn print_kinds(scene: &Scene) {
         println!("cargo:rustc-cfg=feedback");
         println!("cargo:feedback=yes");
     }
+}
+
+/// Sets `cfg(name = "kind")`, one of `kinds`, and hands both on.
+fn print_kind(name: &str, kinds: &[&str], kind: &str) {
+    let kinds: Vec<String> = kinds.iter().map(|kind| format!("{kind:?}")).collect();
+    let kinds = kinds.join(", ");
+    println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
+    println!("cargo:{name}s={kinds}");
+    println!("cargo:rustc-cfg={name}={kind:?}");
+    println!("cargo:{name}={kind}");
 }
 
 /// Sets `cfg(contact)` for a scene that detects contacts, and `cfg(retreat)` if it goes back then, or `cfg(contact_refused)` where the number type `scalar` cannot.

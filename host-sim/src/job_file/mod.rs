@@ -259,7 +259,8 @@ fn number(error: &Unplanned) -> Option<u32> {
         | Unplanned::NoAlpha { number, .. }
         | Unplanned::Dwell { number }
         | Unplanned::LongDwell { number, .. }
-        | Unplanned::Levels { number } => Some(*number as u32),
+        | Unplanned::Levels { number }
+        | Unplanned::Tool { number } => Some(*number as u32),
         Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => None,
     }
 }

@@ -19,6 +19,8 @@ mod drives;
 mod start;
 #[cfg(target_os = "none")]
 mod switches;
+#[cfg(all(target_os = "none", not(tool = "none")))]
+mod tool;
 
 #[cfg(target_os = "none")]
 #[rtic::app(device = rp2040_hal::pac, peripherals = true)]
@@ -51,12 +53,17 @@ mod app {
     const FIFO: usize = 32;
 
     #[cfg(not(brake))]
-    type Outputs = Drives;
+    type HeldDrives = Drives;
     #[cfg(brake)]
-    type Outputs = trirrr_app::outputs::Braked<
+    type HeldDrives = trirrr_app::outputs::Braked<
         Drives,
         gpio::Pin<gpio::bank0::Gpio17, gpio::FunctionSioOutput, gpio::PullDown>,
     >;
+
+    #[cfg(tool = "none")]
+    type Outputs = HeldDrives;
+    #[cfg(not(tool = "none"))]
+    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::Tool>;
 
     #[shared]
     struct Shared {}
@@ -120,11 +127,12 @@ mod app {
             start,
         };
         let (foreground, background) = trirrr_app::build(channels, board);
+        let slices = Slices::new(device.PWM, &mut resets);
         let parts = drives::DriveParts {
             step: (pins.gpio6, pins.gpio7, pins.gpio8),
             direction: (pins.gpio9, pins.gpio10, pins.gpio11),
             enable: pins.gpio12,
-            slices: Slices::new(device.PWM, &mut resets),
+            slots: slices.pwm7,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
         let (outputs, slot) = drives::build(parts);
@@ -132,6 +140,15 @@ mod app {
         let outputs = {
             let pin = pins.gpio17.into_push_pull_output();
             trirrr_app::outputs::Braked::new(outputs, pin)
+        };
+        #[cfg(not(tool = "none"))]
+        let outputs = {
+            let parts = super::tool::ToolParts {
+                pin: pins.gpio16,
+                enable: pins.gpio18,
+                slice: slices.pwm0,
+            };
+            trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
         };
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
         watchdog.start(WATCHDOG_MS.millis());

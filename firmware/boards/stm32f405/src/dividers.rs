@@ -52,7 +52,7 @@ pub(super) fn clear(timer: &tim6::RegisterBlock) {
 }
 
 /// Prescaler and reload value of a timer of 16 bits, both less by one.
-const fn counts(timer_hz: u32, rate_hz: u32) -> (u16, u16) {
+pub(super) const fn counts(timer_hz: u32, rate_hz: u32) -> (u16, u16) {
     let counts = timer_hz / rate_hz;
     let prescaler = (counts - 1) / 0x1_0000;
     (prescaler as u16, (counts / (prescaler + 1) - 1) as u16)

@@ -23,6 +23,8 @@ mod pins;
 mod start;
 #[cfg(target_os = "none")]
 mod switches;
+#[cfg(all(target_os = "none", not(tool = "none")))]
+mod tool;
 
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
@@ -45,10 +47,15 @@ mod app {
     use trirrr_protocol::message::{Board, Clock};
 
     #[cfg(not(brake))]
-    type Outputs = Drives;
+    type HeldDrives = Drives;
     #[cfg(brake)]
-    type Outputs =
+    type HeldDrives =
         trirrr_app::outputs::Braked<Drives, stm32f4xx_hal::gpio::PB0<stm32f4xx_hal::gpio::Output>>;
+
+    #[cfg(tool = "none")]
+    type Outputs = HeldDrives;
+    #[cfg(not(tool = "none"))]
+    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::Tool>;
 
     #[shared]
     struct Shared {}
@@ -130,6 +137,17 @@ mod app {
         let (outputs, timer) = drives::build(parts, &mut rcc);
         #[cfg(brake)]
         let outputs = trirrr_app::outputs::Braked::new(outputs, b.pb0.into_push_pull_output());
+        #[cfg(not(tool = "none"))]
+        let outputs = {
+            let parts = super::tool::ToolParts {
+                pa4: a.pa4,
+                pa5: a.pa5,
+                tim2: device.TIM2,
+                clocks,
+            };
+            let tool = super::tool::build(parts, &mut rcc);
+            trirrr_app::outputs::Tooled::new(outputs, tool)
+        };
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);

@@ -26,7 +26,7 @@ compile_error!("drive.kind = \"can\": the RP2040 has no CAN controller");
 
 use rp2040_hal::gpio::bank0::{Gpio6, Gpio7, Gpio8, Gpio9, Gpio10, Gpio11, Gpio12};
 use rp2040_hal::gpio::{FunctionNull, Pin, PullDown};
-use rp2040_hal::pwm::Slices;
+use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_app::inputs::Angle;
 
 type Unused<P> = Pin<P, FunctionNull, PullDown>;
@@ -38,7 +38,7 @@ pub(super) struct DriveParts {
     pub(super) step: (Unused<Gpio6>, Unused<Gpio7>, Unused<Gpio8>),
     pub(super) direction: (Unused<Gpio9>, Unused<Gpio10>, Unused<Gpio11>),
     pub(super) enable: Unused<Gpio12>,
-    pub(super) slices: Slices,
+    pub(super) slots: Slice<Pwm7, FreeRunning>,
     /// Joint angles at the start.
     pub(super) angles: [Angle; 3],
 }

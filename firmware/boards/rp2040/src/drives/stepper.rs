@@ -90,7 +90,7 @@ pub(crate) fn build(parts: DriveParts) -> (StepperDrives, SlotTimer) {
     );
     let slots = Slots::new(&LINE, [axis_1, axis_2, axis_3], enable, PER_TICK);
 
-    let mut timer = parts.slices.pwm7;
+    let mut timer = parts.slots;
     timer.set_div_int(DIVIDER);
     timer.set_top(TOP);
     timer.clear_interrupt();
