@@ -26,7 +26,11 @@ mod tool;
 #[rtic::app(device = rp2040_hal::pac, peripherals = true)]
 mod app {
     use super::clock::{self, CORE_HZ};
-    use super::drives::{self, DriveTimer, Drives};
+    #[cfg(brake)]
+    use super::drives::Drives;
+    #[cfg(not(brake))]
+    use super::drives::Drives as HeldDrives;
+    use super::drives::{self, DriveTimer};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -52,8 +56,6 @@ mod app {
     /// Capacity of the receiver, bytes.
     const FIFO: usize = 32;
 
-    #[cfg(not(brake))]
-    type HeldDrives = Drives;
     #[cfg(brake)]
     type HeldDrives = trirrr_app::outputs::Braked<
         Drives,
@@ -63,7 +65,7 @@ mod app {
     #[cfg(tool = "none")]
     type Outputs = HeldDrives;
     #[cfg(not(tool = "none"))]
-    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::Tool>;
+    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
     #[shared]
     struct Shared {}

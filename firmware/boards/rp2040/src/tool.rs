@@ -1,17 +1,16 @@
 //! Tool: GP16 is its level, or its PWM from slice 0; GP18 enables it. An image holds the output that its scene names.
 
+use crate::drives::Unused;
 use rp2040_hal::gpio::bank0::{Gpio16, Gpio18};
-use rp2040_hal::gpio::{FunctionNull, FunctionSioOutput, Pin, PinState, PullDown};
+use rp2040_hal::gpio::{FunctionSioOutput, Pin, PinState, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm0, Slice};
 use trirrr_app::scene::tool::INVERTED;
 use trirrr_drives::Active;
 
 #[cfg(tool = "duty")]
-pub(super) use duty::{Tool, build};
+pub(super) use duty::{DutyPin as ToolPin, build};
 #[cfg(tool = "level")]
-pub(super) use level::{Tool, build};
-
-type Unused<P> = Pin<P, FunctionNull, PullDown>;
+pub(super) use level::{LevelPin as ToolPin, build};
 
 type OutputOf<P> = Pin<P, FunctionSioOutput, PullDown>;
 
@@ -39,7 +38,7 @@ mod duty {
     use trirrr_drives::tool::DutyOutput;
 
     /// Output to the tool.
-    pub(crate) type Tool = DutyOutput<ToolSlice, OutputOf<Gpio18>>;
+    pub(crate) type DutyPin = DutyOutput<ToolSlice, OutputOf<Gpio18>>;
 
     /// Divider in front of the timer, whose counts have 16 bits.
     const DIVIDER: u8 = {
@@ -88,7 +87,7 @@ mod duty {
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
-    pub(crate) fn build(parts: ToolParts) -> Tool {
+    pub(crate) fn build(parts: ToolParts) -> DutyPin {
         let pin = parts.enable;
         let enable = ENABLE.map(|active| {
             let off = match active {
@@ -119,12 +118,12 @@ mod level {
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.
-    pub(crate) type Tool = LevelOutput<OutputOf<Gpio16>>;
+    pub(crate) type LevelPin = LevelOutput<OutputOf<Gpio16>>;
 
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
-    pub(crate) fn build(parts: ToolParts) -> Tool {
+    pub(crate) fn build(parts: ToolParts) -> LevelPin {
         let (on, off) = match INVERTED {
             true => (Active::Low, PinState::High),
             false => (Active::High, PinState::Low),

@@ -31,9 +31,13 @@ mod tool;
 mod app {
     use super::clock::{self, FAST, SLOW};
     use super::dividers::set_bauds;
+    #[cfg(brake)]
+    use super::drives::Drives;
+    #[cfg(not(brake))]
+    use super::drives::Drives as HeldDrives;
     #[cfg(any(drive = "odrive", drive = "mit"))]
     use super::drives::Inbox;
-    use super::drives::{self, DriveTimer, Drives};
+    use super::drives::{self, DriveTimer};
     use super::start;
     use super::switches::{self, Switches};
     use embedded_hal_nb::serial::Read;
@@ -46,8 +50,6 @@ mod app {
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
-    #[cfg(not(brake))]
-    type HeldDrives = Drives;
     #[cfg(brake)]
     type HeldDrives =
         trirrr_app::outputs::Braked<Drives, stm32f4xx_hal::gpio::PB0<stm32f4xx_hal::gpio::Output>>;
@@ -55,7 +57,7 @@ mod app {
     #[cfg(tool = "none")]
     type Outputs = HeldDrives;
     #[cfg(not(tool = "none"))]
-    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::Tool>;
+    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
     #[shared]
     struct Shared {}

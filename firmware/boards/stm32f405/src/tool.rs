@@ -8,9 +8,9 @@ use stm32f4xx_hal::rcc::Rcc;
 use trirrr_app::scene::tool::INVERTED;
 
 #[cfg(tool = "duty")]
-pub(super) use duty::{Tool, build};
+pub(super) use duty::{DutyPin as ToolPin, build};
 #[cfg(tool = "level")]
-pub(super) use level::{Tool, build};
+pub(super) use level::{LevelPin as ToolPin, build};
 
 /// Parts of the board for the tool.
 // Each kind of output takes some of them.
@@ -35,7 +35,7 @@ mod duty {
     use trirrr_drives::{Active, Enable};
 
     /// Output to the tool.
-    pub(crate) type Tool = DutyOutput<ToolTimer, PA4<Output>>;
+    pub(crate) type DutyPin = DutyOutput<ToolTimer, PA4<Output>>;
 
     /// Channel 1 of TIM2. Not that of the HAL: its duty waits for the end of a period, and a tool goes off at once.
     pub(crate) struct ToolTimer {
@@ -82,7 +82,7 @@ mod duty {
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
-    pub(crate) fn build(parts: ToolParts, rcc: &mut Rcc) -> Tool {
+    pub(crate) fn build(parts: ToolParts, rcc: &mut Rcc) -> DutyPin {
         let pin = parts.pa4;
         let enable = ENABLE.map(|active| {
             let off = match active {
@@ -108,12 +108,12 @@ mod level {
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.
-    pub(crate) type Tool = LevelOutput<PA5<Output>>;
+    pub(crate) type LevelPin = LevelOutput<PA5<Output>>;
 
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
-    pub(crate) fn build(parts: ToolParts, _: &mut Rcc) -> Tool {
+    pub(crate) fn build(parts: ToolParts, _: &mut Rcc) -> LevelPin {
         let (on, off) = match INVERTED {
             true => (Active::Low, PinState::High),
             false => (Active::High, PinState::Low),

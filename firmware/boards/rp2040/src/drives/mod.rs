@@ -29,7 +29,7 @@ use rp2040_hal::gpio::{FunctionNull, Pin, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_app::inputs::Angle;
 
-type Unused<P> = Pin<P, FunctionNull, PullDown>;
+pub(super) type Unused<P> = Pin<P, FunctionNull, PullDown>;
 
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
