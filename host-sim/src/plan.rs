@@ -11,10 +11,11 @@ use clap::Args;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use trirrr_core::setpoint::Pose;
 use trirrr_plan::course::{Effort, PathPiece, Run};
 use trirrr_protocol::message::LEVEL_PARTS;
-use trirrr_scene::{Dwell, JobLevels, JobMove, JobPath, PlannedJob, Scene, limited, plan_job};
+use trirrr_scene::{
+    Dwell, JobLevels, JobMove, JobPath, MOVE_COLUMNS, PlannedJob, Scene, limited, plan_job,
+};
 
 /// `trirrr plan`.
 ///
@@ -172,7 +173,7 @@ fn write(
         traces.push(t, [speed, speed_max, alpha]);
     }
     let (steps, levels) = job.listed();
-    let moves = moves_table(scene, &steps, &levels);
+    let moves = moves_table(scene, job);
     let mut tables = vec![("plan.csv", plan), ("moves.csv", moves)];
     if !levels.is_empty() {
         tables.push(("levels.csv", levels_table(&steps, &levels)));
@@ -189,31 +190,14 @@ fn write(
 }
 
 /// The moves as a table that other clients play: the state at the end of each, after a row for the start.
-fn moves_table(scene: &Scene, steps: &[(usize, JobMove)], levels: &JobLevels) -> String {
-    let mut table =
-        String::from("piece,duration,x,y,alpha,vx,vy,valpha,ax,ay,aalpha,power,speed\n");
-    let mut row = |source: usize, duration: f64, values: [[f64; 3]; 3], tool: [f64; 2]| {
-        let _ = write!(table, "{},{duration:?}", source + 1);
-        for value in values.as_flattened().iter().chain(&tool) {
+fn moves_table(scene: &Scene, job: &PlannedJob) -> String {
+    let mut table = MOVE_COLUMNS.join(",") + "\n";
+    for [piece, values @ ..] in job.rows(scene) {
+        let _ = write!(table, "{piece}");
+        for value in values {
             let _ = write!(table, ",{value:?}");
         }
         table.push('\n');
-    };
-    let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
-    row(
-        0,
-        0.0,
-        [pose(&scene.job.start), [0.0; 3], [0.0; 3]],
-        [0.0; 2],
-    );
-    for (index, (source, each)) in (0..).zip(steps) {
-        // A client that plays the table without the levels leaves the tool off there.
-        let tool = each.tool.filter(|_| levels.get(index).is_none());
-        let tool = tool.map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
-        let acceleration = each.accelerations.map_or([0.0; 3], |[_, end]| end.into());
-        let end = [pose(&each.to), each.end_velocity.into(), acceleration];
-        let duration = f64::from(each.duration_ticks) * scene.period_s();
-        row(*source, duration, end, tool);
     }
     table
 }
@@ -284,7 +268,7 @@ fn given_pieces(path: &JobPath) -> usize {
 fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathBuf]) -> String {
     let plan = &job.moves.plan;
     let dwells = &job.path.dwells;
-    let stands = stands_s(scene, dwells.iter());
+    let stands = job.stands_s(scene);
     let (duration, least) = (stands + plan.duration_s(), stands + plan.least_s());
     let played = job.ticks() as f64 * scene.period_s();
     let part = |time: f64| 100.0 * (time / least - 1.0);
@@ -334,7 +318,7 @@ fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathB
 
 fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
     let plan = &job.moves.plan;
-    let stands = stands_s(scene, job.path.dwells.iter());
+    let stands = job.stands_s(scene);
     let runs = plan.runs.iter().map(|run| {
         json!({
             "duration_s": run.duration_s,

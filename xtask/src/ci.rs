@@ -26,9 +26,9 @@ const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Examples that end only with a board at the other end of a port.
 const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
-/// Programs that install and run senders of G-code, and what they are asked.
-const SENDERS_NEED: [(&str, &[&str]); 3] = [
-    ("python3", &["-c", "import tkinter, ensurepip"]),
+/// Programs that install and run the Python package and senders of G-code, and what they are asked.
+const INSTALLED_NEED: [(&str, &[&str]); 3] = [
+    ("python3", &["-c", "import tkinter, ensurepip, tomllib"]),
     ("node", &["--version"]),
     ("npm", &["--version"]),
 ];
@@ -67,7 +67,7 @@ fn check_tools() -> Result<()> {
             missing.push(format!("rustup target add {}", core.target));
         }
     }
-    for (program, arguments) in SENDERS_NEED {
+    for (program, arguments) in INSTALLED_NEED {
         if !answers(program, arguments) {
             missing.push(format!("{program} {}", arguments.join(" ")));
         }
@@ -244,7 +244,7 @@ fn programs() -> Result<[Step; 6]> {
         Step::new("the host programs", Programs::builder()),
         simulator("a scene run", &run, "thesis"),
         simulator("a batch evaluation", &eval, "extreme.csv"),
-        Step::chore("the Python client", &["client"])?,
+        Step::chore("the Python package", &["client"])?,
         Step::chore("senders of G-code", &["senders"])?,
         Step::chore("the emulated board", &board)?,
     ])

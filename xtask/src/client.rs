@@ -1,6 +1,6 @@
-//! `cargo xtask client`: the Python client against `trirrr device`, over TCP.
+//! `cargo xtask client`: the Python package, as a user installs it, and its client against `trirrr device`, over TCP.
 //!
-//! The client plays a scene's job on the device and records its telemetry; the table it writes has to be
+//! `pip` builds the package with its native core in a virtual environment; types, tests and examples are checked there. The client plays a scene's job on the device and records its telemetry; the table it writes has to be
 //! the one that `trirrr run` writes: what the machine sent, in the bits; what the client computes
 //! itself, to its rounding. The client does not plan: of a job along a path it plays the moves that `trirrr plan` writes.
 
@@ -11,7 +11,11 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::time::Instant;
 use trirrr_scene::Scene;
+
+/// Version of mypy whose verdicts on the package's types count.
+const MYPY: &str = "mypy==2.4.1";
 
 /// Scenes that are played, how much faster than in real time, and their number type.
 const SCENES: [(&str, &str, &str); 4] = [
@@ -50,17 +54,24 @@ pub(crate) fn rounding(scalar: &str) -> f64 {
 const FIRST_COMPUTED: &str = "detA";
 
 pub(crate) fn run() -> Result<()> {
-    let python = root().join("clients/python");
     let trirrr = Programs::build()?.trirrr;
-    let mut tests = Command::new("python3");
+    install()?;
+    let mut types = python();
+    types
+        .args(["-m", "mypy"])
+        .current_dir(package())
+        .env("MYPY_CACHE_DIR", folder().join("mypy"));
+    succeed(&mut types, "the check of the package's types")?;
+    let mut tests = python();
     tests
-        .args(["-m", "unittest", "discover", "-s", "tests"])
-        .env("TRIRRR", &trirrr)
-        .current_dir(&python);
-    succeed(&mut tests, "the client's own tests")?;
+        .args(["-m", "unittest", "discover", "-s"])
+        .arg(package().join("tests"))
+        .env("TRIRRR", &trirrr);
+    succeed(&mut tests, "the package's own tests")?;
+    examples(&trirrr)?;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
-        let out = target_directory().join("ci/client").join(name);
+        let out = folder().join(name);
         let mut simulated = Command::new(&trirrr);
         simulated
             .arg("run")
@@ -100,14 +111,70 @@ pub(crate) fn planned_moves(trirrr: &Path, scene: &Path, out: &Path) -> Result<O
 
 /// The client, to play `scene` on `device`.
 fn client(scene: &Path, device: &Device, out: &Path) -> Command {
-    let mut client = Command::new("python3");
+    let mut client = python();
     client
         .args(["-m", "trirrr"])
         .arg(scene)
         .args(["--port", &device.address, "--out"])
-        .arg(out)
-        .current_dir(root().join("clients/python"));
+        .arg(out);
     client
+}
+
+/// The folder of the package.
+fn package() -> PathBuf {
+    root().join("clients/python")
+}
+
+/// The folder of what is installed and written here.
+fn folder() -> PathBuf {
+    target_directory().join("ci/client")
+}
+
+/// Python of the virtual environment, away from the sources: what is imported is what was installed.
+fn python() -> Command {
+    let mut python = Command::new(folder().join("venv/bin/python"));
+    python.current_dir(folder());
+    python
+}
+
+/// Makes the virtual environment if it is missing, and installs the package and what its checks need.
+fn install() -> Result<()> {
+    fs::create_dir_all(folder()).with_context(|| folder().display().to_string())?;
+    if !folder().join("venv/bin/python").exists() {
+        let mut venv = Command::new("python3");
+        venv.args(["-m", "venv"]).arg(folder().join("venv"));
+        succeed(&mut venv, "a place for the Python package")?;
+    }
+    let started = Instant::now();
+    let mut pip = python();
+    pip.args(["-m", "pip", "install", "--quiet", MYPY])
+        .arg(format!("{}[figures,serial,tables]", package().display()))
+        // The profile of the other programs here: compiling takes longer than running.
+        .env("MATURIN_PEP517_ARGS", "--profile dev --features shared")
+        .env("CARGO_TARGET_DIR", target_directory());
+    succeed(&mut pip, "the installation of the Python package")?;
+    println!("installed in {:.0} s", started.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Runs every example, with a device that has the scene of the first one.
+fn examples(trirrr: &Path) -> Result<()> {
+    let place = package().join("examples");
+    let files = fs::read_dir(&place).with_context(|| place.display().to_string())?;
+    let paths = files.map(|file| Ok(file?.path()));
+    let mut examples = paths.collect::<std::io::Result<Vec<_>>>()?;
+    examples.retain(|file| file.extension().is_some_and(|ending| ending == "py"));
+    examples.sort();
+    ensure!(!examples.is_empty(), "{}: no examples", place.display());
+    let scene = root().join("scenes/thesis.toml");
+    let device = Device::start(trirrr, &scene, "2", &[])?;
+    for example in examples {
+        println!("{}", example.display());
+        let mut run = python();
+        run.arg(&example).arg(&device.address).env("TRIRRR", trirrr);
+        succeed(&mut run, &example.display().to_string())?;
+    }
+    Ok(())
 }
 
 /// A machine that cannot be homed: the client says why, and plays nothing; told to recover it, it homes
@@ -115,7 +182,7 @@ fn client(scene: &Path, device: &Device, out: &Path) -> Command {
 fn in_vain(trirrr: &Path) -> Result<()> {
     let (name, offsets, expected) = IN_VAIN;
     let scene = root().join("scenes").join(format!("{name}.toml"));
-    let out = target_directory().join("ci/client/in-vain");
+    let out = folder().join("in-vain");
     // What an earlier run has left is none of this one's.
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
@@ -145,7 +212,7 @@ fn in_vain(trirrr: &Path) -> Result<()> {
         client(&scene, &device, &out).args(["--recover", "1"]),
         "the client, told to recover the machine,",
     )?;
-    let expected = target_directory().join("ci/client").join(name).join("run");
+    let expected = folder().join(name).join("run");
     compare(&expected.join("ticks.csv"), &table, rounding("fixed"))
         .with_context(|| format!("scene {name}, recovered"))
 }

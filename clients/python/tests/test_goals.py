@@ -5,14 +5,21 @@ from types import SimpleNamespace
 
 from trirrr.exchange import Exchange, Refused
 from trirrr.goals import Mover, NoMotion
+from trirrr.messages import Bounded, Violation
 from trirrr.postcard import Value
+
+
+#: Leg 1 would be 2 length units long, 1 is allowed.
+REACH = Violation(
+    what=Bounded.Reach(), index=0, at=0.0, value=2.0, error=0.0, limit=1.0, certain=True, ramp=False, shortest=None
+)
 
 
 class Machine:
     """Takes a goal at the second time that it is asked, and stands there after a few questions."""
 
     def __init__(self, refused=None):
-        self.identity = SimpleNamespace(length_m=0.5, time_s=1.0, ramp_ticks=100, tick_rate_hz=1000.0)
+        self.identity = SimpleNamespace(length_m=0.5, time_s=1.0, mass_kg=1.0, ramp_ticks=100, tick_rate_hz=1000.0)
         self.asked, self.goals, self.refused = [], [], refused
         self.left = 0
 
@@ -64,8 +71,8 @@ class Goals(unittest.TestCase):
         self.assertAlmostEqual(alpha, 0.0)
 
     def test_a_refused_goal_says_why(self):
-        machine = Machine(refused=SimpleNamespace(number=5, violation="Reach"))
-        with self.assertRaisesRegex(NoMotion, "Reach"):
+        machine = Machine(refused=SimpleNamespace(number=5, violation=REACH))
+        with self.assertRaisesRegex(NoMotion, "span of leg 1 would be 1 m"):
             Mover(machine).move_to((0.9, 0.3, 0.1))
 
 

@@ -86,7 +86,7 @@ class Homing(unittest.TestCase):
 
     def test_a_refusal_is_an_error(self):
         machine = Machine(status("Unhomed"), refusals=[Refusal.NoHoming()])
-        with self.assertRaisesRegex(JobFailed, "NoHoming"):
+        with self.assertRaisesRegex(JobFailed, "the scene has no \\[homing\\]"):
             home(machine)
 
     def test_a_fault_is_told_in_words(self):

@@ -44,5 +44,35 @@ class JobAlongAPath(unittest.TestCase):
                 jobs.read(path, moves)
 
 
+class OtherUnits(unittest.TestCase):
+    """Lengths in mm, angles in degrees and rates in 1/min are those of the same key in SI units."""
+
+    def read(self, *changes: tuple[str, str]) -> jobs.Job:
+        text = (SCENES / "thesis.toml").read_text()
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder) / "scene.toml"
+            scene.write_text(text)
+            return jobs.read(str(scene))
+
+    def test_a_pose_is_the_same_in_mm_and_degrees(self):
+        start = self.read().steps[0].start
+        job = self.read(("x_m = 0.21,", "x_mm = 210,"), ("alpha_rad = 0.15707963267948966", "alpha_deg = 9"))
+        self.assertEqual(job.steps[0].start, start)
+
+    def test_both_are_refused(self):
+        with self.assertRaisesRegex(jobs.JobError, "x_m and x_mm are both given"):
+            self.read(("x_m = 0.21,", "x_m = 0.21, x_mm = 210,"))
+
+    def test_semicolons_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            table = Path(folder) / "moves.csv"
+            table.write_text("x;y;alpha;duration\n")
+            with self.assertRaisesRegex(jobs.JobError, "separate columns by commas"):
+                jobs.read(str(table))
+
+
 if __name__ == "__main__":
     unittest.main()

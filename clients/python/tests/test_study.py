@@ -1,23 +1,15 @@
 """Studies in parts, with the program itself."""
 
 import importlib.util
-import os
-import shutil
 import tempfile
 import unittest
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
+from programs import ROOT, program
 from trirrr import study
 
-ROOT = Path(__file__).resolve().parents[3]
 SCENE = ROOT / "scenes/design/lift.toml"
-
-
-def program():
-    built = [ROOT / "target" / profile / "trirrr" for profile in ("release", "debug")]
-    places = [os.environ.get("TRIRRR"), *(str(each) for each in built if each.is_file()), shutil.which("trirrr")]
-    return next((place for place in places if place), None)
 
 
 class Mapper:

@@ -1,13 +1,72 @@
-"""Client for trirrr machines: the line of docs/wire.md, in Python's standard library alone.
+"""trirrr: planar 3-RRR manipulators over numpy arrays, and a client for their boards.
+
+    Machine, check           scenes, kinematics, torques, verdicts, plans, runs (native core, numpy)
+    Board, AsyncBoard        a machine on a serial port or TCP (standard library alone)
+    figures                  figures of runs and machines (matplotlib)
+    table                    columns by name, to pandas and Arrow
+    study                    parts of a design study over any executor
+
+The client of ``Board`` in parts, written from docs/wire.md:
 
     frames, cobs, postcard   bytes on the line and values in them
-    messages, schema         what is said, and the key of it
+    messages                 what is said, and the key of it
     exchange, stream         one request at a time; a whole job
     goals                    poses to go to, steps, velocities, poses to follow
     jobs                     moves from a scene file or a CSV table
     ports                    serial (needs pyserial) and TCP
-    record, plot             telemetry as CSV and SVG
-    study                    parts of a design study over any executor
+    record                   telemetry as CSV
 """
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 PROTOCOL = 4
+
+if TYPE_CHECKING:
+    from .board import AsyncBoard, Board, BoardError, BoardStatus
+    from .errors import MotionError, PlanError, Problem, SceneError
+    from .machine import Machine, check
+    from .table import Table
+
+#: Modules of the names of the package. They are imported when they are used: a client needs neither numpy nor the native core.
+_HOMES = {
+    "AsyncBoard": "board",
+    "Board": "board",
+    "BoardError": "board",
+    "BoardStatus": "board",
+    "Machine": "machine",
+    "MotionError": "errors",
+    "PlanError": "errors",
+    "Problem": "errors",
+    "SceneError": "errors",
+    "Table": "table",
+    "check": "machine",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOMES])
+
+
+__all__ = [
+    "PROTOCOL",
+    "AsyncBoard",
+    "Board",
+    "BoardError",
+    "BoardStatus",
+    "Machine",
+    "MotionError",
+    "PlanError",
+    "Problem",
+    "SceneError",
+    "Table",
+    "check",
+]

@@ -8,7 +8,7 @@ import math
 import sys
 from pathlib import Path
 
-from . import jobs, plot
+from . import figures, jobs, record
 from .exchange import Refused, Silent
 from .jobs import JobError
 from .messages import NUMBERS, Command, SectionName
@@ -24,7 +24,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--moves", metavar="CSV", help="moves of a scene's job along a path, from `trirrr plan`")
     parser.add_argument("--port", required=True, help="serial port, or tcp:HOST:PORT")
     parser.add_argument("--baud", type=int, default=921_600, help="of a serial port (%(default)s)")
-    parser.add_argument("--out", default="out", help="folder for ticks.csv and ticks.svg (%(default)s)")
+    parser.add_argument("--out", default="out", help="folder for ticks.csv and, with matplotlib, ticks.svg (%(default)s)")
     parser.add_argument("--every", type=int, default=1, help="ticks from one sample to the next")
     parser.add_argument("--any-scene", action="store_true", help="do not compare the machine's scene")
     parser.add_argument("--scalar", choices=list(NUMBERS), help="number type of the machine's image (the job's)")
@@ -107,7 +107,10 @@ def write(folder: str, stream: Stream, recorder: Recorder, title: str, torque: b
     exchange = stream.exchange
     rows = recorder.rows(exchange.identity, legs, exchange.numbers)
     recorder.write(str(out / "ticks.csv"), rows, torque)
-    plot.plot(str(out / "ticks.svg"), rows, title, torque)
+    try:
+        figures.ticks(record.as_columns(rows, torque), title).savefig(out / "ticks.svg")
+    except figures.NoMatplotlib as error:
+        print(f"trirrr: no ticks.svg: {error}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -8,14 +8,19 @@ lost.
 from __future__ import annotations
 
 import random
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
 
-from . import PROTOCOL
+from . import PROTOCOL, words
 from .messages import NUMBERS, Command, Goal, Hello, Listener, Pose, Request, encode, schema_key
 from .ports import Port, PortError
 from .postcard import Numbers, Value
+
+
+#: A thread listens for so many seconds before another one may ask.
+_TURN_S = 0.02
 
 
 class Silent(Exception):
@@ -26,13 +31,28 @@ class Refused(Exception):
     """The machine does not do what it was asked to."""
 
     def __init__(self, command: Value, refusal: Value) -> None:
-        super().__init__(f"{command.name} refused: {refusal}")
+        super().__init__(f"{command.name} is refused: {words.refusal(refusal)}")
         self.command = command
         self.refusal = refusal
 
 
+class Turns:
+    """A lock that threads get in turn: one that asks again and again does not starve another."""
+
+    def __init__(self) -> None:
+        self._next = threading.Lock()
+        self._held = threading.RLock()
+
+    def __enter__(self) -> None:
+        with self._next:
+            self._held.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._held.release()
+
+
 class Exchange:
-    """A conversation with one machine.
+    """A conversation with one machine. Threads may share it.
 
     ``heard`` gets every event and telemetry sample as it comes. Times are in seconds; after each
     repetition the wait doubles, up to eight times.
@@ -55,6 +75,7 @@ class Exchange:
         self._hello = random.getrandbits(31)
         self._numbers = numbers
         self._listener: Listener | None = None
+        self._turns = Turns()
         self.repeated = 0
         self.identity: Any = None
 
@@ -87,22 +108,24 @@ class Exchange:
                     continue
                 raise
             self._numbers = numbers
+            # A thread that sees the identity may ask.
+            self._sequence = reply.content.next_sequence
             self.identity = reply.content
-            self._sequence = self.identity.next_sequence
             return self.identity
         raise last
 
     def ask(self, command: Value) -> Any:
         """The content of the answer to ``command``. ``Refused`` and ``Silent`` say why there is none."""
-        request = Request(self._sequence, command)
-        try:
-            reply = self._converse(request, self.numbers)
-        except Refused as refused:
-            if refused.refusal.name not in ("HelloFirst", "Sequence", "SequenceReused"):
-                self._sequence = (self._sequence + 1) % (1 << 32)
-            raise
-        self._sequence = (self._sequence + 1) % (1 << 32)
-        return reply.content
+        with self._turns:
+            request = Request(self._sequence, command)
+            try:
+                reply = self._converse(request, self.numbers)
+            except Refused as refused:
+                if refused.refusal.name not in ("HelloFirst", "Sequence", "SequenceReused"):
+                    self._sequence = (self._sequence + 1) % (1 << 32)
+                raise
+            self._sequence = (self._sequence + 1) % (1 << 32)
+            return reply.content
 
     def retarget(
         self,
@@ -145,7 +168,8 @@ class Exchange:
         """Takes what comes in the next ``seconds``."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0:
-            self._take(left, None)
+            with self._turns:
+                self._take(min(left, _TURN_S), None)
 
     def _converse(self, request: Any, numbers: Numbers) -> Value:
         frame = encode(request, numbers)

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
+from . import words
 from .exchange import Exchange, Refused
 from .messages import Command
 
@@ -101,7 +102,8 @@ class Mover:
             status = self.status()
             self._raise_fault(status)
             if status.refused is not None and status.refused != self._refused:
-                raise NoMotion(f"no motion to the goal: {status.refused.violation}")
+                why = words.violation(status.refused.violation, 0, self.exchange.identity)
+                raise NoMotion(f"no motion to the goal: {why}")
             if status.acting.name in ("Stop", "Silence") and not self._moves(status):
                 raise NoMotion(f"the machine has stopped: {status.acting}")
             if not self._moves(status) and status.next == status.done:
@@ -114,7 +116,7 @@ class Mover:
 
     def _raise_fault(self, status: Any) -> None:
         if status.fault is not None:
-            raise NoMotion(f"fault: {status.fault}")
+            raise NoMotion(f"fault: {words.fault(status.fault, self.exchange.identity)}")
 
     def _play(self, status: Any) -> None:
         """Starts moves that wait for it, and goes on where the machine has waited for its host."""

@@ -6,6 +6,7 @@ import csv
 import math
 import tomllib
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -77,7 +78,7 @@ class Job:
     #: Name that the machine tells to whoever asks what it plays.
     name: str = ""
 
-    def label(self, moves: list[Any], numbers: Numbers) -> JobLabel:
+    def label(self, moves: list[Any], numbers: Numbers) -> Any:
         """What the machine keeps of the job that consists of ``moves``."""
         check = 0
         for move in moves:
@@ -120,7 +121,7 @@ class Job:
         return [move(number, step) for number, step in enumerate(self.steps)]
 
 
-def common(move: Any) -> Move:
+def common(move: Any) -> Any:
     """The part of ``move`` that a quintic has in common with a cubic."""
     return getattr(move, "common", move)
 
@@ -181,17 +182,11 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         velocity = acceleration = _REST
         for index, each in enumerate([] if is_path else job["move"], 1):
             end = _pose(each["to"])
-            end_velocity = tuple(
-                float(each.get("end_velocity", {}).get(key, 0.0))
-                for key in ("vx_m_s", "vy_m_s", "valpha_rad_s")
-            )
-            accelerations = None
+            end_velocity = _vector(each.get("end_velocity", {}), "vx_m_s", "vy_m_s", "valpha_rad_s")
+            accelerations: tuple[Vector, Vector] | None = None
             if each.get("curve", "cubic") == "quintic":
-                end_acceleration = tuple(
-                    float(each.get("end_acceleration", {}).get(key, 0.0))
-                    for key in ("ax_m_s2", "ay_m_s2", "aalpha_rad_s2")
-                )
-                accelerations = (acceleration, end_acceleration)
+                given = each.get("end_acceleration", {})
+                accelerations = (acceleration, _vector(given, "ax_m_s2", "ay_m_s2", "aalpha_rad_s2"))
             duration = each.get("duration_s")
             tool = each.get("tool")
             steps.append(
@@ -220,8 +215,33 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
     return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""))
 
 
+#: Ends of keys with a unit of SI, of the same in another unit, and the value of the other one in SI.
+_UNITS: tuple[tuple[str, str, Callable[[float], float]], ...] = (
+    ("_rad_s", "_rpm", lambda rate: rate * math.pi / 30),
+    ("_rad", "_deg", math.radians),
+    ("_m", "_mm", lambda length: length / 1000),
+)
+
+
+def _number(table: dict[str, Any], key: str, default: float | None = None) -> float:
+    """The value of ``key`` in SI units, under this name or that in another unit. ``KeyError`` where there is none and no default."""
+    for end, other, convert in _UNITS:
+        name = key.removesuffix(end) + other
+        if key.endswith(end) and name in table:
+            if key in table:
+                raise ValueError(f"{key} and {name} are both given")
+            return float(convert(float(table[name])))
+    return float(table[key] if default is None else table.get(key, default))
+
+
+def _vector(table: dict[str, Any], *keys: str) -> Vector:
+    """Three values, 0 where they are left out."""
+    a, b, c = (_number(table, key, 0.0) for key in keys)
+    return (a, b, c)
+
+
 def _pose(table: dict[str, Any]) -> Vector:
-    return (float(table["x_m"]), float(table["y_m"]), float(table["alpha_rad"]))
+    return (_number(table, "x_m"), _number(table, "y_m"), _number(table, "alpha_rad"))
 
 
 #: Columns of a table: end pose, then duration, then what is 0 where it is left out.
@@ -243,7 +263,8 @@ def _from_table(path: str, data: bytes) -> Job:
     is_quintic = any(name in names for name in _QUINTIC)
     missing = [name for name in _NEEDED if name not in names]
     if missing or unknown:
-        raise JobError(f"{path}: columns missing: {missing}, unknown: {unknown}")
+        hint = "; separate columns by commas, and write decimal points" if ";" in "".join(names) else ""
+        raise JobError(f"{path}: columns missing: {missing}, unknown: {unknown}{hint}")
     steps: list[Step] = []
     before: tuple[Vector, Vector, Vector] | None = None
     for row in rows:

@@ -7,6 +7,7 @@ no inverse kinematics is solved.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,11 +32,19 @@ class Closure:
     parallel: float
 
 
-def _cross(a, b) -> float:
+def _cross(a: Sequence[float], b: Sequence[float]) -> float:
     return a[0] * b[1] - a[1] * b[0]
 
 
-def close(legs: list[Any], pose, velocity, acceleration, angles, rates, accelerations) -> Closure:
+def close(
+    legs: list[Any],
+    pose: Sequence[float],
+    velocity: Sequence[float],
+    acceleration: Sequence[float],
+    angles: Sequence[float],
+    rates: Sequence[float],
+    accelerations: Sequence[float],
+) -> Closure:
     """Closes the legs (sections ``Leg`` of the scene), everything in SI."""
     x, y, alpha = pose
     vx, vy, spin = velocity
@@ -71,4 +80,5 @@ def close(legs: list[Any], pose, velocity, acceleration, angles, rates, accelera
     half_perimeter = sum(math.dist(joints[i], joints[i - 1]) for i in range(3)) / 2
     greatest = half_perimeter * math.prod(leg.distal_m for leg in legs)
     parallel = abs(det_a) / greatest if greatest > 0 else 0.0
-    return Closure(tuple(distal), det_a, parallel)
+    one, two, three = distal
+    return Closure((one, two, three), det_a, parallel)

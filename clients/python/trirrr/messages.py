@@ -590,13 +590,13 @@ class Sample(Struct):
         chosen = {name for bit, name in enumerate(TELEMETRY_FIELDS) if fields >> bit & 1}
         return set(self.fields) - set(TELEMETRY_FIELDS) | chosen
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         there = self._there(value.fields)
         for name, kind in self.fields.items():
             if name in there:
                 kind.write(out, getattr(value, name), numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: postcard.Reader, numbers: Numbers) -> Any:
         values: dict[str, Any] = dict.fromkeys(self.fields)
         for name, kind in self.fields.items():
             if name not in TELEMETRY_FIELDS or name in self._there(values["fields"]):

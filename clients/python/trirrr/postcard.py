@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import struct
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,16 +71,16 @@ class Bool(Type):
 
     name = "bool"
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         out.append(1 if value else 0)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         byte = reader.take(1)[0]
         if byte > 1:
             raise DecodeError(f"{byte} is no bool")
         return byte == 1
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\x11"
 
 
@@ -89,15 +89,15 @@ class U8(Type):
 
     name = "u8"
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         if not 0 <= value < 256:
             raise ValueError(f"{value} is no u8")
         out.append(value)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return reader.take(1)[0]
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\x3d"
 
 
@@ -110,7 +110,7 @@ class Varint(Type):
         self.signed = signed
         self._tag = tag
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         low, high = (-(1 << self.bits - 1), 1 << self.bits - 1) if self.signed else (0, 1 << self.bits)
         if not low <= value < high:
             raise ValueError(f"{value} is no {self.name}")
@@ -121,7 +121,7 @@ class Varint(Type):
             value >>= 7
         out.append(value)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         value = 0
         for shift in range(0, self.bits, 7):
             byte = reader.take(1)[0]
@@ -134,7 +134,7 @@ class Varint(Type):
             raise DecodeError(f"{value} is no {self.name}")
         return (value >> 1) ^ -(value & 1) if self.signed else value
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield self._tag
 
 
@@ -146,13 +146,13 @@ class Float(Type):
         self._struct = struct.Struct(code)
         self._tag = tag
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         out += self._struct.pack(value)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._struct.unpack(reader.take(self._struct.size))[0]
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield self._tag
 
 
@@ -163,13 +163,13 @@ class Newtype(Type):
         self.name = name
         self._inner = inner
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         self._inner.write(out, value, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._inner.read(reader, numbers)
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\x9d"
         yield from self._inner.shape(numbers)
 
@@ -181,29 +181,29 @@ class Scaled(Newtype):
         super().__init__(name, inner)
         self._unit = unit
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         if isinstance(self._inner, Varint):
             value = round(value / self._unit)
         super().write(out, value, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return super().read(reader, numbers) * self._unit
 
 
 class _OfMachine(Type):
     """The machine's number or angle."""
 
-    def __init__(self, name: str, pick) -> None:
+    def __init__(self, name: str, pick: Callable[[Numbers], Type]) -> None:
         self.name = name
         self._pick = pick
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         self._pick(numbers).write(out, value, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._pick(numbers).read(reader, numbers)
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         return self._pick(numbers).shape(numbers)
 
 
@@ -227,18 +227,18 @@ class Optional(Type):
         self.name = inner.name + "?"
         self.inner = inner
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         out.append(0 if value is None else 1)
         if value is not None:
             self.inner.write(out, value, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         byte = reader.take(1)[0]
         if byte > 1:
             raise DecodeError(f"{byte} is neither none nor some")
         return self.inner.read(reader, numbers) if byte else None
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\x6d"
         yield from self.inner.shape(numbers)
 
@@ -246,21 +246,21 @@ class Optional(Type):
 class Tuple(Type):
     """Values one after the other. Those of a named tuple type come back as such."""
 
-    def __init__(self, name: str, parts: list[Type], make=tuple) -> None:
+    def __init__(self, name: str, parts: list[Type], make: Callable[[Iterable[Any]], Any] = tuple) -> None:
         self.name = name
         self.parts = parts
         self._make = make
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         if len(value) != len(self.parts):
             raise ValueError(f"{self.name} has {len(self.parts)} values, not {len(value)}")
         for part, item in zip(self.parts, value):
             part.write(out, item, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._make(part.read(reader, numbers) for part in self.parts)
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\xa7"
         for part in self.parts:
             yield from part.shape(numbers)
@@ -285,14 +285,14 @@ class Struct(Type):
     def __call__(self, *args: Any, **values: Any) -> Any:
         return self.record(*args, **values)
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         for name, kind in self.fields.items():
             kind.write(out, getattr(value, name), numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self.record(*(kind.read(reader, numbers) for kind in self.fields.values()))
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\x7f"
         yield from _fields(self.fields, numbers)
 
@@ -330,7 +330,7 @@ class Enum(Type):
         self._with_fields = {name for name, content in variants.items() if isinstance(content, dict)}
         self._names = list(variants)
 
-    def __getattr__(self, name: str):
+    def __getattr__(self, name: str) -> Any:
         variants = self.__dict__.get("variants", {})
         if name not in variants:
             raise AttributeError(name)
@@ -341,13 +341,13 @@ class Enum(Type):
             return lambda **fields: Value(name, content(**fields))
         return lambda value: Value(name, value)
 
-    def write(self, out, value, numbers):
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         U32.write(out, self._names.index(value.name), numbers)
         content = self.variants[value.name]
         if content is not None:
             content.write(out, value.content, numbers)
 
-    def read(self, reader, numbers):
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
         index = U32.read(reader, numbers)
         if index >= len(self._names):
             raise DecodeError(f"{self.name} has no variant {index}")
@@ -355,13 +355,13 @@ class Enum(Type):
         content = self.variants[name]
         return Value(name) if content is None else Value(name, content.read(reader, numbers))
 
-    def shape(self, numbers):
+    def shape(self, numbers: Numbers) -> Iterable[bytes]:
         yield b"\xe9"
         for name, content in self.variants.items():
             yield name.encode()
             if content is None:
                 yield b"\xb5"
-            elif name in self._with_fields:
+            elif isinstance(content, Struct) and name in self._with_fields:
                 yield b"\x67"
                 yield from _fields(content.fields, numbers)
             else:

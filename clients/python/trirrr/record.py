@@ -32,6 +32,11 @@ def columns(torque: bool) -> list[str]:
     return [name for name in COLUMNS if torque or name not in _DYNAMIC]
 
 
+def as_columns(rows: list[list[float]], torque: bool) -> dict[str, list[float]]:
+    """The columns of ``rows`` by name."""
+    return {name: [row[COLUMNS.index(name)] for row in rows] for name in columns(torque)}
+
+
 class Recorder:
     """Collects the samples of one job."""
 
@@ -75,9 +80,9 @@ def _row(sample: Any, start: int, identity: Any, legs: list[Any], numbers: Numbe
     def rounded(value: float) -> float:
         """As the machine computes it."""
         data = postcard.dumps(numbers.number, value, numbers)
-        return postcard.loads(numbers.number, data, numbers)
+        return float(postcard.loads(numbers.number, data, numbers))
 
-    def scaled(values, linear: float, angular: float) -> list[float]:
+    def scaled(values: Any, linear: float, angular: float) -> list[float]:
         return [values[0] * linear, values[1] * linear, values[2] * angular]
 
     pose = scaled(sample.setpoint.pose, length, 1.0)

@@ -34,9 +34,13 @@ _NOT_YET = {
 _NEAR_M, _NEAR_RAD, _WAY_S = 5e-4, 5e-3, 0.2
 
 
+#: States that pass by themselves and are no job's.
+ON_THE_WAY = ("Homing", "Recovering", "Stopping")
+
+
 def _is_on_the_way(status: Any) -> bool:
     """Whether the machine is in a state that passes by itself and is no job's."""
-    return status.state.name in ("Homing", "Recovering", "Stopping")
+    return status.state.name in ON_THE_WAY
 
 
 class JobFailed(Exception):
@@ -80,9 +84,11 @@ class Stream:
         self._feed = feed_percent
         self.survey: list[Any] = []
         self._moves: list[Any] = []
-        self._base: int | None = None
+        self._base: Any = None
         self._offered = 0
-        self.exchange: Exchange | None = None
+        self._refused: Any = None
+        #: The conversation under way.
+        self.exchange: Any = None
         self.status: Any = None
         self.repeated = 0
         self.reconnected = 0
@@ -263,7 +269,9 @@ class Stream:
             if state != "Idle" or status.next != status.done:
                 raise JobFailed(f"the machine is not free: {state}, or with moves of another job")
             self._base = status.next
-        if status.refused is not None and status.refused.violation is not None:
+            # A goal that was refused before the job is none of its moves.
+            self._refused = status.refused
+        if status.refused is not None and status.refused.violation is not None and status.refused != self._refused:
             index = (status.refused.number - self._base) % _MODULUS
             if index < len(self._moves):
                 self._command(Command.Stop())
@@ -281,4 +289,4 @@ class Stream:
         self._offered = taken  # more only where the answer to a move was lost with the line
         if before is None or before.done != status.done or before.state != status.state:
             self._progress(done, len(self._moves), state)
-        return done == len(self._moves) and state == "Idle"
+        return bool(done == len(self._moves) and state == "Idle")

@@ -11,12 +11,19 @@ An executor has `submit`, as those of concurrent.futures and the client of Dask,
 program `trirrr`, and no file: the scene goes with the task, and the part of the study comes back.
 """
 
+from __future__ import annotations
+
 import json
 import os
 import subprocess
 import tempfile
 import tomllib
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
+
+#: Program, place of the scene, texts of the files by place, arguments.
+Task = tuple[str, str, dict[str, str], list[str]]
 
 
 class StudyRefused(Exception):
@@ -24,19 +31,19 @@ class StudyRefused(Exception):
 
 
 def run(
-    scene,
-    vary,
-    objectives,
+    scene: str | os.PathLike[str],
+    vary: Iterable[str],
+    objectives: Iterable[str],
     *,
-    shards=1,
-    executor=None,
-    evaluations=400,
-    seed=1,
-    settings=(),
-    arguments=(),
-    out=None,
-    program=None,
-):
+    shards: int = 1,
+    executor: Any = None,
+    evaluations: int = 400,
+    seed: int = 1,
+    settings: Iterable[str] = (),
+    arguments: Sequence[str] = (),
+    out: str | os.PathLike[str] | None = None,
+    program: str | None = None,
+) -> Any:
     """Carries out a study of `scene` in `shards` parts and puts them together; returns the study.json of the whole.
 
     `vary`: texts as for --vary. `objectives`: one name or two, as for --for. `settings`: texts as for --set. `arguments`: further ones of
@@ -68,7 +75,7 @@ def run(
         return json.loads(done.stdout)
 
 
-def _files(scene):
+def _files(scene: Path) -> tuple[str, dict[str, str]]:
     """The scene and the file of its machine: the place of the scene, and texts by their places in a folder."""
     text = scene.read_text(encoding="utf-8")
     paths = [scene.resolve()]
@@ -86,7 +93,7 @@ def _files(scene):
     return places[0], dict(zip(places, texts))
 
 
-def _mapped(executor, tasks):
+def _mapped(executor: Any, tasks: list[Task]) -> list[str]:
     if executor is None:
         return [part_of_study(task) for task in tasks]
     if hasattr(executor, "submit"):
@@ -95,7 +102,7 @@ def _mapped(executor, tasks):
     return list(executor.map(part_of_study, tasks))
 
 
-def part_of_study(task):
+def part_of_study(task: Task) -> str:
     """Carries out a part of a study, on a worker; returns its study.json."""
     program, place, files, arguments = task
     with tempfile.TemporaryDirectory() as folder:

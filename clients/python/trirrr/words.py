@@ -57,6 +57,61 @@ _DRIVE = {
 }
 
 
+_REFUSED = {
+    "HelloFirst": "the machine has had no hello since it was switched on",
+    "Protocol": "the machine speaks version {expected} of the protocol, this client another",
+    "Schema": "the machine's messages have another layout (schema key {expected:#010x}): it was built for another number "
+    "type, or from another version",
+    "Scene": "the machine was built for another scene (key {expected:#010x}); name the scene that it has",
+    "Sequence": "the machine expects request number {expected}: has it two clients?",
+    "SequenceReused": "the request's number was used for another command: has the machine two clients?",
+    "NothingQueued": "no move is queued",
+    "Undecided": "a queued move is not admitted yet",
+    "EndsMoving": "the queued moves end before the machine could come to rest on them",
+    "QueueFull": "the queue is full",
+    "MoveNumber": "the machine expects move number {expected}: has it two clients?",
+    "NotFinite": "a value is infinite or not a number",
+    "Duration": "its duration is not 1 to {longest} ticks",
+    "StartPose": "it does not start where the last one ends, or where the machine stands; --recover brings the machine "
+    "to the start of the job",
+    "StartVelocity": "it does not start as fast as the last one ends",
+    "StartAcceleration": "it does not start with the acceleration that the last one ends with",
+    "Tool": "the tool's power is not from 0 to 1, or its speed negative",
+    "NotAdjustable": "the machine's image holds no code to change its scene",
+    "NoSuchLeg": "there is no such leg",
+    "NotInImage": "the machine's image holds no code for such links, loads or such a centre of mass",
+    "NoPose": "with the new geometry, no pose fits the motors' angles",
+    "Busy": "the machine's tick has not taken the commands before this one",
+    "NoHoming": "the scene has no [homing]: the machine knows where its motors are",
+    "NoQuintics": "the machine's image holds no code for quintic moves",
+    "FeedOverride": "a feed override is 1 to 100 percent",
+    "Retargeting": "the machine is still planning the last retarget",
+    "NoPaths": "the machine's image plans no paths: set plans_paths in [service] of its scene, or send moves",
+    "PathUnderWay": "the machine plans a path: wait for its end, or stop, before other moves",
+    "Feed": "the feed of a piece is negative",
+    "NoFeedback": "the drives of the machine's scene tell nothing",
+    "NoBatches": "the machine's image takes no batches of moves: set batches in [service] of its scene",
+    "Check": "the moves of the batch do not start where the last one ends: has the machine two clients?",
+    "Recovery": "the way there would break a limit",
+}
+
+
+def refusal(found: Any) -> str:
+    """Why a command was refused."""
+    content = found.content
+    if found.name == "State":
+        return f"not while the machine is {content.name.lower()}"
+    if found.name == "Parameter":
+        fields = content._asdict() if hasattr(content, "_asdict") else vars(content)
+        leg = "" if fields["leg"] is None else f" of leg {fields['leg'] + 1}"
+        return f"{fields['quantity'].name}{leg} cannot be built"
+    text = _REFUSED.get(found.name)
+    # A machine of a later version may know more refusals.
+    if text is None:
+        return str(found)
+    return text.format(**{name: getattr(content, name) for name in ("expected", "longest") if hasattr(content, name)})
+
+
 def fault(found: Any, identity: Any) -> str:
     """A latched fault of the machine that ``identity`` describes."""
     number = "?" if found.index is None else found.index + 1
@@ -81,7 +136,7 @@ def not_enabled(found: Any) -> str:
 
 
 def violation(found: Any, ticks: int, identity: Any) -> str:
-    """The limit that a move of ``ticks`` would break, or is not proven to keep."""
+    """The limit that a move of ``ticks``, 0 if unknown, would break, or is not proven to keep."""
     what = found.what.name
     if what == "Range":
         coordinate = {0: "x", 1: "y", 2: "alpha"}.get(found.index, "a result")
@@ -97,7 +152,8 @@ def violation(found: Any, ticks: int, identity: Any) -> str:
     if found.ramp:
         text += " in a hold or a resume there"
     text = f"{subject} {text}, the {_bound(what, value, limit)} allowed is {limit:.6g}{si}"
-    text += f", {found.at * ticks / identity.tick_rate_hz:.4g} s into the move"
+    if ticks:
+        text += f", {found.at * ticks / identity.tick_rate_hz:.4g} s into the move"
     if found.shortest is None:
         return text
     enough, too_short = found.shortest.enough, found.shortest.too_short

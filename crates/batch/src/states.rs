@@ -7,10 +7,11 @@ use crate::lanes::{LANES, Lanes};
 use multiversion::multiversion;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
-use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::machine::{BuildError, Geometry, Parameters};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::number::RoundsEachStep;
 use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
 use trirrr_core::tick::{Motor, Tick};
 
@@ -67,9 +68,14 @@ pub struct LengthError {
     pub expected: usize,
 }
 
+/// Distances of one state from the singularities, from 0 to 1: serial of the three legs, then parallel.
+pub type DistanceRow<F> = [F; 4];
+
 /// A machine that evaluates slices of states.
-pub struct BatchMachine<F> {
+pub struct BatchMachine<F: Float> {
     ticks: Box<dyn BatchTick<F>>,
+    geometry: Geometry<F>,
+    distances: Distances<F>,
 }
 
 /// Tick of one model, for many states.
@@ -90,8 +96,29 @@ impl<F: Float> BatchMachine<F> {
     /// # Errors
     /// First quantity of the parameters that is refused.
     pub fn build(parameters: &Parameters, torque: bool) -> Result<Self, BuildError> {
-        let ticks = ModelKind::of(parameters, torque).visit(Build { parameters })?;
-        Ok(Self { ticks })
+        Ok(Self {
+            ticks: ModelKind::of(parameters, torque).visit(Build { parameters })?,
+            geometry: Geometry::build(parameters)?,
+            distances: Distances::build(parameters),
+        })
+    }
+
+    /// Finds the distances of every pose from the singularities, on all threads of rayon's current pool. Returns the rows without
+    /// results, in their order.
+    ///
+    /// # Errors
+    /// [`LengthError`]: nothing is evaluated.
+    pub fn distances(
+        &self,
+        poses: &[[F; 3]],
+        results: &mut [DistanceRow<F>],
+    ) -> Result<Vec<FailedRow>, LengthError> {
+        check_length("distances of the results", results.len(), poses.len())?;
+        Ok(each_row(results, |row| {
+            let position = self.geometry.position(&pose_of(poses[row]))?;
+            let [one, two, three] = self.distances.serial(&position);
+            Ok([one, two, three, self.distances.parallel(&position)])
+        }))
     }
 
     /// Evaluates every state on all threads of rayon's current pool. Each row has the bits that
@@ -104,22 +131,14 @@ impl<F: Float> BatchMachine<F> {
         states: StateRows<'_, F>,
         results: MotorRows<'_, F>,
     ) -> Result<Vec<FailedRow>, LengthError> {
-        let expected = states.poses.len();
+        let expected = states.rows()?;
         for (slice, found) in [
-            ("velocities", states.velocities.len()),
-            ("accelerations", states.accelerations.len()),
             ("angles of the results", results.angles.len()),
             ("rates of the results", results.rates.len()),
             ("accelerations of the results", results.accelerations.len()),
             ("torques of the results", results.torques.len()),
         ] {
-            if found != expected {
-                return Err(LengthError {
-                    slice,
-                    found,
-                    expected,
-                });
-            }
+            check_length(slice, found, expected)?;
         }
         let states = states
             .poses
@@ -155,6 +174,48 @@ impl<F: Float> BatchMachine<F> {
                 failed
             });
         Ok(failed.collect::<Vec<_>>().concat())
+    }
+}
+
+/// Compares the `found` rows of a slice with the `expected` ones.
+pub(crate) fn check_length(
+    slice: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), LengthError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(LengthError {
+            slice,
+            found,
+            expected,
+        }),
+    }
+}
+
+/// Evaluates each row by its number into `results`, on all threads. Returns the rows without results, in their order.
+pub(crate) fn each_row<R: Send>(
+    results: &mut [R],
+    evaluate: impl Fn(usize) -> Result<R, Status> + Sync,
+) -> Vec<FailedRow> {
+    let chunks = results.par_chunks_mut(CHUNK).enumerate();
+    let failed = chunks.map(|(chunk, results)| {
+        let mut failed = Vec::new();
+        for (row, result) in (chunk * CHUNK..).zip(results) {
+            match evaluate(row) {
+                Ok(value) => *result = value,
+                Err(status) => failed.push(FailedRow { row, status }),
+            }
+        }
+        failed
+    });
+    failed.collect::<Vec<_>>().concat()
+}
+
+fn pose_of<F: Float>([x, y, alpha]: [F; 3]) -> Pose<F> {
+    Pose {
+        position: Vector2::new(x, y),
+        angle: alpha,
     }
 }
 
@@ -226,14 +287,23 @@ fn evaluate_lanes<F: Float, M: Model<N = Lanes<F>>>(
     begin
 }
 
+impl<F> StateRows<'_, F> {
+    /// Number of the rows.
+    ///
+    /// # Errors
+    /// [`LengthError`].
+    pub(crate) fn rows(&self) -> Result<usize, LengthError> {
+        let expected = self.poses.len();
+        check_length("velocities", self.velocities.len(), expected)?;
+        check_length("accelerations", self.accelerations.len(), expected)?;
+        Ok(expected)
+    }
+}
+
 impl<F: Float> StateRows<'_, F> {
-    fn one(&self, row: usize) -> Setpoint<F> {
-        let [x, y, alpha] = self.poses[row];
+    pub(crate) fn one(&self, row: usize) -> Setpoint<F> {
         Setpoint {
-            pose: Pose {
-                position: Vector2::new(x, y),
-                angle: alpha,
-            },
+            pose: pose_of(self.poses[row]),
             velocity: self.velocities[row].into(),
             acceleration: self.accelerations[row].into(),
         }

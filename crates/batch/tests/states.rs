@@ -2,9 +2,12 @@
 
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeSet;
-use trirrr_batch::{BatchMachine, FailedRow, Float, LengthError, MotorRows, StateRows};
+use trirrr_batch::{
+    BatchMachine, BatchReactions, FailedRow, Float, LengthError, MotorRows, StateRows,
+};
 use trirrr_core::machine::{LinkParameters, Parameters, example};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::reaction::Reactions;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::status::Status;
 use trirrr_core::tick::{Motor, Tick};
@@ -218,4 +221,87 @@ fn slices_of_different_lengths_are_refused() {
     };
     assert_eq!(refused, Err(error));
     assert!(results.iter().all(|rows| *rows == three));
+}
+
+/// The record and the joint forces of one state, by the tick itself.
+struct SingleRecord(Parameters, Setpoint<f64>);
+
+impl ModelVisitor<f64> for SingleRecord {
+    type Output = Result<[[f64; 2]; 9], Status>;
+
+    fn visit<M: Model<N = f64>>(self) -> Self::Output {
+        let tick: Tick<M> = Tick::build(&self.0).expect("a machine");
+        let motion = tick.evaluate(&self.1)?;
+        let legs = Reactions::build(&self.0).forces(&motion)?;
+        let joints = legs.map(|leg| [leg.base, leg.elbow, leg.platform]);
+        let mut joints = joints.as_flattened().iter().map(|force| (*force).into());
+        Ok([(); 9].map(|()| joints.next().expect("nine joints")))
+    }
+}
+
+#[test]
+fn distances_and_joint_forces_are_those_of_single_states() {
+    // More than a chunk.
+    let count = 4096 + 5;
+    for parameters in machines() {
+        let mut draws = Draws(7);
+        // Some poses are out of reach.
+        let poses = draws.rows::<f64>(count, [0.25, 0.25, 0.2], [0.2, 0.2, 0.5]);
+        let velocities = draws.rows(count, [0.0; 3], [0.2; 3]);
+        let accelerations = draws.rows(count, [0.0; 3], [1.0; 3]);
+        let states = StateRows {
+            poses: &poses,
+            velocities: &velocities,
+            accelerations: &accelerations,
+        };
+        let mut distances = vec![[LEFT; 4]; count];
+        let mut forces = vec![[[[LEFT; 2]; 3]; 3]; count];
+        let machine = BatchMachine::build(&parameters, true).expect("a machine");
+        let lost = machine.distances(&poses, &mut distances).expect("lengths");
+        let reactions = BatchReactions::build(&parameters).expect("a machine");
+        let failed = reactions.evaluate(states, &mut forces).expect("lengths");
+        assert!(!lost.is_empty() && lost.len() < count);
+        let pipeline = trirrr_scene::pipeline::build::<f64>(&parameters).expect("a machine");
+        let kind = ModelKind::of(&parameters, true);
+        let mut failures = failed.iter();
+        for row in 0..count {
+            let [x, y, alpha] = poses[row];
+            let setpoint = Setpoint {
+                pose: Pose::from_f64(x, y, alpha),
+                velocity: Vector3::from(velocities[row]),
+                acceleration: Vector3::from(accelerations[row]),
+            };
+            match kind.visit(SingleRecord(parameters, setpoint)) {
+                Ok(expected) => {
+                    assert_eq!(forces[row].as_flattened(), expected, "row {row}");
+                    let record = pipeline.evaluate(0.0, &setpoint).expect("a motion");
+                    let [a, b, c] = record.legs.map(|leg| leg.serial);
+                    assert_eq!(distances[row], [a, b, c, record.parallel], "row {row}");
+                }
+                Err(status) => {
+                    assert_eq!(failures.next(), Some(&FailedRow { row, status }));
+                    assert_eq!(forces[row], [[[LEFT; 2]; 3]; 3]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn slices_for_distances_and_forces_have_equal_lengths() {
+    let poses = [[0.25, 0.25, 0.2]; 2];
+    let machine = BatchMachine::<f64>::build(&example(), true).expect("a machine");
+    let short = machine.distances(&poses, &mut [[0.0; 4]]);
+    assert_eq!(
+        short.map_err(|error| (error.found, error.expected)),
+        Err((1, 2))
+    );
+    let states = StateRows {
+        poses: &poses,
+        velocities: &poses[..1],
+        accelerations: &poses,
+    };
+    let reactions = BatchReactions::build(&example()).expect("a machine");
+    let short = reactions.evaluate(states, &mut [[[[0.0; 2]; 3]; 3]; 2]);
+    assert_eq!(short.map_err(|error| error.slice), Err("velocities"));
 }

@@ -1,6 +1,7 @@
 //! CSV tables of numbers with a row of names: separators, cells and faults, as measurements and telemetry have them.
 
 use std::fmt;
+use trirrr_scene::cases::other_separator;
 
 /// Something that is wrong with a table: line, column, reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,13 +71,8 @@ impl CellTable {
         let header = reader.headers().map_err(unread)?;
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
         if let [only] = &names[..] {
-            for (separator, word) in [(';', "semicolons"), ('\t', "tabs")] {
-                if only.contains(separator) {
-                    let reason = format!(
-                        "the columns are separated by {word}; separate them by commas, and write decimal points"
-                    );
-                    return Err(ColumnFault::of_line(1, reason));
-                }
+            if let Some(reason) = other_separator(only) {
+                return Err(ColumnFault::of_line(1, reason));
             }
         }
         for (index, name) in names.iter().enumerate() {

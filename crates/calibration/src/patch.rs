@@ -1,6 +1,7 @@
 //! Changes of values in the text of a scene: everything else stays as it is, comments included.
 
 use toml_edit::{Array, DocumentMut, Formatted, Item, Value};
+use trirrr_scene::read::in_other_unit;
 
 /// Text of a scene, or of the file of a machine, whose values are changed.
 #[derive(Clone, Debug)]
@@ -133,6 +134,16 @@ impl ScenePatch {
             };
             *value.decor_mut() = toml_edit::Decor::new(before, after);
         }
+        // The same in another unit would be given, too.
+        if let Some((other, _)) = in_other_unit(key)
+            && let Some(old) = table.remove(&other)
+            && !is_inline
+            && let Some(old) = old.as_value()
+        {
+            let mut bare = old.clone();
+            bare.decor_mut().clear();
+            *value.decor_mut() = toml_edit::Decor::new(" ", format!(" # was {other} = {bare}"));
+        }
         table.insert(key, Item::Value(value));
         self.changes += 1;
         true
@@ -178,5 +189,15 @@ mod tests {
         let wanted = "# calibrated\n# a machine\nname = \"a\" # its name\n\n[[machine.leg]]\nbase_m = [1.0, 2.5] # was [0.0, 0.433]\nproximal_m = 0.2003 # was 0.2 # steel\n\n[[machine.leg]]\nproximal_m = 0.3\ndistal_m = 0.333333333333\nlinks = { distal = { mass_kg = 0.25 } }\n\n[homing]\nto = \"switches\"\nangle_rad = [0.1, 0.2, 0.3] # was 0.5\n\n[links]\nproximal = { mass_kg = 0.125 }\n";
         assert_eq!(text, wanted);
         assert!(ScenePatch::of("a = = 1").is_err());
+    }
+
+    #[test]
+    fn a_value_takes_the_place_of_the_same_in_another_unit() {
+        let mut patch = ScenePatch::of("[[machine.leg]]\nproximal_mm = 200\nbase_mm = [0, 433]\n")
+            .expect("TOML");
+        assert!(patch.put_number("machine.leg[1].proximal_m", 0.2003));
+        assert!(patch.put_numbers("machine.leg[1].base_m", &[0.0, 0.4331]));
+        let wanted = "[[machine.leg]]\nproximal_m = 0.2003 # was proximal_mm = 200\nbase_m = [0.0, 0.4331] # was base_mm = [0, 433]\n";
+        assert_eq!(patch.text(&[]), wanted);
     }
 }

@@ -113,7 +113,7 @@ fn read_leg(section: &Section, common: GivenLinks) -> Option<LegParameters> {
     let proximal_m = section.number("proximal_m", Bound::Positive);
     let distal_m = section.number("distal_m", Bound::Positive);
     let joint_radius = section.number("joint_radius_m", Bound::NotNegative);
-    let joint_angle = section.number("joint_angle_rad", Bound::Finite);
+    let joint_angle = section.number("joint_angle_rad", Bound::TwoTurns);
     let elbow = read_elbow(section);
     let own = read_links(section, "links")?;
     let proximal = own.proximal.or(common.proximal);

@@ -1,7 +1,7 @@
 //! Checks that a job can be driven: every pose within reach and away from singularity, and every
 //! move admitted by the service's own judgement.
 
-use crate::job::{JobMove, PlacedJob};
+use crate::job::{Job, JobMove, PlacedJob};
 use crate::judge::{Objection, Unjudged, judge};
 use crate::peak::RefusedMove;
 use crate::pipeline;
@@ -41,15 +41,7 @@ pub(crate) fn check_job(
     number: &Place,
     geometry: Geometry<f64>,
 ) -> Result<(), BuildError> {
-    let (parameters, limits) = (&scene.parameters, &scene.limits);
-    let workspace = Workspace {
-        parameters,
-        limits,
-        geometry,
-        distances: Distances::build(parameters),
-        period_s: scene.period_s(),
-        number: scene.number,
-    };
+    let workspace = Workspace::of(scene, geometry);
     let is_allowed = |pose: &Pose<f64>, place: &Place| {
         let checked = workspace.check(pose);
         if let Err(reason) = &checked {
@@ -77,23 +69,101 @@ pub(crate) fn check_job(
     let ends = allowed.windows(2);
     for (((each, place), judgement), ends) in moves().zip(judgements).zip(ends) {
         if let (Err(objection), &[true, true]) = (judgement, ends) {
-            let mut reason = workspace.objection(each, &objection);
-            if let Objection::Limit(violation) = &objection {
-                let machine = pipeline::of_scene::<f64>(scene, Units::SI)?;
-                let refused = RefusedMove {
-                    each,
-                    period_s: scene.period_s(),
-                    machine: &*machine,
-                };
-                reason += &refused.worst(violation);
-            }
+            let reason = workspace.whole_objection(scene, each, &objection)?;
             document.refuse(&place.whole, reason);
         }
     }
     Ok(())
 }
 
-impl Workspace<'_> {
+/// Verdict of the service of a scene on a move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoveVerdict {
+    /// Reason why the service does not play the move; none of a move that is admitted.
+    pub reason: Option<String>,
+    /// Duration in ticks that is proven to be long enough, if one was found.
+    pub enough_ticks: Option<u32>,
+}
+
+/// Judges `each`, a move of the machine of `scene`, as the service of the scene does, in its number type. The job of the scene does not
+/// matter.
+///
+/// # Errors
+/// Reason why no move can be judged: machine or move fit no units of the number type.
+pub fn judge_move(scene: &Scene, each: &JobMove) -> Result<MoveVerdict, String> {
+    let refused = |reason: String| MoveVerdict {
+        reason: Some(reason),
+        enough_ticks: None,
+    };
+    let in_words = |error: BuildError| error.to_string();
+    let geometry = Geometry::<f64>::build(&scene.parameters).map_err(in_words)?;
+    let workspace = Workspace::of(scene, geometry);
+    for (pose, name) in [(&each.from, "start"), (&each.to, "end")] {
+        if let Err(reason) = workspace.check(pose) {
+            return Ok(refused(format!("the {name}: {reason}")));
+        }
+    }
+    let trial = Scene {
+        job: Job {
+            start: each.from,
+            moves: vec![*each],
+            path: None,
+            spool: None,
+        },
+        ..scene.clone()
+    };
+    let judgements = judge(&trial).map_err(|error| error.to_string())?;
+    let Some(Err(objection)) = judgements.first() else {
+        return Ok(MoveVerdict {
+            reason: None,
+            enough_ticks: None,
+        });
+    };
+    let reason = workspace
+        .whole_objection(&trial, each, objection)
+        .map_err(in_words)?;
+    let shortest = match objection {
+        Objection::Limit(violation) => violation.shortest,
+        _ => None,
+    };
+    Ok(MoveVerdict {
+        enough_ticks: shortest.map(|shortest| shortest.enough),
+        ..refused(reason)
+    })
+}
+
+impl<'p> Workspace<'p> {
+    fn of(scene: &'p Scene, geometry: Geometry<f64>) -> Self {
+        Self {
+            parameters: &scene.parameters,
+            limits: &scene.limits,
+            geometry,
+            distances: Distances::build(&scene.parameters),
+            period_s: scene.period_s(),
+            number: scene.number,
+        }
+    }
+
+    /// Describes why the service does not play a move, and how far the move is beyond the limit at worst.
+    fn whole_objection(
+        &self,
+        scene: &Scene,
+        each: &JobMove,
+        objection: &Objection,
+    ) -> Result<String, BuildError> {
+        let mut reason = self.objection(each, objection);
+        if let Objection::Limit(violation) = objection {
+            let machine = pipeline::of_scene::<f64>(scene, Units::SI)?;
+            let refused = RefusedMove {
+                each,
+                period_s: self.period_s,
+                machine: &*machine,
+            };
+            reason += &refused.worst(violation);
+        }
+        Ok(reason)
+    }
+
     /// Describes why the service does not play a move.
     fn objection(&self, each: &JobMove, objection: &Objection) -> String {
         let number = self.number;

@@ -110,6 +110,12 @@ impl Unplanned {
     }
 }
 
+/// Columns of a table of moves, `moves.csv`, SI units: number of the piece from 1, duration, state at the end, power and speed of the tool.
+pub const MOVE_COLUMNS: [&str; 13] = [
+    "piece", "duration", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha", "power",
+    "speed",
+];
+
 /// A job's path with its plan.
 #[derive(Clone, Debug)]
 pub struct PlannedJob {
@@ -150,6 +156,47 @@ impl PlannedJob {
         let mut steps = self.steps();
         let levels = JobLevels::of(&self.path.rows, &mut steps);
         (steps, levels)
+    }
+
+    /// Returns the moves under [`MOVE_COLUMNS`]: the state at the end of each, after a row for the start.
+    ///
+    /// The tool is off along moves that have [levels](Self::listed): a client that plays the rows does not know the levels.
+    pub fn rows(&self, scene: &Scene) -> Vec<[f64; 13]> {
+        let row = |source: usize, duration_s: f64, at: [[f64; 3]; 3], tool: [f64; 2]| {
+            let mut row = [0.0; 13];
+            row[0] = (source + 1) as f64;
+            row[1] = duration_s;
+            row[2..11].copy_from_slice(at.as_flattened());
+            row[11..].copy_from_slice(&tool);
+            row
+        };
+        let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
+        let start = [pose(&scene.job.start), [0.0; 3], [0.0; 3]];
+        let (steps, levels) = self.listed();
+        let steps = (0..).zip(steps).map(|(index, (source, each))| {
+            let tool = each
+                .tool
+                .filter(|_| levels.get(index).is_none())
+                .map_or([0.0; 2], |tool| [tool.power, tool.speed_m_s]);
+            let acceleration = each.accelerations.map_or([0.0; 3], |[_, end]| end.into());
+            let end = [pose(&each.to), each.end_velocity.into(), acceleration];
+            let duration_s = f64::from(each.duration_ticks) * scene.period_s();
+            row(source, duration_s, end, tool)
+        });
+        std::iter::once(row(0, 0.0, start, [0.0; 2]))
+            .chain(steps)
+            .collect()
+    }
+
+    /// Returns the seconds for which the machine stands in the dwells.
+    pub fn stands_s(&self, scene: &Scene) -> f64 {
+        let ticks: u64 = self
+            .path
+            .dwells
+            .iter()
+            .map(|each| u64::from(each.ticks))
+            .sum();
+        scene.period_s() * ticks as f64
     }
 
     /// Duration of the moves and dwells in ticks.

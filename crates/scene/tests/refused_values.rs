@@ -3,6 +3,7 @@
 mod common;
 
 use common::{THESIS, VERTICAL, case, check, edit, problems};
+use trirrr_scene::Scene;
 
 #[test]
 #[rustfmt::skip] // two lines a case
@@ -92,8 +93,8 @@ fn unknown_keys_suggest_the_right_one() {
     check(THESIS, &[
         case(("[platform]", 1, "[platform]\ncolour = 3"),
             "platform.colour", Some("3"), "unknown key; keys here are mass_kg, inertia_kgm2, com_m"),
-        case(("[platform]", 1, "[platform]\ncom_mm = [1, 2]"),
-            "platform.com_mm", Some("[1, 2]"), "did you mean `com_m`?"),
+        case(("[platform]", 1, "[platform]\ncom_cm = [1, 2]"),
+            "platform.com_cm", Some("[1, 2]"), "did you mean `com_m`?"),
         case(("[platform]", 1, "[platform]\ngravity_m_s2 = [0, -9.81]"),
             "platform.gravity_m_s2", Some("[0, -9.81]"), "it belongs at the top of the file, before the first table"),
         case(("tick_rate_hz", 1, "nmber = \"f32\"\ntick_rate_hz"),
@@ -102,15 +103,15 @@ fn unknown_keys_suggest_the_right_one() {
             "job.pause_s", Some("1"), "unknown key; keys here are start, move"),
         case(("[platform]", 1, "[limit]\nrate_rad_s = 1\n[platform]"),
             "limit", Some("[limit]"), "did you mean `limits`?"),
-        case(("[limits]", 1, "[limits]\nrate_rpm = 1"),
-            "limits.rate_rpm", Some("1"), "did you mean `rate_rad_s`?"),
+        case(("[limits]", 1, "[limits]\nrate_rps = 1"),
+            "limits.rate_rps", Some("1"), "unknown key"),
         case(("duration_s", 1, "end_velocity = { vx_mm_s = 1 }\nduration_s"),
             "job.move[1].end_velocity.vx_mm_s", Some("1"), "did you mean `vx_m_s`?"),
     ]);
     // A renamed key is missing as well.
     for (from, to, key, meant) in [
         ("joint_radius_m = 0.02", "radius_mm = 20", "machine.leg[1].radius_mm", "joint_radius_m"),
-        ("joint_angle_rad", "joint_angle_deg", "machine.leg[1].joint_angle_deg", "joint_angle_rad"),
+        ("joint_angle_rad", "joint_angle_degrees", "machine.leg[1].joint_angle_degrees", "joint_angle_rad"),
         ("duration_s", "duration_ms", "job.move[1].duration_ms", "duration_s"),
         ("tick_rate_hz", "tick_rate", "tick_rate", "tick_rate_hz"),
         ("mass_kg", "mass_g", "platform.mass_g", "mass_kg"),
@@ -127,6 +128,77 @@ fn unknown_keys_suggest_the_right_one() {
         assert_eq!(unknown.reason, format!("unknown key; did you mean `{meant}`?"));
         assert!(missing.key.ends_with(meant), "{found:#?}");
         assert!(missing.reason.starts_with("missing"), "{found:#?}");
+    }
+}
+
+#[test]
+#[rustfmt::skip] // two lines a case
+fn values_in_other_units() {
+    check(THESIS, &[
+        case(("distal_m = 0.2", 1, "distal_mm = -200"),
+            "machine.leg[1].distal_mm", Some("-200"), "must be greater than 0 (m); it is -0.2 m"),
+        case(("distal_m = 0.2", 1, "distal_m = 0.2\ndistal_mm = 200"),
+            "machine.leg[1].distal_mm", Some("200"), "`distal_m` is given, too; leave out one of both"),
+        case(("distal_m = 0.2", 1, "distal_mm = \"200\""),
+            "machine.leg[1].distal_mm", Some("\"200\""), "expected a number in mm, found a string"),
+        case(("base_m = [0.5, 0.433]", 1, "base_mm = [500, nan]"),
+            "machine.leg[2].base_mm[2]", Some("nan"), "must be a finite number (m)"),
+        case(("rate_rad_s = 2.0", 1, "rate_rpm = -20"),
+            "limits.rate_rpm", Some("-20"), "must be greater than 0 (rad/s); it is -2.094 rad/s"),
+        case(("joint_angle_rad = 2.6179938779914944", 1, "joint_angle_rad = 150"),
+            "machine.leg[1].joint_angle_rad", Some("150"),
+            "must be within two turns, from -12.566 to 12.566 (rad); in degrees it is `joint_angle_deg`"),
+        case(("alpha_rad = 0.15707963267948966", 1, "alpha_rad = 9e9"),
+            "job.start.alpha_rad", Some("9e9"), "in degrees it is `alpha_deg`"),
+        case(("alpha_rad = 0.15707963267948966", 1, "alpha_deg = 721"),
+            "job.start.alpha_deg", Some("721"), "must be within two turns, from -12.566 to 12.566 (rad); it is 12.58 rad"),
+        case(("mass_kg = 0.5", 1, "mass_kg = 0,5"), "", None, "a number has a decimal point: 0.5, not 0,5"),
+    ]);
+}
+
+#[test]
+fn a_scene_in_other_units_is_the_same_scene() {
+    let mut text = THESIS.to_owned();
+    for (si, other) in [
+        ("proximal_m = 0.2", "proximal_mm = 200"),
+        ("distal_m = 0.2", "distal_mm = 200"),
+        ("joint_radius_m = 0.02", "joint_radius_mm = 20"),
+        ("base_m = [0.5, 0.433]", "base_mm = [500, 433]"),
+        (
+            "joint_angle_rad = 2.6179938779914944",
+            "joint_angle_deg = 150",
+        ),
+        (
+            "joint_angle_rad = 4.71238898038469",
+            "joint_angle_deg = 270",
+        ),
+        (
+            "x_m = 0.21, y_m = 0.22, alpha_rad = 0.15707963267948966",
+            "x_mm = 210, y_mm = 220, alpha_deg = 9",
+        ),
+        ("rate_rad_s = 2.0", "rate_rpm = 19.098593171027442"),
+    ] {
+        assert!(text.contains(si), "{si}");
+        text = text.replace(si, other);
+    }
+    let [expected, found] = [THESIS, &text].map(|text| Scene {
+        key: 0,
+        ..Scene::parse(text, "a.toml").unwrap_or_else(|error| panic!("{error}"))
+    });
+    assert_eq!(found, expected);
+    // A setting replaces the value, whatever its unit in the file.
+    for (text, setting) in [
+        (&*text, "machine.leg[*].distal_m=0.21"),
+        (THESIS, "machine.leg[*].distal_mm=210"),
+    ] {
+        let settings = [setting.parse().expect("a setting")];
+        let scene = Scene::parse_set(text, "a.toml", &settings);
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(
+            scene.parameters.legs.map(|leg| leg.distal_m),
+            [0.21; 3],
+            "{setting}"
+        );
     }
 }
 
@@ -426,8 +498,8 @@ fn tolerances_that_no_machine_can_have() {
             "must not be negative (N)",
         ),
         (
-            "distal_mm = 0.1",
-            "distal_mm",
+            "distal_cm = 0.1",
+            "distal_cm",
             "0.1",
             "unknown key; did you mean `distal_m`?",
         ),

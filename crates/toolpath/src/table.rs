@@ -105,7 +105,16 @@ fn unread(error: &csv::Error) -> PathFault {
     PathFault {
         line: error.position().map_or(0, |place| place.line() as u32),
         word: String::new(),
-        reason: format!("no table: {error}"),
+        reason: match error.kind() {
+            csv::ErrorKind::UnequalLengths {
+                expected_len, len, ..
+            } if len > expected_len => {
+                format!(
+                    "{len} cells, and the table has {expected_len} columns; with decimal commas in it, write decimal points"
+                )
+            }
+            _ => format!("no table: {error}"),
+        },
     }
 }
 
@@ -125,9 +134,13 @@ fn columns(header: &csv::StringRecord) -> Result<[Option<usize>; 6], PathFault> 
     };
     if let Some(unknown) = header.iter().find(|name| !COLUMNS.contains(name)) {
         let known = COLUMNS.join(", ");
+        let hint = match unknown.contains([';', '\t']) {
+            true => "; columns are separated by commas, and numbers have decimal points",
+            false => "",
+        };
         return Err(fault(
             unknown,
-            format!("not known; a column is one of {known}"),
+            format!("not known; a column is one of {known}{hint}"),
         ));
     }
     let places = COLUMNS.map(|name| header.iter().position(|other| other == name));
@@ -244,6 +257,7 @@ mod tests {
             ("x_mm,y_mm,dwell_s\n,,0\n", 2, "dwell_s"),
             ("x_mm,y_mm\n1,2,3\n", 2, ""),
             ("", 1, "x_mm"),
+            ("x_mm;y_mm\n1,5;2\n", 1, "x_mm;y_mm"),
         ] {
             let fault = read_table(table, &SETUP).expect_err(table);
             assert_eq!(
@@ -251,6 +265,14 @@ mod tests {
                 (line, word),
                 "{table}: {fault}"
             );
+        }
+        for table in [
+            "x_mm;y_mm\n1;2\n",
+            "x_mm\ty_mm\n1\t2\n",
+            "x_mm,y_mm\n1,5,2\n",
+        ] {
+            let fault = read_table(table, &SETUP).expect_err(table);
+            assert!(fault.reason.contains("decimal points"), "{table}: {fault}");
         }
     }
 }

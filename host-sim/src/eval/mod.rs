@@ -43,6 +43,10 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
             replace(out, |file| evaluate(format, &mut BufWriter::new(file)))
         }
     }?;
+    // Who closes the pipe has seen enough: the counts are not those of the table.
+    if counts.is_cut {
+        return Ok(());
+    }
     // Standard error may be closed; the results are out.
     let (ok, rows) = (counts.ok, counts.rows);
     let _ = writeln!(io::stderr(), "{}: {ok} of {rows} rows ok", visible(&name));

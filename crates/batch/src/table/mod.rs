@@ -30,6 +30,8 @@ pub struct RowCounts {
     pub rows: usize,
     /// Rows with numbers.
     pub ok: usize,
+    /// The reader of the results closed its end early: rows behind it do not count.
+    pub is_cut: bool,
 }
 
 /// Table of cases, open for reading. `trirrr_scene::cases` has its columns.
@@ -104,7 +106,10 @@ impl<'a> Cases<'a> {
         };
         match done {
             Err(TableError::Unwritable(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
-                Ok(counts)
+                Ok(RowCounts {
+                    is_cut: true,
+                    ..counts
+                })
             }
             other => other.map(|()| counts),
         }

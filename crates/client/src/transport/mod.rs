@@ -44,11 +44,22 @@ pub trait Link: Send {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
+/// Suggestion for a name that looks like an address of TCP; empty for others.
+fn tcp_hint(address: &Address) -> String {
+    let Address::Serial(name) = address else {
+        return String::new();
+    };
+    match format!("tcp:{name}").parse::<Address>() {
+        Ok(meant) => format!("; did you mean {meant}?"),
+        Err(_) => String::new(),
+    }
+}
+
 /// Reason why a link cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The serial port does not exist: the cable is out, or the name is wrong.
-    #[error("{0}: no such port")]
+    #[error("{0}: no such port{hint}", hint = tcp_hint(.0))]
     Missing(Address),
     /// Another program has the port.
     #[error("{0}: busy, another program has it open")]
@@ -194,6 +205,10 @@ mod tests {
         assert_eq!(
             missing.to_string(),
             "/dev/tty-that-is-not-there: no such port"
+        );
+        assert_eq!(
+            refusal("127.0.0.1:7333").to_string(),
+            "127.0.0.1:7333: no such port; did you mean tcp:127.0.0.1:7333?"
         );
         // A port that was free a moment ago, and that nothing listens at.
         let port = Listener::bind("127.0.0.1:0").unwrap().address();

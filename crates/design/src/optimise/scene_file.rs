@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Table, Value};
-use trirrr_scene::read::{KeyStep, ListElement, Setting};
+use trirrr_scene::read::{KeyStep, ListElement, Setting, in_other_unit};
 
 /// Key of the machine's file in a scene.
 const MACHINE: &str = "machine";
@@ -97,7 +97,13 @@ fn number(steps: &[KeyStep], item: &mut Item) -> Option<f64> {
             .as_float()
             .or(item.as_integer().map(|whole| whole as f64));
     };
-    let next = item.as_table_like_mut()?.get_mut(&step.key)?;
+    let table = item.as_table_like_mut()?;
+    if let ([], None, false) = (rest, step.element, table.contains_key(&step.key))
+        && let Some((other, to_own)) = in_other_unit(&step.key)
+    {
+        return number(rest, table.get_mut(&other)?).map(to_own);
+    }
+    let next = table.get_mut(&step.key)?;
     let index = match step.element {
         None => return number(rest, next),
         Some(ListElement::One(number)) => number - 1,
@@ -133,6 +139,10 @@ fn put(steps: &[KeyStep], item: &mut Item, value: &Value) -> Result<(), String> 
         .as_table_like_mut()
         .ok_or_else(|| format!("there is no table of `{key}`"))?;
     let Some(element) = step.element else {
+        // The value takes the place of the same in another unit.
+        if let ([], Some((other, _))) = (rest, in_other_unit(key)) {
+            table.remove(&other);
+        }
         let next = table.entry(key).or_insert_with(|| match rest {
             [] => Item::None,
             _ => Item::Table(Table::new()),

@@ -61,6 +61,17 @@ const STATE: [&str; 9] = [
 ];
 const MOVE: [&str; 8] = ["x0", "xf", "y0", "yf", "a0", "af", "T", "t"];
 
+/// Reason for which a header of one column is refused: its columns are separated by something else than commas. None if they are not.
+pub fn other_separator(only: &str) -> Option<String> {
+    let separators = [(';', "semicolons"), ('\t', "tabs")];
+    let (_, word) = separators
+        .iter()
+        .find(|(separator, _)| only.contains(*separator))?;
+    Some(format!(
+        "the columns are separated by {word}; separate them by commas, and write decimal points"
+    ))
+}
+
 impl Columns {
     /// Finds the columns in the header.
     ///
@@ -88,6 +99,12 @@ impl Columns {
         };
         if let Some(name) = finder.twice.first() {
             return Err(format!("column {name} is there more than once"));
+        }
+        let mut fields = header.iter();
+        if let (Some(only), None) = (fields.next(), fields.next())
+            && let Some(reason) = other_separator(&String::from_utf8_lossy(only))
+        {
+            return Err(reason);
         }
         if let Some((name, meant)) = finder.misspelt() {
             return Err(format!("column {name} is not known; did you mean {meant}?"));
@@ -245,6 +262,15 @@ mod tests {
             .map(|name| (*name).to_string());
         let names: Vec<String> = legs.chain(rest).filter(|name| name != without).collect();
         ByteRecord::from(names)
+    }
+
+    #[test]
+    fn other_separators_are_named() {
+        for (header, word) in [("x;y;alpha", "semicolons"), ("x\ty", "tabs")] {
+            let error = Columns::find(&ByteRecord::from(vec![header])).unwrap_err();
+            assert!(error.contains(word), "{error}");
+        }
+        assert_eq!(other_separator("case"), None);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 mod columns;
 mod row;
 
-pub use columns::Columns;
+pub use columns::{Columns, other_separator};
 pub use row::{Case, Fields, read};
 
 /// Reads all rows of the table `text`, each with its label.

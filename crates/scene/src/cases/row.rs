@@ -50,8 +50,12 @@ impl Fields for ByteRecord {
 /// The first column whose value cannot be used, with the value and the reason.
 pub fn read<N: Number>(columns: &Columns, row: &impl Fields) -> Result<Case<N>, String> {
     if row.count() != columns.width {
+        let hint = match row.count() > columns.width {
+            true => " (write decimal points)",
+            false => "",
+        };
         return Err(format!(
-            "{} fields where the header has {}",
+            "{} fields where the header has {}{hint}",
             row.count(),
             columns.width
         ));

@@ -1,5 +1,7 @@
 //! Bounds of the numbers in a scene.
 
+use std::f64::consts::TAU;
+
 /// The values a number may take. Every number must be finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
@@ -13,6 +15,8 @@ pub enum Bound {
     Within(f64, f64),
     /// 0 or more and less than 1.
     Fraction,
+    /// An angle of a drawing: within two turns, rad.
+    TwoTurns,
 }
 
 impl Bound {
@@ -27,6 +31,7 @@ impl Bound {
             Bound::NotNegative => value >= 0.0,
             Bound::Within(low, high) => (low..=high).contains(&value),
             Bound::Fraction => (0.0..1.0).contains(&value),
+            Bound::TwoTurns => value.abs() <= 2.0 * TAU,
         };
         (!allowed).then(|| format!("must {}", self.demand()))
     }
@@ -39,6 +44,7 @@ impl Bound {
             Bound::NotNegative => "not be negative".into(),
             Bound::Within(low, high) => format!("be from {low} to {high}"),
             Bound::Fraction => "be at least 0 and less than 1".into(),
+            Bound::TwoTurns => "be within two turns, from -12.566 to 12.566".into(),
         }
     }
 }
@@ -64,6 +70,8 @@ mod tests {
             (within, 2.0 + 1e-15, false),
             (Bound::Fraction, 0.0, true),
             (Bound::Fraction, 1.0, false),
+            (Bound::TwoTurns, -2.0 * TAU, true),
+            (Bound::TwoTurns, 12.567, false),
         ] {
             assert_eq!(
                 bound.objection(value).is_none(),

@@ -68,6 +68,20 @@ impl<'t> Document<'t> {
         1 + self.line_ends.partition_point(|end| *end < offset)
     }
 
+    /// Returns true if a key on the line has a number with a decimal comma.
+    pub(super) fn has_decimal_comma(&self, line: usize) -> bool {
+        let text = self.text.lines().nth(line.saturating_sub(1));
+        let value = text.and_then(|text| text.split_once('='));
+        let parts = value.and_then(|(_, value)| value.trim().split_once(','));
+        let is_number = |text: &str| {
+            let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
+            !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+        };
+        parts.is_some_and(|(whole, rest)| {
+            is_number(whole) && rest.starts_with(|first: char| first.is_ascii_digit())
+        })
+    }
+
     /// The text of a value, on one line.
     pub(super) fn quote(&self, span: Range<usize>) -> String {
         let whole = self.text.get(span).unwrap_or_default();

@@ -4,6 +4,7 @@
 
 mod bound;
 mod document;
+mod other_unit;
 mod parts;
 mod section;
 mod setting;
@@ -12,6 +13,7 @@ mod values;
 
 pub use bound::Bound;
 pub use document::{Document, Place};
+pub use other_unit::in_other_unit;
 pub use section::Section;
 pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
@@ -93,6 +95,10 @@ fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
             value: None,
         };
         let message = fault.message().trim_end().replace('\n', ", ");
-        document.refuse(&place, format!("not TOML: {message}"));
+        let hint = match document.has_decimal_comma(place.line) {
+            true => "; a number has a decimal point: 0.5, not 0,5",
+            false => "",
+        };
+        document.refuse(&place, format!("not TOML: {message}{hint}"));
     }
 }

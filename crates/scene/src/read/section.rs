@@ -46,8 +46,15 @@ impl<'d, 't> Section<'d, 't> {
         }
     }
 
-    /// The place of a key: where its value is, or where it is missing.
+    /// The place of a key: where its value is, or where it is missing. A value in [another unit](super::in_other_unit) has the name of
+    /// that.
     pub fn place_of(&self, key: &str) -> Place {
+        let other = match self.table.contains_key(key) {
+            true => None,
+            false => super::in_other_unit(key).map(|(name, _)| name),
+        };
+        let other = other.filter(|name| self.table.contains_key(name.as_str()));
+        let key = other.as_deref().unwrap_or(key);
         let (line, value) = match self.table.get(key) {
             Some(value) => (
                 self.document.line(value.span().start),
@@ -156,10 +163,45 @@ impl<'d, 't> Section<'d, 't> {
     }
 
     pub(super) fn value(&self, key: &'d str) -> Option<&'d Spanned<DeValue<'t>>> {
-        if !self.asked.borrow().contains(&key) {
+        self.measured(key).map(|measured| measured.value)
+    }
+
+    /// The value of `key`, under its own name or that in another unit. Both are refused.
+    pub(super) fn measured(&self, key: &'d str) -> Option<MeasuredValue<'d, 't>> {
+        self.ask(key);
+        let own = self.table.get(key);
+        let other = super::in_other_unit(key).and_then(|(name, to_own)| {
+            let (name, value) = self.table.get_key_value(name.as_str())?;
+            let name: &'d str = name.get_ref();
+            Some((name, value, to_own))
+        });
+        let Some((name, value, to_own)) = other else {
+            return own.map(|value| MeasuredValue {
+                name: key,
+                value,
+                to_own: None,
+            });
+        };
+        if self.ask(name) && own.is_some() {
+            self.refuse(
+                name,
+                format!("`{key}` is given, too; leave out one of both"),
+            );
+        }
+        Some(MeasuredValue {
+            name,
+            value,
+            to_own: Some(to_own),
+        })
+    }
+
+    /// Notes that `key` is known. Returns true at the first time.
+    fn ask(&self, key: &'d str) -> bool {
+        let is_new = !self.asked.borrow().contains(&key);
+        if is_new {
             self.asked.borrow_mut().push(key);
         }
-        self.table.get(key)
+        is_new
     }
 
     /// Refuses if the key is missing.
@@ -177,6 +219,15 @@ impl<'d, 't> Section<'d, 't> {
             path => format!("{path}.{key}"),
         }
     }
+}
+
+/// Value of a key, maybe in another unit.
+pub(super) struct MeasuredValue<'d, 't> {
+    /// Name of the key in the file.
+    pub(super) name: &'d str,
+    pub(super) value: &'d Spanned<DeValue<'t>>,
+    /// Conversion to the unit of the key that was asked for; none of a value in this unit.
+    pub(super) to_own: Option<fn(f64) -> f64>,
 }
 
 impl Drop for Section<'_, '_> {

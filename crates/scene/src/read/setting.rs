@@ -1,5 +1,6 @@
 //! Values that an argument sets in a scene.
 
+use super::in_other_unit;
 use std::fmt;
 use std::str::FromStr;
 use toml::Spanned;
@@ -144,6 +145,10 @@ fn put_at<'t>(
     value: &Spanned<DeValue<'t>>,
 ) -> Result<(), String> {
     let (step, rest) = steps.split_first().ok_or("there is no key")?;
+    // The value takes the place of the same in another unit.
+    if let ([], None, Some((other, _))) = (rest, step.element, in_other_unit(&step.key)) {
+        table.remove(other.as_str());
+    }
     for place in step.places(table, value.span())? {
         match (rest, place.get_mut()) {
             ([], _) => *place = value.clone(),

@@ -2,6 +2,7 @@
 
 /// Units that end a key, longest first, so that `_rad_s2` is not taken for `_s2`.
 const UNITS: &[(&str, &str)] = &[
+    ("nm_rad_s", "N m/(rad s)"),
     ("rad_s3", "rad/s^3"),
     ("rad_s2", "rad/s^2"),
     ("m_s2", "m/s^2"),
@@ -13,6 +14,9 @@ const UNITS: &[(&str, &str)] = &[
     ("m_s", "m/s"),
     ("kgm2", "kg m^2"),
     ("rad", "rad"),
+    ("deg", "degrees"),
+    ("rpm", "1/min"),
+    ("mm", "mm"),
     ("ohm", "ohm"),
     ("nm", "N m"),
     ("kg", "kg"),
@@ -28,9 +32,9 @@ const UNITS: &[(&str, &str)] = &[
 
 /// Units that scenes do not use, but that people write.
 const FOREIGN_UNITS: &[&str] = &[
-    "deg_s2", "rpm_s", "mm_s2", "deg_s", "kgcm2", "gcm2", "mm_s", "degrees", "radians", "deg",
-    "ncm", "rpm", "khz", "mhz", "inch", "min", "mm", "cm", "um", "us", "ms", "km", "in", "mv",
-    "ma", "mh", "uh", "kn", "kw", "mw", "g", "t",
+    "deg_s2", "rpm_s", "mm_s2", "deg_s", "kgcm2", "gcm2", "mm_s", "degrees", "radians", "ncm",
+    "khz", "mhz", "inch", "min", "cm", "um", "us", "ms", "km", "in", "mv", "ma", "mh", "uh", "kn",
+    "kw", "mw", "g", "t",
 ];
 
 /// The unit that the last part of a key names, written for a reader; `None` for a key without.
@@ -42,7 +46,7 @@ pub(super) fn unit_of(key: &str) -> Option<&'static str> {
 }
 
 /// `key` without its `_suffix`.
-fn split_suffix<'a>(key: &'a str, suffix: &str) -> Option<&'a str> {
+pub(super) fn split_suffix<'a>(key: &'a str, suffix: &str) -> Option<&'a str> {
     key.strip_suffix(suffix)?.strip_suffix('_')
 }
 

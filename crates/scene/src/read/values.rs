@@ -1,8 +1,10 @@
 //! The values of a section: numbers, vectors, strings, choices.
 
-use super::section::expected_but_found;
+use super::in_other_unit;
+use super::section::{MeasuredValue, expected_but_found};
 use super::suggest::unit_of;
 use super::{Bound, Place, Section};
+use crate::words::short;
 use std::borrow::Cow;
 use toml::de::DeValue;
 
@@ -26,8 +28,9 @@ impl<'d> Section<'d, '_> {
 
     /// A number that may be left out: `None` if it is, and if it is refused.
     pub fn optional_number(&self, key: &'d str, bound: Bound) -> Option<f64> {
-        let value = self.value(key)?;
-        self.check_number(&self.place_of(key), key, value.get_ref(), bound)
+        let measured = self.measured(key)?;
+        let value = measured.value.get_ref();
+        self.check_number(&self.place_of(key), key, &measured, value, bound)
     }
 
     /// A whole number that must be there.
@@ -87,13 +90,15 @@ impl<'d> Section<'d, '_> {
     pub fn vectors<const COUNT: usize>(&self, key: &'d str) -> Option<[[f64; 2]; COUNT]> {
         let expected = format!("{COUNT} vectors [[x, y], ...], {} each", number_in(key));
         self.demand(key, &expected)?;
-        let rows = self.value(key)?.get_ref().as_array();
+        let measured = self.measured(key)?;
+        let rows = measured.value.get_ref().as_array();
         let numbers = rows.filter(|rows| rows.len() == COUNT).and_then(|rows| {
             let mut vectors = [[0.0; 2]; COUNT];
             for (vector, row) in vectors.iter_mut().zip(rows.iter()) {
                 let row = row.get_ref().as_array().filter(|row| row.len() == 2)?;
                 for (number, item) in vector.iter_mut().zip(row.iter()) {
-                    *number = as_f64(item.get_ref()).filter(|number| number.is_finite())?;
+                    let given = as_f64(item.get_ref()).filter(|number| number.is_finite())?;
+                    *number = measured.to_own.map_or(given, |to_own| to_own(given));
                 }
             }
             Some(vectors)
@@ -117,9 +122,10 @@ impl<'d> Section<'d, '_> {
 
     /// Reads an array of as many numbers as there is room for.
     fn fill(&self, key: &'d str, bound: Bound, expected: &str, numbers: &mut [f64]) -> Option<()> {
-        let value = self.value(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.refuse(key, expected_but_found(expected, value.get_ref()));
+        let measured = self.measured(key)?;
+        let value = measured.value.get_ref();
+        let Some(array) = value.as_array() else {
+            self.refuse(key, expected_but_found(expected, value));
             return None;
         };
         if array.len() != numbers.len() {
@@ -133,10 +139,10 @@ impl<'d> Section<'d, '_> {
         for (i, (number, item)) in numbers.iter_mut().zip(array.iter()).enumerate() {
             let place = Place {
                 line: self.document.line(item.span().start),
-                key: format!("{}[{}]", self.child(key), i + 1),
+                key: format!("{}[{}]", self.child(measured.name), i + 1),
                 value: Some(self.document.quote(item.span())),
             };
-            match self.check_number(&place, key, item.get_ref(), bound) {
+            match self.check_number(&place, key, &measured, item.get_ref(), bound) {
                 Some(checked) => *number = checked,
                 None => good = false,
             }
@@ -148,17 +154,27 @@ impl<'d> Section<'d, '_> {
         &self,
         place: &Place,
         key: &'d str,
+        measured: &MeasuredValue,
         value: &DeValue,
         bound: Bound,
     ) -> Option<f64> {
-        let Some(number) = as_f64(value) else {
-            let expected = expected_but_found(&number_in(key), value);
+        let Some(given) = as_f64(value) else {
+            let expected = expected_but_found(&number_in(measured.name), value);
             self.document.refuse(place, expected);
             return None;
         };
+        let number = measured.to_own.map_or(given, |to_own| to_own(given));
         if let Some(objection) = bound.objection(number) {
-            let unit = unit_of(key).map(|unit| format!(" ({unit})"));
-            let reason = format!("{objection}{}", unit.unwrap_or_default());
+            let unit = unit_of(key).unwrap_or_default();
+            let mut reason = match unit {
+                "" => objection,
+                unit => format!("{objection} ({unit})"),
+            };
+            if measured.to_own.is_some() && number.is_finite() {
+                reason += &format!("; it is {} {unit}", short(number));
+            } else if let (Bound::TwoTurns, Some((other, _))) = (bound, in_other_unit(key)) {
+                reason += &format!("; in degrees it is `{other}`");
+            }
             self.document.refuse(place, reason);
             return None;
         }

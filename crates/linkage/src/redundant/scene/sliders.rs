@@ -71,7 +71,7 @@ pub(super) fn read_slider(leg: &Section) -> Option<Option<RedundantSlider>> {
         return Some(None);
     }
     let section = leg.section("slider")?;
-    let direction = section.number("direction_rad", Bound::Finite);
+    let direction = section.number("direction_rad", Bound::TwoTurns);
     let mass = section.number("mass_kg", Bound::NotNegative);
     let travel = read_travel(&section);
     let is_placed = match section.has("place") {

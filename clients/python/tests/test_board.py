@@ -1,0 +1,110 @@
+"""Boards: `trirrr device` on TCP."""
+
+import asyncio
+import sys
+import threading
+import time
+import unittest
+
+from programs import SCENES, Device
+from trirrr import AsyncBoard, Board
+from trirrr.exchange import Refused
+from trirrr.goals import NoMotion
+from trirrr.ports import PortError
+from trirrr.stream import JobFailed
+
+
+class Boards(unittest.TestCase):
+    def test_a_machine_is_enabled_moved_and_plays_a_job(self) -> None:
+        with Device("thesis.toml") as address, Board.connect(address) as board:
+            self.assertEqual((board.name, board.status().state), ("thesis", "Disabled"))
+            self.assertEqual(board.enable().state, "Idle")
+            start = board.status().end
+            assert start is not None
+            there = board.move((0.25, 0.24, 0.1))
+            for found, asked in zip(there, (0.25, 0.24, 0.1), strict=True):
+                self.assertAlmostEqual(found, asked, places=6)
+            with self.assertRaisesRegex(NoMotion, "no motion to the goal"):
+                board.move((9.0, 9.0, 0.0))
+            with self.assertRaisesRegex(JobFailed, "does not start where"):
+                board.run(SCENES / "thesis.toml")
+            seen: list[tuple[int, int, str]] = []
+            ticks = board.run(
+                SCENES / "thesis.toml", recover_s=0.5, progress=lambda *now: seen.append(now)
+            )
+            # More than 101 where the host was too slow and the machine waited for it.
+            self.assertGreaterEqual(len(ticks["tau1"]), 101)
+            self.assertAlmostEqual(ticks["x"][-1], 0.28, places=6)
+            self.assertEqual(seen[-1][:2], (1, 1))
+            # The conversation goes on after a job.
+            self.assertEqual(board.status().moves, 0)
+            with self.assertRaisesRegex(Refused, "a feed override is 1 to 100 percent"):
+                board.feed(0)
+
+    def test_a_hold_gets_through_while_a_job_is_played(self) -> None:
+        with Device("thesis.toml", speed=0.5) as address, Board.connect(address) as board:
+            board.enable()
+            held: list[str] = []
+
+            def hold() -> None:
+                while board.status().state != "Running":
+                    time.sleep(0.02)
+                board.hold()
+                while (state := board.status().state) != "Holding":
+                    time.sleep(0.02)
+                held.append(state)
+                board.resume()
+
+            thread = threading.Thread(target=hold)
+            thread.start()
+            ticks = board.run(SCENES / "thesis.toml")
+            thread.join(timeout=30)
+            self.assertEqual(held, ["Holding"])
+            # It stood for some ticks, and came to the end of the path all the same.
+            self.assertGreater(len(ticks["t"]), 101)
+            self.assertAlmostEqual(ticks["x"][-1], 0.28, places=6)
+
+    def test_boards_move_at_the_same_time(self) -> None:
+        async def both(addresses: list[str]) -> list[tuple[float, float, float]]:
+            boards = [await AsyncBoard.connect(address) for address in addresses]
+            await asyncio.gather(*(board.enable() for board in boards))
+            ends = await asyncio.gather(*(board.move((0.25, 0.24, 0.1)) for board in boards))
+            for board in boards:
+                await board.__aexit__()
+            return list(ends)
+
+        with Device("thesis.toml") as one, Device("thesis.toml") as other:
+            ends = asyncio.run(both([one, other]))
+        self.assertEqual(ends[0], ends[1])
+
+    def test_a_machine_is_homed(self) -> None:
+        with Device("pick-home.toml", speed=1.0) as address, Board.connect(address) as board:
+            self.assertEqual(board.enable().state, "Unhomed")
+            end = board.home()
+            self.assertEqual(board.status().state, "Idle")
+            self.assertEqual(board.home(), end)
+
+    def test_nobody_at_the_address_is_said(self) -> None:
+        with self.assertRaisesRegex(PortError, "127.0.0.1:1"):
+            Board.connect("tcp:127.0.0.1:1")
+
+    def test_a_board_needs_neither_numpy_nor_the_native_core(self) -> None:
+        import subprocess
+
+        code = (
+            "import sys\n"
+            "for name in ('numpy', 'matplotlib', 'trirrr._native'):\n"
+            "    sys.modules[name] = None\n"
+            "import trirrr\n"
+            "trirrr.Board, trirrr.SceneError\n"
+            "try:\n"
+            "    trirrr.Machine\n"
+            "except ImportError:\n"
+            "    print('no Machine')\n"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        self.assertEqual((done.stdout.strip(), done.stderr), ("no Machine", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

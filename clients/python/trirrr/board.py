@@ -1,0 +1,313 @@
+"""A machine on a line: switch it on, home it, move it, play jobs. Standard library alone.
+
+    with Board.connect("tcp:127.0.0.1:7700") as board:
+        board.enable()
+        board.move((0.26, 0.26, 0.4))
+
+Poses are x, y in m and alpha in rad. Calls wait until the machine is there; ``hold``, ``resume`` and ``stop`` may come from another
+thread meanwhile. ``AsyncBoard`` has the same calls for ``asyncio``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from . import jobs, record, words
+from .exchange import Exchange, Refused
+from .goals import LOOK_S, Mover, NoMotion, Triple
+from .messages import NUMBERS, Command, SectionName
+from .ports import Port, PortError, open_port
+from .postcard import Value
+from .record import Recorder
+from .stream import ON_THE_WAY, Stream
+
+#: A machine is at a pose if it is as near as this, m and rad: its number type may round.
+_NEAR = 1e-3
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class BoardStatus:
+    """State of a machine."""
+
+    #: Name of the state, such as Disabled, Unhomed, Idle, Running, Holding, Fault.
+    state: str
+    #: Pose at the end of what is planned: where an idle machine stands. ``None`` of one that does not know.
+    end: Triple | None
+    #: Sentence on the latched fault, or ``None``.
+    fault: str | None
+    #: Moves that are queued or under way.
+    moves: int
+    #: Feed override, percent.
+    feed_percent: int
+
+
+class BoardError(Exception):
+    """The machine did not do what it was asked to, and why."""
+
+
+class Board:
+    """A machine on an open line."""
+
+    def __init__(self, address: str, baud: int = 921_600, number: str | None = None, answer_s: float = 0.2) -> None:
+        """Opens the line and says hello. See ``connect``."""
+        self._open: Callable[[], Port] = lambda: open_port(address, baud)
+        self._numbers = None if number is None else NUMBERS[number]
+        self._answer_s = answer_s
+        self._port: Port | None = None
+        self._job: Stream | None = None
+        self._greet()
+
+    @classmethod
+    def connect(
+        cls, address: str, *, baud: int = 921_600, number: str | None = None, answer_s: float = 0.2
+    ) -> Board:
+        """Opens ``address``, ``tcp:HOST:PORT`` or a serial port, and says hello.
+
+        ``number``: the machine's number type, found out if left out. ``answer_s``: seconds to wait for an answer before a request is
+        repeated. ``PortError``, ``Silent`` and ``Refused`` say why there is no machine.
+        """
+        return cls(address, baud, number, answer_s)
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Gives the line back. The machine comes to rest by itself if it waits for its host."""
+        if self._port is not None:
+            self._port.close()
+            self._port = None
+
+    @property
+    def name(self) -> str:
+        """Name of the machine's scene."""
+        return bytes(self._exchange.identity.name).rstrip(b"\0").decode("ascii", "replace")
+
+    @property
+    def tick_rate_hz(self) -> float:
+        """Ticks per second."""
+        return float(self._exchange.identity.tick_rate_hz)
+
+    def status(self) -> BoardStatus:
+        """The state of the machine."""
+        status, identity = self._ask(Command.Status()), self._exchange.identity
+        end = None
+        if status.end is not None:
+            pose = status.end.pose
+            end = (pose.x * identity.length_m, pose.y * identity.length_m, float(pose.alpha))
+        fault = None if status.fault is None else words.fault(status.fault, identity)
+        moves = (status.next - status.done) % (1 << 32)
+        return BoardStatus(status.state.name, end, fault, moves, status.feed_percent)
+
+    def enable(self) -> BoardStatus:
+        """Switches the drives on where the motors are, and waits until they hold. ``BoardError`` says why they do not."""
+        status = self._exchange.enable(LOOK_S)
+        if status.fault is not None:
+            raise BoardError(f"fault: {words.fault(status.fault, self._exchange.identity)}; clear_fault() acknowledges it")
+        if status.state.name == "Disabled":
+            why = status.not_enabled
+            raise BoardError("the drives do not go on" + (f": {words.not_enabled(why)}" if why else ""))
+        return self.status()
+
+    def disable(self) -> None:
+        """Switches the drives off."""
+        self._ask(Command.Disable())
+
+    def clear_fault(self) -> None:
+        """Acknowledges a latched fault."""
+        self._ask(Command.ClearFault())
+
+    def home(self) -> Triple:
+        """Homes a machine that does not know where its motors are; another one stays where it is. Returns where it stands."""
+        self.enable()
+        if self.status().state == "Unhomed":
+            self._ask(Command.Home())
+        while (status := self.status()).state in ON_THE_WAY:
+            self._exchange.listen(LOOK_S)
+        if status.fault is not None:
+            raise BoardError(status.fault)
+        if status.end is None:
+            raise BoardError(f"homing was given up: the machine is {status.state.lower()}")
+        return status.end
+
+    def move(self, pose: Triple) -> Triple:
+        """Goes to ``pose`` on a way that the machine plans, and returns where it stands. ``NoMotion`` says why it does not."""
+        end = self._mover.move_to(pose)
+        # A goal that was refused twice in the same way looks like one that was not refused again.
+        if math.dist(end, pose) > _NEAR:
+            raise NoMotion(f"no motion to the goal: the machine stands at {end}")
+        return end
+
+    def step(self, by: Triple) -> Triple:
+        """Goes so far from where it stands."""
+        return self._mover.step(by)
+
+    def jog(self, velocity: Triple, seconds: float) -> Triple:
+        """Moves at ``velocity`` for so many seconds, then comes to rest."""
+        return self._mover.jog(velocity, seconds)
+
+    def follow(self, poses: Iterable[Triple], every_s: float) -> Triple:
+        """Goes to each of ``poses`` in turn, a new one every so many seconds."""
+        return self._mover.follow(poses, every_s)
+
+    def hold(self) -> None:
+        """Slows down to rest on the path; ``resume`` goes on."""
+        self._ask(Command.Hold())
+
+    def resume(self) -> None:
+        """Goes on along the path after a hold."""
+        self._ask(Command.Resume())
+
+    def stop(self) -> None:
+        """Comes to rest on the path and drops the moves that are left."""
+        self._ask(Command.Stop())
+
+    def feed(self, percent: int) -> None:
+        """Sets the feed override, 1 to 100 percent of normal speed."""
+        self._ask(Command.FeedOverride(percent=percent))
+
+    def run(
+        self,
+        job: str | os.PathLike[str],
+        *,
+        moves: str | os.PathLike[str] | None = None,
+        recover_s: float | None = None,
+        progress: Progress | None = None,
+    ) -> dict[str, list[float]]:
+        """Plays the job of a scene (.toml) or a table of moves (.csv) to its end, and returns the columns of ``ticks.csv``.
+
+        ``moves``: the moves.csv of a job along a path. ``recover_s``: bring the machine to the start of the job first, within so many
+        seconds, and acknowledge a latched fault. ``progress`` hears the moves done, their number, and the state. ``JobError`` and
+        ``JobFailed`` say why the job was not played.
+        """
+        read = jobs.read(os.fspath(job), None if moves is None else os.fspath(moves))
+        recorder = Recorder()
+        stream = self._job = Stream(
+            self._open,
+            read,
+            recorder.hear,
+            progress or (lambda done, count, state: None),
+            answer_s=self._answer_s,
+            recover_s=recover_s,
+            survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
+        )
+        try:
+            self.close()
+            stream.run()
+            legs = [section.content.leg for section in stream.survey]
+            rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
+            return record.as_columns(rows, read.torque)
+        finally:
+            stream.exchange = None
+            try:
+                self._greet()
+            finally:
+                self._job = None
+
+    def _greet(self) -> None:
+        port = self._port = self._open()
+        try:
+            self._own = Exchange(port, self._numbers, _ignore, self._answer_s)
+            port.send(b"\0")  # ends whatever the line held
+            self._own.hello()
+        except BaseException:
+            self.close()
+            raise
+        self._numbers = self._own.numbers
+        self._mover = Mover(self._own)
+
+    @property
+    def _exchange(self) -> Exchange:
+        """The conversation of the job that is played, or the board's own."""
+        while (job := self._job) is not None:
+            exchange: Exchange | None = job.exchange
+            if exchange is not None and exchange.identity is not None:
+                return exchange
+            # Between two conversations.
+            time.sleep(LOOK_S)
+        return self._own
+
+    def _ask(self, command: Value) -> Any:
+        """Asks until the tick of the machine has taken the commands before."""
+        while True:
+            exchange = self._exchange
+            try:
+                return exchange.ask(command)
+            except Refused as refused:
+                if refused.refusal.name != "Busy":
+                    raise
+                exchange.listen(LOOK_S)
+            except PortError:
+                # A job that begins or ends in another thread has taken the line.
+                if exchange is self._own and self._job is None:
+                    raise
+                time.sleep(LOOK_S)
+
+
+class AsyncBoard:
+    """A ``Board`` for ``asyncio``: each call runs in a thread, so that several machines move at once, and a hold gets through."""
+
+    def __init__(self, board: Board) -> None:
+        self.board = board
+
+    @classmethod
+    async def connect(cls, address: str, *, baud: int = 921_600, number: str | None = None) -> AsyncBoard:
+        """As ``Board.connect``."""
+        return cls(await asyncio.to_thread(Board.connect, address, baud=baud, number=number))
+
+    async def __aenter__(self) -> AsyncBoard:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await asyncio.to_thread(self.board.close)
+
+    async def status(self) -> BoardStatus:
+        """As ``Board.status``."""
+        return await asyncio.to_thread(self.board.status)
+
+    async def enable(self) -> BoardStatus:
+        """As ``Board.enable``."""
+        return await asyncio.to_thread(self.board.enable)
+
+    async def home(self) -> Triple:
+        """As ``Board.home``."""
+        return await asyncio.to_thread(self.board.home)
+
+    async def move(self, pose: Triple) -> Triple:
+        """As ``Board.move``."""
+        return await asyncio.to_thread(self.board.move, pose)
+
+    async def run(
+        self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | None = None
+    ) -> dict[str, list[float]]:
+        """As ``Board.run``."""
+        return await asyncio.to_thread(self.board.run, job, recover_s=recover_s, progress=progress)
+
+    async def hold(self) -> None:
+        """As ``Board.hold``."""
+        await asyncio.to_thread(self.board.hold)
+
+    async def resume(self) -> None:
+        """As ``Board.resume``."""
+        await asyncio.to_thread(self.board.resume)
+
+    async def stop(self) -> None:
+        """As ``Board.stop``."""
+        await asyncio.to_thread(self.board.stop)
+
+
+def _ignore(message: Value) -> None:
+    """Telemetry and events of a machine that nobody records."""
+
+
+__all__ = ["AsyncBoard", "Board", "BoardError", "BoardStatus", "NoMotion"]
