@@ -70,10 +70,10 @@ impl CellTable {
         };
         let header = reader.headers().map_err(unread)?;
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
-        if let [only] = &names[..] {
-            if let Some(reason) = other_separator(only) {
-                return Err(ColumnFault::of_line(1, reason));
-            }
+        if let [only] = &names[..]
+            && let Some(reason) = other_separator(only)
+        {
+            return Err(ColumnFault::of_line(1, reason));
         }
         for (index, name) in names.iter().enumerate() {
             if !name.is_empty() && names[..index].contains(name) {

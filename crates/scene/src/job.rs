@@ -312,7 +312,7 @@ fn read_pose(section: &Section, key: &'static str) -> Option<Pose<f64>> {
     let pose = section.section(key)?;
     let x = pose.number("x_m", Bound::Finite);
     let y = pose.number("y_m", Bound::Finite);
-    let alpha = pose.number("alpha_rad", Bound::TwoTurns);
+    let alpha = pose.number("alpha_rad", Bound::Finite);
     Some(Pose::from_f64(x?, y?, alpha?))
 }
 

@@ -302,7 +302,7 @@ fn read_end(section: &Section, from: Option<Pose<f64>>) -> Option<Pose<f64>> {
 
 fn read_angle(section: &Section, from: Option<Pose<f64>>) -> Option<f64> {
     match section.has("alpha_rad") {
-        true => section.number("alpha_rad", Bound::TwoTurns),
+        true => section.number("alpha_rad", Bound::Finite),
         false => from.map(|from| from.angle),
     }
 }

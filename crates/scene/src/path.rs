@@ -3,6 +3,7 @@
 
 use crate::job::{Job, JobMove, PlacedJob};
 use crate::judge::{Objection, Unjudged, judge};
+use crate::levels::JobLevels;
 use crate::peak::RefusedMove;
 use crate::pipeline;
 use crate::read::{Document, Place};
@@ -107,6 +108,7 @@ pub fn judge_move(scene: &Scene, each: &JobMove) -> Result<MoveVerdict, String> 
         job: Job {
             start: each.from,
             moves: vec![*each],
+            levels: JobLevels::default(),
             path: None,
             spool: None,
         },

@@ -129,7 +129,7 @@ fn links() {
         "\"B b\" = [0.35, 0.0]",
         "letters, digits",
     );
-    four_bar("points_m = { O", "points_mm = { O", "unknown key");
+    four_bar("points_m = { O", "points_cm = { O", "unknown key");
     four_bar(
         "points_m = { A = [0.0, 0.0], B = [0.35, 0.0], P = [0.2, 0.12] }",
         "points_m = {}",

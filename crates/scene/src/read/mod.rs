@@ -13,7 +13,7 @@ mod values;
 
 pub use bound::Bound;
 pub use document::{Document, Place};
-pub use other_unit::in_other_unit;
+pub use other_unit::{Conversion, in_other_unit};
 pub use section::Section;
 pub use setting::{KeyStep, ListElement, Setting, SettingError};
 

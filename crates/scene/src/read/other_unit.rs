@@ -3,11 +3,14 @@
 use super::suggest::split_suffix;
 use std::f64::consts::PI;
 
+/// Converts a value from a unit to another one of the same quantity.
+pub type Conversion = fn(f64) -> f64;
+
 /// Two units of a quantity by the ends of keys, the one of SI first, and the conversions from the other one and to it.
 struct UnitPair {
     suffixes: [&'static str; 2],
-    to_si: fn(f64) -> f64,
-    from_si: fn(f64) -> f64,
+    to_si: Conversion,
+    from_si: Conversion,
 }
 
 const PAIRS: [UnitPair; 3] = [
@@ -24,8 +27,8 @@ const PAIRS: [UnitPair; 3] = [
     },
     UnitPair {
         suffixes: ["rad_s", "rpm"],
-        to_si: |rate| rate * PI / 30.0,
-        from_si: |rate| rate * 30.0 / PI,
+        to_si: |rate| rate / 30.0 * PI,
+        from_si: |rate| rate / PI * 30.0,
     },
 ];
 
@@ -39,7 +42,7 @@ const COMPOUND: [&str; 5] = ["nm_rad", "nm_s_rad", "v_s_rad", "nm_rad_s", "rad_m
 /// let (name, to_own) = trirrr_scene::read::in_other_unit("distal_m").unwrap();
 /// assert_eq!((name.as_str(), to_own(150.0)), ("distal_mm", 0.15));
 /// ```
-pub fn in_other_unit(key: &str) -> Option<(String, fn(f64) -> f64)> {
+pub fn in_other_unit(key: &str) -> Option<(String, Conversion)> {
     if COMPOUND
         .iter()
         .any(|unit| split_suffix(key, unit).is_some())

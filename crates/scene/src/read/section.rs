@@ -1,7 +1,7 @@
 //! A table of a scene, read key by key.
 
 use super::suggest::suggest;
-use super::{Document, Place};
+use super::{Conversion, Document, Place};
 use std::cell::{Cell, RefCell};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -227,7 +227,7 @@ pub(super) struct MeasuredValue<'d, 't> {
     pub(super) name: &'d str,
     pub(super) value: &'d Spanned<DeValue<'t>>,
     /// Conversion to the unit of the key that was asked for; none of a value in this unit.
-    pub(super) to_own: Option<fn(f64) -> f64>,
+    pub(super) to_own: Option<Conversion>,
 }
 
 impl Drop for Section<'_, '_> {

@@ -58,7 +58,8 @@ struct Session<'q> {
 impl Session<'_> {
     /// Does what the next bytes say; none when there are no more.
     fn act(&mut self, bytes: &mut Bytes) -> Option<()> {
-        match bytes.byte()? % 16 {
+        let act = bytes.byte()?;
+        match act % 16 {
             0 | 1 => {
                 for _ in 0..=bytes.byte()? {
                     self.watched.tick();
@@ -71,8 +72,8 @@ impl Session<'_> {
             }
             4 => {
                 let chained = self.chained_move(bytes)?;
-                match bytes.byte()? {
-                    list if list & 1 == 1 => self.listed(chained, list),
+                match act / 16 {
+                    15 => self.listed(chained, bytes.byte()?),
                     _ => self.ask(Command::Move(chained)),
                 }
             }
