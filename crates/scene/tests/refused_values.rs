@@ -148,10 +148,11 @@ fn values_in_other_units() {
         case(("joint_angle_rad = 2.6179938779914944", 1, "joint_angle_rad = 150"),
             "machine.leg[1].joint_angle_rad", Some("150"),
             "must be within two turns, from -12.566 to 12.566 (rad); in degrees it is `joint_angle_deg`"),
-        case(("alpha_rad = 0.15707963267948966", 1, "alpha_rad = 9e9"),
-            "job.start.alpha_rad", Some("9e9"), "in degrees it is `alpha_deg`"),
-        case(("alpha_rad = 0.15707963267948966", 1, "alpha_deg = 721"),
-            "job.start.alpha_deg", Some("721"), "must be within two turns, from -12.566 to 12.566 (rad); it is 12.58 rad"),
+        case(("joint_angle_rad = 2.6179938779914944", 1, "joint_angle_deg = 721"),
+            "machine.leg[1].joint_angle_deg", Some("721"),
+            "must be within two turns, from -12.566 to 12.566 (rad); it is 12.58 rad"),
+        case(("alpha_rad = 0.15707963267948966", 1, "alpha_deg = nan"),
+            "job.start.alpha_deg", Some("nan"), "must be a finite number (rad)"),
         case(("mass_kg = 0.5", 1, "mass_kg = 0,5"), "", None, "a number has a decimal point: 0.5, not 0,5"),
     ]);
 }
