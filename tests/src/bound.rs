@@ -37,12 +37,15 @@ impl Worst {
     }
 
     /// Asserts that the worst ratio lies in a bracket: above it is a defect, below it a bound that
-    /// has become too wide to find one.
+    /// has become too wide to find one. A build without optimisation takes a share of the cases, whose worst is smaller: there the
+    /// lower end counts three tenths.
     ///
     /// # Panics
     /// When it does not, with the place.
     pub fn assert_within(&self, what: &str, bracket: core::ops::RangeInclusive<f64>) {
         assert!(self.compared > 0, "{what}: nothing was compared");
+        let part = if cfg!(debug_assertions) { 0.3 } else { 1.0 };
+        let bracket = part * bracket.start()..=*bracket.end();
         assert!(
             bracket.contains(&self.ratio),
             "{what}: worst ratio {:.3} of {} is not in {bracket:?}: {}",

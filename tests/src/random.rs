@@ -24,19 +24,21 @@ pub struct Case {
     pub size: f64,
 }
 
-/// Part of `cases` that a build without optimisation takes: all of them are for `cargo xtask nightly`, which optimises.
+/// Part of `cases` that a build without optimisation takes, at least one: all of them are for `cargo xtask nightly`, which
+/// optimises.
 pub const fn share(cases: u32) -> u32 {
     match cfg!(debug_assertions) {
-        true => cases / 3,
+        true => cases.div_ceil(4),
         false => cases,
     }
 }
 
-/// Runs `test` on `cases` values of `strategy`, always the same ones.
+/// Runs `test` on the [share] of `cases` values of `strategy`, always the same ones.
 ///
 /// # Panics
 /// When a case fails, with the case.
 pub fn for_all<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value)) {
+    let cases = share(cases);
     let config = Config {
         cases,
         failure_persistence: None,

@@ -6,7 +6,7 @@ use crate::image::RUN_BEGAN;
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
-use crate::steps::{self, Step};
+use crate::steps::{self, Stage, Step};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
@@ -36,12 +36,12 @@ const INSTALLED_NEED: [(&str, &[&str]); 3] = [
 pub(crate) fn run() -> Result<()> {
     check_tools()?;
     let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?;
-    let mut steps = steps()?;
-    for step in &mut steps {
+    let mut stages = stages()?;
+    for step in stages.iter_mut().flat_map(Stage::steps_mut) {
         // An image that the sizes were measured of is not built again to be emulated.
         step.command.env(RUN_BEGAN, began.as_secs().to_string());
     }
-    steps::run(steps)
+    steps::run(stages)
 }
 
 /// Looks for the tools before any step: a check that is skipped cannot fail.
@@ -89,29 +89,42 @@ fn answers(program: &str, arguments: &[&str]) -> bool {
     output.is_ok_and(|output| output.status.success())
 }
 
-fn steps() -> Result<Vec<Step>> {
+/// The stages in order, what fails soonest at the top. Tests and senders wait for clocks, and images are linked on one core: such
+/// steps run beside each other.
+fn stages() -> Result<Vec<Stage>> {
     let packages = Package::all()?;
-    let mut steps = lints()?;
-    steps.push(Step::on_host("tests", "test", &[]));
-    steps.extend(examples(&packages));
     let mut docs = Step::cargo("docs", &["doc", "--quiet", "--no-deps"]);
     docs.command.env("RUSTDOCFLAGS", "-Dwarnings");
-    steps.push(docs);
-    steps.extend(releases(&packages));
-    steps.extend(figures()?);
-    steps.extend(programs()?);
-    steps.push(Step::chore("fuzzing", &["fuzz"])?);
-    Ok(steps)
+    let compiled = Step::on_host("tests, compiled", "test", &["--quiet", "--no-run"]);
+    let mut tests = vec![Step::on_host("tests", "test", &[])];
+    tests.extend(examples(&packages));
+    let mut images = lints_of_devices();
+    images.extend(figures()?);
+    images.extend(releases(&packages));
+
+    let mut stages: Vec<Stage> = lints()?.into_iter().map(Stage::from).collect();
+    stages.push(compiled.into());
+    stages.push(Stage::Beside([tests, images]));
+    let [client, senders, board, host @ ..] = programs()?;
+    stages.extend(host.map(Stage::from));
+    let fuzzing = Step::chore("fuzzing", &["fuzz"])?;
+    stages.push(Stage::Beside([vec![client, senders], vec![fuzzing, docs]]));
+    // Its clock is the host's: nothing runs beside it.
+    stages.push(board.into());
+    Ok(stages)
 }
 
-fn lints() -> Result<Vec<Step>> {
+fn lints() -> Result<[Step; 3]> {
     let all = ["--quiet", "--all-targets", "--", "-Dwarnings"];
-    let mut steps = vec![
+    Ok([
         Step::cargo("format", &["fmt", "--all", "--check"]),
         Step::on_host("lints of the host crates", "clippy", &all),
         Step::chore("the shape of the source", &["house", "--check"])?,
-    ];
-    for (package, target) in DEVICE_PACKAGES {
+    ])
+}
+
+fn lints_of_devices() -> Vec<Step> {
+    let lint = |(package, target): (&str, &str)| {
         let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
         step.command.args(["-p", package, "--target", target]);
         step.command.args(["--", "-Dwarnings"]);
@@ -119,9 +132,9 @@ fn lints() -> Result<Vec<Step>> {
             // A scene with drives: without them there is less to check.
             step.command.env("SCENE", RP2040_SCENE);
         }
-        steps.push(step);
-    }
-    Ok(steps)
+        step
+    };
+    DEVICE_PACKAGES.map(lint).into()
 }
 
 /// Runs each example that needs no board; the tests' step has built them.
@@ -198,15 +211,12 @@ const MEASURED: [&str; 6] = [
 ];
 
 /// Scenes whose jobs CI plays on emulated boards, one with a simulated plant. `chained` is played over a bad line. Nightly plays all.
-const EMULATED: [&str; 7] = [
+const EMULATED: [&str; 4] = [
     "engraving",
-    "odrive",
     "pick-home",
     // Amplifiers and encoders, under the board's own loops.
     "plant-thesis",
-    "plotter",
     "thesis",
-    "vertical",
 ];
 
 /// Figures of images against those that are checked in.
@@ -241,12 +251,12 @@ fn programs() -> Result<[Step; 6]> {
     ];
     let board = [["emulate"].as_slice(), &EMULATED, &parts].concat();
     Ok([
-        Step::new("the host programs", Programs::builder()),
-        simulator("a scene run", &run, "thesis"),
-        simulator("a batch evaluation", &eval, "extreme.csv"),
         Step::chore("the Python package", &["client"])?,
         Step::chore("senders of G-code", &["senders"])?,
         Step::chore("the emulated board", &board)?,
+        Step::new("the host programs", Programs::builder()),
+        simulator("a scene run", &run, "thesis"),
+        simulator("a batch evaluation", &eval, "extreme.csv"),
     ])
 }
 
@@ -256,8 +266,9 @@ mod tests {
 
     #[test]
     fn every_step_has_a_name_of_its_own() {
-        let steps = steps().expect("cargo metadata");
-        let mut names: Vec<String> = steps.into_iter().map(|step| step.name).collect();
+        let mut stages = stages().expect("cargo metadata");
+        let steps = stages.iter_mut().flat_map(Stage::steps_mut);
+        let mut names: Vec<_> = steps.map(|step| &step.name).collect();
         let count = names.len();
         names.sort();
         names.dedup();

@@ -4,9 +4,12 @@ use crate::packages::choose_host;
 use crate::repository::{cargo, root};
 use anyhow::{Context, Result, bail};
 use std::env;
+use std::io;
 use std::iter;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 pub(crate) struct Step {
@@ -42,6 +45,42 @@ impl Step {
         step
     }
 
+    /// Runs the step; what it prints is seen at once.
+    fn run(mut self) -> Result<()> {
+        println!("== {}", self.name);
+        let begin = Instant::now();
+        let status = self.command.status();
+        self.judge(status, begin)
+    }
+
+    /// Runs the step and prints what it printed when it ends.
+    fn run_quietly(mut self) -> Result<()> {
+        let begin = Instant::now();
+        let output = self.command.stdin(Stdio::null()).output();
+        let status = output.map(|output| {
+            print!(
+                "== {}\n{}{}",
+                self.name,
+                String::from_utf8_lossy(&output.stdout),
+                String::from_utf8_lossy(&output.stderr)
+            );
+            output.status
+        });
+        self.judge(status, begin)
+    }
+
+    /// Prints the time of a step that passed; the error of one that did not.
+    fn judge(&self, status: io::Result<ExitStatus>, begin: Instant) -> Result<()> {
+        let name = &self.name;
+        let status = status.with_context(|| format!("{name}: cannot be started"))?;
+        let time = seconds(begin.elapsed());
+        if !status.success() {
+            bail!("{name} failed after {time} ({status}): {}", self.line());
+        }
+        println!("== {name}: passed, {time}");
+        Ok(())
+    }
+
     /// The command as it is typed in the root.
     fn line(&self) -> String {
         let program = Path::new(self.command.get_program());
@@ -55,28 +94,60 @@ impl Step {
     }
 }
 
-/// Runs all steps and prints the time of each.
-pub(crate) fn run(steps: Vec<Step>) -> Result<()> {
-    let start = Instant::now();
-    for mut step in steps {
-        println!("== {}", step.name);
-        let begin = Instant::now();
-        let status = step
-            .command
-            .status()
-            .with_context(|| format!("{}: cannot be started", step.name))?;
-        let time = seconds(begin.elapsed());
-        if !status.success() {
-            bail!(
-                "{} failed after {time} ({status}): {}",
-                step.name,
-                step.line()
-            );
+/// A part of the checks.
+pub(crate) enum Stage {
+    /// A step by itself: it needs both cores, or a machine that does nothing else.
+    Alone(Step),
+    /// Two sequences at a time, of steps that leave a core idle. Steps of the second print when they end.
+    Beside([Vec<Step>; 2]),
+}
+
+impl Stage {
+    pub(crate) fn steps_mut(&mut self) -> Vec<&mut Step> {
+        match self {
+            Self::Alone(step) => vec![step],
+            Self::Beside(sequences) => sequences.iter_mut().flatten().collect(),
         }
-        println!("== {}: passed, {time}", step.name);
+    }
+}
+
+impl From<Step> for Stage {
+    fn from(step: Step) -> Self {
+        Self::Alone(step)
+    }
+}
+
+/// Runs all stages and prints the time of each step.
+pub(crate) fn run(stages: impl IntoIterator<Item = impl Into<Stage>>) -> Result<()> {
+    let start = Instant::now();
+    for stage in stages {
+        match stage.into() {
+            Stage::Alone(step) => step.run()?,
+            Stage::Beside(sequences) => run_beside(sequences)?,
+        }
     }
     println!("== everything passed, {}", seconds(start.elapsed()));
     Ok(())
+}
+
+/// Runs two sequences at a time. After a failure the other one ends with the step that it is at.
+fn run_beside([first, second]: [Vec<Step>; 2]) -> Result<()> {
+    let failed = AtomicBool::new(false);
+    let sequence = |steps: Vec<Step>, run: fn(Step) -> Result<()>| {
+        for step in steps {
+            if failed.load(Ordering::Relaxed) {
+                break;
+            }
+            run(step).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+        }
+        Ok(())
+    };
+    thread::scope(|scope| {
+        let beside = scope.spawn(|| sequence(second, Step::run_quietly));
+        let first = sequence(first, Step::run);
+        let second = beside.join().expect("steps do not panic");
+        first.and(second)
+    })
 }
 
 fn seconds(time: Duration) -> String {

@@ -7,9 +7,10 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, Move};
 use trirrr_service::Ramp;
 use trirrr_tests::draw::{Draw, machines};
+use trirrr_tests::random::share;
 
 const DENSITY: Density = Density {
-    samples: 1500,
+    samples: share(1500),
     every_speed: true,
 };
 

@@ -9,6 +9,7 @@ use trirrr_protocol::message::{AnyMove, Bounded, LeastDuration, Move};
 use trirrr_service::Ramp;
 use trirrr_tests::draw::{Draw, machines};
 use trirrr_tests::instant::{Instant, QuinticEnds, State, jerks};
+use trirrr_tests::random::share;
 
 /// Largest jerk of each motor at so many instants, at paces from rest to normal speed that change at the ramp's rate; none
 /// where the motion is not clear of singularities.
@@ -118,9 +119,9 @@ fn a_limit_of_jerk_is_kept_between_samples_and_paces() {
         kept,
         broken,
         refused,
-    } = study(400, 1000);
+    } = study(share(400) as usize, share(1000));
     assert!(
-        kept > 50 && broken > 50 && refused < 1e-3,
+        kept > share(50) && broken > share(50) && refused < 1e-3,
         "{kept} {broken} {refused}"
     );
 }

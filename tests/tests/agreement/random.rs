@@ -1,4 +1,4 @@
-//! 10,000 random machines in random states, away from singularities.
+//! 10,000 random machines in random states, a quarter of them in a build without optimisation, away from singularities.
 
 use crate::bounds::Stages;
 use crate::format::{Format, results};
@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_tests::evaluate::distances;
 use trirrr_tests::motors::motors;
-use trirrr_tests::random::{case, for_all};
+use trirrr_tests::random::{case, for_all, share};
 
 const CASES: u32 = 10_000;
 
@@ -61,7 +61,11 @@ fn f32_agrees() {
     let found = compare::<f32>();
     assert_eq!((found.out_of_reach, found.unfit), (0, 0));
     let beyond = found.worst.0[3].beyond;
-    assert!((1..=10).contains(&beyond), "{beyond}");
+    // A share of the cases may have none of them.
+    assert!(
+        beyond <= 10 && (beyond > 0 || cfg!(debug_assertions)),
+        "{beyond}"
+    );
     let brackets = [(0.7, 1.0), (0.6, 0.9), (0.8, 1.0), (2.2, 3.0)];
     found.worst.assert_within("f32, random machines", brackets);
 }
@@ -81,7 +85,7 @@ fn fixed_agrees() {
 fn micromath_agrees() {
     let found = compare::<Coarse>();
     assert!(
-        (200..=400).contains(&found.out_of_reach),
+        (share(200)..=share(400)).contains(&found.out_of_reach),
         "{}",
         found.out_of_reach
     );

@@ -16,14 +16,16 @@ mod slow_line;
 use conversation::{Conversation, Tally};
 use errands::{ErrandSession, Errands};
 use slow_line::{SERIAL, USB, circles, play};
+use std::thread;
 
-/// Jobs until `frames` frames have been on the line.
-fn torture(frames: u64, first_seed: u64) -> Tally {
+/// Jobs of `seeds` until `frames` frames have been on the line.
+fn torture(frames: u64, seeds: impl Iterator<Item = u64>) -> Tally {
     let mut total = Tally::default();
-    let mut seed = first_seed;
-    while total.frames < frames {
+    for seed in seeds {
+        if total.frames >= frames {
+            break;
+        }
         total.add(&Conversation::run(seed));
-        seed += 1;
     }
     println!("{total:?}");
     total
@@ -31,7 +33,15 @@ fn torture(frames: u64, first_seed: u64) -> Tally {
 
 #[test]
 fn jobs_survive_a_bad_line() {
-    let total = torture(1_000_000, 1);
+    // On two cores, seeds of their own on each.
+    let mut total = Tally::default();
+    thread::scope(|scope| {
+        let halves =
+            [0, 1].map(|half| scope.spawn(move || torture(500_000, (1 + half..).step_by(2))));
+        for half in halves {
+            total.add(&half.join().expect("a half without a panic"));
+        }
+    });
     assert!(total.frames >= 1_000_000);
     // 51 of 256 frames, to six standard deviations of the binomial distribution.
     let frames = total.frames as f64;

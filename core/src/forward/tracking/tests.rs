@@ -72,7 +72,9 @@ fn by_small_steps(
 fn never_ends_in_another_mode() {
     let (sure, unsure, jumps) = (Cell::new(0), Cell::new(0), Cell::new(0));
     let motion = uniform3(-0.5..0.5f64);
-    deterministic(4000, (any(), motion), |(case, motion)| {
+    // A fifth of them without optimisation: each is followed in 2000 steps besides.
+    let cases = if cfg!(debug_assertions) { 800 } else { 4000 };
+    deterministic(cases, (any(), motion), |(case, motion)| {
         let forward = case.forward();
         let tracker = Tracker::new(forward, 0.01, 200);
         let Ok(track) = tracker.start(&case.angles, case.pose()) else {
@@ -102,7 +104,7 @@ fn never_ends_in_another_mode() {
     // Half the motions of up to half a radian are followed, some only because they are divided.
     let counts = [&sure, &unsure, &jumps].map(Cell::get);
     assert!(
-        counts[0] > 2000 && counts[1] > 100 && counts[2] > 100,
+        counts[0] > cases / 2 && counts[1] > cases / 40 && counts[2] > cases / 40,
         "{counts:?}"
     );
 }
