@@ -2,7 +2,7 @@
 
 use crate::boards::{RP2040_SCENE, RP2040_TARGET};
 use crate::cores::CORES;
-use crate::image::RUN_BEGAN;
+use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
@@ -126,7 +126,9 @@ fn lints() -> Result<[Step; 3]> {
 fn lints_of_devices() -> Vec<Step> {
     let lint = |(package, target): (&str, &str)| {
         let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
-        step.command.args(["-p", package, "--target", target]);
+        // The profile of images: their build scripts are compiled once.
+        step.command
+            .args(["--profile", PROFILE, "-p", package, "--target", target]);
         step.command.args(["--", "-Dwarnings"]);
         if target == RP2040_TARGET {
             // A scene with drives: without them there is less to check.
@@ -197,17 +199,13 @@ fn releases(packages: &[Package]) -> Vec<Step> {
 
 /// Scenes whose figures CI measures: a kind of drive or of machine each. `cargo xtask nightly` measures those of all scenes: others
 /// tick as one of these does.
-const MEASURED: [&str; 6] = [
-    "bldc-massless",
-    // Without drives.
-    "chained",
+const MEASURED: [&str; 3] = [
     // Drives on a bus, links with masses.
     "odrive",
     // Steppers, fixed point, homing.
     "pick-home",
+    // All number types.
     "thesis",
-    // Gravity, a payload off centre.
-    "vertical",
 ];
 
 /// Scenes whose jobs CI plays on emulated boards, one with a simulated plant. `chained` is played over a bad line. Nightly plays all.

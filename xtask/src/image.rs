@@ -13,7 +13,7 @@ use trirrr_image::generate::{SCALARS, of_scene};
 use trirrr_scene::{NumberType, Scene};
 
 /// The Cargo profile of every image.
-const PROFILE: &str = "device";
+pub(crate) const PROFILE: &str = "device";
 
 /// The number types that a scene is measured in: its own. One that is for hosts says none for a
 /// board and is there to compare them: it is measured in all.

@@ -101,6 +101,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.service.power_lists > 0,
     },
     Mark {
+        what: "a scene that clients may change",
+        names: &["10Adjustable"],
+        used: |scene| scene.service.adjustable,
+    },
+    Mark {
         what: "feedback",
         names: &["12WithFeedback"],
         used: |scene| scene.feedback.is_some(),
@@ -144,7 +149,7 @@ const SINGLE_PRECISION: &[&str] = &["__aeabi_f", "__aeabi_i2f", "__aeabi_ui2f"];
 pub(crate) fn check(elf: &Elf, scene: &Scene, has_fpu: bool) -> Result<()> {
     let names = names(elf);
     check_names(&names, scene)?;
-    check_routines(&names, has_fpu)
+    check_routines(&names, has_fpu, scene.service.adjustable)
 }
 
 fn names<'data>(elf: &Elf<'data>) -> Vec<&'data str> {
@@ -152,15 +157,20 @@ fn names<'data>(elf: &Elf<'data>) -> Vec<&'data str> {
     symbols.filter_map(|symbol| symbol.name().ok()).collect()
 }
 
-fn check_routines(names: &[&str], has_fpu: bool) -> Result<()> {
-    let found = |routines: &[&str]| {
-        let is_one = |name: &&&str| routines.iter().any(|part| name.starts_with(part));
-        names.iter().find(is_one)
-    };
-    if let Some(symbol) = found(DOUBLE_PRECISION) {
+fn check_routines(names: &[&str], has_fpu: bool, is_adjustable: bool) -> Result<()> {
+    let is_of = |name: &str, routines: &[&str]| routines.iter().any(|part| name.starts_with(part));
+    let double = names.iter().find(|name| is_of(name, DOUBLE_PRECISION));
+    // A conversion to binary64 begins as a routine for binary32 does.
+    let single = names
+        .iter()
+        .find(|name| is_of(name, SINGLE_PRECISION) && !is_of(name, DOUBLE_PRECISION));
+    // An adjustable board computes its coefficients from lengths and masses in binary64, between jobs.
+    if let Some(symbol) = double
+        && !is_adjustable
+    {
         anyhow::bail!("no board computes in binary64: {symbol}");
     }
-    match (found(SINGLE_PRECISION), has_fpu) {
+    match (single, has_fpu) {
         (Some(symbol), true) => {
             anyhow::bail!("there is an FPU, and binary32 is computed in software: {symbol}")
         }
@@ -253,7 +263,7 @@ mod tests {
     #[test]
     fn floats_in_software_are_named_by_their_routine() {
         let complaint = |names: &[&str], has_fpu| {
-            let found = check_routines(names, has_fpu).err();
+            let found = check_routines(names, has_fpu, false).err();
             found.map(|error| error.to_string())
         };
         let other = [

@@ -22,6 +22,8 @@ pub struct Service {
     pub batches: Option<bool>,
     /// Levels of the tool's power for which the machine has room, a power of two; 0: it plays no power lists.
     pub power_lists: u16,
+    /// Clients may replace legs, platform with loads, and limits of a board while it stands idle.
+    pub adjustable: bool,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -35,6 +37,7 @@ impl Default for Service {
             plans_paths: false,
             batches: None,
             power_lists: 0,
+            adjustable: false,
             telemetry_ticks: 1,
         }
     }
@@ -104,6 +107,10 @@ pub(crate) fn read_service(
         true => read_power_lists(&section),
         false => Some(0),
     };
+    let adjustable = match section.has("adjustable") {
+        true => section.boolean("adjustable"),
+        false => Some(default.adjustable),
+    };
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
@@ -111,6 +118,7 @@ pub(crate) fn read_service(
         plans_paths: plans_paths?,
         batches: batches?,
         power_lists: power_lists?,
+        adjustable: adjustable?,
         telemetry_ticks: telemetry_ticks?,
     })
 }

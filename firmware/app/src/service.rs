@@ -8,11 +8,16 @@ use crate::scene::FEEDBACK;
 use crate::scene::HOMING;
 #[cfg(levels)]
 use crate::scene::LEVELS;
-use crate::scene::{
-    BATCHES, COEFFICIENTS, Curves, Model, NAME, PARTS, Planner, SETTINGS, START, Scalar,
-    TICK_RATE_HZ,
-};
+#[cfg(not(adjustable))]
+use crate::scene::{BATCHES, COEFFICIENTS, PARTS};
+use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ};
+#[cfg(adjustable)]
+use crate::scene::{LIMITS, PARAMETERS};
 use trirrr_protocol::message::{self, Board, Clock, Start};
+#[cfg(adjustable)]
+use trirrr_service::Adjustable;
+#[cfg(not(adjustable))]
+use trirrr_service::Compiled;
 #[cfg(contact)]
 use trirrr_service::WithContact;
 #[cfg(feedback)]
@@ -21,7 +26,7 @@ use trirrr_service::WithFeedback;
 use trirrr_service::WithHoming;
 #[cfg(levels)]
 use trirrr_service::WithLevels;
-use trirrr_service::{Compiled, Scene, Settings};
+use trirrr_service::{Scene, Settings};
 
 #[cfg(contact_refused)]
 compile_error!(
@@ -38,13 +43,17 @@ const MOVES: usize = 225;
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
+/// Machine with its limits: a client may change them, or the coefficients are in the image.
+#[cfg(not(adjustable))]
+type MachineScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
+#[cfg(adjustable)]
+type MachineScene = Adjustable<Model, Curves, Planner>;
 
 /// Scene with its power lists, if it plays any.
 #[cfg(not(levels))]
-type LevelScene = CompiledScene;
+type LevelScene = MachineScene;
 #[cfg(levels)]
-type LevelScene = WithLevels<CompiledScene, { LEVELS as usize }>;
+type LevelScene = WithLevels<MachineScene, { LEVELS as usize }>;
 
 /// The same with its homing, if it has any.
 #[cfg(not(homing))]
@@ -58,7 +67,7 @@ type MeasuredScene = HomedScene;
 #[cfg(feedback)]
 type MeasuredScene = WithFeedback<'static, HomedScene>;
 
-/// Scene of this image, which no host can change. It may detect contacts.
+/// Scene of this image. It may detect contacts.
 #[cfg(not(contact))]
 pub(crate) type ImageScene = MeasuredScene;
 #[cfg(contact)]
@@ -97,16 +106,18 @@ pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;
 
-/// Builds both halves of the scene's service. The machine stands at the start of its job, and every
-/// coefficient is in the image.
+/// Builds both halves of the scene's service. The machine stands at the start of its job.
 // A call: inlined, the board's crate would compile it for speed.
 #[inline(never)]
 pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground, SceneBackground) {
+    #[cfg(not(adjustable))]
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
         types: core::marker::PhantomData,
     };
+    #[cfg(adjustable)]
+    let scene = MachineScene::new(PARAMETERS, LIMITS);
     #[cfg(levels)]
     let scene = WithLevels {
         scene,

@@ -45,7 +45,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(levels)` for one with power lists, and `cfg(contact)` for one
+/// scene with homing, `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -115,6 +115,10 @@ fn print_kinds(scene: &Scene) {
     println!("cargo:rustc-check-cfg=cfg(levels)");
     if scene.service.power_lists > 0 {
         println!("cargo:rustc-cfg=levels");
+    }
+    println!("cargo:rustc-check-cfg=cfg(adjustable)");
+    if scene.service.adjustable {
+        println!("cargo:rustc-cfg=adjustable");
     }
     println!("cargo:rustc-check-cfg=cfg(feedback)");
     if scene.feedback.is_some() {

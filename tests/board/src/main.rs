@@ -6,8 +6,8 @@
 //! The board has to be freshly reset, and the one that has the line to it.
 #![forbid(unsafe_code)]
 
-mod abandon;
 mod conversation;
+mod cuts;
 mod expected;
 mod log;
 mod play;
@@ -42,6 +42,9 @@ enum Test {
         /// What its inputs of homing do
         #[arg(long, value_enum, default_value_t = HomingInputs::Switches)]
         inputs: HomingInputs,
+        /// Give the platform this mass first, kg: the scene has to be adjustable
+        #[arg(long)]
+        mass_kg: Option<f64>,
     },
     /// Play random jobs over a line that damages frames in both directions
     Torture {
@@ -57,8 +60,21 @@ enum Test {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Leave the board in the middle of the job, see it stop, and play the job with another client
-    Abandon(Board),
+    /// Leave the board at random places of the job, which is played over and over, and go on with another client: at once, or once
+    /// the board has waited
+    Cuts {
+        #[command(flatten)]
+        board: Board,
+        /// Times that the board is left
+        #[arg(long, default_value_t = 10)]
+        cuts: u32,
+        /// Least duration of the job, s
+        #[arg(long, default_value_t = 30.0)]
+        seconds: f64,
+        /// Seed of the places
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Burn a raster image of 0.1 mm pixels at 100 mm/s, each with another power than the one before, with a sample of every tick,
     /// and compare the power at each place
     Raster {
@@ -106,7 +122,7 @@ fn main() -> Result<()> {
         Test::Play { board, .. }
         | Test::Torture { board, .. }
         | Test::Raster { board, .. }
-        | Test::Abandon(board)
+        | Test::Cuts { board, .. }
         | Test::Report(board) => board,
         Test::Log { elf, log } => return log::print(elf, log),
     };
@@ -123,8 +139,15 @@ fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()
         Duration::from_secs_f64(board.patience),
     )?;
     match test {
-        Test::Play { inputs, .. } => play::run(&expected, port, *inputs),
-        Test::Abandon(_) => abandon::run(&expected, port),
+        Test::Play {
+            inputs, mass_kg, ..
+        } => play::run(expected, port, *inputs, *mass_kg),
+        Test::Cuts {
+            cuts,
+            seconds,
+            seed,
+            ..
+        } => cuts::run::<N>(scene, port, *cuts, *seconds, *seed),
         Test::Report(_) => report::run(&expected, port, Duration::from_secs_f64(board.patience)),
         Test::Torture {
             frames,

@@ -6,22 +6,31 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
 use trirrr_client::JobFailure;
-use trirrr_protocol::message::{State, Telemetry};
+use trirrr_protocol::message::scene::{Section, SectionName};
+use trirrr_protocol::message::{Command, Reply, State, Telemetry};
 use trirrr_service::ServiceNumber;
+
+/// Looks at a board until it has the state that it was asked for: drives take some ticks to go on and off.
+const ATTEMPTS: u32 = 1000;
 
 /// Numbers in a sample that are compared: state, acting, move, place (2), setpoint (9), motors
 /// (12), tool.
 const VALUES: usize = 27;
 
 pub(crate) fn run<N: ServiceNumber>(
-    expected: &Expected<N>,
+    mut expected: Expected<N>,
     mut port: Port,
     inputs: HomingInputs,
+    mass_kg: Option<f64>,
 ) -> Result<()> {
+    port.wait_for_board::<N>()?;
+    if let Some(mass_kg) = mass_kg {
+        expected = with_mass(&expected, &mut port, mass_kg)?;
+    }
+    let expected = &expected;
     let stretches = expected.stretches(inputs)?;
     let last = stretches.last().context("nothing is expected")?;
     let end = last.samples.last().context("a stretch has an end")?.state;
-    port.wait_for_board::<N>()?;
     let mut conversation = Conversation::undisturbed(port);
     let mut player = Player {
         stretches: &stretches,
@@ -69,6 +78,50 @@ pub(crate) fn run<N: ServiceNumber>(
         "the line was never quiet"
     );
     Ok(())
+}
+
+/// Gives the platform of the board another mass. Returns what the host computes for that scene; the board keeps its key.
+fn with_mass<N: ServiceNumber>(
+    expected: &Expected<N>,
+    port: &mut Port,
+    mass_kg: f64,
+) -> Result<Expected<N>> {
+    let mut scene = expected.scene.clone();
+    scene.parameters.platform.mass_kg = mass_kg;
+    let platform = Section::of(SectionName::Platform, &scene.parameters, &scene.limits);
+    let platform = platform.context("a scene has a platform")?;
+    let hello = Command::<N>::Hello(expected.hello);
+    let Some(Reply::Hello(identity)) = port.ask(u32::MAX / 2, hello)? else {
+        bail!("the board does not greet");
+    };
+    let mut sequence = identity.next_sequence;
+    let mut ask = |command| {
+        let reply = port.ask::<N>(sequence, command);
+        sequence = sequence.wrapping_add(1);
+        reply
+    };
+    // A scene is changed where the machine stands, and so with its drives on.
+    for (command, state) in [
+        (Command::Enable, State::Idle),
+        (Command::Replace(platform), State::Idle),
+        (Command::Disable, State::Disabled),
+    ] {
+        match ask(command)? {
+            Some(Reply::Done) => {}
+            other => bail!("the board answers {command:?} with {other:?}"),
+        }
+        let reached = (0..ATTEMPTS).any(|_| {
+            matches!(ask(Command::Status), Ok(Some(Reply::Status(status))) if status.state == state)
+        });
+        ensure!(reached, "after {command:?} the board is not {state:?}");
+    }
+    match ask(Command::Read(SectionName::Platform))? {
+        Some(Reply::Section(part)) if part == platform => {}
+        other => bail!("the board says of its platform {other:?}, not {platform:?}"),
+    }
+    let mut changed = Expected::of(&scene)?;
+    changed.hello = expected.hello;
+    Ok(changed)
 }
 
 /// Compares sample by sample.

@@ -4,10 +4,13 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 use trirrr_client::transport::{self, Address, Frames, Link};
-use trirrr_protocol::message::{Command, Message, Request, Transmit};
+use trirrr_protocol::message::{Command, Message, Reply, Request, Transmit};
 
 /// From one attempt to be heard to the next.
 const ATTEMPTS_EVERY: Duration = Duration::from_millis(200);
+
+/// Longest wait for an answer.
+const ANSWER: Duration = Duration::from_millis(500);
 
 /// An open line.
 pub(crate) struct Port {
@@ -81,6 +84,30 @@ impl Port {
             self.address,
             self.patience.as_secs_f64()
         )
+    }
+
+    /// Sends a request and waits for its answer, half a second; none if it does not come.
+    pub(crate) fn ask<N: Transmit>(
+        &mut self,
+        sequence: u32,
+        command: Command<N>,
+    ) -> Result<Option<Reply<N>>> {
+        let mut bytes = vec![0];
+        Frames::append(&Request { sequence, command }, &mut bytes);
+        self.send(&bytes)?;
+        let asked = Instant::now();
+        while asked.elapsed() < ANSWER {
+            for frame in self.frames(Duration::from_millis(20))? {
+                match message::<N>(&frame) {
+                    Some(Message::Reply {
+                        sequence: to,
+                        reply,
+                    }) if to == sequence => return Ok(Some(reply)),
+                    _ => {}
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Sends bytes.

@@ -1,11 +1,11 @@
 //! What a board says of itself: why it started, and which fault it has latched.
 
 use crate::expected::Expected;
-use crate::port::{self, Port};
+use crate::port::Port;
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
-use trirrr_protocol::message::{Command, Identity, Message, Reply, Request, Status};
+use trirrr_protocol::message::{Command, Identity, Reply, Status};
 use trirrr_service::ServiceNumber;
 
 /// From one look at the board to the next, while nothing has happened.
@@ -38,38 +38,15 @@ fn ask<N: ServiceNumber>(
     port: &mut Port,
 ) -> Result<Option<(Identity, Status<N>)>> {
     let hello = Command::<N>::Hello(expected.hello);
-    let identity = match request::<N>(port, u32::MAX / 2, hello)? {
+    let identity = match port.ask(u32::MAX / 2, hello)? {
         Some(Reply::Hello(identity)) => identity,
         Some(reply) => bail!("the board answers a hello with {reply:?}"),
         None => return Ok(None),
     };
-    match request::<N>(port, identity.next_sequence, Command::Status)? {
+    match port.ask(identity.next_sequence, Command::<N>::Status)? {
         Some(Reply::Status(status)) => Ok(Some((identity, status))),
         _ => Ok(None),
     }
-}
-
-fn request<N: ServiceNumber>(
-    port: &mut Port,
-    sequence: u32,
-    command: Command<N>,
-) -> Result<Option<Reply<N>>> {
-    let mut bytes = vec![0];
-    bytes.extend(port::frame(&Request { sequence, command }));
-    port.send(&bytes)?;
-    let asked = Instant::now();
-    while asked.elapsed() < Duration::from_millis(500) {
-        for frame in port.frames(Duration::from_millis(20))? {
-            match port::message::<N>(&frame) {
-                Some(Message::Reply {
-                    sequence: to,
-                    reply,
-                }) if to == sequence => return Ok(Some(reply)),
-                _ => {}
-            }
-        }
-    }
-    Ok(None)
 }
 
 fn print<N: ServiceNumber>(identity: &Identity, status: &Status<N>) {

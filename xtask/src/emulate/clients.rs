@@ -95,13 +95,30 @@ impl Clients {
 
     /// A raster image of so many seconds, the power of every sample compared; printed with the name of the scene.
     pub(super) fn burn(&self, built: &Built, board: &Board, seconds: u32) -> Result<()> {
+        self.show_long("raster", built, board, seconds, &[])
+    }
+
+    /// A job of so many seconds that is cut off again and again, every sample compared; printed with the name of the scene.
+    pub(super) fn cut(&self, built: &Built, board: &Board, cuts: u32, seconds: u32) -> Result<()> {
+        let cuts = cuts.to_string();
+        self.show_long("cuts", built, board, seconds, &["--cuts", &cuts])
+    }
+
+    fn show_long(
+        &self,
+        part: &str,
+        built: &Built,
+        board: &Board,
+        seconds: u32,
+        arguments: &[&str],
+    ) -> Result<()> {
         let mut command = Command::new(&self.0.board_test);
-        command.arg("raster").arg(&built.scene.path);
+        command.arg(part).arg(&built.scene.path);
         command.args(["--port", board.address(), "--scalar", built.scalar]);
         command.args(["--seconds", &seconds.to_string()]);
         // An emulator on a busy host is slower than silicon.
         let limit = TIME_LIMIT + 4 * Duration::from_secs(seconds.into());
-        let said = qemu::output(&mut command, limit)?;
+        let said = qemu::output(command.args(arguments), limit)?;
         println!("{built}: {}", said.trim_end());
         Ok(())
     }
@@ -110,6 +127,12 @@ impl Clients {
     pub(super) fn play(&self, built: &Built, board: &Board) -> Result<Played> {
         let inputs = built.inputs.map(|inputs| ["--inputs", inputs.name()]);
         played(&self.show("play", built, board, inputs.as_slice().as_flattened())?)
+    }
+
+    /// The job with another mass of the platform, on an adjustable board.
+    pub(super) fn play_with_mass(&self, built: &Built, board: &Board, mass: &str) -> Result<()> {
+        self.show("play", built, board, &["--mass-kg", mass])?;
+        Ok(())
     }
 
     /// The board's log in words; what is no frame of the image's log is an error.

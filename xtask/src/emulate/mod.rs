@@ -34,6 +34,9 @@ const SIMULATED: &str = "plant-thesis";
 /// a job of some seconds.
 const LINE_SCENE: &str = "chained";
 
+/// Mass that the platform of an adjustable board gets, kg.
+const OTHER_MASS_KG: &str = "0.7";
+
 /// The scene with power lists.
 const RASTER_SCENE: &str = "scenes/paths/raster.toml";
 
@@ -50,9 +53,12 @@ pub(crate) struct EmulateArgs {
     /// Frames of `line` before the last job begins
     #[arg(long, default_value_t = 20_000)]
     frames: u64,
-    /// Seconds of `raster`
+    /// Seconds of the image of `raster`, least seconds of the job of `line` that is cut off
     #[arg(long, default_value_t = 6)]
     seconds: u32,
+    /// Times that the job of `line` is cut off
+    #[arg(long, default_value_t = 4)]
+    cuts: u32,
 }
 
 /// Part of the emulation: one kind of run on an emulated board.
@@ -60,7 +66,7 @@ pub(crate) struct EmulateArgs {
 enum EmulationPart {
     /// Play each scene's job with every client, compare every sample with the host's
     Jobs,
-    /// Random jobs over a line that damages every fifth frame; a client that goes
+    /// Random jobs over a line that damages every fifth frame; a job that is cut off at random places
     Line,
     /// Burn a raster image on a scene with power lists, and compare the power at each place
     Raster,
@@ -214,6 +220,12 @@ fn job(clients: &Clients, built: &Built, with_all_clients: bool) -> Result<Vec<S
         built.scalar != "f32" || instructions <= TICK_CEILING,
         "{built}: a tick of {instructions} instructions, the ceiling is {TICK_CEILING}"
     );
+    if Scene::read(&built.scene.path)?.service.adjustable {
+        let board = Board::boot(&built.image)?;
+        let other = clients.play_with_mass(built, &board, OTHER_MASS_KG);
+        other.with_context(about)?;
+        board.end()?;
+    }
     let mut names = "board-test".to_owned();
     if with_all_clients {
         // Without a tick its homing has failed, as it has to; so it does under the other clients, who say why.
@@ -259,8 +271,7 @@ fn line(arguments: &EmulateArgs, clients: &Clients) -> Result<()> {
         let bound = stack_bound(&built.image, used)?;
         println!("{built}: {used} bytes of stack, by its code {bound} at most");
         let board = Board::boot(&built.image)?;
-        // A client that goes in the middle of the job.
-        clients.show("abandon", &built, &board, &[])?;
+        clients.cut(&built, &board, arguments.cuts, arguments.seconds)?;
         board.end()?;
     }
     Ok(())
