@@ -269,7 +269,12 @@ fn steps() -> Result<Vec<Step>> {
     }
     steps.push(archives);
     let line = ["emulate", "--part", "line", "--frames", "200000"];
-    steps.push(Step::chore("a bad line for long", &line)?);
+    let cuts = ["--seconds", "600", "--cuts", "200"];
+    let line = [line.as_slice(), &cuts].concat();
+    steps.push(Step::chore(
+        "a bad line for long, and a job that is cut off",
+        &line,
+    )?);
     let raster = ["emulate", "--part", "raster", "--seconds", "600"];
     steps.push(Step::chore("a raster image of ten minutes", &raster)?);
     steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
