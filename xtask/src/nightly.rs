@@ -1,5 +1,6 @@
 //! `cargo xtask nightly`: checks that take long and rarely fail, up to the first failure.
 
+use crate::ci::with_oldest_toolchain;
 use crate::packages::{NIGHTLY_PACKAGES, Package};
 use crate::steps::{self, Step};
 use anyhow::{Result, ensure};
@@ -34,7 +35,7 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "admission", "--", "--ignored", "--nocapture"],
         ),
         Step::on_host(
-            "agreement, properties and admission at full length",
+            "agreement, properties, admission and a bad line at full length",
             "test",
             &[
                 "--release",
@@ -44,6 +45,8 @@ fn steps() -> Result<Vec<Step>> {
                 "properties",
                 "--test",
                 "admission",
+                "--test",
+                "torture",
             ],
         ),
         Step::on_host(
@@ -261,13 +264,14 @@ fn steps() -> Result<Vec<Step>> {
     // As a user gets them: each archive is unpacked and compiled.
     let archives = ["package", "--quiet", "--allow-dirty"];
     let mut archives = Step::cargo("packages from their archives", &archives);
-    for package in Package::all()?
-        .iter()
-        .filter(|package| package.is_published())
-    {
+    let packages = Package::all()?;
+    for package in packages.iter().filter(|package| package.is_published()) {
         archives.command.args(["-p", &package.name]);
     }
     steps.push(archives);
+    let published = packages.iter().filter(|package| package.is_published());
+    let published = published.map(|package| package.name.as_str());
+    steps.push(with_oldest_toolchain(published.chain(["trirrr-host-sim"])));
     let line = ["emulate", "--part", "line", "--frames", "200000"];
     let cuts = ["--seconds", "600", "--cuts", "200"];
     let line = [line.as_slice(), &cuts].concat();

@@ -14,9 +14,9 @@ pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
     ("trirrr-insns", FIRMWARE_TARGET),
 ];
 
-/// Packages whose dependencies take longer to compile than all others together: `cargo xtask nightly` checks
-/// them.
-pub(crate) const NIGHTLY_PACKAGES: [&str; 2] = ["trirrr-oracle", "trirrr-tick-time"];
+/// Packages whose dependencies take long to compile: `cargo xtask nightly` checks them.
+pub(crate) const NIGHTLY_PACKAGES: [&str; 3] =
+    ["trirrr-images", "trirrr-oracle", "trirrr-tick-time"];
 
 /// Libraries that are built without `std`.
 pub(crate) const BARE_PACKAGES: [&str; 4] = [

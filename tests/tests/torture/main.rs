@@ -17,6 +17,7 @@ use conversation::{Conversation, Tally};
 use errands::{ErrandSession, Errands};
 use slow_line::{SERIAL, USB, circles, play};
 use std::thread;
+use trirrr_tests::random::share;
 
 /// Jobs of `seeds` until `frames` frames have been on the line.
 fn torture(frames: u64, seeds: impl Iterator<Item = u64>) -> Tally {
@@ -33,16 +34,17 @@ fn torture(frames: u64, seeds: impl Iterator<Item = u64>) -> Tally {
 
 #[test]
 fn jobs_survive_a_bad_line() {
+    let half_frames = u64::from(share(500_000));
     // On two cores, seeds of their own on each.
     let mut total = Tally::default();
     thread::scope(|scope| {
         let halves =
-            [0, 1].map(|half| scope.spawn(move || torture(500_000, (1 + half..).step_by(2))));
+            [0, 1].map(|half| scope.spawn(move || torture(half_frames, (1 + half..).step_by(2))));
         for half in halves {
             total.add(&half.join().expect("a half without a panic"));
         }
     });
-    assert!(total.frames >= 1_000_000);
+    assert!(total.frames >= 2 * half_frames);
     // 51 of 256 frames, to six standard deviations of the binomial distribution.
     let frames = total.frames as f64;
     let rate = 51.0 / 256.0;

@@ -10,7 +10,7 @@ use trirrr_scene::{Scene, units_of_scene};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no CARGO_MANIFEST_DIR")?);
-    let scenes = root.join("../scenes");
+    let scenes = root.join("../../scenes");
     println!("cargo:rerun-if-changed={}", scenes.display());
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("no OUT_DIR")?);
     let mut list = String::from("images! {\n");
