@@ -1,14 +1,30 @@
 //! Drives on the ticks of a job.
 
+use crate::control::{Commands, Measured};
 use crate::drives::SimulatedDrives;
 use crate::refusal::Refusal;
 use trirrr_core::number::Number;
 use trirrr_service::Output;
 
+/// Drives that take samples, whatever the number type of their ticks: a plant is compiled once, for all number types.
+pub(crate) trait Sampled {
+    /// Samples in each tick.
+    fn per_tick(&self) -> u32;
+
+    /// Begins a tick; `false` if the service has not given one.
+    ///
+    /// # Errors
+    /// [`Refusal::Drive`].
+    fn begin(&mut self) -> Result<bool, Refusal>;
+
+    /// Takes sample `slot` of the tick, as [`SimulatedDrives::sample`].
+    fn sample(&mut self, slot: u32, measured: &[Measured; 3]) -> Commands;
+}
+
 /// Drives, and the ticks that the service gave them.
 pub(crate) struct Driven<'l, N: Number> {
     pub(crate) drives: Box<dyn SimulatedDrives<N> + 'l>,
-    pub(crate) per_tick: u32,
+    per_tick: u32,
     /// Ticks of the job.
     job: u32,
     /// Ticks that the service gave.
@@ -37,12 +53,14 @@ impl<'l, N: Number> Driven<'l, N> {
         }
         self.given = self.given.saturating_add(1);
     }
+}
 
-    /// Begins a tick; `false` if the service has not given one.
-    ///
-    /// # Errors
-    /// [`Refusal::Drive`].
-    pub(crate) fn begin(&mut self) -> Result<bool, Refusal> {
+impl<N: Number> Sampled for Driven<'_, N> {
+    fn per_tick(&self) -> u32 {
+        self.per_tick
+    }
+
+    fn begin(&mut self) -> Result<bool, Refusal> {
         let Some(output) = &self.next else {
             return Ok(false);
         };
@@ -52,5 +70,9 @@ impl<'l, N: Number> Driven<'l, N> {
             self.next = None;
         }
         Ok(true)
+    }
+
+    fn sample(&mut self, slot: u32, measured: &[Measured; 3]) -> Commands {
+        self.drives.sample(slot, measured)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::clock::RunClock;
 use crate::control::Continuous;
-use crate::driven::Driven;
+use crate::driven::{Driven, Sampled};
 use crate::drives::{self, samples_per_tick};
 use crate::ledger::Ledger;
 use crate::method::choose;
@@ -28,7 +28,11 @@ use trirrr_service::Output;
 /// The service gives [`tick`](Self::tick) the output of each tick, in its number type `N`. The
 /// drives of the plant turn the outputs into torque, voltage or steps. The plant follows up to the
 /// next tick. A continuous controller needs no ticks: [`finish`](Self::finish) runs it to the end.
-pub struct PlantRun<'l, N: Number>(Box<dyn Simulation<N> + 'l>);
+pub struct PlantRun<'l, N: Number> {
+    run: Box<dyn Simulation>,
+    /// None under a continuous controller.
+    driven: Option<Driven<'l, N>>,
+}
 
 impl<'l, N: Countable> PlantRun<'l, N> {
     /// Builds the plant of `scene`, at rest at the start of the job. `line` joins the two halves of
@@ -37,12 +41,20 @@ impl<'l, N: Countable> PlantRun<'l, N> {
     /// # Errors
     /// The scene is refused.
     pub fn build(scene: &Scene, line: &'l Line) -> Result<Self, Refusal> {
-        Ok(Self(match layout_of(scene).dimension() {
-            8 => Box::new(Run::<N, 8>::build(scene, line)?),
-            11 => Box::new(Run::<N, 11>::build(scene, line)?),
-            14 => Box::new(Run::<N, 14>::build(scene, line)?),
-            _ => Box::new(Run::<N, 17>::build(scene, line)?),
-        }))
+        let run = simulation(scene)?;
+        let driven = match run.is_sampled() {
+            false => None,
+            true => {
+                let units = trirrr_scene::units::<N>(scene)
+                    .map_err(|error| Refusal::Machine(error.to_string()))?;
+                Some(Driven::new(
+                    drives::build(scene, units, run.start(), line)?,
+                    samples_per_tick(scene)?,
+                    scene.ticks(),
+                ))
+            }
+        };
+        Ok(Self { run, driven })
     }
 }
 
@@ -50,7 +62,7 @@ impl<N: Number> PlantRun<'_, N> {
     /// Returns what the drives tell before the next tick, for a service that watches them. None of drives that tell
     /// nothing.
     pub fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
-        self.0.measure()
+        self.driven.as_mut()?.drives.measure()
     }
 
     /// Takes the output of the next tick, the first of the job at first, and simulates up to the
@@ -59,14 +71,22 @@ impl<N: Number> PlantRun<'_, N> {
     /// The service ticks once more after the last setpoint of the job. From there on the plant is
     /// held as this last output says.
     pub fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row)) {
-        self.0.tick(output, sink);
+        if let Some(driven) = &mut self.driven {
+            driven.give(output);
+        }
+        self.run.tick(sampled(&mut self.driven), sink);
     }
 
     /// Simulates to the end, unless `stop` is raised, and returns the outcome. A run that lacks
     /// ticks of its job is interrupted at the first of them.
     pub fn finish(mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome {
-        self.0.finish(stop, sink)
+        self.run.finish(sampled(&mut self.driven), stop, sink)
     }
+}
+
+/// The drives without the number type of their ticks.
+fn sampled<'d, N: Number>(driven: &'d mut Option<Driven<'_, N>>) -> Option<&'d mut dyn Sampled> {
+    driven.as_mut().map(|driven| driven as &mut dyn Sampled)
 }
 
 /// The control that the scene describes.
@@ -86,17 +106,32 @@ pub fn control_of(scene: &Scene) -> Result<Control, Refusal> {
 }
 
 /// A run without its dimension.
-trait Simulation<N: Number>: Send {
-    fn measure(&mut self) -> Option<[DriveReading<N>; 3]>;
-    fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row));
-    fn finish(&mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome;
+trait Simulation: Send {
+    /// Returns true if drives take samples.
+    fn is_sampled(&self) -> bool;
+    /// Joint angles at the start.
+    fn start(&self) -> [f64; 3];
+    fn tick(&mut self, driven: Option<&mut dyn Sampled>, sink: &mut dyn FnMut(&Row));
+    fn finish(
+        &mut self,
+        driven: Option<&mut dyn Sampled>,
+        stop: &AtomicBool,
+        sink: &mut dyn FnMut(&Row),
+    ) -> Outcome;
 }
 
-struct Run<'l, N: Number, const D: usize> {
+fn simulation(scene: &Scene) -> Result<Box<dyn Simulation>, Refusal> {
+    Ok(match layout_of(scene).dimension() {
+        8 => Box::new(Run::<8>::build(scene)?),
+        11 => Box::new(Run::<11>::build(scene)?),
+        14 => Box::new(Run::<14>::build(scene)?),
+        _ => Box::new(Run::<17>::build(scene)?),
+    })
+}
+
+struct Run<const D: usize> {
     plant: Plant<D>,
     y: [f64; D],
-    /// None under a continuous controller.
-    driven: Option<Driven<'l, N>>,
     integrator: Integrator<D>,
     clock: RunClock,
     /// Force and moment of the push, and whether it acts.
@@ -115,24 +150,12 @@ struct Run<'l, N: Number, const D: usize> {
     elapsed: Duration,
 }
 
-impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
-    fn build(scene: &Scene, line: &'l Line) -> Result<Self, Refusal> {
+impl<const D: usize> Run<D> {
+    fn build(scene: &Scene) -> Result<Self, Refusal> {
         let (mut plant, mut y) = Plant::<D>::build(scene, control_of(scene)?)?;
         plant.choose_coordinates(&mut y)?;
         let scenario = scene.plant.as_ref();
         let rate = plant.sample_rate();
-        let driven = match rate {
-            None => None,
-            Some(_) => {
-                let units = trirrr_scene::units::<N>(scene)
-                    .map_err(|error| Refusal::Machine(error.to_string()))?;
-                Some(Driven::new(
-                    drives::build(scene, units, plant.start, line)?,
-                    samples_per_tick(scene)?,
-                    scene.ticks(),
-                ))
-            }
-        };
         let record_s = scenario.map_or(1e-3, |plant| plant.record_s);
         let settle_s = scenario.map_or(0.0, |plant| plant.settle_s);
         let end = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
@@ -157,7 +180,6 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
             ),
             plant,
             y,
-            driven,
             integrator,
             clock: RunClock {
                 t: 0.0,
@@ -180,14 +202,18 @@ impl<'l, N: Countable, const D: usize> Run<'l, N, D> {
             elapsed: Duration::ZERO,
         })
     }
-}
 
-impl<N: Number, const D: usize> Run<'_, N, D> {
     /// Simulates until the run has ended, until a tick is missing, or up to `until` seconds.
-    fn advance(&mut self, until: f64, stop: Option<&AtomicBool>, sink: &mut dyn FnMut(&Row)) {
+    fn advance(
+        &mut self,
+        until: f64,
+        mut driven: Option<&mut dyn Sampled>,
+        stop: Option<&AtomicBool>,
+        sink: &mut dyn FnMut(&Row),
+    ) {
         let started = Instant::now();
         while self.ended.is_none() && self.clock.t < until {
-            match self.step(stop, sink) {
+            match self.step(&mut driven, stop, sink) {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(end) => self.ended = Some(self.audited(end)),
@@ -226,13 +252,14 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
     /// The end of the run.
     fn step(
         &mut self,
+        driven: &mut Option<&mut dyn Sampled>,
         stop: Option<&AtomicBool>,
         sink: &mut dyn FnMut(&Row),
     ) -> Result<bool, PlantEnd> {
         let t = self.clock.t;
         self.push();
         let failed = |cause: Refusal| PlantEnd::Failed(format!("{cause} at t = {t:.6} s"));
-        if self.clock.samples_now() && !self.sample().map_err(failed)? {
+        if self.clock.samples_now() && !self.sample(driven).map_err(failed)? {
             return Ok(false);
         }
         if let Some(ending) = self.plant.ending() {
@@ -295,16 +322,16 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
     }
 
     /// Lets the drives measure and command; `false` where the tick is missing that they follow.
-    fn sample(&mut self) -> Result<bool, Refusal> {
-        let Some(driven) = &mut self.driven else {
+    fn sample(&mut self, driven: &mut Option<&mut dyn Sampled>) -> Result<bool, Refusal> {
+        let Some(driven) = driven else {
             return Ok(true);
         };
-        let slot = (self.clock.sample % u64::from(driven.per_tick)) as u32;
+        let slot = (self.clock.sample % u64::from(driven.per_tick())) as u32;
         if slot == 0 && !driven.begin()? {
             return Ok(false);
         }
         let sensed = self.plant.measure(&self.y)?;
-        let commands = driven.drives.sample(slot, &sensed.measured);
+        let commands = driven.sample(slot, &sensed.measured);
         let ends = self.plant.command(self.clock.t, &self.y, &sensed, commands);
         if !ends {
             self.integrator.input_changed();
@@ -314,21 +341,28 @@ impl<N: Number, const D: usize> Run<'_, N, D> {
     }
 }
 
-impl<N: Number, const D: usize> Simulation<N> for Run<'_, N, D> {
-    fn measure(&mut self) -> Option<[DriveReading<N>; 3]> {
-        self.driven.as_mut()?.drives.measure()
+impl<const D: usize> Simulation for Run<D> {
+    fn is_sampled(&self) -> bool {
+        self.clock.rate.is_some()
     }
 
-    fn tick(&mut self, output: &Output<N>, sink: &mut dyn FnMut(&Row)) {
-        if let Some(driven) = &mut self.driven {
-            driven.give(output);
-        }
+    fn start(&self) -> [f64; 3] {
+        self.plant.start
+    }
+
+    fn tick(&mut self, driven: Option<&mut dyn Sampled>, sink: &mut dyn FnMut(&Row)) {
         self.ticks += 1;
-        self.advance(f64::from(self.ticks) / self.tick_rate_hz, None, sink);
+        let until = f64::from(self.ticks) / self.tick_rate_hz;
+        self.advance(until, driven, None, sink);
     }
 
-    fn finish(&mut self, stop: &AtomicBool, sink: &mut dyn FnMut(&Row)) -> Outcome {
-        self.advance(f64::INFINITY, Some(stop), sink);
+    fn finish(
+        &mut self,
+        driven: Option<&mut dyn Sampled>,
+        stop: &AtomicBool,
+        sink: &mut dyn FnMut(&Row),
+    ) -> Outcome {
+        self.advance(f64::INFINITY, driven, Some(stop), sink);
         let t = self.clock.t;
         self.plant.statistics.finish(t);
         let (method, reason) = self.method.clone();
