@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use trirrr_plan::course::{Effort, PathPiece, Run};
 use trirrr_protocol::message::LEVEL_PARTS;
 use trirrr_scene::{
-    Dwell, JobLevels, JobMove, JobPath, MOVE_COLUMNS, PlannedJob, Scene, limited, plan_job,
+    JobLevels, JobMove, JobPath, MOVE_COLUMNS, PlannedJob, Scene, limited, plan_job,
 };
 
 /// `trirrr plan`.
@@ -138,18 +138,12 @@ fn all_points(scene: &Scene, job: &PlannedJob) -> Vec<PlanPoint> {
         let sources = path.pieces[run.pieces.clone()].iter();
         let mut sources = sources.map(|each| each.source);
         let (first, last) = (sources.next(), sources.next_back());
-        start += stands_s(scene, path.dwells_between(after, first));
+        start += scene.period_s() * path.stand_ticks(after, first) as f64;
         all.extend(points(path, run, start));
         start += run.duration_s;
         after = last.or(first);
     }
     all
-}
-
-/// Seconds for which the machine stands in `dwells`.
-fn stands_s<'a>(scene: &Scene, dwells: impl Iterator<Item = &'a Dwell>) -> f64 {
-    let ticks: u64 = dwells.map(|each| u64::from(each.ticks)).sum();
-    scene.period_s() * ticks as f64
 }
 
 /// Writes tables and the figure; the files.

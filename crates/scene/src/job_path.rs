@@ -65,6 +65,12 @@ impl JobPath {
         };
         self.dwells.iter().filter(lies)
     }
+
+    /// Returns the ticks for which the machine stands in [those](Self::dwells_between) dwells.
+    pub fn stand_ticks(&self, after: Option<usize>, before: Option<usize>) -> u64 {
+        let dwells = self.dwells_between(after, before);
+        dwells.map(|each| u64::from(each.ticks)).sum()
+    }
 }
 
 /// A path whose alpha is free.

@@ -52,6 +52,7 @@ mod spool;
 pub mod tables;
 mod tolerances;
 mod tool;
+mod unplanned;
 mod visible;
 pub mod words;
 
@@ -74,7 +75,7 @@ pub use long_job::UntakenJob;
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
 pub use path::{MoveVerdict, judge_move};
-pub use planning::{MOVE_COLUMNS, PlannedJob, Unplanned, plan_job};
+pub use planning::{MOVE_COLUMNS, PlannedJob, plan_job};
 pub use plant::{Friction, JointFriction, Method, Plant, Transmission};
 pub use player::JobPlayer;
 pub use power::Power;
@@ -90,4 +91,5 @@ pub use tool::{ToolKind, ToolPort};
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
+pub use unplanned::Unplanned;
 pub use visible::{visible, visible_lines};
