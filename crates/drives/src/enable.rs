@@ -11,6 +11,21 @@ pub enum Active {
     High,
 }
 
+impl Active {
+    /// The level that is high if `is_high`.
+    pub const fn at(is_high: bool) -> Self {
+        match is_high {
+            true => Self::High,
+            false => Self::Low,
+        }
+    }
+
+    /// Level of the pin while the stage is off; true is high.
+    pub const fn off(self) -> bool {
+        matches!(self, Self::Low)
+    }
+}
+
 /// Enable line with its last state: setting the same state again writes no pin.
 #[derive(Debug)]
 pub struct Enable<E> {

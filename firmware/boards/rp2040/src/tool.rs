@@ -2,7 +2,7 @@
 
 use crate::drives::Unused;
 use rp2040_hal::gpio::bank0::{Gpio16, Gpio18};
-use rp2040_hal::gpio::{FunctionSioOutput, Pin, PinState, PullDown};
+use rp2040_hal::gpio::{FunctionSioOutput, Pin, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm0, Slice};
 use trirrr_app::scene::tool::INVERTED;
 use trirrr_drives::Active;
@@ -26,8 +26,8 @@ pub(super) struct ToolParts {
 #[cfg(tool = "duty")]
 mod duty {
     use super::{
-        Active, FreeRunning, Gpio16, Gpio18, INVERTED, OutputOf, Pin, PinState, PullDown, Pwm0,
-        Slice, ToolParts,
+        Active, FreeRunning, Gpio16, Gpio18, INVERTED, OutputOf, Pin, PullDown, Pwm0, Slice,
+        ToolParts,
     };
     use crate::clock::CORE_HZ;
     use core::convert::Infallible;
@@ -90,10 +90,7 @@ mod duty {
     pub(crate) fn build(parts: ToolParts) -> DutyPin {
         let pin = parts.enable;
         let enable = ENABLE.map(|active| {
-            let off = match active {
-                Active::High => PinState::Low,
-                Active::Low => PinState::High,
-            };
+            let off = active.off().into();
             let Ok(enable) = Enable::new(pin.into_push_pull_output_in_state(off), active);
             enable
         });
@@ -114,7 +111,7 @@ mod duty {
 
 #[cfg(tool = "level")]
 mod level {
-    use super::{Active, Gpio16, INVERTED, OutputOf, PinState, ToolParts};
+    use super::{Active, Gpio16, INVERTED, OutputOf, ToolParts};
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.
@@ -124,10 +121,10 @@ mod level {
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
     pub(crate) fn build(parts: ToolParts) -> LevelPin {
-        let (on, off) = match INVERTED {
-            true => (Active::Low, PinState::High),
-            false => (Active::High, PinState::Low),
-        };
-        LevelOutput::new(parts.pin.into_push_pull_output_in_state(off), on)
+        let on = Active::at(!INVERTED);
+        LevelOutput::new(
+            parts.pin.into_push_pull_output_in_state(on.off().into()),
+            on,
+        )
     }
 }

@@ -1,7 +1,6 @@
 //! Tool: PA5 is its level, or its PWM from TIM2; PA4 enables it. An image holds the output that its scene names.
 
 use crate::clock::Clocks;
-use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::gpio::gpioa::{PA4, PA5};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::Rcc;
@@ -24,7 +23,7 @@ pub(super) struct ToolParts {
 
 #[cfg(tool = "duty")]
 mod duty {
-    use super::{INVERTED, PA4, PinState, Rcc, TIM2, ToolParts};
+    use super::{INVERTED, PA4, Rcc, TIM2, ToolParts};
     use crate::dividers::counts;
     use core::convert::Infallible;
     use stm32f4xx_hal::gpio::Output;
@@ -85,10 +84,7 @@ mod duty {
     pub(crate) fn build(parts: ToolParts, rcc: &mut Rcc) -> DutyPin {
         let pin = parts.pa4;
         let enable = ENABLE.map(|active| {
-            let off = match active {
-                Active::High => PinState::Low,
-                Active::Low => PinState::High,
-            };
+            let off = active.off().into();
             let Ok(enable) = Enable::new(pin.into_push_pull_output_in_state(off), active);
             enable
         });
@@ -102,7 +98,7 @@ mod duty {
 
 #[cfg(tool = "level")]
 mod level {
-    use super::{INVERTED, PA5, PinState, Rcc, ToolParts};
+    use super::{INVERTED, PA5, Rcc, ToolParts};
     use stm32f4xx_hal::gpio::Output;
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
@@ -114,10 +110,10 @@ mod level {
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
     pub(crate) fn build(parts: ToolParts, _: &mut Rcc) -> LevelPin {
-        let (on, off) = match INVERTED {
-            true => (Active::Low, PinState::High),
-            false => (Active::High, PinState::Low),
-        };
-        LevelOutput::new(parts.pa5.into_push_pull_output_in_state(off), on)
+        let on = Active::at(!INVERTED);
+        LevelOutput::new(
+            parts.pa5.into_push_pull_output_in_state(on.off().into()),
+            on,
+        )
     }
 }

@@ -57,11 +57,10 @@ impl SlotTimer {
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
 pub(crate) fn build(parts: DriveParts) -> (StepperDrives, SlotTimer) {
-    let (active, off) = match ENABLE_HIGH {
-        true => (Active::High, PinState::Low),
-        false => (Active::Low, PinState::High),
-    };
-    let enable = parts.enable.into_push_pull_output_in_state(off);
+    let active = Active::at(ENABLE_HIGH);
+    let enable = parts
+        .enable
+        .into_push_pull_output_in_state(active.off().into());
     let Ok(enable) = Enable::new(enable.into_dyn_pin(), active);
     let (step_1, step_2, step_3) = parts.step;
     let (direction_1, direction_2, direction_3) = parts.direction;

@@ -3,7 +3,7 @@
 use super::DriveParts;
 use crate::dividers::{self, set_pwm};
 use crate::pins::InputC;
-use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState, Pull};
+use stm32f4xx_hal::gpio::{Output as Out, Pin, Pull};
 use stm32f4xx_hal::hal_02::Qei as _;
 use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4, TIM5, TIM7};
 use stm32f4xx_hal::prelude::*;
@@ -59,11 +59,10 @@ impl SampleTimer {
 #[inline(never)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTimer) {
     let c = parts.port_c.split(rcc);
-    let (active, off) = match ENABLE_HIGH {
-        true => (Active::High, PinState::Low),
-        false => (Active::Low, PinState::High),
-    };
-    let enable = parts.pb12.into_push_pull_output_in_state(off);
+    let active = Active::at(ENABLE_HIGH);
+    let enable = parts
+        .pb12
+        .into_push_pull_output_in_state(active.off().into());
     let Ok(enable) = Enable::new(enable, active);
 
     let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(COMMAND_HZ.Hz(), rcc);

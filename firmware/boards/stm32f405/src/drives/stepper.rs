@@ -78,11 +78,10 @@ impl SlotTimer {
 #[inline(never)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotTimer) {
     let c = parts.port_c.split(rcc);
-    let (active, off) = match ENABLE_HIGH {
-        true => (Active::High, PinState::Low),
-        false => (Active::Low, PinState::High),
-    };
-    let enable = parts.pb12.into_push_pull_output_in_state(off);
+    let active = Active::at(ENABLE_HIGH);
+    let enable = parts
+        .pb12
+        .into_push_pull_output_in_state(active.off().into());
     let Ok(enable) = Enable::new(enable, active);
     let [r1, r2, r3] = REVERSED;
     let low = PinState::Low;
