@@ -132,7 +132,7 @@ fn main() -> Result<()> {
 }
 
 fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
-    let expected = Expected::<N>::of(scene)?;
+    let expected = || Expected::<N>::of(scene);
     let port = port::Port::open(
         &board.port,
         board.baud,
@@ -141,21 +141,21 @@ fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()
     match test {
         Test::Play {
             inputs, mass_kg, ..
-        } => play::run(expected, port, *inputs, *mass_kg),
+        } => play::run(expected()?, port, *inputs, *mass_kg),
         Test::Cuts {
             cuts,
             seconds,
             seed,
             ..
         } => cuts::run::<N>(scene, port, *cuts, *seconds, *seed),
-        Test::Report(_) => report::run(&expected, port, Duration::from_secs_f64(board.patience)),
+        Test::Report(_) => report::run(&expected()?, port, Duration::from_secs_f64(board.patience)),
         Test::Torture {
             frames,
             percent,
             seed,
             ..
-        } => torture::run(&expected, port, *frames, *percent, *seed),
-        Test::Raster { seconds, seed, .. } => raster::run(&expected, port, *seconds, *seed),
+        } => torture::run(&expected()?, port, *frames, *percent, *seed),
+        Test::Raster { seconds, seed, .. } => raster::run(&expected()?, port, *seconds, *seed),
         // Needs no board.
         Test::Log { .. } => Ok(()),
     }
