@@ -1,5 +1,6 @@
 //! Measured figures, checked in: a figure that moves is seen in the change that moves it.
 
+use crate::image::scalars;
 use crate::repository::{self, SceneFile, compiler, root};
 use crate::table::table;
 use anyhow::{Context, Result, bail};
@@ -8,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
+use trirrr_image::generate::of_scene;
+use trirrr_scene::Scene;
 
 /// Largest relative change of a figure that need not be looked at.
 pub(crate) const TOLERANCE: f64 = 0.02;
@@ -21,6 +24,9 @@ pub(crate) struct Options {
     /// A scene, by name or file; repeat for more; without it, every scene in scenes/
     #[arg(long)]
     scene: Vec<String>,
+    /// Measure each scene in the number type of its image only
+    #[arg(long)]
+    own: bool,
     /// Fail where a figure moved by more than 2 % from what is checked in in xtask/budgets
     #[arg(long, conflicts_with = "bless")]
     check: bool,
@@ -33,6 +39,14 @@ impl Options {
     /// The scenes to measure.
     pub(crate) fn scenes(&self) -> Result<Vec<SceneFile>> {
         repository::scenes_named(&self.scene)
+    }
+
+    /// The number types to measure `scene` in.
+    pub(crate) fn scalars(&self, scene: &Scene) -> Vec<&'static str> {
+        match self.own {
+            true => vec![of_scene(scene.number)],
+            false => scalars(scene),
+        }
     }
 
     /// Prints what was measured: as JSON, or as a table.
@@ -69,7 +83,8 @@ impl Options {
             check(name, &rows)?;
         }
         if self.bless {
-            bless(name, rows, all_parts && self.scene.is_empty())?;
+            let all = all_parts && self.scene.is_empty() && !self.own;
+            bless(name, rows, all)?;
         }
         Ok(())
     }

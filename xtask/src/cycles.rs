@@ -19,7 +19,7 @@ mod trace;
 use crate::admission;
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::cores::{self, CORES, Core};
-use crate::image::{Image, scalars};
+use crate::image::Image;
 use crate::insns::{counts::Counts, has_service};
 use crate::repository::SceneFile;
 use crate::{parallel, qemu};
@@ -127,17 +127,19 @@ impl BudgetRow for CyclesRow {
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let rows = all(&options.scenes()?)?;
+    let rows = all(options)?;
     options.print(&rows)?;
     hold_ceilings(&rows, &CEILINGS)?;
     options.settle("cycles", rows, true)
 }
 
-fn all(scenes: &[SceneFile]) -> Result<Vec<CyclesRow>> {
+fn all(options: &Options) -> Result<Vec<CyclesRow>> {
+    let scenes = options.scenes()?;
     // None: admission, which has a number type of its own.
     let mut jobs = Vec::new();
-    for file in scenes {
-        let scalars = scalars(&Scene::read(&file.path)?).into_iter().map(Some);
+    for file in &scenes {
+        let scalars = options.scalars(&Scene::read(&file.path)?);
+        let scalars = scalars.into_iter().map(Some);
         jobs.extend(scalars.chain([None]).map(|scalar| (file, scalar)));
     }
     let rows = parallel::map(parallel::workers(), &jobs, |(file, scalar)| match scalar {

@@ -8,7 +8,7 @@ mod service;
 
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::cores::{self, CORES, Core};
-use crate::image::{Image, scalars};
+use crate::image::Image;
 use crate::repository::SceneFile;
 use crate::{parallel, qemu, reference};
 use anyhow::{Context, Result, ensure};
@@ -75,7 +75,7 @@ impl BudgetRow for InsnsRow {
 
 pub(crate) fn run(arguments: &InsnsArgs) -> Result<()> {
     let options = &arguments.options;
-    let rows = measure(&options.scenes()?, &cores_named(&arguments.core)?)?;
+    let rows = measure(options, &cores_named(&arguments.core)?)?;
     options.print(&rows)?;
     hold_ceilings(&rows, &CEILINGS)?;
     options.settle("insns", rows, arguments.core.is_empty())
@@ -93,11 +93,12 @@ fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
 }
 
 /// Every scene in its number types on `cores`. Emulators run while the next images are built.
-fn measure(scenes: &[SceneFile], cores: &[&'static Core]) -> Result<Vec<InsnsRow>> {
+fn measure(options: &Options, cores: &[&'static Core]) -> Result<Vec<InsnsRow>> {
+    let scenes = options.scenes()?;
     let mut jobs = Vec::new();
-    for file in scenes {
+    for file in &scenes {
         let scene = Scene::read(&file.path)?;
-        for scalar in scalars(&scene) {
+        for scalar in options.scalars(&scene) {
             jobs.push((file, scene.clone(), scalar));
         }
     }

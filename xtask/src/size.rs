@@ -10,7 +10,7 @@ use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
 use crate::cores::CORES;
 use crate::elf::{Footprint, check_boot, footprint, with_elf};
-use crate::image::{Image, scalars};
+use crate::image::Image;
 use crate::parallel;
 use crate::repository::SceneFile;
 use crate::rp2040;
@@ -51,7 +51,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     }
     // The code of one image is walked through while the next ones are built.
     let rows = parallel::map(parallel::workers(), &scenes, |(file, scene)| {
-        measure(file, scene)
+        measure(file, scene, &options.scalars(scene))
     })?;
     let rows: Vec<SizeRow> = rows.into_iter().flatten().collect();
     options.print(&rows)?;
@@ -60,7 +60,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     options.settle("size", rows, true)
 }
 
-fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<SizeRow>> {
+fn measure(scene: &SceneFile, read: &Scene, scalars: &[&'static str]) -> Result<Vec<SizeRow>> {
     let mut rows = Vec::new();
     let row = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| SizeRow {
         image: image.into(),
@@ -71,7 +71,7 @@ fn measure(scene: &SceneFile, read: &Scene) -> Result<Vec<SizeRow>> {
         ram,
         stack: None,
     };
-    for scalar in scalars(read) {
+    for &scalar in scalars {
         let targets: Vec<_> = CORES.iter().map(|core| core.target).collect();
         let image = Image::insns("bare", scene, scalar, FIRMWARE_TARGET);
         for (target, built) in targets.iter().zip(image.build_for(&targets)?) {
