@@ -1,13 +1,9 @@
 //! A calibration that is sent to a board.
 
-use crate::common::{Asker, Device, scene, stream, text, ticks, trirrr};
+use crate::common::{Device, scene, stream, text, ticks, trirrr};
 use serde_json::Value;
 use std::process::Output;
 use tempfile::TempDir;
-use trirrr_client::local;
-use trirrr_protocol::message::scene::{Leg, Section, SectionName};
-use trirrr_protocol::message::{Command, Reply};
-use trirrr_scene::Scene;
 
 const TABLE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -51,7 +47,12 @@ fn a_board_with_the_calibrated_legs_moves_as_an_image_of_the_calibrated_scene() 
     let why = text(&off.stderr);
     assert_eq!(off.status.code(), Some(2), "{why}");
     assert!(why.contains("disabled (`trirrr enable`"), "{why}");
-    enable(&folder, &device);
+    let on = trirrr()
+        .args(["enable", "scene.toml", "--port", &device.address])
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    assert!(on.status.success(), "{}", text(&on.stderr));
 
     let sent = calibrate(&folder, &device.address, &["--joints-placed"]);
     assert!(sent.status.success(), "{}", text(&sent.stderr));
@@ -106,66 +107,4 @@ fn legs_that_make_nothing_better_without_encoder_offsets_are_not_sent() {
         assert!(why.contains(part), "{part}: {why}");
     }
     assert!(!folder.path().join("out").exists());
-}
-
-fn enable(folder: &TempDir, device: &Device) {
-    let port = ["enable", "scene.toml", "--port", &device.address];
-    let on = trirrr().args(port).current_dir(folder).output().unwrap();
-    assert!(on.status.success(), "{}", text(&on.stderr));
-}
-
-/// At the start of this job legs 1 and 2 of the measured machine leave the links as far from a line as the limit wants; leg 3 does not.
-#[test]
-fn a_board_that_refuses_a_leg_has_its_own_legs_again() {
-    const LEAST: f64 = 0.7745;
-    let start = (
-        "x_m = 0.21, y_m = 0.22, alpha_rad = 0.15707963267948966",
-        "x_m = 0.34, y_m = 0.33, alpha_rad = -0.3",
-    );
-    let end = (
-        "x_m = 0.28, y_m = 0.28, alpha_rad = 0.20943951023931953",
-        "x_m = 0.33, y_m = 0.32, alpha_rad = -0.3",
-    );
-    let folder = scene("thesis", &[start, end]);
-    let own = Scene::read(folder.path().join("scene.toml")).unwrap();
-    let device = Device::start(&folder, &[]);
-    enable(&folder, &device);
-
-    let mut asker = Asker::new(&device.address);
-    let greeting = Command::Hello(local::hello::<f64>(&own));
-    let Some(Reply::Hello(identity)) = asker.ask(1, greeting) else {
-        panic!("no hello");
-    };
-    let first = identity.next_sequence;
-    let read = |asker: &mut Asker, sequence, name| match asker.ask(sequence, Command::Read(name)) {
-        Some(Reply::Section(section)) => section,
-        other => panic!("{other:?}"),
-    };
-    let Section::Limits(mut limits) = read(&mut asker, first, SectionName::Limits) else {
-        panic!("limits were asked for");
-    };
-    limits.serial_distance_min = LEAST;
-    let replace = Command::Replace(Section::Limits(limits));
-    assert_eq!(asker.ask(first + 1, replace), Some(Reply::Done));
-    drop(asker);
-
-    let sent = calibrate(&folder, &device.address, &["--joints-placed"]);
-    let why = text(&sent.stderr);
-    assert_eq!(sent.status.code(), Some(2), "{why}");
-    assert!(
-        why.contains("the board does not take the geometry"),
-        "{why}"
-    );
-    assert!(!folder.path().join("out").exists());
-
-    let mut asker = Asker::new(&device.address);
-    let Some(Reply::Hello(identity)) = asker.ask(1, greeting) else {
-        panic!("no hello");
-    };
-    for (index, leg) in (0..).zip(&own.parameters.legs) {
-        let sequence = identity.next_sequence + u32::from(index);
-        let kept = read(&mut asker, sequence, SectionName::Leg(index));
-        let leg = Leg::from(leg);
-        assert_eq!(kept, Section::Leg { index, leg });
-    }
 }
