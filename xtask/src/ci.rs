@@ -97,7 +97,8 @@ fn stages() -> Result<Vec<Stage>> {
     let mut docs = Step::on_host("docs", "doc", &["--quiet", "--no-deps"]);
     docs.command.env("RUSTDOCFLAGS", "-Dwarnings");
     let compiled = Step::on_host("tests, compiled", "test", &["--quiet", "--no-run"]);
-    let mut tests = vec![Step::on_host("tests", "test", &[])];
+    // The log of a failure names them all.
+    let mut tests = vec![Step::on_host("tests", "test", &["--no-fail-fast"])];
     tests.extend(examples(&packages));
     let mut images = lints_of_devices();
     images.extend(figures()?);

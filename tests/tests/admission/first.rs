@@ -7,10 +7,9 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, Move};
 use trirrr_service::Ramp;
 use trirrr_tests::draw::{Draw, machines};
-use trirrr_tests::random::share;
 
 const DENSITY: Density = Density {
-    samples: share(1500),
+    samples: 500,
     every_speed: true,
 };
 
