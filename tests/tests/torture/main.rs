@@ -34,7 +34,7 @@ fn torture(frames: u64, seeds: impl Iterator<Item = u64>) -> Tally {
 
 #[test]
 fn jobs_survive_a_bad_line() {
-    let half_frames = u64::from(share(500_000));
+    let half_frames = u64::from(share(1_000_000));
     // On two cores, seeds of their own on each.
     let mut total = Tally::default();
     thread::scope(|scope| {
