@@ -51,6 +51,7 @@ Leg = Struct(
     proximal=array(F64, 3),
     distal=array(F64, 3),
     rotor_inertia_kgm2=F64,
+    encoder_offset_rad=F64,
 )
 
 Platform = Struct(
@@ -194,6 +195,7 @@ Quantity = Enum(
     SerialDistance=None,
     ParallelDistance=None,
     JerkLimit=None,
+    EncoderOffset=None,
 )
 
 LeastDuration = Struct(

@@ -39,6 +39,8 @@ pub enum Quantity {
     SerialDistance,
     ParallelDistance,
     JerkLimit,
+    /// Angle between what a drive counts and where its motor stands.
+    EncoderOffset,
 }
 
 /// Refusal of a machine's description: the quantity, its leg, its value, and the expected value.

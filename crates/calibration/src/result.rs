@@ -134,15 +134,4 @@ impl Calibration {
         let nominal = NominalMachine::new(machine, pose)?;
         uncalibrated(&nominal, &self.values, pose)
     }
-
-    /// Error over `places` of a machine of `machine` that is commanded by the calibrated legs, while its encoder offsets are not taken
-    /// into account.
-    pub fn without_offsets(&self, machine: &Parameters, places: &[[f64; 3]]) -> PoseError {
-        let legs = self.values.put_into(machine);
-        let errors = places.iter().filter_map(|pose| {
-            let [x, y, angle] = self.uncalibrated_error(&legs, *pose)?;
-            Some((*pose, [x.hypot(y), angle]))
-        });
-        PoseError::over(errors)
-    }
 }

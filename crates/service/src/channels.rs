@@ -147,6 +147,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
             tick: *tick,
             limits: *limits,
             pose,
+            shift: None,
         };
 
         let (moves_in, moves_out) = self.moves.split();

@@ -40,7 +40,7 @@ impl<T> Optional<T> for () {
 }
 
 /// A part that is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Present<T>(pub(crate) T);
 
 impl<T> Optional<T> for Present<T> {

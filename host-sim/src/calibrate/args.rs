@@ -23,7 +23,7 @@ pub enum MeasuredKind {
 /// Board that takes the calibrated geometry.
 #[derive(Args, Clone, Debug)]
 pub struct CalibratedBoardArgs {
-    /// The board, /dev/tty... or tcp:HOST:PORT, which gets the calibrated legs while it is idle, and keeps them until it is switched off.
+    /// The board, /dev/tty... or tcp:HOST:PORT, which gets the calibrated legs and encoder offsets while it is idle, and keeps them until it is switched off.
     /// Its image must hold the code for that, as `trirrr device` does
     #[arg(long, value_name = "PORT", requires = "measurements")]
     pub port: Option<Address>,
@@ -44,7 +44,7 @@ pub struct CalibratedBoardArgs {
     /// Seconds without an answer after which the board is given up
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = factor, requires = "port")]
     pub patience: f64,
-    /// The joints have been turned by the encoder offsets since the poses were measured: legs are all that the board lacks
+    /// The joints have been turned by the encoder offsets since the poses were measured: the board gets none
     #[arg(long, requires = "port")]
     pub joints_placed: bool,
 }

@@ -79,7 +79,6 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
             args.board.joints_placed,
             &scene,
             calibration,
-            &places,
             stop,
         )?),
         _ => None,

@@ -10,7 +10,7 @@ use trirrr_calibration::{
 };
 
 /// Length in words, um or mm.
-pub(super) fn length(metres: f64) -> String {
+fn length(metres: f64) -> String {
     match metres.abs() < 1e-3 {
         true => format!("{} um", digits(1e6 * metres)),
         false => format!("{} mm", digits(1e3 * metres)),
@@ -72,7 +72,7 @@ pub(super) fn head(
 }
 
 /// Encoder offsets in words, where they were fitted.
-pub(super) fn offsets(calibration: &Calibration) -> Option<String> {
+fn offsets(calibration: &Calibration) -> Option<String> {
     let offsets = calibration.values.offsets_rad();
     let is_fitted = offsets.iter().any(|offset| *offset != 0.0);
     let each = (1..).zip(offsets).map(|(motor, offset): (u32, f64)| {
@@ -112,7 +112,7 @@ pub(super) fn summary(
             );
         }
         if let Some(board) = findings.board {
-            board.say(&mut text, written.offsets_in);
+            board.say(&mut text);
         }
     }
     if let Some(next) = findings.next {
@@ -234,7 +234,7 @@ fn size_json(size: &ResidualSize) -> Value {
     })
 }
 
-pub(super) fn error_json(error: &PoseError) -> Value {
+fn error_json(error: &PoseError) -> Value {
     json!({
         "rms_m": error.rms_m,
         "worst_m": error.worst_m,

@@ -20,7 +20,8 @@ pub(crate) struct ReplacedGeometry {
     pub(crate) stands: [f64; 3],
 }
 
-/// Gives the board of `scene` the geometry of `machine`: base joints, lengths, platform joints. Masses stay those that the board has.
+/// Gives the board of `scene` the geometry of `machine`: base joints, lengths, platform joints. The motors stand at the angles that the
+/// board counts, plus `offsets_rad`. Masses stay those that the board has.
 ///
 /// # Errors
 /// Refused: by the board, which then has the geometry that it had. Failed: the port, or a board that did not take its own geometry back.
@@ -28,21 +29,23 @@ pub(crate) fn replace_geometry(
     args: &MachineArgs,
     scene: &Scene,
     machine: &Parameters,
+    offsets_rad: [f64; 3],
     stop: &AtomicBool,
 ) -> Result<ReplacedGeometry, CliError> {
     in_number_type!(args.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(args, scene, stop)?;
-        replace(&mut talk, machine)
+        replace(&mut talk, machine, offsets_rad)
     })
 }
 
 fn replace<N: ServiceNumber>(
     talk: &mut Talk<'_, N>,
     machine: &Parameters,
+    offsets_rad: [f64; 3],
 ) -> Result<ReplacedGeometry, CliError> {
     let stood = pose(talk)?;
     let mut before = Vec::new();
-    for (index, own) in (0..).zip(&machine.legs) {
+    for ((index, own), offset) in (0..).zip(&machine.legs).zip(offsets_rad) {
         let kept = read(talk, index)?;
         let wanted = Leg::from(own);
         let leg = Leg {
@@ -50,6 +53,7 @@ fn replace<N: ServiceNumber>(
             distal: kept.distal,
             rotor_inertia_kgm2: kept.rotor_inertia_kgm2,
             elbow_positive: kept.elbow_positive,
+            encoder_offset_rad: kept.encoder_offset_rad + offset,
             ..wanted
         };
         if let Err(refusal) = talk.done(put(index, leg)) {

@@ -73,6 +73,8 @@ pub struct Leg {
     pub distal: [f64; 3],
     /// Rotor inertia at the joint, kg m^2.
     pub rotor_inertia_kgm2: f64,
+    /// Encoder offset, rad: the motor stands at the angle that its drive counted as the image was made, plus this.
+    pub encoder_offset_rad: f64,
 }
 
 /// The platform and its loads, see [`Parameters`].
@@ -135,6 +137,7 @@ impl From<&LegParameters> for Leg {
             proximal: link(leg.proximal),
             distal: link(leg.distal),
             rotor_inertia_kgm2: leg.rotor_inertia_kgm2,
+            encoder_offset_rad: 0.0,
         }
     }
 }

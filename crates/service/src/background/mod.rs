@@ -35,7 +35,7 @@ pub(super) use splice::Retargeting;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Event, Fault, Message, MessageRef, Refusal, State, Status, Telemetry,
+    Acting, Content, Event, Fault, Message, MessageRef, Refusal, State, Status, Telemetry,
 };
 pub(super) use window::RequestWindow;
 
@@ -297,7 +297,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.orders_taken = report.orders;
         self.begun = report.begun;
         self.passed = report.passed;
-        self.angles = report.angles;
+        // An older report must not overwrite the angles predicted for changed encoder offsets in flight.
+        if !S::Replacement::IS_READ || self.orders_taken == self.orders_sent {
+            self.angles = report.angles;
+        }
         self.apply_splice(report.splice.get());
         self.apply_feedback(report.feedback.get(), report.pose);
         let over = report.generation != self.generation;

@@ -15,26 +15,29 @@ use trirrr_protocol::message::{Content, Refusal, State};
 const MOST_STEPS: u32 = 32;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
-    /// Replaces a part of the scene. The motors stay where they are; where the platform then is,
-    /// is found by forward kinematics from where it was. A part with which the machine could not stand there is refused.
+    /// Replaces a part of the scene. The motors stay where they are; a changed encoder offset is another angle of theirs. Forward kinematics
+    /// finds where the platform then is, from where it was. A part with which the machine could not stand there is refused.
     pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
         let section = part.content().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
-        let (parameters, limits) = self.scene.changed(section, &units)?;
+        let changed = self.scene.changed(section, &units)?;
         self.require_idle()?;
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
         let ramp = self.settings.ramp;
-        let built = Coefficients::<S::Model>::build(&parameters, &limits, ramp, period);
+        let built =
+            Coefficients::<S::Model>::build(&changed.parameters, &changed.limits, ramp, period);
         let built = built.map_err(refusal)?;
         let geometry = *built.tick.geometry();
-        let pose = match section {
+        let shift = changed.shift_rad.map(N::angle_from_f64);
+        let (pose, angles) = match section {
             Section::Leg { .. } => {
-                let forward = Forward::build(&parameters, &geometry);
-                let found = forward.solve(&self.angles, end.pose, MOST_STEPS);
-                found.map_err(|_| Refusal::NoPose)?.pose
+                let forward = Forward::build(&changed.parameters, &geometry);
+                let angles = [0, 1, 2].map(|motor| self.angles[motor] + shift[motor]);
+                let found = forward.solve(&angles, end.pose, MOST_STEPS);
+                (found.map_err(|_| Refusal::NoPose)?.pose, angles)
             }
-            Section::Platform(_) | Section::Limits(_) => end.pose,
+            Section::Platform(_) | Section::Limits(_) => (end.pose, self.angles),
         };
 
         // What the tick would find in its next look is found here: a part that it cannot stand with would be a fault without a way out.
@@ -44,13 +47,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             tick: built.tick,
             limits: built.limits,
             pose,
+            shift: (changed.shift_rad != [0.0; 3]).then_some(shift),
         };
         if !self.orders.has_room() || !self.setups.put(setup) {
             return Err(Refusal::Busy);
         }
         self.order(Order::Adopt, State::Idle)?;
-        self.scene
-            .adopt(parameters, limits, built, &mut self.coefficients);
+        self.scene.adopt(&changed, built, &mut self.coefficients);
+        self.angles = angles;
         self.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));
         Ok(())

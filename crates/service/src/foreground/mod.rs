@@ -27,12 +27,17 @@ use crate::number::ServiceNumber;
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use supply::Supply;
-use trirrr_core::number::{Number, WideArithmetic};
+use trirrr_core::number::{Arithmetic, Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
 use trirrr_protocol::message::{
     Acting, Fault, FaultCode, Interruption, State, Telemetry, TelemetryFields,
 };
+
+/// Memory of changed encoder offsets, of scenes that can be changed.
+type ShiftMemory<S> = <<S as Scene>::Slot as Slot<Setup<<S as Scene>::Model>>>::Memory<
+    Option<[<<S as Scene>::N as Arithmetic>::Angle; 3]>,
+>;
 
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, S: Scene> {
@@ -47,6 +52,8 @@ pub struct Foreground<'q, S: Scene> {
     recoveries: Receiver<'q, Recover<S::N>>,
     orders: Receiver<'q, Order>,
     setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
+    /// Angles that this tick has added for changed encoder offsets.
+    shifted: ShiftMemory<S>,
     splices: TickSplices<'q, S>,
     pub(super) feedback: TickFeedback<'q, S>,
     contact: TickContact<'q, S>,
@@ -158,6 +165,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             recoveries: ends.recoveries,
             orders: ends.orders,
             setups: ends.setups,
+            shifted: Default::default(),
             splices: ends.splices,
             feedback: ends.feedback,
             contact: ends.contact,
@@ -230,6 +238,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     ) -> &Output<N> {
         let readings = self.feedback.get().and_then(|watch| watch.readings());
         self.homing.listen(inputs, &self.output.motors, readings);
+        if let Some(shifted) = self.shifted.get_mut() {
+            *shifted = None;
+        }
         self.listen();
         self.watch();
         self.take_splice();
@@ -344,11 +355,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     }
 
     /// Returns the angles that this tick has added to the motors' commanded angles without moving the
-    /// motors. A tick does so where homing has found a motor's reference. A drive that counts steps
+    /// motors. A tick does so where homing has found a motor's reference, and for changed encoder offsets. A drive that counts steps
     /// adds the shift to the angle that it counts from.
     #[inline]
     pub fn shift(&self) -> Option<[N::Angle; 3]> {
-        self.homing.shift()
+        let offsets = self.shifted.get().copied().flatten();
+        self.homing.shift().or(offsets)
     }
 
     /// Says where the motors are, for a machine that has just found out by encoders. Heard

@@ -8,6 +8,7 @@ use super::{Foreground, Part, Path};
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
 use crate::splice::Optional;
+use trirrr_core::setpoint::wrapped;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
@@ -52,10 +53,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     self.tick = setup.tick;
                     self.guard = Guard::of_results(&setup.limits);
                     self.pose = setup.pose;
+                    if let Some(by) = setup.shift {
+                        self.shift_by(by);
+                    }
                 }
             }
         }
         false
+    }
+
+    /// Takes changed encoder offsets: the motors stand, at other angles.
+    fn shift_by(&mut self, by: [N::Angle; 3]) {
+        for (motor, by) in self.output.motors.iter_mut().zip(by) {
+            motor.angle = wrapped::<N>(motor.angle + by);
+        }
+        self.homing.add_offsets(by);
+        if let Some(watch) = self.feedback.get_mut() {
+            watch.forget(&self.output.motors);
+        }
+        if let Some(shifted) = self.shifted.get_mut() {
+            *shifted = Some(by);
+        }
     }
 
     pub(super) fn is_stale(&self, planned: &QueuedMove<N, S::Curves>) -> bool {

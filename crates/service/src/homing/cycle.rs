@@ -5,6 +5,7 @@ use super::coefficients::{HomingAxis, HomingCoefficients};
 use super::input::Input;
 use super::parameters::Contact;
 use crate::feedback::Readings;
+use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, JointSetpoint};
 use trirrr_core::setpoint::{shorter_way, wrapped};
@@ -16,8 +17,10 @@ const STAGES: u8 = 3;
 
 /// Homing of a machine, and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycle<'a, N: Number> {
+pub struct Cycle<'a, N: Number, O = ()> {
     coefficients: &'a HomingCoefficients<N>,
+    /// Encoder offsets that the coefficients do not have, in a scene that can be changed.
+    offsets: O,
     searches: [Search<N>; 3],
     phase: Phase<N>,
     /// Ticks of the phase that are over.
@@ -95,9 +98,12 @@ impl<N: Number> HomingAxis<N> {
     }
 }
 
-impl<'a, N: Number> Cycle<'a, N> {
+impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
     /// Before it has begun.
-    pub fn new(coefficients: &'a HomingCoefficients<N>) -> Self {
+    pub fn new(coefficients: &'a HomingCoefficients<N>) -> Self
+    where
+        O: Default,
+    {
         let search = |axis: &HomingAxis<N>| Search {
             input: Input::default(),
             changed_at: axis.contact,
@@ -105,6 +111,7 @@ impl<'a, N: Number> Cycle<'a, N> {
         };
         Self {
             coefficients,
+            offsets: O::default(),
             searches: coefficients.axes.each_ref().map(search),
             phase: Phase::Ended,
             ticks: 0,
@@ -171,6 +178,16 @@ impl<'a, N: Number> Cycle<'a, N> {
 
     pub(super) fn is_under_way(&self) -> bool {
         self.phase != Phase::Ended
+    }
+
+    pub(super) fn add_offsets(&mut self, by: [N::Angle; 3]) {
+        if let Some(offsets) = self.offsets.get_mut() {
+            let mut sum = offsets.unwrap_or([N::angle(N::ZERO); 3]);
+            for (offset, by) in sum.iter_mut().zip(by) {
+                *offset = *offset + by;
+            }
+            *offsets = Some(sum);
+        }
     }
 
     pub(super) fn shift(&self) -> Option<[N::Angle; 3]> {
@@ -317,6 +334,7 @@ impl<'a, N: Number> Cycle<'a, N> {
             Approach::Search => &times.search,
             Approach::Latch => &times.latch,
         };
+        let offsets = self.offsets.get().and_then(Option::as_ref);
         let mut shifts = [N::angle(N::ZERO); 3];
         let parts = axes.iter().zip(&mut self.searches).zip(motors).zip(most);
         for (index, (((axis, search), motor), most)) in parts.enumerate() {
@@ -339,13 +357,18 @@ impl<'a, N: Number> Cycle<'a, N> {
                 _ => continue,
             };
             search.found = Some(at);
+            let offset = offsets.and_then(|all| all.get(index));
+            let reference = match offset {
+                Some(offset) => wrapped::<N>(axis.contact + *offset),
+                None => axis.contact,
+            };
             if *contact != Contact::Switch {
                 // It stands already.
                 motor.rate = N::ZERO;
             }
             if references {
                 let passed = shorter_way::<N>(motor.angle - at);
-                let angle = wrapped::<N>(axis.contact + N::angle(passed));
+                let angle = wrapped::<N>(reference + N::angle(passed));
                 if let Some(shift) = shifts.get_mut(index) {
                     *shift = angle - motor.angle;
                 }
@@ -355,7 +378,7 @@ impl<'a, N: Number> Cycle<'a, N> {
             if *contact == Contact::Torque {
                 // The command is ahead of the joint by what presses it: it comes back.
                 motor.angle = match references {
-                    true => axis.contact,
+                    true => reference,
                     false => at,
                 };
             }

@@ -27,6 +27,7 @@ pub use cycle::Cycle;
 pub use parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 
 use crate::feedback::Readings;
+use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Pose};
 use trirrr_core::tick::Motor;
@@ -66,6 +67,9 @@ pub trait Homing<N: Number>: Send {
 
     /// One tick further from `motors`.
     fn advance(&mut self, motors: &[Motor<N>; 3]) -> Progress<N>;
+
+    /// Takes changed encoder offsets: the references are found at other angles from now on.
+    fn add_offsets(&mut self, by: [N::Angle; 3]);
 
     /// Returns what the last tick added to the commanded angles without a motion.
     /// It adds something where a motor found its reference.
@@ -143,13 +147,20 @@ impl<N: Number> Homing<N> for NoHoming {
     }
 
     #[inline(always)]
+    fn add_offsets(&mut self, _: [N::Angle; 3]) {}
+
+    #[inline(always)]
     fn shift(&self) -> Option<[N::Angle; 3]> {
         None
     }
 }
 
 /// Chosen when the program runs: for hosts, which play scenes of both kinds.
-impl<N: Number> Homing<N> for Option<Cycle<'_, N>> {
+impl<N, O> Homing<N> for Option<Cycle<'_, N, O>>
+where
+    N: Number,
+    O: Optional<Option<[N::Angle; 3]>> + Send,
+{
     type Inputs = [bool; 3];
 
     fn is_needed(&self) -> bool {
@@ -197,6 +208,12 @@ impl<N: Number> Homing<N> for Option<Cycle<'_, N>> {
         match self {
             Some(cycle) => cycle.advance(motors),
             None => Progress::Stopped,
+        }
+    }
+
+    fn add_offsets(&mut self, by: [N::Angle; 3]) {
+        if let Some(cycle) = self {
+            cycle.add_offsets(by);
         }
     }
 

@@ -1,6 +1,6 @@
 //! A scene that the host can change while the machine is idle.
 
-use super::{Scene, Setup};
+use super::{Changed, Scene, Setup};
 use crate::coefficients::{Coefficients, allow_jerk};
 use crate::contact::ContactCoefficients;
 use crate::feedback::FeedbackCoefficients;
@@ -9,10 +9,11 @@ use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::settings::Settings;
+use core::f64::consts::PI;
 use core::marker::PhantomData;
 use heapless::spsc::Queue;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{BuildError, LegParameters, Parameters};
+use trirrr_core::machine::{BuildError, LegParameters, Parameters, Quantity};
 use trirrr_core::model::{Model, ModelKind};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
@@ -25,6 +26,8 @@ use trirrr_protocol::message::{MoveBatch, Refusal};
 pub struct Adjustable<M, K = Quintics, P = ()> {
     parameters: Parameters,
     limits: LimitParameters,
+    /// Encoder offsets, rad.
+    offsets_rad: [f64; 3],
     types: PhantomData<(M, K, P)>,
 }
 
@@ -34,6 +37,7 @@ impl<M: Model, K: PlayedCurves, P> Adjustable<M, K, P> {
         Self {
             parameters,
             limits,
+            offsets_rad: [0.0; 3],
             types: PhantomData,
         }
     }
@@ -72,11 +76,17 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
 
     fn part(&self, name: SectionName, units: &Units) -> Option<Section> {
         let si = units.inverse();
-        Section::of(
+        let mut part = Section::of(
             name,
             &si.parameters(&self.parameters),
             &si.limits(&self.limits),
-        )
+        );
+        if let Some(Section::Leg { index, leg }) = &mut part
+            && let Some(offset) = self.offsets_rad.get(usize::from(*index))
+        {
+            leg.encoder_offset_rad = *offset;
+        }
+        part
     }
 
     #[inline(always)]
@@ -103,18 +113,28 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
         None
     }
 
-    fn changed(
-        &self,
-        section: &Section,
-        units: &Units,
-    ) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+    fn changed(&self, section: &Section, units: &Units) -> Result<Changed, Refusal<N>> {
         let si = units.inverse();
         let mut parameters = si.parameters(&self.parameters);
         let mut limits = si.limits(&self.limits);
+        let mut offsets_rad = self.offsets_rad;
         match section {
             Section::Leg { index, leg } => {
-                let place = parameters.legs.get_mut(usize::from(*index));
-                *place.ok_or(Refusal::NoSuchLeg)? = LegParameters::from(leg);
+                let place = usize::from(*index);
+                let parts = parameters
+                    .legs
+                    .get_mut(place)
+                    .zip(offsets_rad.get_mut(place));
+                let (own, offset) = parts.ok_or(Refusal::NoSuchLeg)?;
+                *own = LegParameters::from(leg);
+                *offset = leg.encoder_offset_rad;
+                // Beyond half a turn it would be another angle, and no number is within it.
+                if !(offset.abs() <= PI) {
+                    return Err(Refusal::Parameter {
+                        quantity: Quantity::EncoderOffset,
+                        leg: Some(*index),
+                    });
+                }
             }
             Section::Platform(platform) => parameters = platform.put_into(&parameters),
             Section::Limits(section) => limits = section.into(),
@@ -122,16 +142,17 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
         if !self.has_room_for(&parameters, &limits) {
             return Err(Refusal::NotInImage);
         }
-        Ok((units.parameters(&parameters), units.limits(&limits)))
+        Ok(Changed {
+            parameters: units.parameters(&parameters),
+            limits: units.limits(&limits),
+            offsets_rad,
+            shift_rad: [0, 1, 2].map(|motor| offsets_rad[motor] - self.offsets_rad[motor]),
+        })
     }
 
-    fn adopt(
-        &mut self,
-        parameters: Parameters,
-        limits: LimitParameters,
-        built: Coefficients<M>,
-        kept: &mut Coefficients<M>,
-    ) {
-        (self.parameters, self.limits, *kept) = (parameters, limits, built);
+    fn adopt(&mut self, changed: &Changed, built: Coefficients<M>, kept: &mut Coefficients<M>) {
+        (self.parameters, self.limits) = (changed.parameters, changed.limits);
+        self.offsets_rad = changed.offsets_rad;
+        *kept = built;
     }
 }

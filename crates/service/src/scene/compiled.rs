@@ -1,6 +1,6 @@
 //! A scene that cannot change.
 
-use super::{NoSlot, Scene};
+use super::{Changed, NoSlot, Scene};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::contact::ContactCoefficients;
@@ -11,8 +11,7 @@ use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::marker::PhantomData;
-use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::{BuildError, Parameters};
+use trirrr_core::machine::BuildError;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::Cubics;
 use trirrr_core::units::Units;
@@ -123,16 +122,9 @@ where
 
     // Inlined: the compiler then sees that the code for a changed scene is unreachable.
     #[inline(always)]
-    fn changed(&self, _: &Section, _: &Units) -> Result<(Parameters, LimitParameters), Refusal<N>> {
+    fn changed(&self, _: &Section, _: &Units) -> Result<Changed, Refusal<N>> {
         Err(Refusal::NotAdjustable)
     }
 
-    fn adopt(
-        &mut self,
-        _: Parameters,
-        _: LimitParameters,
-        _: Coefficients<M>,
-        _: &mut &'a Coefficients<M>,
-    ) {
-    }
+    fn adopt(&mut self, _: &Changed, _: Coefficients<M>, _: &mut &'a Coefficients<M>) {}
 }

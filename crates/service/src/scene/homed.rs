@@ -1,10 +1,16 @@
 //! A scene with homing.
 
-use super::Scene;
+use super::{Scene, Setup, Slot};
 use crate::contact::ContactCoefficients;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{Cycle, HomingCoefficients, Plan};
 use crate::number::ServiceNumber;
+use trirrr_core::number::Arithmetic;
+
+/// Encoder offsets of a scene that can be changed.
+type OffsetMemory<S> = <<S as Scene>::Slot as Slot<Setup<<S as Scene>::Model>>>::Memory<
+    Option<[<<S as Scene>::N as Arithmetic>::Angle; 3]>,
+>;
 
 /// Scene `S` of a machine that is homed.
 #[derive(Clone, Copy, Debug)]
@@ -17,12 +23,12 @@ pub struct WithHoming<'a, S: Scene> {
 
 impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     super::inner_scene!();
-    type Homing = Option<Cycle<'a, N>>;
+    type Homing = Option<Cycle<'a, N, OffsetMemory<S>>>;
     type Feedback = S::Feedback;
     type Contact = S::Contact;
     type Retreat = S::Retreat;
 
-    fn homing(&self) -> Option<Cycle<'a, N>> {
+    fn homing(&self) -> Self::Homing {
         self.homing.map(Cycle::new)
     }
 

@@ -39,24 +39,17 @@ macro_rules! inner_machine {
             &self,
             section: &trirrr_protocol::message::scene::Section,
             units: &trirrr_core::units::Units,
-        ) -> Result<
-            (
-                trirrr_core::machine::Parameters,
-                trirrr_core::limits::LimitParameters,
-            ),
-            trirrr_protocol::message::Refusal<N>,
-        > {
+        ) -> Result<$crate::scene::Changed, trirrr_protocol::message::Refusal<N>> {
             self.scene.changed(section, units)
         }
 
         fn adopt(
             &mut self,
-            parameters: trirrr_core::machine::Parameters,
-            limits: trirrr_core::limits::LimitParameters,
+            changed: &$crate::scene::Changed,
             built: $crate::coefficients::Coefficients<S::Model>,
             kept: &mut S::Coefficients,
         ) {
-            self.scene.adopt(parameters, limits, built, kept);
+            self.scene.adopt(changed, built, kept);
         }
     };
 }
@@ -108,7 +101,7 @@ use serde::Serialize;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::Model;
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
 use trirrr_core::units::Units;
@@ -124,6 +117,21 @@ pub struct Setup<M: Model> {
     pub(crate) limits: Limits<M::N>,
     /// Pose of the platform.
     pub(crate) pose: Pose<M::N>,
+    /// Angles that are added to those of the motors without a motion: changed encoder offsets.
+    pub(crate) shift: Option<[<M::N as Arithmetic>::Angle; 3]>,
+}
+
+/// Scene with another part, in the units of its machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Changed {
+    /// The machine.
+    pub parameters: Parameters,
+    /// Its limits.
+    pub limits: LimitParameters,
+    /// Encoder offsets of its motors, rad.
+    pub offsets_rad: [f64; 3],
+    /// Those less the offsets before.
+    pub shift_rad: [f64; 3],
 }
 
 /// Scene of a service. The background keeps it.
@@ -198,17 +206,12 @@ pub trait Scene {
     ///
     /// # Errors
     /// Reason why there is no such scene.
-    fn changed(
-        &self,
-        section: &Section,
-        units: &Units,
-    ) -> Result<(Parameters, LimitParameters), Refusal<Self::N>>;
+    fn changed(&self, section: &Section, units: &Units) -> Result<Changed, Refusal<Self::N>>;
 
     /// Replaces the scene, and `kept` by the coefficients `built` from it.
     fn adopt(
         &mut self,
-        parameters: Parameters,
-        limits: LimitParameters,
+        changed: &Changed,
         built: Coefficients<Self::Model>,
         kept: &mut Self::Coefficients,
     );

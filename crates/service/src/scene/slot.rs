@@ -1,6 +1,7 @@
 //! Mailbox for a changed scene on its way to the tick.
 
 use crate::queue::{Receiver, Sender};
+use crate::splice::{Optional, Present};
 use heapless::spsc::Queue;
 
 /// Mailbox for one item between the two halves. A scene that cannot change at run time has one of
@@ -13,6 +14,8 @@ pub trait Slot<T>: Send + 'static {
     type Put<'q>: Put<T>;
     /// Receiving end.
     type Take<'q>: Take<T>;
+    /// Memory that only a scene with a mailbox needs.
+    type Memory<U: Copy + Default + Send>: Optional<U> + Copy + Default + Send;
 
     /// Returns both ends.
     fn split(&mut self) -> (Self::Put<'_>, Self::Take<'_>);
@@ -38,6 +41,7 @@ impl<T> Slot<T> for NoSlot {
     const EMPTY: Self = Self;
     type Put<'q> = Self;
     type Take<'q> = Self;
+    type Memory<U: Copy + Default + Send> = ();
 
     fn split(&mut self) -> (Self, Self) {
         (Self, Self)
@@ -61,6 +65,7 @@ impl<T: Send + 'static> Slot<T> for Queue<T, 2> {
     const EMPTY: Self = Queue::new();
     type Put<'q> = QueuePut<'q, T>;
     type Take<'q> = QueueTake<'q, T>;
+    type Memory<U: Copy + Default + Send> = Present<U>;
 
     fn split(&mut self) -> (QueuePut<'_, T>, QueueTake<'_, T>) {
         let (put, take) = Queue::split(self);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::number::ServiceNumber;
+use trirrr_core::machine::Quantity;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, Recovery, scene};
 
@@ -136,6 +137,52 @@ fn every_number_type_homes_to_every_contact() {
         homes::<f32>(contact);
         homes::<Fixed>(contact);
         homes::<Coarse>(contact);
+    }
+}
+
+/// A motor whose encoder is off by a known angle counts from there, and homing finds it there again.
+#[test]
+fn homing_keeps_encoder_offsets() {
+    for contact in ALL {
+        let mut machine = Machine::<f64>::new(parameters(contact), [0.2, -0.1, 0.1]);
+        machine.home();
+        machine.is_homed();
+        let homed = machine.errors();
+        let read = machine.bench.ask(Command::Read(scene::SectionName::Leg(1)));
+        let Reply::Section(scene::Section::Leg { index, mut leg }) = read else {
+            panic!("a leg");
+        };
+        assert_eq!(leg.encoder_offset_rad, 0.0);
+        leg.encoder_offset_rad = 0.02;
+        let section = scene::Section::Leg { index, leg };
+        machine.bench.done(Command::Replace(section));
+        machine.ticks(2);
+        let replaced = machine.bench.ask(Command::Read(scene::SectionName::Leg(1)));
+        assert_eq!(replaced, Reply::Section(section));
+        let is_off = |machine: &Machine<f64>, tolerance: f64| {
+            let errors = machine.errors();
+            for (motor, offset) in [0.0, 0.02, 0.0].into_iter().enumerate() {
+                let off = homed[motor] - errors[motor];
+                assert!(
+                    (off - offset).abs() < tolerance,
+                    "{contact:?} {motor}: {off}"
+                );
+            }
+        };
+        is_off(&machine, 1e-9);
+        machine.home();
+        // Twice what the latch rate resolves.
+        is_off(&machine, 2.1 * PERIOD_S * 0.05 + 2e-6);
+
+        leg.encoder_offset_rad = 4.0;
+        let section = scene::Section::Leg { index, leg };
+        assert_eq!(
+            machine.bench.refused(Command::Replace(section)),
+            Refusal::Parameter {
+                quantity: Quantity::EncoderOffset,
+                leg: Some(1)
+            }
+        );
     }
 }
 
