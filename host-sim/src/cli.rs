@@ -8,6 +8,7 @@ use crate::completions::CompletionsArgs;
 use crate::design::DesignArgs;
 use crate::device::DeviceArgs;
 use crate::eval::EvalArgs;
+use crate::export::ExportArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
 use crate::identify::IdentifyArgs;
@@ -79,6 +80,8 @@ pub enum Command {
     Calibrate(CalibrateArgs),
     /// Identify masses, inertias and friction of a machine from its angles and torques
     Identify(IdentifyArgs),
+    /// Write a scene's machine for MuJoCo, Gazebo, Drake, Pinocchio: MJCF, SDF, URDF
+    Export(ExportArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row

@@ -2,12 +2,10 @@
 
 use crate::arguments::BUILT_IN;
 use crate::failure::CliError;
-use crate::recording::unwritable;
+use crate::recording::new_file;
 use crate::terminal::print;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
 /// `trirrr init`.
@@ -32,19 +30,7 @@ pub fn command(args: &InitArgs) -> Result<(), CliError> {
     let file = &args.file;
     let text = BUILT_IN.iter().find(|(name, _)| *name == args.from);
     let text = text.map_or("", |(_, text)| text);
-    let mut opened = match OpenOptions::new().write(true).create_new(true).open(file) {
-        Ok(opened) => opened,
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            return Err(CliError::Refused(format!(
-                "{}: is there already, and stays; give another name",
-                file.display()
-            )));
-        }
-        Err(error) => return Err(unwritable(file, &error)),
-    };
-    opened
-        .write_all(text.as_bytes())
-        .map_err(|error| unwritable(file, &error))?;
+    new_file(file, text)?;
     let name = file.display();
     print(&format!(
         "wrote {name}. Change lengths, places and the job in it; then\n  trirrr check {name}\n  trirrr design {name}\n  trirrr run --fast {name}\n"

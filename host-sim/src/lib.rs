@@ -6,7 +6,7 @@
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
 //! [`redundant`] plays and checks jobs of redundant machines. [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
 //! [`calibrate`] and [`identify`] find the machine that is there.
-//! [`assemble`] finds every pose for given motor angles.
+//! [`assemble`] finds every pose for given motor angles. [`export`] writes the machine for other simulators.
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
@@ -21,6 +21,7 @@ pub mod completions;
 pub mod design;
 pub mod device;
 pub mod eval;
+pub mod export;
 pub mod failure;
 pub mod figures;
 pub mod goals;

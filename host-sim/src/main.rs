@@ -12,8 +12,8 @@ use trirrr_host_sim::run::{JobEnd, RunArgs};
 use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
-    assemble, bridge, calibrate, check, completions, design, device, eval, goals, grbl, identify,
-    init, key, linkage, machine, plan, report, run, stream, watch,
+    assemble, bridge, calibrate, check, completions, design, device, eval, export, goals, grbl,
+    identify, init, key, linkage, machine, plan, report, run, stream, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -53,6 +53,7 @@ fn main() -> ExitCode {
             calibrate::command(args, &AtomicBool::new(false)).map(|()| ExitCode::SUCCESS)
         }
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Export(args) => export::command(args).map(|()| ExitCode::SUCCESS),
         Command::Plan(args) => plan::command(args).map(|()| ExitCode::SUCCESS),
         Command::Eval(args) => eval::command(args).map(|()| ExitCode::SUCCESS),
         Command::Linkage(args) => linkage::command(args).map(|()| ExitCode::SUCCESS),

@@ -25,6 +25,7 @@ mod reference;
 mod repository;
 mod rp2040;
 mod senders;
+mod simulators;
 mod size;
 mod steps;
 mod symbols;
@@ -57,6 +58,8 @@ enum Chore {
     Emulate(emulate::EmulateArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
+    /// Compare torques with those of MuJoCo and Pinocchio
+    Simulators,
     /// Drive trirrr grbl by senders of G-code that users have
     Senders,
     /// Print the tables of docs/footprints.md and docs/cycles.md, from the figures checked in
@@ -85,6 +88,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Client => client::run(),
         Chore::Senders => senders::run(),
+        Chore::Simulators => simulators::run(),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),

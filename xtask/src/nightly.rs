@@ -281,6 +281,10 @@ fn steps() -> Result<Vec<Step>> {
     )?);
     let raster = ["emulate", "--part", "raster", "--seconds", "600"];
     steps.push(Step::chore("a raster image of ten minutes", &raster)?);
+    steps.push(Step::chore(
+        "torques of MuJoCo and Pinocchio",
+        &["simulators"],
+    )?);
     steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
     Ok(steps)
 }

@@ -15,7 +15,7 @@ use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::results::ResultFolder;
 use load::LoadMeter;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use trirrr_scene::record::{Record, tick_columns};
 
@@ -180,6 +180,25 @@ pub(crate) fn table_line(line: &mut String, values: impl Iterator<Item = f64>) {
         let _ = write!(line, "{comma}{value:?}");
     }
     line.push('\n');
+}
+
+/// Writes a file that is not there yet.
+///
+/// # Errors
+/// Refused: it is there. Failed: it cannot be written.
+pub(crate) fn new_file(path: &Path, text: &str) -> Result<(), CliError> {
+    let mut opened = match File::create_new(path) {
+        Ok(opened) => opened,
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            return Err(CliError::Refused(format!(
+                "{}: is there already, and stays; give another name",
+                path.display()
+            )));
+        }
+        Err(error) => return Err(unwritable(path, &error)),
+    };
+    let written = opened.write_all(text.as_bytes());
+    written.map_err(|error| unwritable(path, &error))
 }
 
 /// `path: cannot be written: why`.
