@@ -1,4 +1,5 @@
-//! Prints a hash over the bits of every shipped scene's job: `bits [TICKS]`. The page's test compares them with WebAssembly.
+//! Prints a hash over the bits of every shipped scene's job, and the moves of jobs along a path: `bits [TICKS]`. The page's test compares the
+//! hashes with WebAssembly.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -21,10 +22,11 @@ fn main() -> Result<(), String> {
         if text.lines().any(|line| line.starts_with("machine =")) {
             continue;
         }
-        println!(
-            "{name} {}",
-            trirrr_web::bits_of(&text, &format!("{name}.toml"), ticks)?
-        );
+        let file = format!("{name}.toml");
+        let moves = trirrr_web::planned_moves(&text, &file)?;
+        let hash = trirrr_web::bits_of(&text, &file, ticks, &moves)?;
+        let moves: String = moves.iter().map(|number| format!(" {number}")).collect();
+        println!("{name} {hash}{moves}");
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ mod machine;
 mod modes;
 mod reading;
 
-pub use bits::bits_of;
+pub use bits::{bits_of, planned_moves};
 pub use figures::{Figures, MotorLimits};
 pub use job::{JobMode, PlayedJob};
 pub use machine::Machine;

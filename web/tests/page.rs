@@ -1,7 +1,7 @@
 //! What the page is told, against what the host's crates say.
 
 use trirrr_scene::{Scene, SceneError};
-use trirrr_web::{Problem, Reading};
+use trirrr_web::{Problem, Reading, bits_of, planned_moves};
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 const VERTICAL: &str = include_str!("../../scenes/vertical.toml");
@@ -234,4 +234,18 @@ fn no_text_makes_the_core_panic() {
         }
     }
     assert!(refused > 100, "{refused} of 600 damaged scenes are refused");
+}
+
+#[test]
+fn a_hash_is_of_the_moves_that_are_given() {
+    let path = include_str!("../../scenes/engraving.toml");
+    let moves = planned_moves(path, "engraving.toml").expect("a plan");
+    let hash = |moves: &[f64]| bits_of(path, "engraving.toml", 500, moves);
+    let planned = hash(&moves).expect("a hash");
+    assert_eq!(hash(&[]).as_ref(), Ok(&planned), "planned again");
+    let mut others = moves.clone();
+    others[18] += 1.0;
+    assert_ne!(hash(&others), Ok(planned), "the first move is longer");
+    assert!(hash(&moves[1..]).is_err());
+    assert_eq!(planned_moves(THESIS, "thesis.toml"), Ok(Vec::new()));
 }
