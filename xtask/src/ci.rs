@@ -4,6 +4,7 @@ use crate::boards::{RP2040_SCENE, RP2040_TARGET};
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
+use crate::page;
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
 use crate::steps::{self, Stage, Step};
@@ -26,8 +27,9 @@ const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Examples that end only with a board at the other end of a port.
 const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
-/// Programs that install and run the Python package and senders of G-code, and what they are asked.
-const INSTALLED_NEED: [(&str, &[&str]); 3] = [
+/// Programs that install and run the Python package, senders of G-code and the page, and what they are asked.
+const INSTALLED_NEED: [(&str, &[&str]); 4] = [
+    ("chromium", &["--version"]),
     ("python3", &["-c", "import tkinter, ensurepip, tomllib"]),
     ("node", &["--version"]),
     ("npm", &["--version"]),
@@ -59,12 +61,11 @@ fn check_tools() -> Result<()> {
         .output()
         .context("rustc cannot be run")?;
     let sysroot = String::from_utf8(sysroot.stdout).context("rustc printed no path")?;
-    for core in CORES {
-        let library = Path::new(sysroot.trim())
-            .join("lib/rustlib")
-            .join(core.target);
+    let targets = CORES.iter().map(|core| core.target);
+    for target in targets.chain([page::TARGET]) {
+        let library = Path::new(sysroot.trim()).join("lib/rustlib").join(target);
         if !library.is_dir() {
-            missing.push(format!("rustup target add {}", core.target));
+            missing.push(format!("rustup target add {target}"));
         }
     }
     for (program, arguments) in INSTALLED_NEED {
