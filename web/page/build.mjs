@@ -20,14 +20,9 @@ function shipped() {
     return found;
 }
 
-const bundle = async (entry, define) => {
-    const result = await build({ ...options, entryPoints: [entry], define });
-    // An end tag would end the script of the page.
-    return result.outputFiles[0].text.replaceAll("</script", "<\\/script");
-};
-
-const worker = await bundle("src/worker.ts", {});
-const main = await bundle("src/main.ts", { SCENES: JSON.stringify(shipped()), WORKER: JSON.stringify(worker) });
+const scripts = await build({ ...options, entryPoints: ["src/main.ts"], define: { SCENES: JSON.stringify(shipped()) } });
+// An end tag would end the script of the page.
+const main = scripts.outputFiles[0].text.replaceAll("</script", "<\\/script");
 const styles = await build({ ...options, entryPoints: ["src/style.css"] });
 const style = styles.outputFiles[0].text;
 const module = readFileSync("core/core_bg.wasm");

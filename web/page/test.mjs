@@ -94,6 +94,18 @@ async function actions(tab) {
     await checked(tab);
     assert.match(await text(tab, "#problems"), /^The scene is good\./);
 
+    // Another working mode goes into the scene.
+    await tab.click("#modes tr:first-child");
+    await checked(tab);
+    assert.deepEqual([...(await tab.inputValue("#text")).matchAll(/^elbow = (.*)$/gm)].map(([, sign]) => sign), ["1", "1", "1"]);
+    assert.match(await text(tab, "#modes tr.own"), /^\+\+\+/);
+    // A scene in a file goes the same way, and what is none says so.
+    await tab.setInputFiles("#file", { name: "mine.toml", mimeType: "application/toml", buffer: Buffer.from(scene) });
+    await checked(tab);
+    assert.equal(await tab.inputValue("#text"), scene);
+    await tab.setInputFiles("#file", { name: "plate.ngc", mimeType: "text/plain", buffer: Buffer.from("G0 X1") });
+    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.ngc is no scene"));
+
     // The job plays to its end.
     await tab.selectOption("#speed", "4");
     await tab.click("#play");

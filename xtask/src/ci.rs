@@ -108,9 +108,9 @@ fn stages() -> Result<Vec<Stage>> {
     let mut stages: Vec<Stage> = lints()?.into_iter().map(Stage::from).collect();
     stages.push(compiled.into());
     stages.push(Stage::Beside([tests, images]));
-    let [client, senders, board, host @ ..] = programs()?;
+    let [client, senders, page, board, host @ ..] = programs()?;
     stages.extend(host.map(Stage::from));
-    stages.push(Stage::Beside([vec![client, senders], vec![docs]]));
+    stages.push(Stage::Beside([vec![client, senders], vec![docs, page]]));
     // Its clock is the host's: nothing runs beside it.
     stages.push(board.into());
     Ok(stages)
@@ -249,7 +249,7 @@ fn figures() -> Result<[Step; 4]> {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> Result<[Step; 6]> {
+fn programs() -> Result<[Step; 7]> {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -265,6 +265,7 @@ fn programs() -> Result<[Step; 6]> {
     Ok([
         Step::chore("the Python package", &["client"])?,
         Step::chore("senders of G-code", &["senders"])?,
+        Step::chore("the page", &["page"])?,
         Step::chore("the emulated board", &board)?,
         Step::new("the host programs", Programs::builder()),
         simulator("a scene run", &run, "thesis"),

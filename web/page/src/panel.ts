@@ -131,7 +131,7 @@ export class Panel {
         }, 500);
     }
 
-    showModes(modes: TakenMode[], job: ModeRow[] | undefined, onPeek: (name: string | undefined) => void): void {
+    showModes(modes: TakenMode[], job: ModeRow[] | undefined, onPeek: (name: string | undefined) => void, onTake: (name: string) => void): void {
         const body = this.page("modes");
         while (body.childElementCount > modes.length) body.lastElementChild?.remove();
         modes.forEach((mode, index) => {
@@ -148,6 +148,10 @@ export class Panel {
             say(parallel, number(mode.parallel));
             row.classList.toggle("own", mode.isOwn);
             row.onpointerenter = row.onfocus = () => onPeek(mode.name);
+            row.onclick = () => onTake(mode.name);
+            row.onkeydown = (event) => {
+                if (event.key === "Enter") onTake(mode.name);
+            };
             row.onpointerleave = row.onblur = () => onPeek(undefined);
         });
     }

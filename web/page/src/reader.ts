@@ -5,7 +5,7 @@ export class Reader {
     private worker: Worker | undefined;
     private asked = 0;
     private isBusy = false;
-    private readonly script = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
+    private readonly script = URL.createObjectURL(new Blob([document.getElementById("main")?.textContent ?? ""], { type: "text/javascript" }));
 
     constructor(
         private readonly module: WebAssembly.Module,

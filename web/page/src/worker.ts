@@ -24,17 +24,19 @@ function table(reading: Reading): JobTable {
     return { columns, begins, every, reason };
 }
 
-addEventListener("message", ({ data }: MessageEvent<Question>) => {
-    const { id, text, file, module } = data;
-    if (module) initSync({ module });
-    const reading = Reading.whole(text, file);
-    const { refusal, verdict, warning } = reading;
-    const job = refusal === undefined ? table(reading) : undefined;
-    const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, job };
-    postMessage(answer);
-    const modes = job ? reading.jobModes().map(taken) : [];
-    reading.free();
-    if (!job) return;
-    const all: ModesAnswer = { id, modes };
-    postMessage(all);
-});
+export function work(): void {
+    addEventListener("message", ({ data }: MessageEvent<Question>) => {
+        const { id, text, file, module } = data;
+        if (module) initSync({ module });
+        const reading = Reading.whole(text, file);
+        const { refusal, verdict, warning } = reading;
+        const job = refusal === undefined ? table(reading) : undefined;
+        const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, job };
+        postMessage(answer);
+        const modes = job ? reading.jobModes().map(taken) : [];
+        reading.free();
+        if (!job) return;
+        const all: ModesAnswer = { id, modes };
+        postMessage(all);
+    });
+}
