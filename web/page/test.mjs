@@ -128,6 +128,10 @@ async function share(tab) {
     assert.equal(download.suggestedFilename(), "shared_by-link.toml");
     assert.equal(readFileSync(await download.path(), "utf8"), scene);
     await other.close();
+    const damaged = await open(`${address}#scene=${link.split("=")[1].slice(9)}`);
+    assert.match(await damaged.inputValue("#text"), /^# The link is damaged/);
+    assert.match(await text(damaged, ".trouble"), /^1:1 /);
+    await damaged.close();
     console.log(`link of ${link.length} characters opens the same scene`);
 }
 

@@ -136,8 +136,14 @@ pub struct JobMode {
     pub is_own: bool,
 }
 
+/// Most ticks of a job that is played in all modes.
+const MODES_TICKS: u32 = 1_000_000;
+
 impl JobMode {
     pub(crate) fn all(scene: &Scene) -> Result<Vec<Self>, String> {
+        if scene.ticks() > MODES_TICKS {
+            return Ok(Vec::new());
+        }
         let own = scene.parameters.legs.each_ref().map(|leg| leg.elbow);
         let modes = MODES.iter().map(|elbows| {
             let result = in_mode(scene, *elbows)?;

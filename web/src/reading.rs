@@ -128,7 +128,7 @@ impl Reading {
         PlayedJob::of(self.good()?, rows)
     }
 
-    /// The job in each of the eight working modes.
+    /// The job in each of the eight working modes; nothing of a job of more than a million ticks.
     ///
     /// # Errors
     /// As [`job`](Self::job).

@@ -204,7 +204,7 @@ fn damaged(random: &mut Random) -> String {
 fn no_text_makes_the_core_panic() {
     let mut random = Random(22);
     let mut refused = 0;
-    for _ in 0..600 {
+    for round in 0..600 {
         let text = damaged(&mut random);
         let draft = Reading::draft(&text, "my.toml");
         refused += usize::from(draft.refusal().is_some());
@@ -231,6 +231,11 @@ fn no_text_makes_the_core_panic() {
             );
             assert_eq!(machine.working_modes(&state).expect("finite").len(), 8);
             let _ = machine.assemblies(&figures.angles, &start);
+        }
+        // The admission of a job takes longer.
+        if round % 10 == 0 {
+            let whole = read(&text);
+            assert_eq!(whole.job(50).is_ok(), whole.refusal().is_none(), "{text}");
         }
     }
     assert!(refused > 100, "{refused} of 600 damaged scenes are refused");

@@ -14,7 +14,7 @@ use std::process::Command;
 pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Profile of the module.
-const PROFILE: &str = "page";
+const PROFILE: &str = "web";
 
 /// Ticks of each scene whose bits are compared.
 const TICKS: u32 = 2000;

@@ -143,7 +143,7 @@ export class Panel {
             say(name, mode.name.replaceAll("-", "\u2212"));
             say(here, mode.torques.length > 0 ? number(largest) : "\u2013");
             this.judge(here, mode.reason);
-            say(over, inJob === undefined ? "\u2026" : inJob.reason !== undefined && inJob.torque === 0 ? "\u2013" : number(inJob.torque));
+            say(over, job === undefined ? "\u2026" : inJob === undefined ? "\u2013" : inJob.reason !== undefined && inJob.torque === 0 ? "\u2013" : number(inJob.torque));
             this.judge(over, inJob?.reason);
             say(parallel, number(mode.parallel));
             row.classList.toggle("own", mode.isOwn);

@@ -2,21 +2,23 @@
 
 import uPlot from "uplot";
 import type { JobTable } from "./answers";
-import { number, round } from "./format";
+import { degrees, number, round } from "./format";
 import type { TakenLimits } from "./taken";
 
 interface Curve {
     title: string;
     unit: string;
     column: string;
+    /** What is drawn for one SI unit. */
+    factor: number;
     limit: (limits: TakenLimits) => Float64Array | undefined;
 }
 
 const CURVES: Curve[] = [
-    { title: "Angle", unit: "rad", column: "th1_", limit: () => undefined },
-    { title: "Rate", unit: "rad/s", column: "dth1_", limit: (limits) => limits.rates },
-    { title: "Torque", unit: "N m", column: "tau", limit: (limits) => limits.torques },
-    { title: "Power", unit: "W", column: "P", limit: (limits) => limits.powers },
+    { title: "Angle", unit: "\u00b0", column: "th1_", factor: degrees(1), limit: () => undefined },
+    { title: "Rate", unit: "rad/s", column: "dth1_", factor: 1, limit: (limits) => limits.rates },
+    { title: "Torque", unit: "N m", column: "tau", factor: 1, limit: (limits) => limits.torques },
+    { title: "Power", unit: "W", column: "P", factor: 1, limit: (limits) => limits.powers },
 ];
 
 const HEIGHT = 190;
@@ -52,7 +54,7 @@ export class Plots {
         // All boxes first: a curve is as wide as its box is then.
         const made: (() => uPlot)[] = [];
         for (const curve of CURVES) {
-            const values = [1, 2, 3].map((motor) => job.columns[`${curve.column}${motor}`]);
+            const values = [1, 2, 3].map((motor) => job.columns[`${curve.column}${motor}`]?.map((value) => value * curve.factor));
             const [one, two, three] = values;
             if (!one || !two || !three) continue;
             const box = document.createElement("figure");

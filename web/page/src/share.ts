@@ -25,13 +25,16 @@ export async function fragmentOf(text: string): Promise<string> {
     return KEY + btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
 }
 
-/** The scene of a fragment; none of another fragment, or of one that is damaged. */
+/** Text in place of the scene of a link that holds none. */
+const DAMAGED = "# The link is damaged: it holds no scene. Ask for it again, or choose a scene above.\n";
+
+/** The scene of a fragment; none of another fragment. */
 export async function sceneOf(fragment: string): Promise<string | undefined> {
     if (!fragment.startsWith(KEY)) return undefined;
     try {
         const bytes = bytesOf(fragment.slice(KEY.length).replaceAll("-", "+").replaceAll("_", "/"));
         return new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
     } catch {
-        return undefined;
+        return DAMAGED;
     }
 }
