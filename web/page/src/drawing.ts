@@ -175,8 +175,9 @@ export class Drawing {
         const decade = 10 ** Math.floor(Math.log10(width / 4));
         const pitch = [5, 2, 1].map((times) => times * decade).find((each) => width / each >= 4) ?? decade;
         let path = "";
-        for (let x = Math.ceil(left / pitch) * pitch; x <= left + width; x += pitch) path += `M${x} ${top}v${height}`;
-        for (let y = Math.ceil(top / pitch) * pitch; y <= top + height; y += pitch) path += `M${left} ${y}h${width}`;
+        // As far again on each side: the paper has another shape than the frame.
+        for (let x = Math.ceil((left - width) / pitch) * pitch; x <= left + 2 * width; x += pitch) path += `M${x} ${top - height}v${3 * height}`;
+        for (let y = Math.ceil((top - height) / pitch) * pitch; y <= top + 2 * height; y += pitch) path += `M${left - width} ${y}h${3 * width}`;
         this.grid.setAttribute("d", path);
         this.scaleBar.textContent = `grid ${pitch >= 1 ? pitch : pitch.toPrecision(1)} mm`;
     }

@@ -41,6 +41,13 @@ function element<K extends keyof HTMLElementTagNameMap>(kind: K, attributes: Rec
     return made;
 }
 
+/** Cells of a row that can be chosen: the button in its head, and the others. */
+function cellsOf(row: HTMLElement): HTMLElement[] {
+    const [head, ...others] = [...row.children] as HTMLElement[];
+    const button = head?.querySelector("button");
+    return button ? [button, ...others] : [];
+}
+
 /** Sets text only where it changes: the rest of the page is not laid out again. */
 function say(cell: HTMLElement, text: string): void {
     if (cell.textContent !== text) cell.textContent = text;
@@ -138,7 +145,7 @@ export class Panel {
             const row = (body.children[index] as HTMLElement | undefined) ?? this.row(body, 4);
             const inJob = job?.find(({ name }) => name === mode.name);
             const largest = mode.torques.reduce((most, torque) => Math.max(most, Math.abs(torque)), 0);
-            const [name, here, over, parallel] = [...row.children] as HTMLElement[];
+            const [name, here, over, parallel] = cellsOf(row);
             if (!name || !here || !over || !parallel) return;
             say(name, mode.name.replaceAll("-", "\u2212"));
             say(here, mode.torques.length > 0 ? number(largest) : "\u2013");
@@ -147,12 +154,9 @@ export class Panel {
             this.judge(over, inJob?.reason);
             say(parallel, number(mode.parallel));
             row.classList.toggle("own", mode.isOwn);
-            row.onpointerenter = row.onfocus = () => onPeek(mode.name);
+            row.onpointerenter = name.onfocus = () => onPeek(mode.name);
+            row.onpointerleave = name.onblur = () => onPeek(undefined);
             row.onclick = () => onTake(mode.name);
-            row.onkeydown = (event) => {
-                if (event.key === "Enter") onTake(mode.name);
-            };
-            row.onpointerleave = row.onblur = () => onPeek(undefined);
         });
     }
 
@@ -163,7 +167,7 @@ export class Panel {
         while (body.childElementCount > modes.length) body.lastElementChild?.remove();
         modes.forEach((mode, index) => {
             const row = (body.children[index] as HTMLElement | undefined) ?? this.row(body, 4);
-            const [place, angle, elbows, parallel] = [...row.children] as HTMLElement[];
+            const [place, angle, elbows, parallel] = cellsOf(row);
             if (!place || !angle || !elbows || !parallel) return;
             const [x = 0, y = 0, alpha = 0] = mode.pose;
             say(place, `${number(x * 1000, 4)}, ${number(y * 1000, 4)}`);
@@ -173,14 +177,12 @@ export class Panel {
             row.classList.toggle("own", mode.isHere);
             const { pose } = mode;
             row.onclick = () => onTake(pose);
-            row.onkeydown = (event) => {
-                if (event.key === "Enter") onTake(pose);
-            };
         });
     }
 
     private row(body: HTMLElement, cells: number): HTMLElement {
-        const row = element("tr", { tabindex: "0" }, element("th", { scope: "row" }), ...Array.from({ length: cells - 1 }, () => element("td")));
+        const head = element("th", { scope: "row" }, element("button", { type: "button" }));
+        const row = element("tr", {}, head, ...Array.from({ length: cells - 1 }, () => element("td")));
         body.append(row);
         return row;
     }
