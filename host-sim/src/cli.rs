@@ -20,6 +20,7 @@ use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
 use crate::stream::StreamArgs;
+use crate::ui::UiArgs;
 use crate::watch::WatchArgs;
 use clap::{Parser, Subcommand};
 
@@ -46,6 +47,8 @@ pub enum Command {
     Init(InitArgs),
     /// Check a scene or a job, and say what it asks for
     Check(CheckArgs),
+    /// Show a scene in a browser: drag the platform, edit, play the job
+    Ui(UiArgs),
     /// Play a board: a scene's service behind a TCP port, in real time
     Device(DeviceArgs),
     /// Put the line of a board behind a TCP port

@@ -6,6 +6,7 @@
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
 //! [`redundant`] plays and checks jobs of redundant machines. [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
 //! [`calibrate`] and [`identify`] find the machine that is there.
+//! [`ui`] serves the page to browsers of this computer.
 //! [`assemble`] finds every pose for given motor angles. [`export`] writes the machine for other simulators.
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
@@ -47,4 +48,5 @@ pub mod serve;
 pub mod stream;
 mod supply;
 pub mod terminal;
+pub mod ui;
 pub mod watch;

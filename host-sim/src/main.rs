@@ -13,7 +13,7 @@ use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
     assemble, bridge, calibrate, check, completions, design, device, eval, export, goals, grbl,
-    identify, init, key, linkage, machine, plan, report, run, stream, watch,
+    identify, init, key, linkage, machine, plan, report, run, stream, ui, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -28,6 +28,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run(args),
         Command::Init(args) => init::command(args).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => check::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Ui(args) => switch(|stop| ui::command(args, stop)),
         Command::Device(args) => on_interrupt()
             .and_then(|stop| device::command(args, &stop))
             .map(|()| ExitCode::SUCCESS),

@@ -4,6 +4,7 @@ use crate::boards::{RP2040_SCENE, RP2040_TARGET};
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
+use crate::page;
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
 use crate::steps::{self, Stage, Step};
@@ -26,8 +27,9 @@ const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Examples that end only with a board at the other end of a port.
 const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
-/// Programs that install and run the Python package and senders of G-code, and what they are asked.
-const INSTALLED_NEED: [(&str, &[&str]); 3] = [
+/// Programs that install and run the Python package, senders of G-code and the page, and what they are asked.
+const INSTALLED_NEED: [(&str, &[&str]); 4] = [
+    ("chromium", &["--version"]),
     ("python3", &["-c", "import tkinter, ensurepip, tomllib"]),
     ("node", &["--version"]),
     ("npm", &["--version"]),
@@ -59,12 +61,11 @@ fn check_tools() -> Result<()> {
         .output()
         .context("rustc cannot be run")?;
     let sysroot = String::from_utf8(sysroot.stdout).context("rustc printed no path")?;
-    for core in CORES {
-        let library = Path::new(sysroot.trim())
-            .join("lib/rustlib")
-            .join(core.target);
+    let targets = CORES.iter().map(|core| core.target);
+    for target in targets.chain([page::TARGET]) {
+        let library = Path::new(sysroot.trim()).join("lib/rustlib").join(target);
         if !library.is_dir() {
-            missing.push(format!("rustup target add {}", core.target));
+            missing.push(format!("rustup target add {target}"));
         }
     }
     for (program, arguments) in INSTALLED_NEED {
@@ -107,9 +108,9 @@ fn stages() -> Result<Vec<Stage>> {
     let mut stages: Vec<Stage> = lints()?.into_iter().map(Stage::from).collect();
     stages.push(compiled.into());
     stages.push(Stage::Beside([tests, images]));
-    let [client, senders, board, host @ ..] = programs()?;
+    let [client, senders, page, board, host @ ..] = programs()?;
     stages.extend(host.map(Stage::from));
-    stages.push(Stage::Beside([vec![client, senders], vec![docs]]));
+    stages.push(Stage::Beside([vec![client, senders], vec![docs, page]]));
     // Its clock is the host's: nothing runs beside it.
     stages.push(board.into());
     Ok(stages)
@@ -248,7 +249,7 @@ fn figures() -> Result<[Step; 4]> {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> Result<[Step; 6]> {
+fn programs() -> Result<[Step; 7]> {
     let simulator = |name: &str, arguments: &[&str], out: &str| {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -264,6 +265,7 @@ fn programs() -> Result<[Step; 6]> {
     Ok([
         Step::chore("the Python package", &["client"])?,
         Step::chore("senders of G-code", &["senders"])?,
+        Step::chore("the page", &["page"])?,
         Step::chore("the emulated board", &board)?,
         Step::new("the host programs", Programs::builder()),
         simulator("a scene run", &run, "thesis"),

@@ -17,6 +17,7 @@ mod image;
 mod insns;
 mod nightly;
 mod packages;
+mod page;
 mod parallel;
 mod planning;
 mod programs;
@@ -62,6 +63,8 @@ enum Chore {
     Simulators,
     /// Drive trirrr grbl by senders of G-code that users have
     Senders,
+    /// Build the page as one file, and test it in a headless Chromium
+    Page(page::PageArgs),
     /// Print the tables of docs/footprints.md and docs/cycles.md, from the figures checked in
     Footprints(footprints::FootprintsArgs),
     /// Fuzz the decoder and the service's commands
@@ -89,6 +92,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Client => client::run(),
         Chore::Senders => senders::run(),
         Chore::Simulators => simulators::run(),
+        Chore::Page(arguments) => page::run(&arguments),
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),

@@ -151,6 +151,10 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::chore(
+            "the page, and a million ticks in WebAssembly",
+            &["page", "--ticks", "65000"],
+        )?,
         Step::chore("instructions of all scenes", &["insns", "--check"])?,
         Step::chore("admission of all scenes", &["admission", "--check"])?,
         Step::chore("modelled cycles of all scenes", &["cycles", "--check"])?,

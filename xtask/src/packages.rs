@@ -15,8 +15,12 @@ pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
 ];
 
 /// Packages whose dependencies take long to compile: `cargo xtask nightly` checks them.
-pub(crate) const NIGHTLY_PACKAGES: [&str; 3] =
-    ["trirrr-images", "trirrr-oracle", "trirrr-tick-time"];
+pub(crate) const NIGHTLY_PACKAGES: [&str; 4] = [
+    "trirrr-images",
+    "trirrr-oracle",
+    "trirrr-tick-time",
+    "trirrr-web-bindgen",
+];
 
 /// Libraries that are built without `std`.
 pub(crate) const BARE_PACKAGES: [&str; 4] = [

@@ -7,6 +7,7 @@ pub mod interval;
 pub mod loads;
 pub mod modes;
 pub mod motors;
+#[cfg(feature = "optimise")]
 pub mod optimise;
 pub mod ratios;
 pub mod reactions;

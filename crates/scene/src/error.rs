@@ -14,6 +14,8 @@ pub struct Problem {
     pub source: Option<String>,
     /// Line in the file, from 1; 0 in an argument. For a missing key, the line of the table it is missing from.
     pub line: usize,
+    /// Column of the value in the line, in characters from 1; for a missing key, that of its table.
+    pub column: usize,
     /// Path of the key, such as `job.move[2].duration_s`; empty where a line is no TOML at all.
     pub key: String,
     /// The offending value as the file has it, shortened to one line; `None` where there is none.
@@ -79,6 +81,7 @@ mod tests {
         let problem = |line, value: Option<&str>| Problem {
             source: None,
             line,
+            column: 1,
             key: "platform.mass_kg".into(),
             value: value.map(Into::into),
             reason: "must not be negative (kg)".into(),
@@ -100,6 +103,7 @@ mod tests {
         let problem = Problem {
             source: None,
             line: 3,
+            column: 1,
             key: hostile(),
             value: Some(hostile()),
             reason: hostile(),
@@ -127,6 +131,7 @@ mod tests {
         let problem = Problem {
             source: None,
             line: 9,
+            column: 1,
             key: String::new(),
             value: None,
             reason: "not TOML".into(),

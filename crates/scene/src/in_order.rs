@@ -55,11 +55,16 @@ pub(crate) fn in_order<T: Send, R, E: Send>(
         }
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..cores {
-            scope.spawn(run);
-        }
-    });
+    if cores == 1 {
+        // A page of a browser has no threads to spawn.
+        run();
+    } else {
+        std::thread::scope(|scope| {
+            for _ in 0..cores {
+                scope.spawn(run);
+            }
+        });
+    }
     let taken = taken.into_inner();
     taken.unwrap_or_else(PoisonError::into_inner).end
 }

@@ -108,25 +108,54 @@ impl<N: Number> ModelVisitor<N> for Build<'_> {
     type Output = Result<Box<dyn Pipeline<N>>, BuildError>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
-        Ok(Box::new(ModelPipeline::<M> {
-            tick: Tick::build(self.parameters)?,
+        let tick = Tick::<M>::build(self.parameters)?;
+        let length = self.units.length_m();
+        let bases = tick.geometry().legs().each_ref();
+        let recorder = Recorder {
             distances: Distances::build(self.parameters),
             units: self.units,
-        }))
+            bases: bases.map(|leg| pair(leg.base(), length)),
+        };
+        Ok(Box::new(ModelPipeline { tick, recorder }))
     }
 }
 
 struct ModelPipeline<M: Model> {
     tick: Tick<M>,
-    distances: Distances<M::N>,
+    recorder: Recorder<M::N>,
+}
+
+/// Turns motions into records. Its code is compiled for each number type, not for each model.
+struct Recorder<N: Number> {
+    distances: Distances<N>,
     units: Units,
+    /// Base joints, m.
+    bases: [[f64; 2]; 3],
 }
 
 impl<N: Number, M: Model<N = N>> Pipeline<N> for ModelPipeline<M> {
     fn evaluate(&self, t: f64, setpoint: &Setpoint<N>) -> Result<Record, Status> {
-        self.record(t, setpoint, &self.tick.evaluate(setpoint)?)
+        self.record(t, setpoint, &self.motion(setpoint)?)
     }
 
+    fn record(&self, t: f64, setpoint: &Setpoint<N>, motion: &Motion<N>) -> Result<Record, Status> {
+        self.recorder.record(t, setpoint, motion)
+    }
+
+    fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status> {
+        self.motion(setpoint).map(|motion| motion.motors)
+    }
+}
+
+impl<M: Model> ModelPipeline<M> {
+    // In WebAssembly size counts, and there are as many copies as models: one is not part of both callers.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    fn motion(&self, setpoint: &Setpoint<M::N>) -> Result<Motion<M::N>, Status> {
+        self.tick.evaluate(setpoint)
+    }
+}
+
+impl<N: Number> Recorder<N> {
     fn record(&self, t: f64, setpoint: &Setpoint<N>, motion: &Motion<N>) -> Result<Record, Status> {
         let powers = motion.powers()?;
         let position = motion.position();
@@ -149,7 +178,7 @@ impl<N: Number, M: Model<N = N>> Pipeline<N> for ModelPipeline<M> {
                 power: powers[i].to_f64() * units.power_w(),
                 cross: links.r1_cross_r2.to_f64() * (length * length),
                 serial: serial[i].to_f64(),
-                base: pair(self.tick.geometry().legs()[i].base(), length),
+                base: self.bases[i],
                 r1: pair(links.r1, length),
                 r2: pair(links.r2, length),
             }
@@ -170,10 +199,6 @@ impl<N: Number, M: Model<N = N>> Pipeline<N> for ModelPipeline<M> {
         } else {
             Err(Status::OutOfRange)
         }
-    }
-
-    fn motors(&self, setpoint: &Setpoint<N>) -> Result<[Motor<N>; 3], Status> {
-        self.tick.evaluate(setpoint).map(|motion| motion.motors)
     }
 }
 

@@ -222,9 +222,20 @@ impl Scene {
     pub fn read_refused(file: impl AsRef<Path>, settings: &[Setting]) -> Option<Self> {
         let file = file.as_ref();
         let (text, name) = (text_of(file).ok()?, file.display().to_string());
-        let mut refused = None;
-        let read = Self::parse_in(&text, &name, settings, ReadDepth::Whole, &mut refused);
+        let (read, refused) = Self::parse_shown(&text, &name, settings);
         refused.filter(|_| read.is_err())
+    }
+
+    /// Checks as [`parse_set`](Self::parse_set), and returns the scene of which only the job is refused beside the refusal, to be shown and
+    /// not played: [`read_refused`](Self::read_refused).
+    pub fn parse_shown(
+        text: &str,
+        file: &str,
+        settings: &[Setting],
+    ) -> (Result<Self, SceneError>, Option<Self>) {
+        let mut refused = None;
+        let read = Self::parse_in(text, file, settings, ReadDepth::Whole, &mut refused);
+        (read, refused)
     }
 
     /// `refused` is set where the machine or its job is refused once everything else is right.

@@ -9,7 +9,7 @@ use std::path::Path;
 const FLOORS: [&[&str]; 4] = [
     &["core"],
     &["crates"],
-    &["clients", "host-sim", "firmware", "lab"],
+    &["clients", "host-sim", "firmware", "lab", "web"],
     &["tests", "xtask"],
 ];
 

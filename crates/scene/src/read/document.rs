@@ -12,6 +12,8 @@ const LONGEST_QUOTE: usize = 60;
 pub struct Place {
     /// Line in the file, from 1.
     pub line: usize,
+    /// Column in the line, in characters from 1.
+    pub column: usize,
     /// Path of the key.
     pub key: String,
     /// The value as the file has it, on one line.
@@ -68,6 +70,21 @@ impl<'t> Document<'t> {
         1 + self.line_ends.partition_point(|end| *end < offset)
     }
 
+    /// Column, in characters from 1, of a byte offset.
+    pub(super) fn column(&self, offset: usize) -> usize {
+        let before = self.line_ends.partition_point(|end| *end < offset);
+        let begin = before
+            .checked_sub(1)
+            .map_or(0, |end| self.line_ends[end] + 1);
+        let text = self.text.get(begin..offset).unwrap_or_default();
+        1 + text.chars().count()
+    }
+
+    /// Line and column of a byte offset.
+    pub(super) fn position(&self, offset: usize) -> [usize; 2] {
+        [self.line(offset), self.column(offset)]
+    }
+
     /// Returns true if a key on the line has a number with a decimal comma.
     pub(super) fn has_decimal_comma(&self, line: usize) -> bool {
         let text = self.text.lines().nth(line.saturating_sub(1));
@@ -109,6 +126,7 @@ impl<'t> Document<'t> {
         self.problems.borrow_mut().push(Problem {
             source: part.map(|(part, _)| part.name.clone()),
             line,
+            column: place.column,
             key: place.key.clone(),
             value: place.value.clone(),
             reason: reason.into(),
@@ -145,6 +163,15 @@ mod tests {
         let document = Document::new("a\nb\n\nc", &[]);
         let lines: Vec<usize> = (0..=8).map(|offset| document.line(offset)).collect();
         assert_eq!(lines, [1, 1, 2, 2, 3, 4, 4, 4, 4]);
+    }
+
+    #[test]
+    fn columns_are_counted_in_characters_from_one() {
+        let document = Document::new("a = 1\n\u{e4} = 2\n", &[]);
+        let columns: Vec<usize> = [0, 4, 5, 6, 8, 11, 12, 99]
+            .map(|offset| document.column(offset))
+            .into();
+        assert_eq!(columns, [1, 5, 6, 1, 2, 5, 6, 1]);
     }
 
     #[test]

@@ -89,8 +89,10 @@ fn root_of<'t>(document: &Document, text: &'t str) -> Option<DeTable<'t>> {
 /// Makes problems of what the parser found.
 fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
     for fault in faults {
+        let offset = fault.span().map_or(0, |span| span.start);
         let place = Place {
-            line: document.line(fault.span().map_or(0, |span| span.start)),
+            line: document.line(offset),
+            column: document.column(offset),
             key: String::new(),
             value: None,
         };

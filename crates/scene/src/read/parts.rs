@@ -157,6 +157,7 @@ pub(super) struct PaddedParts {
 fn place(document: &Document, key: &str, value: &Spanned<DeValue>) -> Place {
     Place {
         line: document.line(value.span().start),
+        column: document.column(value.span().start),
         key: key.to_owned(),
         value: Some(document.quote(value.span())),
     }

@@ -15,7 +15,8 @@ pub struct Section<'d, 't> {
     pub(super) document: &'d Document<'t>,
     table: &'d DeTable<'t>,
     path: String,
-    line: usize,
+    /// Line and column of its begin.
+    begin: [usize; 2],
     asked: RefCell<Vec<&'d str>>,
     lenient: Cell<bool>,
 }
@@ -23,15 +24,20 @@ pub struct Section<'d, 't> {
 impl<'d, 't> Section<'d, 't> {
     /// The whole file.
     pub(crate) fn root(document: &'d Document<'t>, table: &'d DeTable<'t>) -> Self {
-        Self::new(document, table, String::new(), 1)
+        Self::new(document, table, String::new(), [1; 2])
     }
 
-    fn new(document: &'d Document<'t>, table: &'d DeTable<'t>, path: String, line: usize) -> Self {
+    fn new(
+        document: &'d Document<'t>,
+        table: &'d DeTable<'t>,
+        path: String,
+        begin: [usize; 2],
+    ) -> Self {
         Self {
             document,
             table,
             path,
-            line,
+            begin,
             asked: RefCell::default(),
             lenient: Cell::new(false),
         }
@@ -40,7 +46,8 @@ impl<'d, 't> Section<'d, 't> {
     /// The place of the section itself.
     pub fn place(&self) -> Place {
         Place {
-            line: self.line,
+            line: self.begin[0],
+            column: self.begin[1],
             key: self.path.clone(),
             value: None,
         }
@@ -55,15 +62,16 @@ impl<'d, 't> Section<'d, 't> {
         };
         let other = other.filter(|name| self.table.contains_key(name.as_str()));
         let key = other.as_deref().unwrap_or(key);
-        let (line, value) = match self.table.get(key) {
+        let ([line, column], value) = match self.table.get(key) {
             Some(value) => (
-                self.document.line(value.span().start),
+                self.document.position(value.span().start),
                 Some(self.document.quote(value.span())),
             ),
-            None => (self.line, None),
+            None => (self.begin, None),
         };
         Place {
             line,
+            column,
             key: self.child(key),
             value,
         }
@@ -110,10 +118,10 @@ impl<'d, 't> Section<'d, 't> {
     /// A table that may be left out.
     pub fn optional_section(&self, key: &'d str) -> Option<Section<'d, 't>> {
         let value = self.value(key)?;
-        let line = self.document.line(value.span().start);
+        let begin = self.document.position(value.span().start);
         match value.get_ref() {
             DeValue::Table(table) => {
-                Some(Section::new(self.document, table, self.child(key), line))
+                Some(Section::new(self.document, table, self.child(key), begin))
             }
             other => {
                 self.refuse(key, expected_but_found("a table", other));
@@ -135,15 +143,16 @@ impl<'d, 't> Section<'d, 't> {
         };
         let mut sections = Vec::with_capacity(array.len());
         for (i, item) in array.iter().enumerate() {
-            let line = self.document.line(item.span().start);
+            let begin = self.document.position(item.span().start);
             let path = format!("{path}[{}]", i + 1);
             match item.get_ref() {
                 DeValue::Table(table) => {
-                    sections.push(Section::new(self.document, table, path, line));
+                    sections.push(Section::new(self.document, table, path, begin));
                 }
                 other => {
                     let place = Place {
-                        line,
+                        line: begin[0],
+                        column: begin[1],
                         key: path,
                         value: Some(self.document.quote(item.span())),
                     };
@@ -243,6 +252,7 @@ impl Drop for Section<'_, '_> {
             }
             let place = Place {
                 line: self.document.line(key.span().start),
+                column: self.document.column(key.span().start),
                 key: self.child(name),
                 value: Some(self.document.quote(value.span())),
             };

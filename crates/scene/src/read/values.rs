@@ -139,6 +139,7 @@ impl<'d> Section<'d, '_> {
         for (i, (number, item)) in numbers.iter_mut().zip(array.iter()).enumerate() {
             let place = Place {
                 line: self.document.line(item.span().start),
+                column: self.document.column(item.span().start),
                 key: format!("{}[{}]", self.child(measured.name), i + 1),
                 value: Some(self.document.quote(item.span())),
             };
@@ -234,6 +235,7 @@ impl<'d> Section<'d, '_> {
         let texts = array.iter().enumerate().map(|(i, item)| {
             let place = Place {
                 line: self.document.line(item.span().start),
+                column: self.document.column(item.span().start),
                 key: format!("{}[{}]", self.child(key), i + 1),
                 value: Some(self.document.quote(item.span())),
             };

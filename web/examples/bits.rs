@@ -1,0 +1,54 @@
+//! Prints a hash over the bits of every shipped scene's job, and the moves of jobs along a path: `bits [TICKS]`. The page's test compares the
+//! hashes with WebAssembly.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// Ticks of each scene without an argument.
+const TICKS: u32 = 1000;
+
+fn main() -> Result<(), String> {
+    let ticks = match env::args().nth(1) {
+        Some(ticks) => ticks
+            .parse()
+            .map_err(|error| format!("{ticks}: a number of ticks is expected: {error}"))?,
+        None => TICKS,
+    };
+    for file in scenes()? {
+        let text =
+            fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        // A machine in a file of its own is out of the page's reach.
+        if text.lines().any(|line| line.starts_with("machine =")) {
+            continue;
+        }
+        let file = format!("{name}.toml");
+        let moves = trirrr_web::planned_moves(&text, &file)?;
+        let hash = trirrr_web::bits_of(&text, &file, ticks, &moves)?;
+        let moves: String = moves.iter().map(|number| format!(" {number}")).collect();
+        println!("{name} {hash}{moves}");
+    }
+    Ok(())
+}
+
+/// The shipped scenes of 3-RRR machines.
+fn scenes() -> Result<Vec<PathBuf>, String> {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let mut files = Vec::new();
+    for folder in ["", "paths", "design"] {
+        let folder = scenes.join(folder);
+        let entries =
+            fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        for entry in entries {
+            let path = entry.map_err(|error| error.to_string())?.path();
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "toml")
+            {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
+}

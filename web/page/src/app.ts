@@ -1,0 +1,395 @@
+// The page: a scene, its machine in the user's hand, its job.
+
+import { initSync, Reading, bitsOf, type Machine } from "../core/core.js";
+import type { Answer, JobTable, ModeRow } from "./answers";
+import { Drawing, type Pose } from "./drawing";
+import { Editor } from "./editor";
+import { number } from "./format";
+import { Panel } from "./panel";
+import { Plots } from "./plots";
+import { Reader } from "./reader";
+import { bytesOf, fragmentOf, sceneOf, unzipped } from "./share";
+import { taken, takenAssemblies, type TakenLimits } from "./taken";
+
+/** Pause in the user's writing after which the scene is read whole, ms. */
+const PAUSE = 250;
+
+const FIRST = "vertical";
+
+/** Motion of the platform until the user gives another: rates and torques are not all 0. */
+const MOTION = [0.1, 0, 0, 1, 0, 0];
+
+const NO_LIMITS: TakenLimits = {
+    rates: new Float64Array(),
+    accelerations: new Float64Array(),
+    torques: new Float64Array(),
+    powers: new Float64Array(),
+    serial: 0,
+    parallel: 0,
+};
+
+const STATE_COLUMNS = ["x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"];
+
+function page(id: string): HTMLElement {
+    const found = document.getElementById(id);
+    if (!found) throw new Error(`the page has no #${id}`);
+    return found;
+}
+
+class Page {
+    private machine: Machine | undefined;
+    private limits: TakenLimits = NO_LIMITS;
+    private state: number[] = [0, 0, 0, ...MOTION];
+    private job: JobTable | undefined;
+    private jobModes: ModeRow[] | undefined;
+    private row = 0;
+    private timer = 0;
+    /** The scene as it was loaded: its name among the shipped ones, and its text. */
+    private loaded = { name: "", text: "" };
+    private peeked: string | undefined;
+    private isDraftGood = false;
+    /** The state is that of the job at a time. */
+    private isAtJob = false;
+    private clock: { since: number; from: number } | undefined;
+
+    private readonly drawing = new Drawing(page("drawing") as unknown as SVGSVGElement, (pose) => this.drag(pose));
+    private readonly panel = new Panel(page, (state) => this.takeState(state));
+    private readonly plots = new Plots(page("plots"), (time) => this.goTo(time));
+    private readonly editor = new Editor(page("text") as HTMLTextAreaElement, page("gutter"), page("marks"), page("problems"), () => this.edited());
+    private readonly time = page("time") as HTMLInputElement;
+    private readonly play = page("play") as HTMLButtonElement;
+    private readonly reader: Reader;
+
+    constructor(module: WebAssembly.Module) {
+        this.reader = new Reader(
+            module,
+            (answer) => this.answered(answer),
+            (answer) => {
+                this.jobModes = answer.modes;
+                this.show();
+            },
+            (sentence) => this.editor.show([{ line: 1, column: 1, sentence }], ""),
+        );
+        this.listen();
+    }
+
+    async start(): Promise<void> {
+        const shared = (await sceneOf(location.hash)) ?? (await given());
+        if (shared === undefined) this.load(FIRST, SCENES[FIRST] ?? "");
+        else this.load("", shared);
+    }
+
+    private listen(): void {
+        const pick = page("scenes") as HTMLSelectElement;
+        const names = Object.keys(SCENES).sort();
+        pick.append(...names.map((name) => new Option(name, name)));
+        pick.addEventListener("change", () => this.load(pick.value, SCENES[pick.value] ?? ""));
+        this.time.addEventListener("input", () => {
+            this.stop();
+            this.showRow(this.time.valueAsNumber);
+        });
+        this.play.addEventListener("click", () => (this.clock ? this.stop() : this.run()));
+        page("reset").addEventListener("click", () => this.load(this.loaded.name, this.loaded.text));
+        const file = page("file") as HTMLInputElement;
+        page("open").addEventListener("click", () => file.click());
+        file.addEventListener("change", () => {
+            void this.open(file.files?.[0]);
+            file.value = "";
+        });
+        addEventListener("dragover", (event) => event.preventDefault());
+        addEventListener("drop", (event) => {
+            event.preventDefault();
+            void this.open(event.dataTransfer?.files[0]);
+        });
+        page("share").addEventListener("click", () => void this.share());
+        page("download").addEventListener("click", () => this.download());
+        page("theme").addEventListener("click", () => {
+            const root = document.documentElement;
+            const isDark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+            root.dataset.theme = isDark ? "light" : "dark";
+            this.redrawPlots();
+        });
+        matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redrawPlots());
+        addEventListener("hashchange", () => void sceneOf(location.hash).then((text) => text !== undefined && text !== this.editor.value && this.load("", text)));
+    }
+
+    /** Begins with another scene. */
+    private load(name: string, text: string): void {
+        this.stop();
+        this.loaded = { name, text };
+        const pick = page("scenes") as HTMLSelectElement;
+        pick.querySelector("option[value='']")?.remove();
+        if (name === "") pick.prepend(new Option("yours", ""));
+        pick.value = name;
+        this.editor.value = text;
+        this.machine?.free();
+        this.machine = undefined;
+        this.readDraft();
+        this.readWhole();
+    }
+
+    /** Takes the scene of a file. */
+    private async open(file: File | undefined): Promise<void> {
+        if (!file) return;
+        if (file.name.endsWith(".toml")) this.load("", await file.text());
+        else this.setVerdict(`${file.name} is no scene: a job in G-code or a drawing is for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
+    }
+
+    private edited(): void {
+        page("reset").hidden = this.editor.value === this.loaded.text;
+        this.readDraft();
+        if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
+        clearTimeout(this.timer);
+        this.timer = setTimeout(() => this.readWhole(), PAUSE);
+    }
+
+    private get file(): string {
+        return `${this.loaded.name.length > 0 ? this.loaded.name : "scene"}.toml`;
+    }
+
+    /** Takes the machine as it stands in the text, whatever its job is. */
+    private readDraft(): void {
+        const reading = Reading.draft(this.editor.value, this.file);
+        this.isDraftGood = reading.refusal === undefined;
+        if (reading.refusal === undefined) {
+            try {
+                this.takeMachine(reading.machine());
+            } catch (sentence) {
+                this.editor.show([{ line: 1, column: 1, sentence: String(sentence) }], "");
+            }
+        } else {
+            this.editor.show(reading.problems.map(taken), "");
+            this.setVerdict(`${reading.problems.length} to correct`, true);
+        }
+        reading.free();
+    }
+
+    private readWhole(): void {
+        if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
+        this.reader.ask(this.editor.value, this.file);
+    }
+
+    private takeMachine(machine: Machine): void {
+        const isNew = this.machine === undefined;
+        this.machine?.free();
+        this.machine = machine;
+        this.limits = taken(machine.limits);
+        page("name").textContent = machine.name;
+        page("description").textContent = machine.description;
+        document.title = `${machine.name} \u00b7 trirrr`;
+        this.drawing.show(machine.frame);
+        if (isNew) {
+            this.job = undefined;
+            this.jobModes = undefined;
+            this.drawing.showPath(undefined, undefined);
+            this.state = [...machine.start, ...MOTION];
+        }
+        this.show();
+    }
+
+    private answered({ problems, refusal, verdict, warning, job }: Answer): void {
+        this.setVerdict(verdict ?? `${problems.length} to correct`, refusal !== undefined);
+        const good = ["The scene is good.", warning].filter(Boolean).join(" Warning: ");
+        this.editor.show(problems, good);
+        this.job = job;
+        this.jobModes = undefined;
+        const count = job?.columns.t?.length ?? 0;
+        for (const input of [this.time, this.play]) input.disabled = count === 0;
+        this.time.max = String(Math.max(count - 1, 0));
+        this.drawing.showPath(job?.columns.x, job?.columns.y);
+        this.redrawPlots();
+        const thinned = job && job.every > 1 ? `The curves hold one tick of ${job.every}.` : "";
+        const note = job ? (job.reason ?? thinned) : "The job is refused: correct the scene to see its curves.";
+        page("no-job").hidden = note === "";
+        page("no-job").textContent = note;
+        if (!job) {
+            page("clock").textContent = "no job";
+            this.stop();
+        } else this.showRow(Math.min(this.row, count - 1), false);
+        this.show();
+    }
+
+    private redrawPlots(): void {
+        if (this.job) this.plots.show(this.job, this.limits);
+        else this.plots.clear();
+    }
+
+    private setVerdict(words: string, isBad: boolean): void {
+        const verdict = page("verdict");
+        verdict.textContent = words;
+        verdict.classList.toggle("bad", isBad);
+    }
+
+    /** The user moves the platform: its motion is the one that stands in the inputs, or the first one after the job. */
+    private drag(pose: Pose): void {
+        if (this.clock || this.isAtJob) this.state = [...pose, ...MOTION];
+        else this.state = [...pose, ...this.state.slice(3)];
+        this.stop();
+        this.isAtJob = false;
+        this.show();
+    }
+
+    private takeState(state: number[]): void {
+        this.stop();
+        this.isAtJob = false;
+        this.state = state;
+        this.show();
+    }
+
+    /** Draws the state and all that the core says about it. */
+    private show(): void {
+        const { machine, state } = this;
+        if (!machine) return;
+        const { limits } = this;
+        const figures = taken(machine.figures(Float64Array.from(state)));
+        const [x = 0, y = 0, alpha = 0] = state;
+        this.drawing.draw([x, y, alpha], figures);
+        this.panel.showState(state);
+        this.panel.showFigures(figures, limits);
+        const modes = machine.workingModes(Float64Array.from(state)).map(taken);
+        this.drawing.showGhostLegs(figures, modes.find(({ name }) => name === this.peeked)?.elbows);
+        const peek = (name: string | undefined) => {
+            this.peeked = name;
+            this.show();
+        };
+        this.panel.showModes(modes, this.jobModes, peek, (name) => this.takeMode(name));
+        if (figures.angles.length === 3) {
+            try {
+                const list = takenAssemblies(machine.assemblies(figures.angles, Float64Array.of(x, y, alpha)));
+                this.drawing.showGhosts(list.modes.filter((mode) => !mode.isHere).map((mode) => mode.platform));
+                this.panel.showAssemblies(list, ([px = 0, py = 0, palpha = 0]) => this.drag([px, py, palpha]));
+            } catch (sentence) {
+                this.drawing.showGhosts([]);
+                this.panel.showAssemblies(String(sentence), () => undefined);
+            }
+        } else {
+            this.drawing.showGhosts([]);
+            this.panel.showAssemblies("No leg configuration: the pose is out of reach.", () => undefined);
+        }
+        this.panel.speak(state, figures);
+    }
+
+    /** Writes the elbow signs of a working mode into the scene. */
+    private takeMode(name: string): void {
+        const text = withElbows(this.editor.value, name);
+        if (text === undefined) return;
+        this.editor.value = text;
+        this.edited();
+    }
+
+    private showRow(row: number, moves = true): void {
+        const columns = this.job?.columns;
+        const time = columns?.t?.[row];
+        if (!columns || time === undefined) return;
+        this.row = row;
+        this.time.value = String(row);
+        const end = columns.t?.at(-1) ?? 0;
+        page("clock").textContent = `${number(time)} of ${number(end)} s`;
+        this.plots.mark(time);
+        if (!moves) return;
+        this.isAtJob = true;
+        this.state = STATE_COLUMNS.map((name) => columns[name]?.[row] ?? 0);
+        this.show();
+    }
+
+    private goTo(time: number): void {
+        const times = this.job?.columns.t;
+        if (!times) return;
+        this.stop();
+        this.showRow(rowAt(times, time));
+    }
+
+    private run(): void {
+        const times = this.job?.columns.t;
+        const end = times?.at(-1) ?? 0;
+        if (!times) return;
+        const from = this.row >= times.length - 1 ? 0 : (times[this.row] ?? 0);
+        this.clock = { since: performance.now(), from };
+        this.play.textContent = "Pause";
+        const frame = (now: number) => {
+            if (!this.clock) return;
+            const speed = Number((page("speed") as HTMLSelectElement).value);
+            const time = this.clock.from + ((now - this.clock.since) / 1000) * speed;
+            // A change of the speed goes on from here.
+            this.clock = { since: now, from: Math.max(time, 0) };
+            this.showRow(rowAt(times, time));
+            if (time < end) requestAnimationFrame(frame);
+            else this.stop();
+        };
+        requestAnimationFrame(frame);
+    }
+
+    private stop(): void {
+        this.clock = undefined;
+        this.play.textContent = "Play";
+    }
+
+    private async share(): Promise<void> {
+        const fragment = await fragmentOf(this.editor.value);
+        history.replaceState(null, "", fragment);
+        const button = page("share");
+        try {
+            await navigator.clipboard.writeText(location.href);
+            button.textContent = "Copied";
+        } catch {
+            button.textContent = "Link is in the address";
+        }
+        setTimeout(() => (button.textContent = "Copy link"), 2000);
+    }
+
+    private download(): void {
+        const link = document.createElement("a");
+        link.href = URL.createObjectURL(new Blob([this.editor.value], { type: "application/toml" }));
+        link.download = `${this.machine?.name ?? "scene"}.toml`;
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    }
+}
+
+/** The scene with the elbow signs of `mode`; none of a text that does not give three of them, each on a line of its own. */
+function withElbows(text: string, mode: string): string | undefined {
+    const elbow = /^(\s*elbow\s*=\s*)[-+]?[0-9][0-9_.]*/gm;
+    if (text.match(elbow)?.length !== mode.length) return undefined;
+    let leg = 0;
+    return text.replace(elbow, (_, before: string) => {
+        const sign = mode[leg] === "-" ? "-1" : "1";
+        leg += 1;
+        return before + sign;
+    });
+}
+
+/** Row at `time`, or the last before it. */
+function rowAt(times: Float64Array, time: number): number {
+    let [low, high] = [0, times.length - 1];
+    while (low < high) {
+        const middle = Math.ceil((low + high) / 2);
+        if ((times[middle] ?? 0) <= time) low = middle;
+        else high = middle - 1;
+    }
+    return low;
+}
+
+/** The scene of `trirrr ui`, which serves it beside the page. */
+async function given(): Promise<string | undefined> {
+    const { scene } = document.documentElement.dataset;
+    if (scene === undefined) return undefined;
+    const answer = await fetch(scene);
+    return answer.ok ? answer.text() : undefined;
+}
+
+async function start(): Promise<void> {
+    const bytes = await unzipped(bytesOf(page("core").textContent ?? ""));
+    const module = await WebAssembly.compile(bytes);
+    initSync({ module });
+    await new Page(module).start();
+    // The core, for the console and for tests.
+    Object.assign(globalThis, { trirrr: { Reading, bitsOf, scenes: SCENES } });
+    document.documentElement.dataset.ready = "";
+}
+
+export function begin(): void {
+    start().catch((error: unknown) => {
+        page("name").textContent = "The page cannot start";
+        page("description").textContent = `${String(error)}. It needs a browser with WebAssembly and DecompressionStream, of 2023 or later.`;
+    });
+}

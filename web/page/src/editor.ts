@@ -1,0 +1,98 @@
+// The text of the scene, its problems beside their lines.
+
+import type { Trouble } from "./answers";
+
+export class Editor {
+    private troubles: Trouble[] = [];
+
+    constructor(
+        private readonly text: HTMLTextAreaElement,
+        private readonly gutter: HTMLElement,
+        private readonly marks: HTMLElement,
+        private readonly list: HTMLElement,
+        onEdit: () => void,
+    ) {
+        text.addEventListener("input", () => {
+            // Places of the last reading are no longer those of the text.
+            this.marks.replaceChildren();
+            this.fit();
+            onEdit();
+        });
+    }
+
+    get value(): string {
+        return this.text.value;
+    }
+
+    set value(text: string) {
+        this.text.value = text;
+        this.fit();
+    }
+
+    /** Shows problems, or `good` if there are none. */
+    show(troubles: Trouble[], good: string): void {
+        this.troubles = troubles;
+        this.fit();
+        this.marks.replaceChildren(...this.byLine().map(([line, sentences, width]) => this.mark(line, sentences, width)));
+        const items = troubles.map((trouble) => this.item(trouble));
+        this.list.classList.toggle("bad", troubles.length > 0);
+        this.list.replaceChildren(...(items.length > 0 ? items : [good]));
+    }
+
+    /** Lines with problems: number, sentences, characters of the line. */
+    private byLine(): [number, string, number][] {
+        const lines = this.text.value.split("\n");
+        const found = new Map<number, string[]>();
+        for (const { line, sentence } of this.troubles) found.set(line, [...(found.get(line) ?? []), sentence]);
+        return [...found].map(([line, sentences]) => [line, sentences.join("; "), lines[line - 1]?.length ?? 0]);
+    }
+
+    private mark(line: number, sentence: string, width: number): HTMLElement {
+        const mark = document.createElement("div");
+        mark.className = "mark";
+        mark.style.setProperty("--line", String(line - 1));
+        const words = document.createElement("span");
+        words.style.setProperty("--width", String(width + 2));
+        words.textContent = sentence;
+        mark.append(words);
+        return mark;
+    }
+
+    private item({ line, column, sentence }: Trouble): HTMLElement {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.className = "trouble";
+        const place = document.createElement("b");
+        place.textContent = `${line}:${column}`;
+        button.append(place, " ", sentence);
+        button.addEventListener("click", () => this.goTo(line, column));
+        return button;
+    }
+
+    private goTo(line: number, column: number): void {
+        const before = this.text.value.split("\n").slice(0, line - 1);
+        const begin = before.reduce((sum, each) => sum + each.length + 1, 0) + column - 1;
+        this.text.focus();
+        this.text.setSelectionRange(begin, begin);
+        const pane = this.text.closest(".code");
+        const height = Number.parseFloat(getComputedStyle(this.text).lineHeight);
+        pane?.scrollTo({ top: (line - 4) * height, left: 0 });
+    }
+
+    /** Makes the text as large as what it holds, and numbers its lines. */
+    private fit(): void {
+        const lines = this.text.value.split("\n");
+        const longest = lines.reduce((most, line) => Math.max(most, line.length), 0);
+        this.text.style.setProperty("--rows", String(lines.length));
+        this.text.style.setProperty("--columns", String(longest + 2));
+        const wrong = new Set(this.troubles.map((trouble) => trouble.line));
+        this.gutter.replaceChildren(
+            ...lines.map((_, index) => {
+                const number = document.createElement("span");
+                number.textContent = String(index + 1);
+                number.classList.toggle("bad", wrong.has(index + 1));
+                return number;
+            }),
+        );
+    }
+}

@@ -1,0 +1,2 @@
+/** Shipped scenes by name; set by build.mjs. */
+declare const SCENES: Record<string, string>;

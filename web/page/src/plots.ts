@@ -1,0 +1,163 @@
+// Curves of the job against the limits.
+
+import uPlot from "uplot";
+import type { JobTable } from "./answers";
+import { degrees, number, round } from "./format";
+import type { TakenLimits } from "./taken";
+
+interface Curve {
+    title: string;
+    unit: string;
+    column: string;
+    /** What is drawn for one SI unit. */
+    factor: number;
+    limit: (limits: TakenLimits) => Float64Array | undefined;
+}
+
+const CURVES: Curve[] = [
+    { title: "Angle", unit: "\u00b0", column: "th1_", factor: degrees(1), limit: () => undefined },
+    { title: "Rate", unit: "rad/s", column: "dth1_", factor: 1, limit: (limits) => limits.rates },
+    { title: "Torque", unit: "N m", column: "tau", factor: 1, limit: (limits) => limits.torques },
+    { title: "Power", unit: "W", column: "P", factor: 1, limit: (limits) => limits.powers },
+];
+
+const HEIGHT = 190;
+
+const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+export class Plots {
+    private plots: uPlot[] = [];
+    private time = 0;
+
+    constructor(
+        private readonly place: HTMLElement,
+        private readonly onTime: (time: number) => void,
+    ) {
+        new ResizeObserver(() => {
+            for (const plot of this.plots) {
+                const width = plot.root.parentElement?.clientWidth ?? 0;
+                if (width > 0) plot.setSize({ width, height: HEIGHT });
+            }
+        }).observe(place);
+    }
+
+    clear(): void {
+        for (const plot of this.plots) plot.destroy();
+        this.plots = [];
+        this.place.replaceChildren();
+    }
+
+    show(job: JobTable, limits: TakenLimits): void {
+        this.clear();
+        const time = job.columns.t;
+        if (!time) return;
+        // All boxes first: a curve is as wide as its box is then.
+        const made: (() => uPlot)[] = [];
+        for (const curve of CURVES) {
+            const values = [1, 2, 3].map((motor) => job.columns[`${curve.column}${motor}`]?.map((value) => value * curve.factor));
+            const [one, two, three] = values;
+            if (!one || !two || !three) continue;
+            const box = document.createElement("figure");
+            const caption = document.createElement("figcaption");
+            const peak = Math.max(...[one, two, three].map((each) => each.reduce((most, value) => Math.max(most, Math.abs(value)), 0)));
+            const unit = document.createElement("span");
+            unit.className = "muted";
+            unit.textContent = `${curve.unit}, at most ${number(peak)}`;
+            caption.append(curve.title, " ", unit);
+            box.append(caption);
+            this.place.append(box);
+            made.push(() => this.plot(box, [time, one, two, three], curve.limit(limits), job.begins));
+        }
+        this.plots = made.map((make) => make());
+    }
+
+    /** Marks a time. */
+    mark(time: number): void {
+        this.time = time;
+        for (const plot of this.plots) plot.redraw(false, false);
+    }
+
+    private plot(box: HTMLElement, data: [Float64Array, Float64Array, Float64Array, Float64Array], limits: Float64Array | undefined, begins: Float64Array): uPlot {
+        const axis = { stroke: colour("--muted"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { stroke: colour("--grid"), width: 1 }, font: "12px system-ui, sans-serif" };
+        const largest = limits && limits.length === 3 ? Math.max(...limits) : undefined;
+        const options: uPlot.Options = {
+            width: Math.max(box.clientWidth, 200),
+            height: HEIGHT,
+            legend: { show: false },
+            cursor: { drag: { x: false, y: false }, points: { size: 6 }, y: false },
+            scales: {
+                x: { time: false },
+                y: {
+                    range: (_, least, most) => {
+                        // A limit belongs into the picture unless the curves would be flat beside it.
+                        const size = Math.max(Math.abs(least), Math.abs(most));
+                        const isNear = largest !== undefined && largest < 4 * size;
+                        const low = isNear && least < 0 ? Math.min(least, -largest) : least;
+                        const high = isNear ? Math.max(most, largest) : most;
+                        const margin = 0.08 * Math.max(high - low, 1e-9);
+                        return [low - margin, high + margin];
+                    },
+                },
+            },
+            axes: [{ ...axis, size: 28, values: (_, values) => values.map((value) => `${round(value)} s`) }, { ...axis, size: 56, values: (_, values) => values.map(round) }],
+            series: [{}, ...[1, 2, 3].map((motor) => ({ stroke: colour(`--motor${motor}`), width: 1.75, points: { show: false } }))],
+            hooks: {
+                drawClear: [(plot) => this.drawBegins(plot, begins)],
+                draw: [(plot) => this.drawMarks(plot, limits)],
+                ready: [
+                    (plot) =>
+                        plot.over.addEventListener("click", () => {
+                            const { left } = plot.cursor;
+                            if (left !== undefined && left >= 0) this.onTime(plot.posToVal(left, "x"));
+                        }),
+                ],
+            },
+        };
+        return new uPlot(options, data, box);
+    }
+
+    /** Light lines where moves begin, unless they are too many to be told apart. */
+    private drawBegins(plot: uPlot, begins: Float64Array): void {
+        if (begins.length < 2 || begins.length > 40) return;
+        const { ctx, bbox } = plot;
+        ctx.save();
+        ctx.strokeStyle = colour("--grid");
+        ctx.lineWidth = devicePixelRatio * 1.5;
+        ctx.beginPath();
+        for (const begin of begins.subarray(1)) {
+            const x = Math.round(plot.valToPos(begin, "x", true));
+            ctx.moveTo(x, bbox.top);
+            ctx.lineTo(x, bbox.top + bbox.height);
+        }
+        ctx.stroke();
+        ctx.restore();
+    }
+
+    private drawMarks(plot: uPlot, limits: Float64Array | undefined): void {
+        const { ctx, bbox } = plot;
+        ctx.save();
+        ctx.beginPath();
+        ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+        ctx.clip();
+        ctx.lineWidth = devicePixelRatio * 1.25;
+        ctx.strokeStyle = colour("--limit");
+        ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+        ctx.beginPath();
+        for (const limit of new Set(limits ?? [])) {
+            for (const value of [limit, -limit]) {
+                const y = plot.valToPos(value, "y", true);
+                ctx.moveTo(bbox.left, y);
+                ctx.lineTo(bbox.left + bbox.width, y);
+            }
+        }
+        ctx.stroke();
+        ctx.setLineDash([]);
+        ctx.strokeStyle = colour("--path");
+        ctx.beginPath();
+        const x = plot.valToPos(this.time, "x", true);
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + bbox.height);
+        ctx.stroke();
+        ctx.restore();
+    }
+}

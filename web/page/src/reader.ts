@@ -1,0 +1,51 @@
+// Asks the worker for the whole reading of a scene; only the newest question is answered.
+import type { Answer, ModesAnswer, Question } from "./answers";
+
+export class Reader {
+    private worker: Worker | undefined;
+    private asked = 0;
+    private isBusy = false;
+    private readonly script = URL.createObjectURL(new Blob([document.getElementById("main")?.textContent ?? ""], { type: "text/javascript" }));
+
+    constructor(
+        private readonly module: WebAssembly.Module,
+        private readonly onAnswer: (answer: Answer) => void,
+        private readonly onModes: (answer: ModesAnswer) => void,
+        private readonly onFailure: (sentence: string) => void,
+    ) {}
+
+    ask(text: string, file: string): void {
+        this.asked += 1;
+        const question: Question = { id: this.asked, text, file };
+        // An older question is of no interest any more, and may take long.
+        if (this.isBusy) this.stop();
+        if (!this.worker) {
+            this.worker = new Worker(this.script);
+            this.worker.addEventListener("message", ({ data }: MessageEvent<Answer | ModesAnswer>) => this.take(data));
+            this.worker.addEventListener("error", () => {
+                this.stop();
+                this.onFailure("The core has stopped on this scene. That is a defect of trirrr: please report it with the scene.");
+            });
+            question.module = this.module;
+        }
+        this.isBusy = true;
+        this.worker.postMessage(question);
+    }
+
+    private stop(): void {
+        this.worker?.terminate();
+        this.worker = undefined;
+        this.isBusy = false;
+    }
+
+    private take(data: Answer | ModesAnswer): void {
+        if (data.id !== this.asked) return;
+        if ("modes" in data) {
+            this.isBusy = false;
+            this.onModes(data);
+            return;
+        }
+        this.isBusy = data.job !== undefined;
+        this.onAnswer(data);
+    }
+}

@@ -1,0 +1,236 @@
+// The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS
+// BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS. Run by `cargo xtask page`.
+import assert from "node:assert/strict";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const [file, bits, ticks, shots] = process.argv.slice(2);
+
+/** Frames per second while the platform is dragged, and first paint, ms: what the page has to keep. */
+const FRAMES_MIN = Number(process.env.TRIRRR_PAGE_FRAMES ?? 30);
+const PAINT_MAX = 1000;
+
+const page = readFileSync(file);
+const server = createServer((request, response) => {
+    response.writeHead(request.url === "/" ? 200 : 404, { "content-type": "text/html; charset=utf-8" });
+    response.end(request.url === "/" ? page : "");
+});
+await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
+const address = `http://127.0.0.1:${server.address().port}/`;
+
+const profile = mkdtempSync(join(tmpdir(), "trirrr-page-"));
+const context = await chromium.launchPersistentContext(profile, {
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    headless: true,
+    viewport: { width: 1440, height: 1000 },
+    permissions: ["clipboard-read", "clipboard-write"],
+    acceptDownloads: true,
+    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+
+const faults = [];
+async function open(url, scheme = "light") {
+    const tab = await context.newPage();
+    tab.on("pageerror", (error) => faults.push(String(error)));
+    tab.on("console", (message) => message.type() === "error" && faults.push(message.text()));
+    await tab.emulateMedia({ colorScheme: scheme });
+    await tab.goto(url);
+    await tab.waitForSelector("html[data-ready]");
+    await checked(tab);
+    return tab;
+}
+
+/** Waits for the verdict of the whole reading, and for the job in all modes. */
+async function checked(tab) {
+    await tab.waitForFunction(() => !document.querySelector("#verdict").textContent.includes("checking"), undefined, { timeout: 60_000 });
+}
+const choose = async (tab, name) => {
+    await tab.selectOption("#scenes", name);
+    await checked(tab);
+};
+const text = (tab, selector) => tab.textContent(selector);
+const inputs = (tab) => tab.$$eval("#pose input", (list) => list.map((input) => Number(input.value)));
+const shot = (tab, name, options = {}) => tab.screenshot({ path: join(shots, `${name}.png`), ...options });
+
+async function actions(tab) {
+    assert.match(await text(tab, "#verdict"), /^\d+ moves?, /);
+    assert.equal(await tab.locator("#modes tr").count(), 8);
+    assert.equal(await tab.locator("#plots canvas").count(), 4);
+
+    // Arrow keys move the platform, Q turns it, and a screen reader hears of it.
+    await tab.focus(".platform");
+    const before = await inputs(tab);
+    await tab.keyboard.press("Shift+ArrowRight");
+    await tab.waitForFunction((x) => Number(document.querySelector("#pose input").value) > x, before[0]);
+    await tab.keyboard.press("q");
+    await tab.waitForFunction((alpha) => Number(document.querySelectorAll("#pose input")[2].value) > alpha, before[2]);
+    await tab.waitForFunction(() => document.querySelector("#live").textContent.includes("newton metres"));
+
+    // A pose out of reach says by how much.
+    await tab.fill("#pose input", "5000");
+    assert.match(await text(tab, "#reason"), /unreachable: leg 1 is .* mm too short/);
+    await tab.fill("#pose input", String(before[0]));
+
+    // A wrong value is told with its place; the same sentence as the host tools have.
+    const scene = await tab.inputValue("#text");
+    await tab.fill("#text", scene.replace("proximal_m = ", "proximal_m = -"));
+    await checked(tab);
+    const line = scene.slice(0, scene.indexOf("proximal_m")).split("\n").length;
+    assert.match(await text(tab, ".trouble"), new RegExp(`^${line}:14 machine\\.leg\\[1\\]\\.proximal_m = -[0-9.]+: must be greater than 0 \\(m\\)$`));
+    assert.match(await text(tab, ".mark"), /must be greater than 0/);
+    const there = await tab.$eval(".mark", (mark) => mark.getBoundingClientRect().top - document.querySelector("#text").getBoundingClientRect().top);
+    const height = await tab.$eval("#text", (field) => Number.parseFloat(getComputedStyle(field).lineHeight));
+    assert.equal(Math.round((there - 8) / height), line - 1, "the message stands beside its line");
+    await shot(tab, "refused");
+    // A job that is too fast is refused by the admission; the machine stays in the hand.
+    await tab.fill("#text", scene.replace(/^duration_s = .*$/m, "duration_s = 0.05"));
+    await checked(tab);
+    assert.match(await text(tab, ".trouble"), /job\.move\[1\].*would be long enough/);
+    await tab.click("#reset");
+    await checked(tab);
+    assert.match(await text(tab, "#problems"), /^The scene is good\./);
+
+    // Another working mode goes into the scene.
+    await tab.click("#modes tr:first-child");
+    await checked(tab);
+    assert.deepEqual([...(await tab.inputValue("#text")).matchAll(/^elbow = (.*)$/gm)].map(([, sign]) => sign), ["1", "1", "1"]);
+    assert.match(await text(tab, "#modes tr.own"), /^\+\+\+/);
+    // A scene in a file goes the same way, and what is none says so.
+    await tab.setInputFiles("#file", { name: "mine.toml", mimeType: "application/toml", buffer: Buffer.from(scene) });
+    await checked(tab);
+    assert.equal(await tab.inputValue("#text"), scene);
+    await tab.setInputFiles("#file", { name: "plate.ngc", mimeType: "text/plain", buffer: Buffer.from("G0 X1") });
+    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.ngc is no scene"));
+
+    // The job plays to its end.
+    await tab.selectOption("#speed", "4");
+    await tab.click("#play");
+    await tab.waitForFunction(() => document.querySelector("#play").textContent === "Play" && document.querySelector("#time").value === document.querySelector("#time").max, undefined, { timeout: 20_000 });
+}
+
+/** A link opens the same scene, also one that is edited. */
+async function share(tab) {
+    const scene = (await tab.inputValue("#text")).replace(/^name = .*$/m, 'name = "shared_\u{2713}"').replace("\u{2713}", "by-link");
+    await tab.fill("#text", scene);
+    await checked(tab);
+    await tab.click("#share");
+    await tab.waitForFunction(() => location.hash.startsWith("#scene="));
+    const link = tab.url();
+    assert.equal(await tab.evaluate(() => navigator.clipboard.readText()), link);
+    const other = await open(link);
+    assert.equal(await other.inputValue("#text"), scene);
+    assert.equal(await text(other, "#name"), "shared_by-link");
+    const [download] = await Promise.all([other.waitForEvent("download"), other.click("#download")]);
+    assert.equal(download.suggestedFilename(), "shared_by-link.toml");
+    assert.equal(readFileSync(await download.path(), "utf8"), scene);
+    await other.close();
+    const damaged = await open(`${address}#scene=${link.split("=")[1].slice(9)}`);
+    assert.match(await damaged.inputValue("#text"), /^# The link is damaged/);
+    assert.match(await text(damaged, ".trouble"), /^1:1 /);
+    await damaged.close();
+    console.log(`link of ${link.length} characters opens the same scene`);
+}
+
+/** Drags the platform around for two seconds; returns frames per second and the longest frame, ms. */
+async function drag(tab) {
+    const box = await (await tab.$(".platform .centre")).boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await tab.mouse.move(x, y);
+    await tab.mouse.down();
+    await tab.evaluate(() => {
+        const times = [];
+        const frame = (now) => {
+            times.push(now);
+            globalThis.frames_ = requestAnimationFrame(frame);
+        };
+        globalThis.times_ = times;
+        requestAnimationFrame(frame);
+    });
+    const from = await inputs(tab);
+    const begin = performance.now();
+    let moved = 0;
+    for (let angle = 0; performance.now() - begin < 2000; angle += 0.15, moved += 1) {
+        await tab.mouse.move(x + 45 * Math.sin(angle), y + 45 * (1 - Math.cos(angle)));
+    }
+    const times = await tab.evaluate(() => {
+        cancelAnimationFrame(globalThis.frames_);
+        return globalThis.times_;
+    });
+    await shot(tab, "dragged");
+    await tab.mouse.move(x + 40, y + 10);
+    await tab.mouse.up();
+    const to = await inputs(tab);
+    assert.ok(Math.hypot(to[0] - from[0], to[1] - from[1]) > 5, "the platform follows the pointer");
+    const spans = times.slice(1).map((time, index) => time - times[index]);
+    const rate = (1000 * spans.length) / (times.at(-1) - times[0]);
+    return { rate, longest: Math.max(...spans), moved };
+}
+
+/** No element sticks out of the page at this width. */
+async function narrow(tab, width) {
+    await tab.setViewportSize({ width, height: 780 });
+    await tab.waitForTimeout(150);
+    const wide = await tab.evaluate(() => {
+        const most = document.documentElement.clientWidth;
+        const inside = (element) => element.closest(".code, .hidden, svg, .u-wrap");
+        const out = [...document.body.querySelectorAll("*")].filter((element) => !inside(element) && element.getBoundingClientRect().right > most + 0.5);
+        return { scroll: document.documentElement.scrollWidth, most, out: out.map((element) => element.outerHTML.slice(0, 120)) };
+    });
+    assert.deepEqual(wide.out, [], `elements beyond the page at ${width} px`);
+    assert.equal(wide.scroll, wide.most);
+}
+
+/** The bits of all jobs, against the native core. */
+async function compare(tab) {
+    const rows = readFileSync(bits, "utf8").trim().split("\n");
+    const native = new Map(rows.map((row) => row.split(" ")).map(([name, hash, ...moves]) => [name, { hash, moves: moves.map(Number) }]));
+    const scenes = await tab.evaluate(() => Object.keys(globalThis.trirrr.scenes).sort());
+    assert.deepEqual(scenes, [...native.keys()].sort(), "both have the same scenes");
+    for (const name of scenes) {
+        const { hash, moves } = native.get(name);
+        const here = await tab.evaluate(([name, ticks, moves]) => globalThis.trirrr.bitsOf(globalThis.trirrr.scenes[name], `${name}.toml`, ticks, Float64Array.from(moves)), [name, Number(ticks), moves]);
+        assert.equal(here, hash, `${name}: bits in WebAssembly and native`);
+    }
+    console.log(`${scenes.length} scenes, ${scenes.length * Number(ticks)} ticks: the bits of the native core`);
+}
+
+let failed = true;
+try {
+    const tab = await open(address);
+    const paint = await tab.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? Infinity);
+    const usable = await tab.evaluate(() => performance.now());
+    await shot(tab, "light", { fullPage: true });
+    await actions(tab);
+    const { rate, longest, moved } = await drag(tab);
+    await share(tab);
+    await compare(tab);
+    // Every shipped scene is read, and played; from a file, as the page is shipped.
+    const other = await open(pathToFileURL(file).href, "dark");
+    for (const name of await other.$$eval("#scenes option", (options) => options.map((option) => option.value))) {
+        await choose(other, name);
+        assert.match(await text(other, "#verdict"), /^\d+ moves?, /, name);
+    }
+    await choose(other, "engraving");
+    await other.waitForTimeout(300);
+    await shot(other, "dark", { fullPage: true });
+    for (const width of [768, 360]) {
+        await narrow(other, width);
+        await shot(other, `dark-${width}`, { fullPage: true });
+    }
+    await other.emulateMedia({ colorScheme: "light" });
+    await shot(other, "light-360", { fullPage: true });
+    assert.deepEqual(faults, []);
+    console.log(`first paint ${paint.toFixed(0)} ms, ready ${usable.toFixed(0)} ms; ${rate.toFixed(1)} frames/s while dragging, longest ${longest.toFixed(0)} ms, ${moved} moves of the pointer`);
+    assert.ok(paint <= PAINT_MAX, `first paint after ${paint} ms, at most ${PAINT_MAX} are allowed`);
+    assert.ok(rate >= FRAMES_MIN, `${rate} frames/s, at least ${FRAMES_MIN} are asked for`);
+    failed = false;
+} finally {
+    if (failed && faults.length > 0) console.error(faults.join("\n"));
+    await context.close();
+    server.close();
+    rmSync(profile, { recursive: true, force: true });
+}

@@ -1,0 +1,256 @@
+//! What the page is told, against what the host's crates say.
+
+use trirrr_scene::{Scene, SceneError};
+use trirrr_web::{Problem, Reading, bits_of, planned_moves};
+
+const THESIS: &str = include_str!("../../scenes/thesis.toml");
+const VERTICAL: &str = include_str!("../../scenes/vertical.toml");
+
+fn read(text: &str) -> Reading {
+    Reading::whole(text, "my.toml")
+}
+
+fn state(job: &trirrr_web::PlayedJob, row: usize) -> Vec<f64> {
+    let columns = [
+        "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha",
+    ];
+    columns
+        .map(|name| job.values(name).expect("a column")[row])
+        .into()
+}
+
+#[test]
+fn a_refusal_is_that_of_the_host_tools_with_line_and_column() {
+    let text = THESIS.replacen("proximal_m = 0.2", "proximal_m = -0.2", 1);
+    let text = text.replacen("mass_kg = 0.5", "  mass_kg = \"heavy\"", 1);
+    let reading = read(&text);
+    let SceneError::Refused { problems, .. } = Scene::parse(&text, "my.toml").expect_err("refused")
+    else {
+        panic!("not refused");
+    };
+    let host = problems.iter().map(ToString::to_string);
+    let page = reading.problems();
+    let told = page
+        .iter()
+        .map(|problem| format!("{}: {}", problem.line, problem.sentence));
+    assert!(host.eq(told), "{page:?}");
+    assert_eq!(
+        reading.refusal(),
+        Scene::parse(&text, "my.toml")
+            .err()
+            .map(|error| error.to_string())
+    );
+    // The values stand behind `proximal_m = ` and `  mass_kg = `.
+    let places: Vec<_> = page
+        .iter()
+        .map(|problem| (problem.line, problem.column))
+        .collect();
+    assert_eq!(places, [(11, 14), (34, 13)]);
+    assert!(reading.machine().is_err() && reading.job(100).is_err());
+}
+
+#[test]
+fn text_that_is_no_toml_has_a_place() {
+    let reading = Reading::draft("name = \"a\"\nmass = 0,5\n", "my.toml");
+    let [
+        Problem {
+            line,
+            column,
+            sentence,
+        },
+    ] = &reading.problems()[..]
+    else {
+        panic!("{:?}", reading.problems());
+    };
+    assert_eq!((*line, *column), (2, 9));
+    assert!(sentence.contains("decimal point"), "{sentence}");
+}
+
+#[test]
+fn a_refused_job_leaves_the_machine() {
+    let reading = read(&VERTICAL.replace("duration_s = ", "duration_s = 0.1 # "));
+    assert!(
+        reading
+            .refusal()
+            .is_some_and(|text| text.contains("would be long enough"))
+    );
+    assert!(reading.machine().is_ok());
+    assert!(reading.job(100).is_err());
+}
+
+#[test]
+fn figures_of_a_dragged_pose_are_those_of_the_tick() {
+    for text in [THESIS, VERTICAL] {
+        let text = text.replace("number = \"f32\"", "number = \"f64\"");
+        let reading = read(&text);
+        let job = reading.job(u32::MAX).expect("a job");
+        let machine = reading.machine().expect("a machine");
+        for row in [0, 17, 50, 99] {
+            let figures = machine.figures(&state(&job, row)).expect("finite");
+            for leg in 0..3 {
+                let column =
+                    |name: &str| job.values(&format!("{name}{}", leg + 1)).expect("a column")[row];
+                assert_eq!(figures.angles[leg], column("th1_"), "{row}");
+                assert_eq!(figures.rates[leg], column("dth1_"), "{row}");
+                assert_eq!(figures.torques[leg], column("tau"), "{row}");
+                assert_eq!(figures.serial[leg], column("serial"), "{row}");
+            }
+            assert_eq!(
+                figures.parallel,
+                job.values("parallel").expect("a column")[row]
+            );
+        }
+    }
+}
+
+#[test]
+fn eight_working_modes_and_all_assemblies_contain_the_scene_itself() {
+    let machine = read(THESIS).machine().expect("a machine");
+    let [x, y, alpha] = machine.start()[..] else {
+        panic!("a pose");
+    };
+    let state = [x, y, alpha, 0.1, 0.0, 0.0, 1.0, 0.0, 0.0];
+    let own = machine.figures(&state).expect("finite");
+    let modes = machine.working_modes(&state).expect("finite");
+    assert_eq!(modes.len(), 8);
+    let [mode] = &modes.iter().filter(|mode| mode.is_own).collect::<Vec<_>>()[..] else {
+        panic!("one mode is the scene's");
+    };
+    assert_eq!((mode.name.as_str(), &mode.torques), ("+++", &own.torques));
+    assert_eq!(mode.elbows, own.elbows);
+    let list = machine
+        .assemblies(&own.angles, &[x, y, alpha])
+        .expect("a list");
+    let here: Vec<_> = list.modes.iter().filter(|mode| mode.is_here).collect();
+    assert!(list.is_complete && here.len() == 1, "{list:?}");
+    for (joint, expected) in here[0].platform.iter().zip(&own.platform) {
+        assert!((joint - expected).abs() < 1e-9, "{joint} {expected}");
+    }
+}
+
+#[test]
+fn a_pose_out_of_reach_says_by_how_much() {
+    let machine = read(THESIS).machine().expect("a machine");
+    let figures = machine
+        .figures(&[0.7, 0.22, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        .expect("finite");
+    let reason = figures.reason.expect("a reason");
+    assert!(
+        reason.starts_with("unreachable: leg 1 is ") && reason.ends_with(" mm too short"),
+        "{reason}"
+    );
+    assert!(figures.torques.is_empty() && figures.platform.len() == 6);
+    assert!(machine.figures(&[f64::NAN; 9]).is_err());
+    assert!(machine.figures(&[0.0; 3]).is_err());
+    assert!(
+        machine
+            .assemblies(&[0.0, f64::INFINITY, 0.0], &[0.0; 3])
+            .is_err()
+    );
+}
+
+#[test]
+fn a_long_job_is_thinned_and_keeps_its_ends() {
+    let reading = read(THESIS);
+    let job = reading.job(10).expect("a job");
+    let times = job.values("t").expect("times");
+    assert!(
+        times.len() <= 12 && times.first() == Some(&0.0) && times.last() == Some(&1.0),
+        "{times:?}"
+    );
+    assert_eq!(job.ticks(), 100);
+}
+
+/// Generator of damage, SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as usize % count
+    }
+}
+
+/// Damages a scene at a few places: characters go, come, or swap lines.
+fn damaged(random: &mut Random) -> String {
+    const PIECES: [&str; 12] = [
+        "-",
+        "0",
+        "9e9",
+        "\"",
+        "[",
+        "]",
+        "=",
+        "\n",
+        "\u{e4}",
+        "1e308",
+        "[[machine.leg]]\n",
+        "nan",
+    ];
+    let mut characters: Vec<char> = [THESIS, VERTICAL][random.below(2)].chars().collect();
+    for _ in 0..=random.below(3) {
+        let at = random.below(characters.len());
+        let end = (at + random.below(12)).min(characters.len());
+        let piece = PIECES[random.below(PIECES.len())];
+        characters.splice(at..end, piece.chars());
+    }
+    characters.into_iter().collect()
+}
+
+#[test]
+fn no_text_makes_the_core_panic() {
+    let mut random = Random(22);
+    let mut refused = 0;
+    for round in 0..600 {
+        let text = damaged(&mut random);
+        let draft = Reading::draft(&text, "my.toml");
+        refused += usize::from(draft.refusal().is_some());
+        assert_eq!(
+            draft.refusal().is_some(),
+            !draft.problems().is_empty(),
+            "{text}"
+        );
+        let lines = text.lines().count() as u32 + 1;
+        for problem in draft.problems() {
+            assert!(
+                (1..=lines).contains(&problem.line) && problem.column >= 1,
+                "{problem:?}\n{text}"
+            );
+        }
+        if let Ok(machine) = draft.machine() {
+            let start = machine.start();
+            let state = [&start[..], &[0.1; 6]].concat();
+            let figures = machine.figures(&state).expect("finite");
+            assert_eq!(
+                figures.reason.is_none(),
+                figures.torques.len() == 3,
+                "{text}"
+            );
+            assert_eq!(machine.working_modes(&state).expect("finite").len(), 8);
+            let _ = machine.assemblies(&figures.angles, &start);
+        }
+        // The admission of a job takes longer.
+        if round % 10 == 0 {
+            let whole = read(&text);
+            assert_eq!(whole.job(50).is_ok(), whole.refusal().is_none(), "{text}");
+        }
+    }
+    assert!(refused > 100, "{refused} of 600 damaged scenes are refused");
+}
+
+#[test]
+fn a_hash_is_of_the_moves_that_are_given() {
+    let path = include_str!("../../scenes/engraving.toml");
+    let moves = planned_moves(path, "engraving.toml").expect("a plan");
+    let hash = |moves: &[f64]| bits_of(path, "engraving.toml", 500, moves);
+    let planned = hash(&moves).expect("a hash");
+    assert_eq!(hash(&[]).as_ref(), Ok(&planned), "planned again");
+    let mut others = moves.clone();
+    others[18] += 1.0;
+    assert_ne!(hash(&others), Ok(planned), "the first move is longer");
+    assert!(hash(&moves[1..]).is_err());
+    assert_eq!(planned_moves(THESIS, "thesis.toml"), Ok(Vec::new()));
+}
