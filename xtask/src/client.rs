@@ -69,6 +69,7 @@ pub(crate) fn run() -> Result<()> {
         .env("TRIRRR", &trirrr);
     succeed(&mut tests, "the package's own tests")?;
     examples(&trirrr)?;
+    notebooks()?;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
         let out = folder().join(name);
@@ -148,7 +149,7 @@ fn install() -> Result<()> {
     let started = Instant::now();
     let mut pip = python();
     pip.args(["-m", "pip", "install", "--quiet", MYPY])
-        .arg(format!("{}[figures,serial,tables]", package().display()))
+        .arg(format!("{}[figures,notebooks,serial,tables]", package().display()))
         // The profile of the other programs here: compiling takes longer than running.
         .env("MATURIN_PEP517_ARGS", "--profile dev --features shared")
         .env("CARGO_TARGET_DIR", target_directory());
@@ -157,15 +158,35 @@ fn install() -> Result<()> {
     Ok(())
 }
 
-/// Runs every example, with a device that has the scene of the first one.
-fn examples(trirrr: &Path) -> Result<()> {
-    let place = package().join("examples");
+/// Files of a folder of the package with this ending, in order.
+fn files_of(name: &str, ending: &str) -> Result<Vec<PathBuf>> {
+    let place = package().join(name);
     let files = fs::read_dir(&place).with_context(|| place.display().to_string())?;
     let paths = files.map(|file| Ok(file?.path()));
-    let mut examples = paths.collect::<std::io::Result<Vec<_>>>()?;
-    examples.retain(|file| file.extension().is_some_and(|ending| ending == "py"));
-    examples.sort();
-    ensure!(!examples.is_empty(), "{}: no examples", place.display());
+    let mut files = paths.collect::<std::io::Result<Vec<_>>>()?;
+    files.retain(|file| file.extension().is_some_and(|found| found == ending));
+    files.sort();
+    ensure!(!files.is_empty(), "{}: no {ending}", place.display());
+    Ok(files)
+}
+
+/// Executes every notebook from its first cell to its last. They hold their numbers to those of the documents.
+fn notebooks() -> Result<()> {
+    for notebook in files_of("notebooks", "ipynb")? {
+        println!("{}", notebook.display());
+        let mut run = Command::new(folder().join("venv/bin/jupyter-execute"));
+        run.arg(&notebook)
+            .arg("--timeout=300")
+            .current_dir(folder())
+            .env("TRIRRR_REPOSITORY", root());
+        succeed(&mut run, &notebook.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// Runs every example, with a device that has the scene of the first one.
+fn examples(trirrr: &Path) -> Result<()> {
+    let examples = files_of("examples", "py")?;
     let scene = root().join("scenes/thesis.toml");
     let device = Device::start(trirrr, &scene, "2", &[])?;
     for example in examples {
