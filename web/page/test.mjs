@@ -93,6 +93,7 @@ async function actions(tab) {
     await tab.click("#reset");
     await checked(tab);
     assert.match(await text(tab, "#problems"), /^The scene is good\./);
+    assert.equal(await tab.isVisible("#reset"), false);
 
     // Another working mode goes into the scene.
     await tab.click("#modes tr:first-child");
