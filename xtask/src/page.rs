@@ -70,7 +70,7 @@ fn build() -> Result<PathBuf> {
         "--ignore-scripts",
         "--no-audit",
         "--no-fund",
-        "--silent",
+        "--loglevel=error",
     ]);
     succeed(
         install.current_dir(&build),

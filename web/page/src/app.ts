@@ -117,6 +117,9 @@ class Page {
     private load(name: string, text: string): void {
         this.stop();
         this.loaded = { name, text };
+        this.isAtJob = false;
+        this.row = 0;
+        page("reset").hidden = true;
         const pick = page("scenes") as HTMLSelectElement;
         pick.querySelector("option[value='']")?.remove();
         if (name === "") pick.prepend(new Option("yours", ""));
