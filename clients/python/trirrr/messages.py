@@ -122,6 +122,7 @@ Acting = Enum(
     Silence=None,
     QueueDry=None,
     Limit=Bounded,
+    Door=None,
 )
 
 DriveFault = Enum(
@@ -152,6 +153,7 @@ FaultCode = Enum(
     FollowingError=None,
     Contact=None,
     ContactMoment=None,
+    EmergencyStop=None,
 )
 
 Fault = Struct(
@@ -256,6 +258,8 @@ Refusal = Enum(
     LevelNumber={"expected": U32},
     LevelsFull=None,
     LevelRange=None,
+    EmergencyStop=None,
+    DoorOpen=None,
 )
 
 Hello = Struct(
@@ -549,6 +553,19 @@ NotEnabled = Enum(
     Singular={"what": Bounded, "leg": Optional(BYTE), "value": N, "limit": N},
 )
 
+InputState = Enum(
+    "InputState",
+    Absent=None,
+    Clear=None,
+    Active=None,
+)
+
+InputStates = Struct(
+    "InputStates",
+    emergency_stop=InputState,
+    door=InputState,
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -573,6 +590,7 @@ Status = Struct(
     interrupted=Optional(Interruption),
     job=Optional(JobAccount),
     not_enabled=Optional(NotEnabled),
+    inputs=InputStates,
 )
 
 Event = Enum(
@@ -580,6 +598,7 @@ Event = Enum(
     Verdict=Verdict,
     State={"state": State, "acting": Acting, "done": U32},
     Fault=Fault,
+    Inputs=InputStates,
 )
 
 

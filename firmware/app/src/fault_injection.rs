@@ -2,7 +2,7 @@
 //! `fault-injection` hold them.
 #![allow(unsafe_code)]
 
-use crate::inputs::{Angle, Closed, Inputs};
+use crate::inputs::{Angle, Closed, Inputs, Interlocked};
 use crate::scene::{Scalar, TICK_RATE_HZ};
 use core::hint::black_box;
 use trirrr_core::tick::Motor;
@@ -45,6 +45,10 @@ impl<I: Inputs> Inputs for FaultInjection<I> {
         }
         self.ticks = self.ticks.wrapping_add(1);
         self.inputs.read(motors)
+    }
+
+    fn interlocks(&mut self) -> Interlocked {
+        self.inputs.interlocks()
     }
 
     fn shift(&mut self, by: [Angle; 3]) {

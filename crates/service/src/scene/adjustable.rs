@@ -62,6 +62,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Feedback = ();
     type Contact = ();
     type Retreat = crate::retreat::NoRetreat;
+    type Interlocks = ();
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
@@ -87,6 +88,9 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     fn homing(&self) -> NoHoming {
         NoHoming
     }
+
+    #[inline(always)]
+    fn interlocks(&self) {}
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {

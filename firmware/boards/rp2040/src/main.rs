@@ -15,6 +15,8 @@ mod chip;
 mod clock;
 #[cfg(target_os = "none")]
 mod drives;
+#[cfg(all(target_os = "none", interlocks))]
+mod interlocks;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
@@ -67,6 +69,11 @@ mod app {
     #[cfg(not(tool = "none"))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
+    #[cfg(not(interlocks))]
+    type Inputs = Switches;
+    #[cfg(interlocks)]
+    type Inputs = super::interlocks::Guarded<Switches>;
+
     #[shared]
     struct Shared {}
 
@@ -74,7 +81,7 @@ mod app {
     struct Local {
         receiver: Reader<UART0, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<Inputs, Outputs>,
         slot: DriveTimer,
         background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
         watchdog: Watchdog,
@@ -153,6 +160,8 @@ mod app {
             trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
         };
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
+        #[cfg(interlocks)]
+        let inputs = super::interlocks::build(inputs, pins.gpio19, pins.gpio20);
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

@@ -17,6 +17,8 @@ mod clock;
 mod dividers;
 #[cfg(target_os = "none")]
 mod drives;
+#[cfg(all(target_os = "none", interlocks))]
+mod interlocks;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
@@ -59,6 +61,11 @@ mod app {
     #[cfg(not(tool = "none"))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
+    #[cfg(not(interlocks))]
+    type Inputs = Switches;
+    #[cfg(interlocks)]
+    type Inputs = super::interlocks::Guarded<Switches>;
+
     #[shared]
     struct Shared {}
 
@@ -66,7 +73,7 @@ mod app {
     struct Local {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<Inputs, Outputs>,
         timer: DriveTimer,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
@@ -151,6 +158,8 @@ mod app {
             trirrr_app::outputs::Tooled::new(outputs, tool)
         };
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
+        #[cfg(interlocks)]
+        let inputs = super::interlocks::build(inputs, a.pa6, a.pa7);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());
