@@ -51,14 +51,14 @@ impl Inputs for NoInputs {
 
 /// A contact to ground at an input that is pulled up.
 #[cfg(interlocks)]
-pub trait Contact {
+pub trait InterlockInput {
     /// Returns true if the contact tells that the machine must not move.
     fn is_active(&mut self) -> bool;
 }
 
 /// The scene names no such contact.
 #[cfg(interlocks)]
-impl Contact for () {
+impl InterlockInput for () {
     #[inline(always)]
     fn is_active(&mut self) -> bool {
         false
@@ -67,10 +67,10 @@ impl Contact for () {
 
 /// Contact at a pin. `HIGH`: the machine must not move while the pin is high, which it is where the wire breaks.
 #[cfg(interlocks)]
-pub struct ContactPin<P, const HIGH: bool>(pub P);
+pub struct InterlockPin<P, const HIGH: bool>(pub P);
 
 #[cfg(interlocks)]
-impl<P: InputPin<Error = Infallible>, const HIGH: bool> Contact for ContactPin<P, HIGH> {
+impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for InterlockPin<P, HIGH> {
     #[inline(always)]
     fn is_active(&mut self) -> bool {
         let Ok(is_high) = self.0.is_high();
@@ -80,7 +80,7 @@ impl<P: InputPin<Error = Infallible>, const HIGH: bool> Contact for ContactPin<P
 
 /// Inputs beside the contacts of emergency stop and door.
 #[cfg(interlocks)]
-pub struct WithContacts<I, S, D> {
+pub struct WithInterlockPins<I, S, D> {
     /// Everything else.
     pub inputs: I,
     /// Contact of the emergency stop, or `()`.
@@ -90,7 +90,7 @@ pub struct WithContacts<I, S, D> {
 }
 
 #[cfg(interlocks)]
-impl<I: Inputs, S: Contact, D: Contact> Inputs for WithContacts<I, S, D> {
+impl<I: Inputs, S: InterlockInput, D: InterlockInput> Inputs for WithInterlockPins<I, S, D> {
     #[inline(always)]
     fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
         self.inputs.read(motors)

@@ -1,6 +1,6 @@
 //! Arguments of `trirrr device`.
 
-use super::contacts::Press;
+use super::inputs::Press;
 use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::serve::ListenArgs;
 use clap::Args;

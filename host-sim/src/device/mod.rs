@@ -2,8 +2,8 @@
 //! as to a board.
 
 mod args;
-mod contacts;
 mod event_log;
+mod inputs;
 mod motors;
 mod server;
 
@@ -13,8 +13,8 @@ use crate::failure::CliError;
 use crate::realtime::{Deadlines, Pacer};
 use crate::serve::{Doors, Hub, ListenArgs};
 use crate::terminal::print_line;
-use contacts::Contacts;
 use event_log::EventLog;
+use inputs::PressedInputs;
 use motors::Motors;
 use server::{Server, Surroundings};
 use std::io;
@@ -39,7 +39,7 @@ const LOOK: Duration = Duration::from_micros(500);
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.set.scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
-    let contacts = Contacts::new(&scene, &args.press, args.keys)?;
+    let inputs = PressedInputs::new(&scene, &args.press, args.keys)?;
     let doors = args.listen.open()?;
     print_line(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
@@ -57,7 +57,7 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
             Some([a, b, c]) => Some([*a, *b, *c]),
             _ => None,
         },
-        contacts,
+        inputs,
         is_quiet: false,
     };
     in_number_type!(scalar, N => device.play::<N>())
@@ -105,7 +105,7 @@ impl Simulated {
             rate_hz: scene.tick_rate_hz,
             stop,
             offset: None,
-            contacts: Contacts::new(scene, &[], false)?,
+            inputs: PressedInputs::new(scene, &[], false)?,
             is_quiet: true,
         };
         device.play::<N>()
@@ -122,7 +122,7 @@ struct Device<'a> {
     /// Offset of the motors, rad. `None` takes one that depends on the scene.
     offset: Option<[f64; 3]>,
     /// Emergency stop and door.
-    contacts: Contacts,
+    inputs: PressedInputs,
     /// Another command speaks to the user.
     is_quiet: bool,
 }
@@ -135,7 +135,7 @@ impl Device<'_> {
             rate_hz,
             stop,
             offset,
-            contacts,
+            inputs,
             is_quiet,
         } = self;
         let units = trirrr_scene::units::<N>(scene)
@@ -165,7 +165,7 @@ impl Device<'_> {
             let around = Surroundings {
                 motors,
                 drives,
-                contacts,
+                inputs,
             };
             let server = Server::new(machine, around, hub, log);
             run(server, rate_hz, stop)

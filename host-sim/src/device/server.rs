@@ -1,7 +1,7 @@
 //! Work of a device between two ticks: its client, and the messages of the machine.
 
-use super::contacts::Contacts;
 use super::event_log::EventLog;
+use super::inputs::PressedInputs;
 use super::motors::{self, Motors};
 use crate::serve::{FrameKind, Hub, Standing};
 use std::io;
@@ -32,7 +32,7 @@ pub(super) struct Surroundings<N: ServiceNumber> {
     /// Drives, if they tell where they are.
     pub(super) drives: Option<ObeyingDrives<N>>,
     /// Emergency stop and door.
-    pub(super) contacts: Contacts,
+    pub(super) inputs: PressedInputs,
 }
 
 impl<'a, N: ServiceNumber> Server<'a, N> {
@@ -60,9 +60,9 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
         let Surroundings {
             motors,
             drives,
-            contacts,
+            inputs,
         } = &mut self.around;
-        self.machine.sense(contacts.read());
+        self.machine.sense(inputs.read());
         if let Some(motors) = motors {
             self.machine.inputs(motors.inputs());
         }

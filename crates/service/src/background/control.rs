@@ -27,7 +27,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
         }
-        self.require_closed_door()?;
+        self.require_clear_inputs()?;
         let undecided = self.offered.peek().is_some() || self.is_planning();
         // In idle nothing is under way.
         if self.has_played_all() {
@@ -67,7 +67,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
             State::Slowing | State::Holding => {
-                self.require_closed_door()?;
+                self.require_clear_inputs()?;
                 self.order(Order::Resume, self.status.state)
             }
             state => Err(Refusal::State(state)),
@@ -133,7 +133,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Cleared {
             self.require_idle()?;
         }
-        self.require_closed_door()?;
+        self.require_clear_inputs()?;
         let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
         self.send_along(path, recovery.to, Order::Recover, State::Recovering)
     }
@@ -146,7 +146,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if !matches!(self.status.state, State::Unhomed | State::Cleared) {
             self.require_idle()?;
         }
-        self.require_closed_door()?;
+        self.require_clear_inputs()?;
         let limits = &self.coefficients.borrow().limits;
         guard::within(Bounded::Rate, &limits.rate, plan.rates)
             .and_then(|()| {

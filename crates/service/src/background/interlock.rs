@@ -16,16 +16,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
     }
 
-    /// Refuses what would move the machine behind an open door. The tick looks, too: the door may open before the order comes.
+    /// Refuses what would move the machine while an input is active. The tick looks, too: the door may open before the order comes.
     #[inline(always)]
-    pub(super) fn require_closed_door(&self) -> Result<(), Refusal<N>> {
+    pub(super) fn require_clear_inputs(&self) -> Result<(), Refusal<N>> {
+        self.require_released_stop()?;
         match S::Interlocks::EXIST && self.status.inputs.door.is_active() {
             true => Err(Refusal::DoorOpen),
             false => Ok(()),
         }
     }
 
-    /// Refuses an acknowledgement while the emergency stop is pressed.
+    /// Refuses what would acknowledge the emergency stop, or switch the drives on, while it is pressed.
     #[inline(always)]
     pub(super) fn require_released_stop(&self) -> Result<(), Refusal<N>> {
         match S::Interlocks::EXIST && self.status.inputs.emergency_stop.is_active() {

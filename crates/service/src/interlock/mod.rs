@@ -7,7 +7,7 @@
 //!
 //! The choice is a type, as that of [homing](super::homing) is: without interlocks an image holds nothing of them.
 
-mod contact;
+mod debounce;
 
 use crate::settings::StopCategory;
 use crate::splice::{Optional, Present};
@@ -15,7 +15,7 @@ use core::fmt::Debug;
 use trirrr_core::to_source;
 use trirrr_protocol::message::{InputState, InputStates};
 
-use contact::InterlockContact;
+use debounce::DebouncedInput;
 
 /// Interlocks of a scene; `()` without any.
 pub trait InterlockKind: Send {
@@ -106,7 +106,7 @@ pub struct InterlockParameters {
 /// Settings of an emergency stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmergencyStop {
-    /// Ticks in a row, this one included, in which a contact tells something new before it counts; at least 1.
+    /// Ticks of a change without bounces, that in which it counts included; at least 1.
     pub debounce_ticks: u16,
     /// [`StopCategory::Off`] or [`StopCategory::StopThenOff`].
     pub category: StopCategory,
@@ -115,7 +115,7 @@ pub struct EmergencyStop {
 /// Settings of a door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Door {
-    /// Ticks in a row, this one included, in which a contact tells something new before it counts; at least 1.
+    /// Ticks of a change without bounces, that in which it counts included; at least 1.
     pub debounce_ticks: u16,
 }
 
@@ -143,12 +143,12 @@ pub struct InterlockReadings {
 /// Interlocks of a scene with an emergency stop (`STOP`), a door (`DOOR`), or both. Code for the other is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interlocks<const STOP: bool, const DOOR: bool> {
-    stop: InterlockContact,
+    stop: DebouncedInput,
     category: StopCategory,
     /// A fault was latched since the stop was acknowledged.
     is_latched: bool,
     has_stop: bool,
-    door: InterlockContact,
+    door: DebouncedInput,
     has_door: bool,
 }
 
@@ -157,11 +157,11 @@ impl<const STOP: bool, const DOOR: bool> Interlocks<STOP, DOOR> {
     pub fn new(parameters: &InterlockParameters) -> Self {
         let stop = parameters.emergency_stop;
         Self {
-            stop: InterlockContact::new(stop.map_or(1, |stop| stop.debounce_ticks)),
+            stop: DebouncedInput::new(stop.map_or(1, |stop| stop.debounce_ticks)),
             category: stop.map_or(StopCategory::Off, |stop| stop.category),
             is_latched: false,
             has_stop: STOP && stop.is_some(),
-            door: InterlockContact::new(parameters.door.map_or(1, |door| door.debounce_ticks)),
+            door: DebouncedInput::new(parameters.door.map_or(1, |door| door.debounce_ticks)),
             has_door: DOOR && parameters.door.is_some(),
         }
     }
@@ -219,8 +219,8 @@ impl<const STOP: bool, const DOOR: bool> InterlockKind for Interlocks<STOP, DOOR
     }
 
     fn states(&self) -> InputStates {
-        let state = |has: bool, contact: &InterlockContact| match has {
-            true => InputState::of(contact.is_active()),
+        let state = |has: bool, input: &DebouncedInput| match has {
+            true => InputState::of(input.is_active()),
             false => InputState::Absent,
         };
         InputStates {

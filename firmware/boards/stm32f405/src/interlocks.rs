@@ -2,34 +2,34 @@
 
 use stm32f4xx_hal::gpio::Input;
 use stm32f4xx_hal::gpio::gpioa::{PA6, PA7};
-use trirrr_app::inputs::{ContactPin, WithContacts};
+use trirrr_app::inputs::{InterlockPin, WithInterlockPins};
 use trirrr_app::scene::DOOR_OPEN_HIGH;
 
 #[cfg(estop)]
-type Stop = ContactPin<PA6<Input>, true>;
+type Stop = InterlockPin<PA6<Input>, true>;
 #[cfg(not(estop))]
 type Stop = ();
 
 #[cfg(door)]
-type Door = ContactPin<PA7<Input>, DOOR_OPEN_HIGH>;
+type Door = InterlockPin<PA7<Input>, DOOR_OPEN_HIGH>;
 #[cfg(not(door))]
 type Door = ();
 
 /// Inputs `I` beside the contacts.
-pub(super) type Guarded<I> = WithContacts<I, Stop, Door>;
+pub(super) type Guarded<I> = WithInterlockPins<I, Stop, Door>;
 
 /// Pulls the pins up that the scene names.
 // A scene with one of them leaves the other pin alone.
 #[allow(unused_variables)]
 pub(super) fn build<I>(inputs: I, stop: PA6, door: PA7) -> Guarded<I> {
-    WithContacts {
+    WithInterlockPins {
         inputs,
         #[cfg(estop)]
-        stop: ContactPin(stop.into_pull_up_input()),
+        stop: InterlockPin(stop.into_pull_up_input()),
         #[cfg(not(estop))]
         stop: (),
         #[cfg(door)]
-        door: ContactPin(door.into_pull_up_input()),
+        door: InterlockPin(door.into_pull_up_input()),
         #[cfg(not(door))]
         door: (),
     }

@@ -4,14 +4,14 @@
 /// top, and clear once it is at 0. A wire that breaks and chatters stops the machine, too, if it tells active most of the time: readings
 /// in a row, as [homing](crate::homing) takes them for the time of a switch, may never come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct InterlockContact {
+pub(super) struct DebouncedInput {
     is_active: bool,
     count: u16,
     /// Counter at which the contact is active: ticks of a change without bounces.
     top: u16,
 }
 
-impl InterlockContact {
+impl DebouncedInput {
     /// Clear contact, which is active in the tick `debounce_ticks` of those that tell so; at least the first.
     pub(super) fn new(debounce_ticks: u16) -> Self {
         Self {
@@ -50,7 +50,7 @@ mod tests {
     #[test]
     fn a_change_counts_in_the_last_tick_of_the_debounce_time() {
         for ticks in [1, 2, 5, u16::MAX] {
-            let mut contact = InterlockContact::new(ticks);
+            let mut contact = DebouncedInput::new(ticks);
             for wanted in [true, false, true] {
                 for tick in 1..=ticks {
                     assert_eq!(contact.read(wanted), tick == ticks, "{tick} of {ticks}");
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_spike_does_not_count_and_a_wire_that_chatters_does() {
-        let mut contact = InterlockContact::new(3);
+        let mut contact = DebouncedInput::new(3);
         for told in [true, true, false, false, true, false, false, false] {
             assert!(!contact.read(told));
             assert!(!contact.is_active());

@@ -10,14 +10,14 @@ use trirrr_service::InterlockReadings;
 
 /// An input of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Contact {
+pub(super) enum InputName {
     /// Emergency stop.
     EmergencyStop,
     /// Door.
     Door,
 }
 
-impl Contact {
+impl InputName {
     /// Key in `[inputs]` of the scene.
     fn key(self) -> &'static str {
         match self {
@@ -45,7 +45,7 @@ impl Contact {
 /// An input that is pressed, or opened, for a time: `estop@1.5..2`, or from a time on: `door@3`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
-    contact: Contact,
+    input: InputName,
     /// Begin and end, s of the machine since it was switched on.
     from_s: f64,
     to_s: Option<f64>,
@@ -57,7 +57,7 @@ impl FromStr for Press {
     fn from_str(text: &str) -> Result<Self, String> {
         let expected = "expected INPUT@FROM or INPUT@FROM..TO, such as estop@1.5 or door@2..4 (s)";
         let (name, times) = text.split_once('@').ok_or(expected)?;
-        let contact = Contact::named(name)
+        let input = InputName::named(name)
             .ok_or_else(|| format!("{name:?} is no input: estop and door are"))?;
         let time = |text: &str| match text.parse::<f64>() {
             Ok(time) if time.is_finite() && time >= 0.0 => Ok(time),
@@ -73,7 +73,7 @@ impl FromStr for Press {
             ));
         }
         Ok(Self {
-            contact,
+            input,
             from_s,
             to_s,
         })
@@ -86,29 +86,29 @@ impl Press {
     }
 }
 
-/// Contacts of a machine.
-pub(super) struct Contacts {
+/// Inputs of a machine.
+pub(super) struct PressedInputs {
     tick_rate_hz: f64,
     ticks: u64,
     presses: Vec<Press>,
     /// Changes by a person.
-    keys: Option<Receiver<Contact>>,
-    /// Contacts that a person has pressed.
+    keys: Option<Receiver<InputName>>,
+    /// Inputs that a person has pressed.
     pressed: InterlockReadings,
 }
 
-impl Contacts {
-    /// Contacts of the machine of `scene`. With `keys` a person presses them by lines on standard input.
+impl PressedInputs {
+    /// Inputs of the machine of `scene`. With `keys` a person presses them by lines on standard input.
     ///
     /// # Errors
     /// Refused: an input that the scene does not name.
     pub(super) fn new(scene: &Scene, presses: &[Press], keys: bool) -> Result<Self, CliError> {
-        let has = |contact| match contact {
-            Contact::EmergencyStop => scene.inputs.interlocks.emergency_stop.is_some(),
-            Contact::Door => scene.inputs.interlocks.door.is_some(),
+        let has = |input| match input {
+            InputName::EmergencyStop => scene.inputs.interlocks.emergency_stop.is_some(),
+            InputName::Door => scene.inputs.interlocks.door.is_some(),
         };
-        if let Some(press) = presses.iter().find(|press| !has(press.contact)) {
-            let key = press.contact.key();
+        if let Some(press) = presses.iter().find(|press| !has(press.input)) {
+            let key = press.input.key();
             return Err(CliError::Refused(format!(
                 "--press {key}: scene {} names no such input; [inputs.{key}] in it would",
                 scene.name
@@ -124,15 +124,15 @@ impl Contacts {
             tick_rate_hz: scene.tick_rate_hz,
             ticks: 0,
             presses: presses.to_vec(),
-            keys: keys.then(|| listen([Contact::EmergencyStop, Contact::Door].map(has))),
+            keys: keys.then(|| listen([InputName::EmergencyStop, InputName::Door].map(has))),
             pressed: InterlockReadings::default(),
         })
     }
 
-    /// Returns what the contacts tell in the next tick.
+    /// Returns what the inputs tell in the next tick.
     pub(super) fn read(&mut self) -> InterlockReadings {
-        for contact in self.keys.iter().flat_map(Receiver::try_iter) {
-            let pressed = contact.of(&mut self.pressed);
+        for input in self.keys.iter().flat_map(Receiver::try_iter) {
+            let pressed = input.of(&mut self.pressed);
             *pressed = !*pressed;
         }
         // Exact: a count of ticks.
@@ -140,7 +140,7 @@ impl Contacts {
         self.ticks += 1;
         let mut readings = self.pressed;
         for press in self.presses.iter().filter(|press| press.is_held(time_s)) {
-            *press.contact.of(&mut readings) = true;
+            *press.input.of(&mut readings) = true;
         }
         readings
     }
@@ -148,17 +148,17 @@ impl Contacts {
 
 /// Reads lines from standard input as long as there are any, on a thread of its own, which ends with the program. The scene names
 /// the inputs of which `has` is true.
-fn listen([has_stop, has_door]: [bool; 2]) -> Receiver<Contact> {
+fn listen([has_stop, has_door]: [bool; 2]) -> Receiver<InputName> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
             let Ok(line) = line else { return };
-            let contact = Contact::named(line.trim()).filter(|contact| match contact {
-                Contact::EmergencyStop => has_stop,
-                Contact::Door => has_door,
+            let input = InputName::named(line.trim()).filter(|input| match input {
+                InputName::EmergencyStop => has_stop,
+                InputName::Door => has_door,
             });
-            match contact {
-                Some(contact) if sender.send(contact).is_err() => return,
+            match input {
+                Some(input) if sender.send(input).is_err() => return,
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
                 None => say(match (has_stop, has_door) {
@@ -180,15 +180,18 @@ mod tests {
 
     #[test]
     fn presses_are_read_with_their_times() {
-        let press = |contact, from_s, to_s| Press {
-            contact,
+        let press = |input, from_s, to_s| Press {
+            input,
             from_s,
             to_s,
         };
         for (text, expected) in [
-            ("estop@1.5", press(Contact::EmergencyStop, 1.5, None)),
-            ("door@2..4", press(Contact::Door, 2.0, Some(4.0))),
-            ("e@0..0.01", press(Contact::EmergencyStop, 0.0, Some(0.01))),
+            ("estop@1.5", press(InputName::EmergencyStop, 1.5, None)),
+            ("door@2..4", press(InputName::Door, 2.0, Some(4.0))),
+            (
+                "e@0..0.01",
+                press(InputName::EmergencyStop, 0.0, Some(0.01)),
+            ),
         ] {
             assert_eq!(text.parse(), Ok(expected), "{text}");
         }
