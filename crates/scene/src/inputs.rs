@@ -11,7 +11,7 @@ const DEBOUNCE_S: f64 = 0.005;
 
 /// Contacts to ground by which a person stops the machine. Each is pulled up by the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Inputs {
+pub struct InputPorts {
     /// What the contacts do, in ticks.
     pub interlocks: InterlockParameters,
     /// Position of the door's contact while the door is closed.
@@ -28,7 +28,7 @@ pub enum NormalContact {
     Open,
 }
 
-impl Inputs {
+impl InputPorts {
     /// Returns true if there is any.
     pub fn are_named(&self) -> bool {
         self.interlocks.emergency_stop.is_some() || self.interlocks.door.is_some()
@@ -36,9 +36,9 @@ impl Inputs {
 }
 
 /// Reads `[inputs]`; none without the table. Without a tick rate, no time is checked in ticks.
-pub(crate) fn read_inputs(root: &Section, rate: Option<f64>) -> Option<Inputs> {
+pub(crate) fn read_inputs(root: &Section, rate: Option<f64>) -> Option<InputPorts> {
     if !root.has("inputs") {
-        return Some(Inputs::default());
+        return Some(InputPorts::default());
     }
     let section = root.section("inputs")?;
     if !section.has("estop") && !section.has("door") {
@@ -57,7 +57,7 @@ pub(crate) fn read_inputs(root: &Section, rate: Option<f64>) -> Option<Inputs> {
         false => Some(None),
     };
     let (stop, door) = (stop?, door?);
-    Some(Inputs {
+    Some(InputPorts {
         interlocks: InterlockParameters {
             emergency_stop: stop,
             door: door.map(|(door, _)| door),

@@ -67,7 +67,7 @@ pub use drive::{
 pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
 pub use homing::Homing;
-pub use inputs::{Inputs, NormalContact};
+pub use inputs::{InputPorts, NormalContact};
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use kind::MachineKind;

@@ -7,7 +7,7 @@ use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
-use crate::inputs::{Inputs, read_inputs};
+use crate::inputs::{InputPorts, read_inputs};
 use crate::job::{Job, PlacedJob, read_job};
 use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
@@ -83,7 +83,7 @@ pub struct Scene {
     /// Output of a board to the tool, if the tool has one.
     pub tool: Option<ToolPort>,
     /// Emergency stop and door, if the scene names them.
-    pub inputs: Inputs,
+    pub inputs: InputPorts,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.

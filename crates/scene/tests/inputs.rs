@@ -3,7 +3,7 @@
 mod common;
 
 use common::problems;
-use trirrr_scene::{Inputs, NormalContact, Scene};
+use trirrr_scene::{InputPorts, NormalContact, Scene};
 use trirrr_service::{Door, EmergencyStop, StopCategory};
 
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
@@ -15,14 +15,14 @@ fn with(inputs: &str) -> String {
         .replace("[job]", &format!("{inputs}\n[job]"))
 }
 
-fn read(inputs: &str) -> Inputs {
+fn read(inputs: &str) -> InputPorts {
     let scene = Scene::parse(&with(inputs), "scene.toml");
     scene.unwrap_or_else(|error| panic!("{error}")).inputs
 }
 
 #[test]
 fn inputs_are_read_with_their_defaults() {
-    assert_eq!(read(""), Inputs::default());
+    assert_eq!(read(""), InputPorts::default());
     assert!(!read("").are_named());
     let inputs = read("[inputs.estop]\n[inputs.door]");
     let stop = EmergencyStop {

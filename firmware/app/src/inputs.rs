@@ -5,6 +5,8 @@ use crate::service::ImageScene;
 #[cfg(interlocks)]
 use core::convert::Infallible;
 #[cfg(interlocks)]
+use core::marker::PhantomData;
+#[cfg(interlocks)]
 use embedded_hal::digital::InputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
@@ -56,9 +58,12 @@ pub trait InterlockInput {
     fn is_active(&mut self) -> bool;
 }
 
-/// The scene names no such contact.
+/// Pin that the scene does not name: it is left alone.
 #[cfg(interlocks)]
-impl InterlockInput for () {
+pub struct NoInterlockPin<P>(pub PhantomData<P>);
+
+#[cfg(interlocks)]
+impl<P> InterlockInput for NoInterlockPin<P> {
     #[inline(always)]
     fn is_active(&mut self) -> bool {
         false
@@ -78,14 +83,26 @@ impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for Inter
     }
 }
 
+/// The emergency stop at the pin `P`, if the scene names one,
+#[cfg(estop)]
+pub type StopLine<P> = InterlockPin<P, true>;
+#[cfg(all(interlocks, not(estop)))]
+pub type StopLine<P> = NoInterlockPin<P>;
+
+/// and the door.
+#[cfg(door)]
+pub type DoorLine<P> = InterlockPin<P, { crate::scene::DOOR_OPEN_HIGH }>;
+#[cfg(all(interlocks, not(door)))]
+pub type DoorLine<P> = NoInterlockPin<P>;
+
 /// Inputs beside the contacts of emergency stop and door.
 #[cfg(interlocks)]
 pub struct WithInterlockPins<I, S, D> {
     /// Everything else.
     pub inputs: I,
-    /// Contact of the emergency stop, or `()`.
+    /// Contact of the emergency stop.
     pub stop: S,
-    /// Contact of the door, or `()`.
+    /// Contact of the door.
     pub door: D,
 }
 

@@ -10,8 +10,12 @@ fn guarded(edits: &[(&str, &str)]) -> tempfile::TempDir {
     let machine = format!("{machine:?}");
     // `scene` puts a `[service]` in: that of this scene goes.
     let own = "[service]\nhold_ramp_s = 0.1\nsilence_timeout_s = 1.0\n\n";
-    let all = [&[("\"thesis.toml\"", machine.as_str()), (own, "")], edits].concat();
-    scene("guarded", &all)
+    let all = [
+        &[("\"../thesis.toml\"", machine.as_str()), (own, "")],
+        edits,
+    ]
+    .concat();
+    scene("inputs/guarded", &all)
 }
 
 /// The job waits while the door is open, with the tool off, and is the same job.

@@ -34,18 +34,18 @@ type HeardScene = trirrr_service::WithFeedback<'static, CountedHomedScene>;
 
 /// The same, of a machine that detects no contacts,
 #[cfg(not(all(drive = "odrive", contact)))]
-type FeelingScene = HeardScene;
+type CountedFeelingScene = HeardScene;
 /// and of one that does.
 #[cfg(all(drive = "odrive", contact))]
-type FeelingScene = trirrr_service::WithContact<'static, HeardScene>;
+type CountedFeelingScene = trirrr_service::WithContact<'static, HeardScene>;
 
 /// The scene that is counted.
 #[cfg(not(interlocks))]
-pub type CountedScene = FeelingScene;
+pub type CountedScene = CountedFeelingScene;
 /// The same, with an emergency stop or a door.
 #[cfg(interlocks)]
 pub type CountedScene = trirrr_service::WithInterlocks<
-    FeelingScene,
+    CountedFeelingScene,
     { crate::scene::HAS_STOP },
     { crate::scene::HAS_DOOR },
 >;

@@ -15,7 +15,7 @@ use trirrr_scene::Scene;
 const SCENE: &str = "chained";
 
 /// and of the one whose emergency stop is pressed.
-const GUARDED: &str = "guarded";
+const GUARDED: &str = "inputs/guarded";
 
 /// Failures that an image can be made to cause, and what the board has to say of each.
 const FAILURES: [(&str, &[&str]); 5] = [

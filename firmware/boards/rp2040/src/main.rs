@@ -33,8 +33,12 @@ mod app {
     #[cfg(not(brake))]
     use super::drives::Drives as HeldDrives;
     use super::drives::{self, DriveTimer};
+    #[cfg(interlocks)]
+    use super::interlocks::{self, GuardedSwitches as Switches};
     use super::start;
-    use super::switches::{self, Switches};
+    use super::switches;
+    #[cfg(not(interlocks))]
+    use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
@@ -69,11 +73,6 @@ mod app {
     #[cfg(not(tool = "none"))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
-    #[cfg(not(interlocks))]
-    type Inputs = Switches;
-    #[cfg(interlocks)]
-    type Inputs = super::interlocks::Guarded<Switches>;
-
     #[shared]
     struct Shared {}
 
@@ -81,7 +80,7 @@ mod app {
     struct Local {
         receiver: Reader<UART0, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<Inputs, Outputs>,
+        tick: Tick<Switches, Outputs>,
         slot: DriveTimer,
         background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
         watchdog: Watchdog,
@@ -161,7 +160,7 @@ mod app {
         };
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
         #[cfg(interlocks)]
-        let inputs = super::interlocks::build(inputs, pins.gpio19, pins.gpio20);
+        let inputs = interlocks::build(inputs, pins.gpio19, pins.gpio20);
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

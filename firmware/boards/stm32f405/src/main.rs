@@ -40,8 +40,12 @@ mod app {
     #[cfg(any(drive = "odrive", drive = "mit"))]
     use super::drives::Inbox;
     use super::drives::{self, DriveTimer};
+    #[cfg(interlocks)]
+    use super::interlocks::{self, GuardedSwitches as Switches};
     use super::start;
-    use super::switches::{self, Switches};
+    use super::switches;
+    #[cfg(not(interlocks))]
+    use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use stm32f4xx_hal::pac::{USART2, USART3};
@@ -61,11 +65,6 @@ mod app {
     #[cfg(not(tool = "none"))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
 
-    #[cfg(not(interlocks))]
-    type Inputs = Switches;
-    #[cfg(interlocks)]
-    type Inputs = super::interlocks::Guarded<Switches>;
-
     #[shared]
     struct Shared {}
 
@@ -73,7 +72,7 @@ mod app {
     struct Local {
         receiver: Rx<USART2>,
         received: Producer<'static, u8>,
-        tick: Tick<Inputs, Outputs>,
+        tick: Tick<Switches, Outputs>,
         timer: DriveTimer,
         background: Background<Tx<USART2>, Tx<USART3>>,
         watchdog: IndependentWatchdog,
@@ -159,7 +158,7 @@ mod app {
         };
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
         #[cfg(interlocks)]
-        let inputs = super::interlocks::build(inputs, a.pa6, a.pa7);
+        let inputs = interlocks::build(inputs, a.pa6, a.pa7);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());

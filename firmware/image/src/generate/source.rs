@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn a_scene_with_inputs_has_their_settings_and_no_other_has() {
-        let text = shipped("guarded.toml");
+        let text = shipped("inputs/guarded.toml");
         for line in [
             "emergency_stop: Some(trirrr_service::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
             "door: Some(trirrr_service::Door { debounce_ticks: 10, })",
