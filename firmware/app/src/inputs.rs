@@ -83,15 +83,17 @@ impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for Inter
     }
 }
 
-/// The emergency stop at the pin `P`, if the scene names one,
+/// The emergency stop at the pin `P`, if the scene names one.
 #[cfg(estop)]
 pub type StopLine<P> = InterlockPin<P, true>;
+/// The scene names no emergency stop.
 #[cfg(all(interlocks, not(estop)))]
 pub type StopLine<P> = NoInterlockPin<P>;
 
-/// and the door.
+/// The door at the pin `P`, if the scene names one.
 #[cfg(door)]
 pub type DoorLine<P> = InterlockPin<P, { crate::scene::DOOR_OPEN_HIGH }>;
+/// The scene names no door.
 #[cfg(all(interlocks, not(door)))]
 pub type DoorLine<P> = NoInterlockPin<P>;
 

@@ -102,11 +102,11 @@ impl<const ON_PATH: bool> Explored for GuardedMachine<ON_PATH> {
         self.readings = InterlockReadings::default();
     }
 
+    /// Not the ticks that a change has lasted: the outputs do not show them.
     fn world(&self) -> String {
-        format!(
-            "{:?} {:?}",
-            self.readings, self.bench.service.foreground.interlocks
-        )
+        let interlocks = &self.bench.service.foreground.interlocks;
+        let (states, latched) = (interlocks.states(), interlocks.is_latched());
+        format!("{:?} {states:?} {latched}", self.readings)
     }
 
     fn refuses(&mut self, ask: Ask) -> bool {
