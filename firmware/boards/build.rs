@@ -20,17 +20,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
     }
-    println!("cargo:rustc-check-cfg=cfg(homing)");
-    if env::var_os("DEP_TRIRRR_APP_HOMING").is_some() {
-        println!("cargo:rustc-cfg=homing");
-    }
-    println!("cargo:rustc-check-cfg=cfg(brake)");
-    if env::var_os("DEP_TRIRRR_APP_BRAKE").is_some() {
-        println!("cargo:rustc-cfg=brake");
-    }
-    println!("cargo:rustc-check-cfg=cfg(feedback)");
-    if env::var_os("DEP_TRIRRR_APP_FEEDBACK").is_some() {
-        println!("cargo:rustc-cfg=feedback");
+    for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
+        println!("cargo:rustc-check-cfg=cfg({name})");
+        if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
+            println!("cargo:rustc-cfg={name}");
+        }
     }
     if env::var("CARGO_CFG_TARGET_OS")? == "none" {
         link()?;

@@ -96,6 +96,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.homing.is_some(),
     },
     Mark {
+        what: "interlocks",
+        names: &["14WithInterlocks", "10Interlocks"],
+        used: |scene| scene.inputs.are_named(),
+    },
+    Mark {
         what: "power lists",
         names: &["10WithLevels", "10MoveLevels"],
         used: |scene| scene.service.power_lists > 0,
@@ -244,6 +249,7 @@ mod tests {
             ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv4tool4duty5build", "a tool"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
+            ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
             ("_RNv6levels4list10MoveLevels", "power lists"),
             (
                 "_RNv8switches13RuledSwitches6closed",

@@ -15,6 +15,25 @@ from trirrr.stream import JobFailed
 
 
 class Boards(unittest.TestCase):
+    def test_inputs_of_a_machine_are_told_in_words(self) -> None:
+        # Pressed and open from the start for as long as the test takes.
+        presses = ("--press", "estop@0", "--press", "door@0")
+        with Device("inputs/guarded.toml", more=presses) as address, Board.connect(address) as board:
+            while (status := board.status()).inputs != "emergency stop pressed, or its wire broken; door open":
+                time.sleep(0.01)
+            self.assertEqual(status.state, "Fault")
+            self.assertRegex(str(status.fault), "the emergency stop was pressed, or its wire is broken")
+            with self.assertRaisesRegex(Refused, "release it before the fault is acknowledged"):
+                board.clear_fault()
+        with Device("inputs/guarded.toml", more=("--press", "door@0")) as address, Board.connect(address) as board:
+            while board.status().inputs != "emergency stop released; door open":
+                time.sleep(0.01)
+            board.enable()
+            with self.assertRaisesRegex(JobFailed, "the door is open: nothing moves before it is closed"):
+                board.run(SCENES / "inputs/guarded.toml")
+        with Device("thesis.toml") as address, Board.connect(address) as board:
+            self.assertIsNone(board.status().inputs)
+
     def test_a_machine_is_enabled_moved_and_plays_a_job(self) -> None:
         with Device("thesis.toml") as address, Board.connect(address) as board:
             self.assertEqual((board.name, board.status().state), ("thesis", "Disabled"))

@@ -47,6 +47,8 @@ class BoardStatus:
     moves: int
     #: Feed override, percent.
     feed_percent: int
+    #: Words on emergency stop and door. ``None`` of a scene that names neither.
+    inputs: str | None = None
 
 
 class BoardError(Exception):
@@ -107,7 +109,8 @@ class Board:
             end = (pose.x * identity.length_m, pose.y * identity.length_m, float(pose.alpha))
         fault = None if status.fault is None else words.fault(status.fault, identity)
         moves = (status.next - status.done) % (1 << 32)
-        return BoardStatus(status.state.name, end, fault, moves, status.feed_percent)
+        inputs = words.inputs(status.inputs)
+        return BoardStatus(status.state.name, end, fault, moves, status.feed_percent, inputs)
 
     def enable(self) -> BoardStatus:
         """Switches the drives on where the motors are, and waits until they hold. ``BoardError`` says why they do not."""

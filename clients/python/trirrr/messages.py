@@ -123,6 +123,7 @@ Acting = Enum(
     Silence=None,
     QueueDry=None,
     Limit=Bounded,
+    Door=None,
 )
 
 DriveFault = Enum(
@@ -153,6 +154,7 @@ FaultCode = Enum(
     FollowingError=None,
     Contact=None,
     ContactMoment=None,
+    EmergencyStop=None,
 )
 
 Fault = Struct(
@@ -258,6 +260,8 @@ Refusal = Enum(
     LevelNumber={"expected": U32},
     LevelsFull=None,
     LevelRange=None,
+    EmergencyStop=None,
+    DoorOpen=None,
 )
 
 Hello = Struct(
@@ -551,6 +555,19 @@ NotEnabled = Enum(
     Singular={"what": Bounded, "leg": Optional(BYTE), "value": N, "limit": N},
 )
 
+InputState = Enum(
+    "InputState",
+    Absent=None,
+    Clear=None,
+    Active=None,
+)
+
+InputStates = Struct(
+    "InputStates",
+    emergency_stop=InputState,
+    door=InputState,
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -575,6 +592,7 @@ Status = Struct(
     interrupted=Optional(Interruption),
     job=Optional(JobAccount),
     not_enabled=Optional(NotEnabled),
+    inputs=InputStates,
 )
 
 Event = Enum(
@@ -582,6 +600,7 @@ Event = Enum(
     Verdict=Verdict,
     State={"state": State, "acting": Acting, "done": U32},
     Fault=Fault,
+    Inputs=InputStates,
 )
 
 

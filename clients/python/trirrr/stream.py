@@ -22,7 +22,7 @@ _NOT_YET = {
     "Quintic": {"QueueFull", "Busy"},
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
-    "Resume": {"State", "Busy"},
+    "Resume": {"State", "Busy", "DoorOpen"},
     "Stop": {"Busy"},
     "FeedOverride": {"Busy"},
     "Home": {"Busy"},

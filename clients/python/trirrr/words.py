@@ -35,6 +35,7 @@ _CODES = {
     # A machine that detects contacts computes in SI units.
     "Contact": "contact: a force of {value:.4g} N at the tool, the most allowed is {limit:.4g} N",
     "ContactMoment": "contact: a moment of {value:.4g} N m at the tool, the most allowed is {limit:.4g} N m",
+    "EmergencyStop": "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault",
 }
 
 _NOT_ENABLED = {
@@ -92,8 +93,22 @@ _REFUSED = {
     "NoFeedback": "the drives of the machine's scene tell nothing",
     "NoBatches": "the machine's image takes no batches of moves: set batches in [service] of its scene",
     "Check": "the moves of the batch do not start where the last one ends: has the machine two clients?",
+    "EmergencyStop": "the emergency stop is pressed, or its wire is broken: release it before the fault is acknowledged",
+    "DoorOpen": "the door is open: nothing moves before it is closed",
     "Recovery": "the way there would break a limit",
 }
+
+
+_INPUTS = {
+    "emergency_stop": {"Clear": "emergency stop released", "Active": "emergency stop pressed, or its wire broken"},
+    "door": {"Clear": "door closed", "Active": "door open"},
+}
+
+
+def inputs(found: Any) -> str | None:
+    """Emergency stop and door; ``None`` of a scene that names neither."""
+    parts = [words[state.name] for name, words in _INPUTS.items() if (state := getattr(found, name)).name in words]
+    return "; ".join(parts) or None
 
 
 def refusal(found: Any) -> str:

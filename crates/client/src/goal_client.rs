@@ -295,7 +295,8 @@ impl<N: Transmit> GoalClient<N> {
             (
                 Command::Hold | Command::Resume | Command::Start | Command::Enable,
                 Refusal::State(_),
-            ) => {}
+            )
+            | (Command::Resume, Refusal::DoorOpen) => {}
             (_, refusal) => self.result = Some(Err(GoalFailure::Refused(refusal))),
         }
     }

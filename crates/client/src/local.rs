@@ -14,8 +14,9 @@ use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
     Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
-    HomingCoefficients, LevelRing, Output, Played, Readings, Retreats, Service, ServiceError,
-    ServiceNumber, Settings, WithContact, WithFeedback, WithHoming, WithLevels,
+    HomingCoefficients, InterlockParameters, InterlockReadings, Interlocks, LevelRing, Output,
+    Played, Readings, Retreats, Service, ServiceError, ServiceNumber, Settings, WithContact,
+    WithFeedback, WithHoming, WithInterlocks, WithLevels,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -38,6 +39,9 @@ pub trait LocalService<N: ServiceNumber> {
 
     /// Sets the inputs of homing for the next ticks.
     fn inputs(&mut self, closed: [bool; 3]);
+
+    /// Sets what the contacts of emergency stop and door tell in the next tick. Says nothing to a machine whose scene names neither.
+    fn sense(&mut self, readings: InterlockReadings);
 
     /// Sets what the drives tell in the next ticks. Says nothing to a machine whose drives tell nothing.
     fn hear(&mut self, readings: Readings<N>);
@@ -180,6 +184,7 @@ fn build<N: ServiceNumber, T>(
         feedback,
         contact,
         levels: scene.service.power_lists,
+        interlocks: scene.inputs.interlocks,
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
@@ -207,6 +212,8 @@ struct Described<N: ServiceNumber> {
     contact: Option<ContactCoefficients<N>>,
     /// Levels of power for which there is room.
     levels: u16,
+    /// Emergency stop and door.
+    interlocks: InterlockParameters,
 }
 
 struct Play<N: ServiceNumber, F> {
@@ -241,6 +248,10 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
             contact: described.contact.as_ref(),
             retreat: Retreats,
         };
+        let scene = WithInterlocks::<_, true, true> {
+            scene,
+            parameters: described.interlocks,
+        };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
         let mut service = channels.service(scene, described.start, described.settings)?;
@@ -259,6 +270,7 @@ where
             Part = Section,
             Curves = Quintics,
             Feedback = DriveFeedback<N>,
+            Interlocks = Interlocks<true, true>,
         >,
     S::Homing: Homing<N, Inputs = [bool; 3]>,
 {
@@ -272,6 +284,10 @@ where
 
     fn inputs(&mut self, closed: [bool; 3]) {
         self.set_inputs(closed);
+    }
+
+    fn sense(&mut self, readings: InterlockReadings) {
+        Service::sense(self, readings);
     }
 
     fn hear(&mut self, readings: Readings<N>) {

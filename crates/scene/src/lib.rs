@@ -22,6 +22,7 @@ mod feedback;
 mod homing;
 mod homing_path;
 mod in_order;
+mod inputs;
 mod job;
 mod job_path;
 mod judge;
@@ -66,6 +67,7 @@ pub use drive::{
 pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
 pub use homing::Homing;
+pub use inputs::{InputPorts, NormalContact};
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use kind::MachineKind;

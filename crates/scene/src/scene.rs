@@ -7,6 +7,7 @@ use crate::error::SceneError;
 use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
+use crate::inputs::{InputPorts, read_inputs};
 use crate::job::{Job, PlacedJob, read_job};
 use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
@@ -81,6 +82,8 @@ pub struct Scene {
     pub contact: Option<Contact>,
     /// Output of a board to the tool, if the tool has one.
     pub tool: Option<ToolPort>,
+    /// Emergency stop and door, if the scene names them.
+    pub inputs: InputPorts,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -356,6 +359,7 @@ fn read_scene(
         rate,
         drives.flatten().as_ref().map(|[drive, ..]| drive),
     );
+    let inputs = read_inputs(root, rate);
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
     let controller = read_controller(root, rate);
     let plant = read_plant(root, drives, controller);
@@ -388,6 +392,7 @@ fn read_scene(
         feedback: feedback?,
         contact: contact?,
         tool: tool?,
+        inputs: inputs?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         controller: controller?,

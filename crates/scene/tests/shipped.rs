@@ -58,9 +58,10 @@ fn every_scene_is_accepted_and_named_after_its_file() {
 
 #[test]
 fn every_scene_limits_its_motors() {
-    let along_paths = all_in(folder().join("paths"));
-    assert!(!along_paths.is_empty());
-    for scene in all().into_iter().chain(along_paths) {
+    let [along_paths, with_inputs] = ["paths", "inputs"].map(|name| all_in(folder().join(name)));
+    assert!(!along_paths.is_empty() && !with_inputs.is_empty());
+    let others = along_paths.into_iter().chain(with_inputs);
+    for scene in all().into_iter().chain(others) {
         assert_eq!(scene.missing_limits(), [], "{}", scene.name);
         // Where no torque is computed, the acceleration is what keeps it within bounds.
         let acceleration = scene.limits.acceleration_rad_s2;

@@ -167,7 +167,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         let foreground = Foreground::new(
             setup,
             stand.angles,
-            scene.homing(),
+            (scene.homing(), scene.interlocks()),
             &settings,
             foreground::ForegroundEnds {
                 moves: Receiver::new(moves_out),

@@ -12,6 +12,7 @@
 //! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
 use super::feedback::FeedbackReportOf;
+use super::interlock::InterlockReportOf;
 use super::pace::{MovePaces, Room};
 use super::scene::Scene;
 use super::splice::{SpliceChannels, SplicesOf};
@@ -76,7 +77,7 @@ pub(super) struct Recover<N: Number> {
 
 /// State of the tick, after something changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TickReport<N: Number, R, F> {
+pub(super) struct TickReport<N: Number, R, F, I> {
     /// Orders taken so far, modulo 256.
     pub(super) orders: u8,
     pub(super) generation: u8,
@@ -98,6 +99,8 @@ pub(super) struct TickReport<N: Number, R, F> {
     pub(super) splice: R,
     /// Feedback.
     pub(super) feedback: F,
+    /// Interlocks.
+    pub(super) interlocks: I,
 }
 
 /// Report of a service of the scene `S`.
@@ -105,6 +108,7 @@ pub(super) type ReportOf<S> = TickReport<
     <S as Scene>::N,
     <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Report,
     FeedbackReportOf<S>,
+    InterlockReportOf<S>,
 >;
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.

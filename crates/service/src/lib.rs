@@ -44,6 +44,7 @@ mod foreground;
 mod guard;
 mod handoff;
 mod homing;
+mod interlock;
 mod levels;
 mod number;
 mod offered;
@@ -76,6 +77,10 @@ pub use homing::{
     Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
     HomingTimes, NoHoming, Plan, Progress,
 };
+pub use interlock::{
+    Door, EmergencyStop, InterlockKind, InterlockParameters, InterlockReadings,
+    InterlockReadingsOf, Interlocks,
+};
 pub use levels::{LevelKind, LevelPlayer, LevelRing, LevelStore, check_levels};
 pub use number::ServiceNumber;
 pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
@@ -84,7 +89,7 @@ pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
     Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact, WithFeedback,
-    WithHoming, WithLevels,
+    WithHoming, WithInterlocks, WithLevels,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

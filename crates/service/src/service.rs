@@ -4,6 +4,7 @@ use crate::background::Background;
 use crate::feedback::ReadingsOf;
 use crate::foreground::{Foreground, Output};
 use crate::homing::Homing;
+use crate::interlock::InterlockReadingsOf;
 use crate::number::ServiceNumber;
 use crate::offered::{CommandOf, RequestOf};
 use crate::scene::Scene;
@@ -128,6 +129,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     /// Takes what the drives tell, before the tick, see [`Foreground::hear`].
     pub fn hear(&mut self, readings: ReadingsOf<S>) {
         self.foreground.hear(readings);
+    }
+
+    /// Takes what the contacts of the interlocks tell, before the tick, see [`Foreground::sense`].
+    pub fn sense(&mut self, readings: InterlockReadingsOf<S>) {
+        self.foreground.sense(readings);
     }
 
     /// Returns the output of the last tick.

@@ -117,5 +117,13 @@ fn log_event(event: &Event<Scalar>) {
             defmt::info!("state {=u8}, {=u32} moves done", *state as u8, done);
         }
         Event::Fault(fault) => defmt::error!("fault in tick {=u32}", fault.tick),
+        #[cfg(interlocks)]
+        Event::Inputs(inputs) => defmt::info!(
+            "emergency stop {=u8}, door {=u8}",
+            inputs.emergency_stop as u8,
+            inputs.door as u8
+        ),
+        #[cfg(not(interlocks))]
+        Event::Inputs(_) => {}
     }
 }

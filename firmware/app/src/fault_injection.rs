@@ -2,6 +2,8 @@
 //! `fault-injection` hold them.
 #![allow(unsafe_code)]
 
+#[cfg(interlocks)]
+use crate::inputs::Interlocked;
 use crate::inputs::{Angle, Closed, Inputs};
 use crate::scene::{Scalar, TICK_RATE_HZ};
 use core::hint::black_box;
@@ -13,6 +15,10 @@ const FAULT: &str = match option_env!("FAULT") {
     Some(fault) => fault,
     None => "panic",
 };
+
+/// Failure that is none of the program: a person presses the emergency stop.
+#[cfg(interlocks)]
+const STOP: &str = "emergency-stop";
 
 /// Tick in which the image fails, counted from 0.
 const TICK: u32 = 50;
@@ -45,6 +51,16 @@ impl<I: Inputs> Inputs for FaultInjection<I> {
         }
         self.ticks = self.ticks.wrapping_add(1);
         self.inputs.read(motors)
+    }
+
+    /// Pressed from tick [`TICK`] on, whatever the pin says.
+    #[cfg(interlocks)]
+    fn interlocks(&mut self) -> Interlocked {
+        let told = self.inputs.interlocks();
+        Interlocked {
+            emergency_stop: told.emergency_stop || (FAULT == STOP && self.ticks > TICK),
+            ..told
+        }
     }
 
     fn shift(&mut self, by: [Angle; 3]) {

@@ -1,7 +1,13 @@
-//! From the machine to the tick: homing switches, or drives that report a stall.
+//! From the machine to the tick: homing switches, or drives that report a stall; emergency stop and door.
 
 use crate::scene::Scalar;
 use crate::service::ImageScene;
+#[cfg(interlocks)]
+use core::convert::Infallible;
+#[cfg(interlocks)]
+use core::marker::PhantomData;
+#[cfg(interlocks)]
+use embedded_hal::digital::InputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
 use trirrr_service::{Homing, Scene};
@@ -12,11 +18,20 @@ pub type Angle = <Scalar as Arithmetic>::Angle;
 /// One flag for each motor, set while the switch is closed or the drive stalls; `()` without homing.
 pub type Closed = <<ImageScene as Scene>::Homing as Homing<Scalar>>::Inputs;
 
+/// What the contacts of the interlocks tell; `()` without any.
+pub type Interlocked = trirrr_service::InterlockReadingsOf<ImageScene>;
+
 /// Source of a tick's inputs.
 pub trait Inputs {
     /// Reads all inputs. `motors` were commanded in the tick before: pins ignore them, simulated switches
     /// close by them.
     fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed;
+
+    /// Reads the contacts of the interlocks; `()` in a scene without any.
+    #[inline(always)]
+    fn interlocks(&mut self) -> Interlocked {
+        Default::default()
+    }
 
     /// Follows a new zero of the joint angles: all are greater `by` so much from now on, without a motion.
     /// Only simulated switches have to know.
@@ -34,6 +49,84 @@ pub struct NoInputs;
 impl Inputs for NoInputs {
     #[inline(always)]
     fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {}
+}
+
+/// A contact to ground at an input that is pulled up.
+#[cfg(interlocks)]
+pub trait InterlockInput {
+    /// Returns true if the contact tells that the machine must not move.
+    fn is_active(&mut self) -> bool;
+}
+
+/// Pin that the scene does not name: it is left alone.
+#[cfg(interlocks)]
+pub struct NoInterlockPin<P>(pub PhantomData<P>);
+
+#[cfg(interlocks)]
+impl<P> InterlockInput for NoInterlockPin<P> {
+    #[inline(always)]
+    fn is_active(&mut self) -> bool {
+        false
+    }
+}
+
+/// Contact at a pin. `HIGH`: the machine must not move while the pin is high, which it is where the wire breaks.
+#[cfg(interlocks)]
+pub struct InterlockPin<P, const HIGH: bool>(pub P);
+
+#[cfg(interlocks)]
+impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for InterlockPin<P, HIGH> {
+    #[inline(always)]
+    fn is_active(&mut self) -> bool {
+        let Ok(is_high) = self.0.is_high();
+        is_high == HIGH
+    }
+}
+
+/// The emergency stop at the pin `P`, if the scene names one.
+#[cfg(estop)]
+pub type StopLine<P> = InterlockPin<P, true>;
+/// The scene names no emergency stop.
+#[cfg(all(interlocks, not(estop)))]
+pub type StopLine<P> = NoInterlockPin<P>;
+
+/// The door at the pin `P`, if the scene names one.
+#[cfg(door)]
+pub type DoorLine<P> = InterlockPin<P, { crate::scene::DOOR_OPEN_HIGH }>;
+/// The scene names no door.
+#[cfg(all(interlocks, not(door)))]
+pub type DoorLine<P> = NoInterlockPin<P>;
+
+/// Inputs beside the contacts of emergency stop and door.
+#[cfg(interlocks)]
+pub struct WithInterlockPins<I, S, D> {
+    /// Everything else.
+    pub inputs: I,
+    /// Contact of the emergency stop.
+    pub stop: S,
+    /// Contact of the door.
+    pub door: D,
+}
+
+#[cfg(interlocks)]
+impl<I: Inputs, S: InterlockInput, D: InterlockInput> Inputs for WithInterlockPins<I, S, D> {
+    #[inline(always)]
+    fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
+        self.inputs.read(motors)
+    }
+
+    #[inline(always)]
+    fn interlocks(&mut self) -> Interlocked {
+        trirrr_service::InterlockReadings {
+            emergency_stop: self.stop.is_active(),
+            door: self.door.is_active(),
+        }
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.inputs.shift(by);
+    }
 }
 
 // Inputs of this image: those of the board, and around them the wrapper of a test image.

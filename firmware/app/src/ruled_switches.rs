@@ -1,7 +1,7 @@
 //! Homing switches that close by rule, for tests in an emulator, which has none. Only images of a scene with
 //! homing that are built with the feature `ruled-switches` hold them.
 
-use crate::inputs::{Angle, Closed, Inputs};
+use crate::inputs::{Angle, Closed, Inputs, Interlocked};
 use crate::scene::{HOMING, Scalar};
 use core::hint::black_box;
 use trirrr_core::tick::Motor;
@@ -27,6 +27,10 @@ impl<I: Inputs> Inputs for RuledInputs<I> {
         // The pins of an emulator say nothing. They are read all the same, for the tick's length.
         black_box(self.inputs.read(motors));
         self.switches.closed(motors)
+    }
+
+    fn interlocks(&mut self) -> Interlocked {
+        self.inputs.interlocks()
     }
 
     fn shift(&mut self, by: [Angle; 3]) {

@@ -11,6 +11,8 @@ use crate::scene::LEVELS;
 #[cfg(not(adjustable))]
 use crate::scene::{BATCHES, COEFFICIENTS, PARTS};
 use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ};
+#[cfg(interlocks)]
+use crate::scene::{HAS_DOOR, HAS_STOP, INTERLOCKS};
 #[cfg(adjustable)]
 use crate::scene::{LIMITS, PARAMETERS};
 use trirrr_protocol::message::{self, Board, Clock, Start};
@@ -24,6 +26,8 @@ use trirrr_service::WithContact;
 use trirrr_service::WithFeedback;
 #[cfg(homing)]
 use trirrr_service::WithHoming;
+#[cfg(interlocks)]
+use trirrr_service::WithInterlocks;
 #[cfg(levels)]
 use trirrr_service::WithLevels;
 use trirrr_service::{Scene, Settings};
@@ -67,11 +71,17 @@ type MeasuredScene = HomedScene;
 #[cfg(feedback)]
 type MeasuredScene = WithFeedback<'static, HomedScene>;
 
-/// Scene of this image. It may detect contacts.
+/// The same with its detection of contacts, if it has any.
 #[cfg(not(contact))]
-pub(crate) type ImageScene = MeasuredScene;
+type FeelingScene = MeasuredScene;
 #[cfg(contact)]
-pub(crate) type ImageScene = WithContact<'static, MeasuredScene, Retreat>;
+type FeelingScene = WithContact<'static, MeasuredScene, Retreat>;
+
+/// Scene of this image. It may have an emergency stop and a door.
+#[cfg(not(interlocks))]
+pub(crate) type ImageScene = FeelingScene;
+#[cfg(interlocks)]
+pub(crate) type ImageScene = WithInterlocks<FeelingScene, HAS_STOP, HAS_DOOR>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -139,6 +149,11 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
         scene,
         contact: Some(&CONTACT),
         retreat: Retreat,
+    };
+    #[cfg(interlocks)]
+    let scene = WithInterlocks {
+        scene,
+        parameters: INTERLOCKS,
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

@@ -56,6 +56,9 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         let readings = self.outputs.measure();
         #[allow(clippy::unit_arg)]
         self.foreground.hear(readings);
+        // And without interlocks.
+        #[allow(clippy::unit_arg)]
+        self.foreground.sense(self.inputs.interlocks());
         self.foreground.tick_with(closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
@@ -70,7 +73,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     /// Hands the tool its power. After a fault that is none.
     #[inline(always)]
     fn work(&mut self) {
-        let runs = self.foreground.state().is_running();
+        let runs = self.foreground.tool_runs();
         self.outputs.work(self.foreground.output().tool, runs);
     }
 

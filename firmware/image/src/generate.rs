@@ -45,7 +45,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
+/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)` and `cfg(door)` are there, `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -98,7 +98,7 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
 }
 
 /// Sets the kinds of the scene as `cfg`s, and tells them to the build scripts of dependent packages
-/// (`DEP_..._DRIVES`, `DRIVE`, `TOOLS`, `TOOL`, `HOMING`, `BRAKE` and `FEEDBACK`).
+/// (`DEP_..._DRIVES`, `DRIVE`, `TOOLS`, `TOOL`, `HOMING`, `BRAKE`, `INTERLOCKS`, `ESTOP`, `DOOR` and `FEEDBACK`).
 fn print_kinds(scene: &Scene) {
     print_kind("drive", drive::KINDS, kind(scene));
     print_kind("tool", tool::TOOLS, tool_kind(scene));
@@ -111,6 +111,18 @@ fn print_kinds(scene: &Scene) {
     if scene.power.has_brake {
         println!("cargo:rustc-cfg=brake");
         println!("cargo:brake=yes");
+    }
+    println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door)");
+    let interlocks = &scene.inputs.interlocks;
+    for (name, is_named) in [
+        ("interlocks", scene.inputs.are_named()),
+        ("estop", interlocks.emergency_stop.is_some()),
+        ("door", interlocks.door.is_some()),
+    ] {
+        if is_named {
+            println!("cargo:rustc-cfg={name}");
+            println!("cargo:{name}=yes");
+        }
     }
     println!("cargo:rustc-check-cfg=cfg(levels)");
     if scene.service.power_lists > 0 {

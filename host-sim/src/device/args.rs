@@ -1,5 +1,6 @@
 //! Arguments of `trirrr device`.
 
+use super::inputs::Press;
 use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::serve::ListenArgs;
 use clap::Args;
@@ -40,4 +41,10 @@ pub struct DeviceArgs {
         allow_hyphen_values = true
     )]
     pub offset_rad: Option<Vec<f64>>,
+    /// Press an input of the scene: `estop@1.5` from 1.5 s on, `door@2..4` from 2 s to 4 s of the machine's time; repeat for more
+    #[arg(long, value_name = "INPUT@FROM[..TO]")]
+    pub press: Vec<Press>,
+    /// Press inputs by lines on standard input: estop (e) and door (d) change what they name
+    #[arg(long)]
+    pub keys: bool,
 }

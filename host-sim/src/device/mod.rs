@@ -3,6 +3,7 @@
 
 mod args;
 mod event_log;
+mod inputs;
 mod motors;
 mod server;
 
@@ -13,8 +14,9 @@ use crate::realtime::{Deadlines, Pacer};
 use crate::serve::{Doors, Hub, ListenArgs};
 use crate::terminal::print_line;
 use event_log::EventLog;
+use inputs::PressedInputs;
 use motors::Motors;
-use server::Server;
+use server::{Server, Surroundings};
 use std::io;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,6 +39,7 @@ const LOOK: Duration = Duration::from_micros(500);
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.set.scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
+    let inputs = PressedInputs::new(&scene, &args.press, args.keys)?;
     let doors = args.listen.open()?;
     print_line(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
@@ -54,6 +57,7 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
             Some([a, b, c]) => Some([*a, *b, *c]),
             _ => None,
         },
+        inputs,
         is_quiet: false,
     };
     in_number_type!(scalar, N => device.play::<N>())
@@ -101,6 +105,7 @@ impl Simulated {
             rate_hz: scene.tick_rate_hz,
             stop,
             offset: None,
+            inputs: PressedInputs::new(scene, &[], false)?,
             is_quiet: true,
         };
         device.play::<N>()
@@ -116,6 +121,8 @@ struct Device<'a> {
     stop: &'a AtomicBool,
     /// Offset of the motors, rad. `None` takes one that depends on the scene.
     offset: Option<[f64; 3]>,
+    /// Emergency stop and door.
+    inputs: PressedInputs,
     /// Another command speaks to the user.
     is_quiet: bool,
 }
@@ -128,6 +135,7 @@ impl Device<'_> {
             rate_hz,
             stop,
             offset,
+            inputs,
             is_quiet,
         } = self;
         let units = trirrr_scene::units::<N>(scene)
@@ -154,7 +162,12 @@ impl Device<'_> {
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );
             let hub = Hub::new(doors, silence);
-            let server = Server::new(machine, motors, drives, hub, log);
+            let around = Surroundings {
+                motors,
+                drives,
+                inputs,
+            };
+            let server = Server::new(machine, around, hub, log);
             run(server, rate_hz, stop)
         })?;
         let (log, clients, deadlines) =

@@ -1,6 +1,7 @@
 //! Work of a device between two ticks: its client, and the messages of the machine.
 
 use super::event_log::EventLog;
+use super::inputs::PressedInputs;
 use super::motors::{self, Motors};
 use crate::serve::{FrameKind, Hub, Standing};
 use std::io;
@@ -17,28 +18,33 @@ const SLICES: u32 = 64;
 /// Machine that serves one client at a time.
 pub(super) struct Server<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
-    /// Simulated motors, if the machine has to be homed.
-    motors: Option<Motors>,
-    /// Simulated drives, if they tell where they are.
-    drives: Option<ObeyingDrives<N>>,
+    around: Surroundings<N>,
     hub: Hub,
     log: EventLog,
     /// Frame of the message that is sent.
     frame: Vec<u8>,
 }
 
+/// Simulated parts around the service.
+pub(super) struct Surroundings<N: ServiceNumber> {
+    /// Motors, if the machine has to be homed.
+    pub(super) motors: Option<Motors>,
+    /// Drives, if they tell where they are.
+    pub(super) drives: Option<ObeyingDrives<N>>,
+    /// Emergency stop and door.
+    pub(super) inputs: PressedInputs,
+}
+
 impl<'a, N: ServiceNumber> Server<'a, N> {
     pub(super) fn new(
         machine: &'a mut dyn LocalService<N>,
-        motors: Option<Motors>,
-        drives: Option<ObeyingDrives<N>>,
+        around: Surroundings<N>,
         hub: Hub,
         log: EventLog,
     ) -> Self {
         Self {
             machine,
-            motors,
-            drives,
+            around,
             hub,
             log,
             frame: Vec::new(),
@@ -51,25 +57,31 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
     /// As [`Server::serve`].
     pub(super) fn tick(&mut self) -> io::Result<()> {
         let start = Instant::now();
-        if let Some(motors) = &self.motors {
+        let Surroundings {
+            motors,
+            drives,
+            inputs,
+        } = &mut self.around;
+        self.machine.sense(inputs.read());
+        if let Some(motors) = motors {
             self.machine.inputs(motors.inputs());
         }
-        if let Some(drives) = &self.drives {
+        if let Some(drives) = drives {
             let mut readings = drives.measure();
-            if let Some(motors) = &self.motors {
+            if let Some(motors) = motors {
                 motors.press(&mut readings);
             }
             self.machine.hear(readings);
         }
         self.machine.tick();
         let shift = self.machine.shift();
-        if let Some(drives) = &mut self.drives {
+        if let Some(drives) = drives {
             if let Some(by) = shift {
                 drives.shift(by);
             }
             drives.apply(self.machine.output());
         }
-        if let Some(motors) = &mut self.motors {
+        if let Some(motors) = motors {
             let shift = shift.map(|by| by.map(N::angle_to_f64));
             motors.follow(motors::angles(self.machine.motors()), shift);
             if shift.is_some() {
@@ -111,7 +123,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
 
     /// Ends the service. Returns the event log, and the number of clients.
     pub(super) fn end(self) -> (EventLog, u64) {
-        if let Some(motors) = &self.motors {
+        if let Some(motors) = &self.around.motors {
             self.log.left(motors.errors());
         }
         (self.log, self.hub.clients())

@@ -511,6 +511,13 @@ impl<N: Transmit> MachineDriver<N> {
                 self.feed.clear();
                 self.piece = None;
             }
+            // What waits is dropped: closing the door must start nothing.
+            (Command::Start, Refusal::DoorOpen) => {
+                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
+                self.feed.clear();
+                self.piece = None;
+                self.order(Command::Stop);
+            }
             // Too early or too late: the next status says what holds.
             _ => {
                 self.pause = now + PAUSE;

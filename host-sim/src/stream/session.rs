@@ -11,9 +11,10 @@ use crate::supply::MoveSupply;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+use trirrr_client::describe::{self, Units};
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::{Action, JobClient, JobPlace, UserCommand};
-use trirrr_protocol::message::{Event, Message, Telemetry, Transmit};
+use trirrr_protocol::message::{Event, Message, Refusal, Reply, Telemetry, Transmit};
 
 /// Longest wait for the board before the user is heard.
 const LOOK: Duration = Duration::from_millis(20);
@@ -155,6 +156,19 @@ impl<N: Transmit> Session<'_, N> {
                     if let Some(drives) = self.drives.as_mut().filter(|_| !self.is_over) {
                         drives.drives(sample)?;
                     }
+                }
+                Message::Event(Event::Inputs(states)) => {
+                    if let Some(text) = describe::inputs(states) {
+                        self.display.note(&text);
+                    }
+                }
+                // To a resume by the user: the job goes on waiting. The words need no units.
+                Message::Reply {
+                    reply: Reply::Refused(refusal @ Refusal::DoorOpen),
+                    ..
+                } => {
+                    let why = describe::refusal(refusal, 0, &Units::si(1.0));
+                    self.display.note(&format!("refused: {why}"));
                 }
                 Message::Event(_) | Message::Reply { .. } => {}
             }

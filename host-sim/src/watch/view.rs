@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
 use trirrr_client::transport::RawMessage;
 use trirrr_core::setpoint::Setpoint;
-use trirrr_protocol::message::{Acting, Event, Identity, Message, Reply, Request, State, Transmit};
+use trirrr_protocol::message::{
+    Acting, Event, Identity, InputStates, Message, Reply, Request, State, Transmit,
+};
 use trirrr_protocol::wire::schema;
 use trirrr_scene::{NumberType, in_number_type};
 
@@ -19,6 +21,7 @@ pub(super) struct WatchView {
     pose: Option<[f64; 3]>,
     state: Option<(State, Acting)>,
     done: Option<u32>,
+    inputs: InputStates,
     /// Time of the last message.
     heard: Instant,
     lines: Vec<String>,
@@ -36,6 +39,7 @@ impl WatchView {
             pose: None,
             state: None,
             done: None,
+            inputs: InputStates::ABSENT,
             heard: Instant::now(),
             lines: Vec::new(),
         }
@@ -78,11 +82,12 @@ impl WatchView {
         let (pose, done) = (self.pose, self.done);
         let state = self.state;
         let state = state.map(|(state, acting)| describe::state(state, acting));
+        let inputs = describe::inputs(&self.inputs);
         let silent = Some(self.heard.elapsed()).filter(|silent| *silent > SILENT);
         let silent = silent.map(|silent| silent.as_secs());
         if self.json {
             let line = json!({
-                "t": t, "pose": pose, "state": state, "moves_done": done, "silent_s": silent,
+                "t": t, "pose": pose, "state": state, "moves_done": done, "inputs": inputs, "silent_s": silent,
             });
             return self.lines.push(line.to_string());
         }
@@ -90,6 +95,7 @@ impl WatchView {
             pose.map(|[x, y, alpha]| format!("x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad")),
             state,
             done.map(|done| format!("{done} moves done")),
+            inputs,
             silent.map(|seconds| format!("nothing has come for {seconds} s")),
         ];
         let known: Vec<String> = known.into_iter().flatten().collect();
@@ -130,6 +136,9 @@ impl WatchView {
                     self.state = Some((*state, *acting));
                     self.done = Some(*done);
                 }
+                if let Event::Inputs(inputs) = event {
+                    self.inputs = *inputs;
+                }
                 if let Some(text) = describe::event(event, 0, units) {
                     self.note(&text);
                 }
@@ -144,6 +153,7 @@ impl WatchView {
             } => {
                 self.state = Some((status.state, status.acting));
                 self.done = Some(status.done);
+                self.inputs = status.inputs;
                 // In motion the end of the last move is another pose.
                 if let Some(end) = status.end.filter(|_| status.state.is_at_rest()) {
                     self.pose = Some(pose(&end, units));

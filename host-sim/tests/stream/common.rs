@@ -157,6 +157,7 @@ impl Device {
         let mut child = trirrr()
             .args(arguments)
             .current_dir(folder)
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();

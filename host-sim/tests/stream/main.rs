@@ -8,6 +8,7 @@ mod common;
 mod drives;
 mod faults;
 mod goals;
+mod guarded;
 mod homing;
 #[cfg(target_os = "linux")]
 mod hostile;

@@ -32,12 +32,23 @@ type HeardScene = CountedHomedScene;
 #[cfg(drive = "odrive")]
 type HeardScene = trirrr_service::WithFeedback<'static, CountedHomedScene>;
 
-/// The scene that is counted.
+/// The same, of a machine that detects no contacts,
 #[cfg(not(all(drive = "odrive", contact)))]
-pub type CountedScene = HeardScene;
-/// The same, of a machine that detects contacts.
+type CountedFeelingScene = HeardScene;
+/// and of one that does.
 #[cfg(all(drive = "odrive", contact))]
-pub type CountedScene = trirrr_service::WithContact<'static, HeardScene>;
+type CountedFeelingScene = trirrr_service::WithContact<'static, HeardScene>;
+
+/// The scene that is counted.
+#[cfg(not(interlocks))]
+pub type CountedScene = CountedFeelingScene;
+/// The same, with an emergency stop or a door.
+#[cfg(interlocks)]
+pub type CountedScene = trirrr_service::WithInterlocks<
+    CountedFeelingScene,
+    { crate::scene::HAS_STOP },
+    { crate::scene::HAS_DOOR },
+>;
 
 /// Sixteen moves and samples less one each.
 pub type SceneChannels = Channels<CountedScene, 16, 16>;
@@ -81,6 +92,11 @@ pub fn scene() -> CountedScene {
         scene,
         contact: Some(&crate::scene::CONTACT),
         retreat: trirrr_service::NoRetreat,
+    };
+    #[cfg(interlocks)]
+    let scene = trirrr_service::WithInterlocks {
+        scene,
+        parameters: crate::scene::INTERLOCKS,
     };
     scene
 }
@@ -150,6 +166,8 @@ pub fn tick(ticking: &mut Ticking) {
     // Of drives in the MIT mode no answers are imitated: their tick hears nothing.
     #[cfg(all(drive = "odrive", not(homing)))]
     foreground.hear(drives.measure());
+    #[cfg(all(interlocks, not(homing)))]
+    foreground.sense(core::hint::black_box(Default::default()));
     #[cfg(not(homing))]
     let output = foreground.tick();
     #[cfg(homing)]
@@ -160,6 +178,8 @@ pub fn tick(ticking: &mut Ticking) {
     } = ticking;
     #[cfg(all(drive = "odrive", homing))]
     foreground.hear(drives.measure());
+    #[cfg(all(interlocks, homing))]
+    foreground.sense(core::hint::black_box(Default::default()));
     #[cfg(homing)]
     let output = {
         foreground.tick_with(*closed);

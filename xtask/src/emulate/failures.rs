@@ -11,11 +11,14 @@ use std::fs;
 use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
 
-/// The scene of the images that fail.
+/// The scene of the images that fail,
 const SCENE: &str = "chained";
 
+/// and of the one whose emergency stop is pressed.
+const GUARDED: &str = "inputs/guarded";
+
 /// Failures that an image can be made to cause, and what the board has to say of each.
-const FAILURES: [(&str, &[&str]); 4] = [
+const FAILURES: [(&str, &[&str]); 5] = [
     (
         "panic",
         &[
@@ -40,7 +43,17 @@ const FAILURES: [(&str, &[&str]); 4] = [
         ],
     ),
     ("overrun", &["start: it was switched on", "fault: a tick"]),
+    (
+        STOP,
+        &[
+            "start: it was switched on",
+            "fault: the emergency stop was pressed",
+        ],
+    ),
 ];
+
+/// Failure that the image of [`GUARDED`] is made to cause.
+const STOP: &str = "emergency-stop";
 
 /// Failures that the check of the code can see, each with the message it must give of the image.
 /// Without these messages, the check would see none.
@@ -58,11 +71,12 @@ const OUTPUTS_OFF: &str =
     "RCC: unimplemented device write (size 4, offset 0x010, value 0x0000001f)";
 
 pub(super) fn run(clients: &Clients) -> Result<()> {
-    let scenes = repository::scenes_named(&[SCENE.to_owned()])?;
-    let scene = scenes.first().context("a scene")?;
-    let scalar = of_scene(Scene::read(&scene.path)?.number);
-    let image = Image::firmware(scene, scalar);
     for (failure, expected) in FAILURES {
+        let name = if failure == STOP { GUARDED } else { SCENE };
+        let scenes = repository::scenes_named(&[name.to_owned()])?;
+        let scene = scenes.first().context("a scene")?;
+        let scalar = of_scene(Scene::read(&scene.path)?.number);
+        let image = Image::firmware(scene, scalar);
         let elf = image.build_as(&format!("-{failure}"), |cargo| {
             cargo
                 .args(["--features", "fault-injection"])

@@ -68,6 +68,9 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
             let (value, limit) = (value(), short(fault.limit.to_f64()));
             format!("contact: a moment of {value} N m at the tool, the most allowed is {limit} N m")
         }
+        FaultCode::EmergencyStop => {
+            "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault".into()
+        }
         FaultCode::HomingNotFound => {
             let (motor, limit) = searched();
             format!("homing: motor {motor} has not found its switch or stop within {limit} rad")

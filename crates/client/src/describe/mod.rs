@@ -9,7 +9,9 @@ pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
 pub use refusal::refusal;
 
-use trirrr_protocol::message::{Acting, Bounded, Event, Identity, State, Transmit, Violation};
+use trirrr_protocol::message::{
+    Acting, Bounded, Event, Identity, InputState, InputStates, State, Transmit, Violation,
+};
 use trirrr_scene::Scene;
 use trirrr_scene::words::{self, short};
 
@@ -95,7 +97,24 @@ pub fn event<N: Transmit>(event: &Event<N>, ticks: u32, units: &Units) -> Option
             done,
         } => format!("{}, {done} moves done", state(*now, *acting)),
         Event::Fault(latched) => format!("fault: {}", fault(latched, units)),
+        Event::Inputs(states) => inputs(states)?,
     })
+}
+
+/// Describes emergency stop and door. `None`: the scene names neither.
+pub fn inputs(states: &InputStates) -> Option<String> {
+    let stop = match states.emergency_stop {
+        InputState::Absent => None,
+        InputState::Clear => Some("emergency stop released"),
+        InputState::Active => Some("emergency stop pressed, or its wire broken"),
+    };
+    let door = match states.door {
+        InputState::Absent => None,
+        InputState::Clear => Some("door closed"),
+        InputState::Active => Some("door open"),
+    };
+    let parts: Vec<&str> = [stop, door].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
 }
 
 /// Describes the state, and the cause that keeps the machine from normal speed.
@@ -123,6 +142,7 @@ pub fn state(state: State, acting: Acting) -> String {
         Acting::Stop => "stop",
         Acting::Silence => "host silent",
         Acting::QueueDry => "waiting for moves",
+        Acting::Door => "door",
         Acting::Limit(what) => return format!("{state} ({})", words::subject(what, None)),
     };
     format!("{state} ({acting})")

@@ -77,6 +77,10 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::LevelRange => {
             "its levels of power do not cover it, are more than two a tick, or D turns back on the way".into()
         }
+        Refusal::EmergencyStop => {
+            "the emergency stop is pressed, or its wire is broken: release it before the fault is acknowledged".into()
+        }
+        Refusal::DoorOpen => "the door is open: nothing moves before it is closed".into(),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

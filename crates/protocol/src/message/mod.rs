@@ -16,6 +16,7 @@
 mod board;
 mod command;
 mod drive;
+mod inputs;
 mod levels;
 mod moves;
 mod part;
@@ -35,6 +36,7 @@ pub use command::{
     QuinticContent, Recovery, Request,
 };
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
+pub use inputs::{InputState, InputStates};
 pub use levels::{FULL_LEVEL, LEVEL_PARTS, LEVELS, LISTED, LevelPiece, LevelRange, ListedMove};
 pub use moves::{AnyMove, BATCH, Move, MoveBatch, MoveStep, QuinticMove, ToolSetting};
 pub use part::{Content, Unread, Written};

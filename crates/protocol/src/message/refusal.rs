@@ -122,4 +122,8 @@ pub enum Refusal<N: Number> {
     LevelsFull,
     /// The levels do not cover the move, are too many for its ticks, or D turns back on its way along the chord.
     LevelRange,
+    /// The emergency stop is pressed: it has to be released before the fault is acknowledged.
+    EmergencyStop,
+    /// The door is open: nothing moves before it is closed.
+    DoorOpen,
 }

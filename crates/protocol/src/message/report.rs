@@ -4,6 +4,7 @@ use super::Transmit;
 use super::board::{AngleReference, Board};
 use super::command::JobLabel;
 use super::drive::{DriveSample, NotEnabled};
+use super::inputs::InputStates;
 use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
@@ -184,6 +185,8 @@ pub struct Status<N: Number> {
     pub job: Option<JobAccount>,
     /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
     pub not_enabled: Option<NotEnabled<N>>,
+    /// Inputs of the machine, free of bounces.
+    pub inputs: InputStates,
 }
 
 impl<N: Number> Status<N> {
@@ -255,4 +258,6 @@ pub enum Event<N: Number> {
     },
     /// A fault was latched.
     Fault(Fault<N>),
+    /// An input of the machine changed.
+    Inputs(InputStates),
 }

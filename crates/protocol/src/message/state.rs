@@ -54,6 +54,8 @@ pub enum Acting {
     QueueDry,
     /// A limit of the scene: the one that the fault names.
     Limit(Bounded),
+    /// The door is open, or was: the machine waits to be resumed once it is closed.
+    Door,
 }
 
 impl State {

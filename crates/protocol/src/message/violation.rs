@@ -161,6 +161,8 @@ pub enum FaultCode {
     Contact,
     /// Something turns the platform: the moment about D and the limit, in N m, as the machine estimates them.
     ContactMoment,
+    /// The emergency stop was pressed, or its wire is broken.
+    EmergencyStop,
 }
 
 /// Reason why a drive does not do what it was told.
@@ -217,7 +219,8 @@ impl FaultCode {
             | Self::HomingClosedAtStart
             | Self::FollowingError
             | Self::Contact
-            | Self::ContactMoment => None,
+            | Self::ContactMoment
+            | Self::EmergencyStop => None,
         }
     }
 }

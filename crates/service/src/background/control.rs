@@ -27,6 +27,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
         }
+        self.require_clear_inputs()?;
         let undecided = self.offered.peek().is_some() || self.is_planning();
         // In idle nothing is under way.
         if self.has_played_all() {
@@ -65,7 +66,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Slowing | State::Holding => self.order(Order::Resume, self.status.state),
+            State::Slowing | State::Holding => {
+                self.require_clear_inputs()?;
+                self.order(Order::Resume, self.status.state)
+            }
             state => Err(Refusal::State(state)),
         }
     }
@@ -88,7 +92,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Fault | State::Disabled => self.order(Order::ClearFault, State::Disabled),
+            State::Fault | State::Disabled => {
+                self.require_released_stop()?;
+                self.order(Order::ClearFault, State::Disabled)
+            }
             state => Err(Refusal::State(state)),
         }
     }
@@ -126,6 +133,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.status.state != State::Cleared {
             self.require_idle()?;
         }
+        self.require_clear_inputs()?;
         let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
         self.send_along(path, recovery.to, Order::Recover, State::Recovering)
     }
@@ -138,6 +146,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if !matches!(self.status.state, State::Unhomed | State::Cleared) {
             self.require_idle()?;
         }
+        self.require_clear_inputs()?;
         let limits = &self.coefficients.borrow().limits;
         guard::within(Bounded::Rate, &limits.rate, plan.rates)
             .and_then(|()| {

@@ -16,6 +16,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn enable(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
             State::Disabled => {
+                // An acknowledgement on its way is not taken.
+                self.require_released_stop()?;
                 self.order(Order::Enable, State::Enabling)?;
                 self.status.not_enabled = None;
                 Ok(())

@@ -3,6 +3,7 @@
 mod contact;
 mod control;
 mod enable;
+mod interlock;
 mod levels;
 mod moves;
 mod offers;
@@ -18,6 +19,7 @@ mod window;
 pub(super) use super::contact::BackgroundContact;
 use super::feedback::BackgroundFeedback;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
+use super::interlock::InterlockKind;
 use super::levels::BackgroundLevels;
 use super::offered::PlayedCurves;
 use super::pace::{Room, RoomCount};
@@ -144,6 +146,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         settings: Settings<N>,
         ends: BackgroundEnds<'q, S>,
     ) -> Self {
+        let inputs = scene.interlocks().states();
         Self {
             scene,
             settings,
@@ -192,6 +195,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 interrupted: None,
                 job: None,
                 not_enabled: None,
+                inputs,
             },
             reported: (State::Disabled, Acting::Nothing, 0),
             generation: 0,
@@ -303,6 +307,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         }
         self.apply_splice(report.splice.get());
         self.apply_feedback(report.feedback.get(), report.pose);
+        self.apply_interlocks(report.interlocks.get());
         let over = report.generation != self.generation;
         if over {
             self.start_over(report);

@@ -1,5 +1,6 @@
 //! The half that runs once per tick, above everything else.
 
+mod interlock;
 mod orders;
 mod output;
 mod play;
@@ -16,6 +17,7 @@ use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
 use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::homing::Homing;
+use super::interlock::{InterlockKind, InterlockReadingsOf};
 use super::levels::TickLevels;
 use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
@@ -64,6 +66,7 @@ pub struct Foreground<'q, S: Scene> {
     shared: &'q SharedCounters,
 
     homing: S::Homing,
+    pub(super) interlocks: S::Interlocks,
     supply: Supply,
     state: State,
     acting: Acting,
@@ -144,7 +147,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     pub(super) fn new(
         setup: Setup<S::Model>,
         angles: [N::Angle; 3],
-        homing: S::Homing,
+        (homing, interlocks): (S::Homing, S::Interlocks),
         settings: &Settings<N>,
         ends: ForegroundEnds<'q, S>,
     ) -> Self {
@@ -177,6 +180,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             state: State::Disabled,
             supply: Supply::new(settings.power, settings.reactions),
             homing,
+            interlocks,
             acting: Acting::Nothing,
             path: Path::None,
             current: None,
@@ -247,6 +251,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         if let Some(levels) = self.levels.get_mut() {
             levels.drop_stale(self.generation);
         }
+        self.check_interlocks();
         let started = self.take_order();
         let target = self.advance(started);
         let setpoint = match target {
@@ -302,6 +307,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         <S::Feedback as Feedback<N>>::hear(&mut self.feedback, readings);
     }
 
+    /// Takes what the contacts of the interlocks tell, before the tick. A machine whose owner says nothing keeps the last.
+    #[inline]
+    pub fn sense(&mut self, readings: InterlockReadingsOf<S>) {
+        if self.interlocks.sense(readings) {
+            self.unreported = true;
+        }
+    }
+
     /// Returns the output of the last tick.
     pub fn output(&self) -> &Output<N> {
         &self.output
@@ -310,6 +323,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// Returns the state of the machine.
     pub fn state(&self) -> State {
         self.state
+    }
+
+    /// Returns true while the tool may be on: a job runs, and no door is open.
+    #[inline]
+    pub fn tool_runs(&self) -> bool {
+        self.state.is_running() && !self.interlocks.is_open()
     }
 
     /// Latches a fault from outside: a drive's, the board's, a tick that came too late. To be called

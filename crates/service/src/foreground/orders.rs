@@ -3,6 +3,7 @@
 use super::super::feed::PathPosition;
 use super::super::handoff::{Order, QueuedMove};
 use super::super::homing::Homing;
+use super::super::interlock::InterlockKind;
 use super::super::scene::{Scene, Take};
 use super::{Foreground, Part, Path};
 use crate::guard::Guard;
@@ -30,7 +31,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         match order {
             Order::Start => return self.start(),
             Order::Hold => self.hold(),
-            Order::Resume => self.held = false,
+            // The state may be older than the door.
+            Order::Resume => self.held = self.interlocks.is_open(),
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
             Order::Enable => self.enable(),
@@ -85,7 +87,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let ahead = self.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
         let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
-        if self.state != State::Idle || !(enough || full) {
+        if self.state != State::Idle || self.interlocks.is_open() || !(enough || full) {
             return false;
         }
         if !self.begin_next() {
@@ -101,7 +103,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     fn recover(&mut self) -> bool {
-        if !matches!(self.state, State::Idle | State::Cleared) {
+        let waits = matches!(self.state, State::Idle | State::Cleared);
+        if !waits || self.interlocks.is_open() {
             self.recoveries.discard();
             return false;
         }
@@ -116,7 +119,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     fn home(&mut self) {
         let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
-        if !waits || !self.homing.is_needed() {
+        if !waits || !self.homing.is_needed() || self.interlocks.is_open() {
             self.recoveries.discard();
             return;
         }
@@ -136,6 +139,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     fn hold(&mut self) {
+        if self.interlocks.is_open() {
+            // The machine holds already, and for a reason that outlasts this one.
+            return;
+        }
         match self.state {
             State::Running => {
                 self.held = true;

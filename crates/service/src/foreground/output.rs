@@ -3,6 +3,7 @@
 use super::super::guard::LimitBreach;
 use super::super::handoff::QueuedMove;
 use super::super::homing::Homing;
+use super::super::interlock::InterlockKind;
 use super::super::scene::Scene;
 use super::{Foreground, Path};
 use crate::number::ServiceNumber;
@@ -50,7 +51,7 @@ impl<N: Number> Output<N> {
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Power of the tool: in proportion to its speed along the path, or constant, and nothing unless the job
-    /// runs.
+    /// runs. Behind an open door nothing, at once: on the way to rest the path is left without the tool.
     #[inline]
     pub(super) fn tool(&mut self, setpoint: &Setpoint<N>) -> N {
         if !self.state.is_running() {
@@ -62,9 +63,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }) => tool.power(setpoint),
             _ => return N::ZERO,
         };
-        match self.levels.get_mut() {
+        // Levels go with the place, also where the tool stays off.
+        let power = match self.levels.get_mut() {
             Some(levels) => levels.part_of(power, setpoint),
             None => power,
+        };
+        match self.interlocks.is_open() {
+            true => N::ZERO,
+            false => power,
         }
     }
 
@@ -132,6 +138,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Stop at this fault.
     fn reaction(&self, code: FaultCode) -> StopCategory {
         match self.contact.get() {
+            _ if S::Interlocks::EXIST && code == FaultCode::EmergencyStop => {
+                self.interlocks.category()
+            }
             Some(contact) if code.is_contact() => contact.reaction(),
             _ => self.supply.reaction(code),
         }

@@ -2,6 +2,7 @@
 
 use super::super::feedback::Feedback;
 use super::super::handoff::{TickReport, count};
+use super::super::interlock::InterlockKind;
 use super::super::scene::Scene;
 use super::super::splice::{SpliceChannels, SplicesOf};
 use super::Foreground;
@@ -29,6 +30,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
             splice: <SplicesOf<S>>::report(&self.splices, self.position.tick),
             feedback: <S::Feedback as Feedback<N>>::report(&self.feedback),
+            interlocks: self.interlocks.report(),
         };
         self.unreported = !self.reports.send(report);
     }

@@ -5,6 +5,7 @@ use super::{Foreground, Path, Target};
 use crate::feedback::EnableProgress;
 use crate::guard::LimitBreach;
 use crate::homing::Homing;
+use crate::interlock::InterlockKind;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::settings::{PowerTimes, Reactions, StopCategory};
@@ -108,6 +109,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Acknowledges a fault. The drives stay off; in this tick their errors are cleared.
     pub(super) fn clear_fault(&mut self) {
+        // The order may be older than the stop.
+        if self.interlocks.is_pressed() {
+            return;
+        }
+        self.interlocks.acknowledge();
         match self.state {
             State::Fault if self.output.is_on() => {
                 let state = self.ready_state();

@@ -66,6 +66,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Feedback = ();
     type Contact = ();
     type Retreat = crate::retreat::NoRetreat;
+    type Interlocks = ();
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
@@ -97,6 +98,9 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     fn homing(&self) -> NoHoming {
         NoHoming
     }
+
+    #[inline(always)]
+    fn interlocks(&self) {}
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {

@@ -80,6 +80,7 @@ where
     type Feedback = ();
     type Contact = ();
     type Retreat = crate::retreat::NoRetreat;
+    type Interlocks = ();
     type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]
@@ -104,6 +105,9 @@ where
     fn homing(&self) -> NoHoming {
         NoHoming
     }
+
+    #[inline(always)]
+    fn interlocks(&self) {}
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {

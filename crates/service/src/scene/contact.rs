@@ -25,6 +25,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, R: RetreatKind> Scene for WithContact<'_
     type Feedback = S::Feedback;
     type Contact = ContactMemory<N>;
     type Retreat = R;
+    type Interlocks = S::Interlocks;
 
     fn homing(&self) -> S::Homing {
         self.scene.homing()
@@ -33,6 +34,11 @@ impl<N: ServiceNumber, S: Scene<N = N>, R: RetreatKind> Scene for WithContact<'_
     #[inline(always)]
     fn plan(&self) -> Option<Plan<N>> {
         self.scene.plan()
+    }
+
+    #[inline(always)]
+    fn interlocks(&self) -> S::Interlocks {
+        self.scene.interlocks()
     }
 
     #[inline(always)]

@@ -27,6 +27,7 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
     type Feedback = S::Feedback;
     type Contact = S::Contact;
     type Retreat = S::Retreat;
+    type Interlocks = S::Interlocks;
 
     fn homing(&self) -> Self::Homing {
         self.homing.map(Cycle::new)
@@ -42,6 +43,11 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
             rates: axes.map(|axis| axis.search),
             accelerations: axes.map(|axis| axis.acceleration),
         })
+    }
+
+    #[inline(always)]
+    fn interlocks(&self) -> S::Interlocks {
+        self.scene.interlocks()
     }
 
     #[inline(always)]

@@ -23,6 +23,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const BYTES: usize> Scene for WithLevels
     type Feedback = S::Feedback;
     type Contact = S::Contact;
     type Retreat = S::Retreat;
+    type Interlocks = S::Interlocks;
 
     #[inline(always)]
     fn levels(&self) -> u16 {
@@ -36,6 +37,11 @@ impl<N: ServiceNumber, S: Scene<N = N>, const BYTES: usize> Scene for WithLevels
     #[inline(always)]
     fn plan(&self) -> Option<Plan<N>> {
         self.scene.plan()
+    }
+
+    #[inline(always)]
+    fn interlocks(&self) -> S::Interlocks {
+        self.scene.interlocks()
     }
 
     #[inline(always)]

@@ -21,6 +21,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
     type Feedback = DriveFeedback<N>;
     type Contact = S::Contact;
     type Retreat = S::Retreat;
+    type Interlocks = S::Interlocks;
 
     fn homing(&self) -> S::Homing {
         self.scene.homing()
@@ -29,6 +30,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
     #[inline(always)]
     fn plan(&self) -> Option<Plan<N>> {
         self.scene.plan()
+    }
+
+    #[inline(always)]
+    fn interlocks(&self) -> S::Interlocks {
+        self.scene.interlocks()
     }
 
     #[inline(always)]

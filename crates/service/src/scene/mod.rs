@@ -2,11 +2,12 @@
 //!
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
-//! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that. The choice
+//! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that,
+//! [`WithInterlocks`] an emergency stop and a door. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// power lists, homing, feedback, contacts and retreats.
+/// power lists, homing, feedback, contacts, retreats and interlocks.
 macro_rules! inner_machine {
     () => {
         type N = N;
@@ -73,6 +74,7 @@ mod adjustable;
 mod compiled;
 mod contact;
 mod homed;
+mod interlocked;
 mod levels;
 mod measured;
 mod slot;
@@ -81,6 +83,7 @@ pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
 pub use contact::WithContact;
 pub use homed::WithHoming;
+pub use interlocked::WithInterlocks;
 pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
@@ -89,6 +92,7 @@ use crate::coefficients::Coefficients;
 use crate::contact::{ContactChannels, ContactCoefficients};
 use crate::feedback::{Feedback, FeedbackCoefficients};
 use crate::homing::{Homing, Plan};
+use crate::interlock::InterlockKind;
 use crate::levels::LevelKind;
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
@@ -175,6 +179,9 @@ pub trait Scene {
     /// Retreat after a contact; [`NoRetreat`](crate::NoRetreat) without any.
     type Retreat: RetreatKind;
 
+    /// Emergency stop and door; `()` without either.
+    type Interlocks: InterlockKind;
+
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;
 
@@ -195,6 +202,9 @@ pub trait Scene {
 
     /// Returns the plan of the homing; `None` if the machine needs no homing.
     fn plan(&self) -> Option<Plan<Self::N>>;
+
+    /// Returns the interlocks, all clear.
+    fn interlocks(&self) -> Self::Interlocks;
 
     /// Returns the coefficients of the feedback; `None` if the drives tell nothing.
     fn feedback(&self) -> Option<&FeedbackCoefficients<Self::N>>;

@@ -5,6 +5,7 @@ mod explore;
 mod faults;
 mod feedback;
 mod homing;
+mod interlocks;
 mod levels;
 mod moves;
 mod path;

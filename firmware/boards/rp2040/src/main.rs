@@ -15,6 +15,8 @@ mod chip;
 mod clock;
 #[cfg(target_os = "none")]
 mod drives;
+#[cfg(all(target_os = "none", interlocks))]
+mod interlocks;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
@@ -31,8 +33,12 @@ mod app {
     #[cfg(not(brake))]
     use super::drives::Drives as HeldDrives;
     use super::drives::{self, DriveTimer};
+    #[cfg(interlocks)]
+    use super::interlocks::{self, GuardedSwitches as Switches};
     use super::start;
-    use super::switches::{self, Switches};
+    use super::switches;
+    #[cfg(not(interlocks))]
+    use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
@@ -153,6 +159,8 @@ mod app {
             trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
         };
         let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
+        #[cfg(interlocks)]
+        let inputs = interlocks::build(inputs, pins.gpio19, pins.gpio20);
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

@@ -5,7 +5,6 @@ use rp2040_hal::gpio::bank0::{Gpio16, Gpio18};
 use rp2040_hal::gpio::{FunctionSioOutput, Pin, PullDown};
 use rp2040_hal::pwm::{FreeRunning, Pwm0, Slice};
 use trirrr_app::scene::tool::INVERTED;
-use trirrr_drives::Active;
 
 #[cfg(tool = "duty")]
 pub(super) use duty::{DutyPin as ToolPin, build};
@@ -26,8 +25,7 @@ pub(super) struct ToolParts {
 #[cfg(tool = "duty")]
 mod duty {
     use super::{
-        Active, FreeRunning, Gpio16, Gpio18, INVERTED, OutputOf, Pin, PullDown, Pwm0, Slice,
-        ToolParts,
+        FreeRunning, Gpio16, Gpio18, INVERTED, OutputOf, Pin, PullDown, Pwm0, Slice, ToolParts,
     };
     use crate::clock::CORE_HZ;
     use core::convert::Infallible;
@@ -111,7 +109,8 @@ mod duty {
 
 #[cfg(tool = "level")]
 mod level {
-    use super::{Active, Gpio16, INVERTED, OutputOf, ToolParts};
+    use super::{Gpio16, INVERTED, OutputOf, ToolParts};
+    use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.

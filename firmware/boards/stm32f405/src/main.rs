@@ -17,6 +17,8 @@ mod clock;
 mod dividers;
 #[cfg(target_os = "none")]
 mod drives;
+#[cfg(all(target_os = "none", interlocks))]
+mod interlocks;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
@@ -38,8 +40,12 @@ mod app {
     #[cfg(any(drive = "odrive", drive = "mit"))]
     use super::drives::Inbox;
     use super::drives::{self, DriveTimer};
+    #[cfg(interlocks)]
+    use super::interlocks::{self, GuardedSwitches as Switches};
     use super::start;
-    use super::switches::{self, Switches};
+    use super::switches;
+    #[cfg(not(interlocks))]
+    use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use stm32f4xx_hal::pac::{USART2, USART3};
@@ -151,6 +157,8 @@ mod app {
             trirrr_app::outputs::Tooled::new(outputs, tool)
         };
         let inputs = switches::build(b.pb13, b.pb14, b.pb15);
+        #[cfg(interlocks)]
+        let inputs = interlocks::build(inputs, a.pa6, a.pa7);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());

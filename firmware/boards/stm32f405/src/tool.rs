@@ -30,8 +30,8 @@ mod duty {
     use stm32f4xx_hal::hal::pwm::{ErrorType, SetDutyCycle};
     use stm32f4xx_hal::rcc::{Enable as _, Reset};
     use trirrr_app::scene::tool::{CUTS, ENABLE, FREQUENCY_HZ, SPAN};
+    use trirrr_drives::Enable;
     use trirrr_drives::tool::DutyOutput;
-    use trirrr_drives::{Active, Enable};
 
     /// Output to the tool.
     pub(crate) type DutyPin = DutyOutput<ToolTimer, PA4<Output>>;

@@ -12,7 +12,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
-use trirrr_scene::{RangeError, Scene, offer, units_of_scene};
+use trirrr_scene::{NormalContact, RangeError, Scene, offer, units_of_scene};
 use trirrr_service::{
     ContactCoefficients, FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings,
 };
@@ -100,6 +100,17 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         file.global("HOMING", &homing_type, constant(&coefficients));
         let active_high = homing.active_high.to_string();
         file.constant("HOMING_ACTIVE_HIGH", "bool", active_high);
+    }
+
+    if scene.inputs.are_named() {
+        let interlocks = scene.inputs.interlocks;
+        let parameters = format!("{service}::InterlockParameters");
+        file.constant("INTERLOCKS", &parameters, constant(&interlocks));
+        let has_stop = interlocks.emergency_stop.is_some();
+        file.constant("HAS_STOP", "bool", has_stop.to_string());
+        file.constant("HAS_DOOR", "bool", interlocks.door.is_some().to_string());
+        let is_closed = scene.inputs.door_normally == NormalContact::Closed;
+        file.constant("DOOR_OPEN_HIGH", "bool", is_closed.to_string());
     }
 
     if let Some(feedback) = &scene.feedback {
@@ -298,6 +309,21 @@ mod tests {
     fn a_scene_with_power_lists_has_their_room_and_no_other_has() {
         assert!(shipped("paths/raster.toml").contains("pub const LEVELS: u16 = 4096;\n"));
         assert!(!shipped("engraving.toml").contains("LEVELS"));
+    }
+
+    #[test]
+    fn a_scene_with_inputs_has_their_settings_and_no_other_has() {
+        let text = shipped("inputs/guarded.toml");
+        for line in [
+            "emergency_stop: Some(trirrr_service::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
+            "door: Some(trirrr_service::Door { debounce_ticks: 10, })",
+            "pub const HAS_STOP: bool = true;",
+            "pub const HAS_DOOR: bool = true;",
+            "pub const DOOR_OPEN_HIGH: bool = true;",
+        ] {
+            assert!(text.contains(line), "{line}");
+        }
+        assert!(!shipped("engraving.toml").contains("INTERLOCKS"));
     }
 
     #[test]

@@ -193,7 +193,7 @@ impl<const FEELS: bool> Explored for DrivenMachine<FEELS> {
             World::Silent(silent) => defects.silent = silent,
             World::Errs(errs) => defects.errs = errs,
             World::Pushes(pushes) => defects.pushes = pushes,
-            World::Switches(_) => {}
+            World::Switches(_) | World::Presses(_) | World::Opens(_) => {}
         }
     }
 

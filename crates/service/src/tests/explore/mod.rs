@@ -1,9 +1,10 @@
 //! All states of the service that a model of its commands reaches: every command is survivable, and from each state a way leads out.
 //!
 //! The search is breadth first. Each state is reached anew by the shortest list of acts that leads to it, on a service of its own, and every act is
-//! tried from there. States that a host and the outputs cannot tell apart are one. Four machines are explored: one without anything more, one that has
-//! to be homed, one that plays power lists, and one whose drives tell where they are and feel contacts.
+//! tried from there. States that a host and the outputs cannot tell apart are one. Five machines are explored: one without anything more, one that has
+//! to be homed, one that plays power lists, one whose drives tell where they are and feel contacts, and one with an emergency stop and a door.
 
+mod guarded;
 mod homed;
 mod listed;
 mod measured;
@@ -76,6 +77,10 @@ enum World {
     Errs(bool),
     /// Something pushes the platform, or nothing.
     Pushes(bool),
+    /// A person presses the emergency stop, or lets it go.
+    Presses(bool),
+    /// The door is opened, or closed.
+    Opens(bool),
 }
 
 /// Working of the switches of homing.
@@ -108,6 +113,16 @@ trait Explored: Sized {
     fn tick(&mut self) -> Output<f64>;
 
     fn change(&mut self, _: World) {}
+
+    /// Returns true if the machine has to refuse the command, whatever its state is.
+    fn refuses(&mut self, _: Ask) -> bool {
+        false
+    }
+
+    /// Returns true if its drives are off for good.
+    fn is_off(&mut self) -> bool {
+        self.bench().state() == State::Disabled
+    }
 
     /// All around the machine is as it should be.
     fn mend(&mut self) {}
@@ -208,7 +223,9 @@ trait Explored: Sized {
         match act {
             Act::Ask(ask) => {
                 let command = self.command(ask);
+                let refuses = self.refuses(ask);
                 let accepted = self.bench().ask(command) == Reply::Done;
+                assert!(!(accepted && refuses), "{ask:?} was accepted");
                 self.bench().judge();
                 return accepted;
             }
@@ -319,8 +336,10 @@ trait Explored: Sized {
     /// The documented way to drives that are off, whatever is wrong around the machine. Returns false if it leads to none.
     fn goes_off(&mut self) -> bool {
         for _ in 0..60 {
+            if self.is_off() {
+                return true;
+            }
             match self.bench().state() {
-                State::Disabled => return true,
                 State::Fault => _ = self.bench().ask(Command::ClearFault),
                 _ => _ = self.bench().ask(Command::Disable),
             }

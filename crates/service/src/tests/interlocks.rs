@@ -1,0 +1,395 @@
+//! Emergency stop and door.
+
+use super::homing::home_angles;
+use super::*;
+use crate::settings::StopCategory;
+use trirrr_protocol::message::{Acting, DriveFault, FaultCode, InputState, InputStates, Recovery};
+
+pub(super) type GuardedScene = WithInterlocks<Thesis<f64>, true, true>;
+
+pub(super) const STOP_TICKS: u16 = 2;
+pub(super) const DOOR_TICKS: u16 = 3;
+
+/// The thesis machine with an emergency stop of this category, and a door.
+pub(super) fn scene(category: StopCategory) -> GuardedScene {
+    WithInterlocks {
+        scene: Adjustable::new(example(), LimitParameters::default()),
+        parameters: InterlockParameters {
+            emergency_stop: Some(EmergencyStop {
+                debounce_ticks: STOP_TICKS,
+                category,
+            }),
+            door: Some(Door {
+                debounce_ticks: DOOR_TICKS,
+            }),
+        },
+    }
+}
+
+/// A service, and what its contacts tell.
+struct Guarded<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> {
+    bench: Bench<S>,
+    readings: InterlockReadings,
+}
+
+impl<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> Guarded<S> {
+    fn tick(&mut self) -> Output<f64> {
+        self.bench.service.sense(self.readings);
+        self.bench.tick()
+    }
+
+    fn ticks(&mut self, ticks: u16) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// Presses the stop or lets it go. The tick that takes it for true is the next one.
+    fn press(&mut self, is_pressed: bool) {
+        self.readings.emergency_stop = is_pressed;
+        self.ticks(STOP_TICKS - 1);
+    }
+
+    /// Opens or closes the door. The tick that takes it for true is the next one.
+    fn open(&mut self, is_open: bool) {
+        self.readings.door = is_open;
+        self.ticks(DOOR_TICKS - 1);
+    }
+
+    fn until(&mut self, state: State) {
+        for _ in 0..1000 {
+            self.tick();
+            if self.bench.service.state() == state {
+                return;
+            }
+        }
+        panic!("never {state:?}, but {:?}", self.bench.status());
+    }
+
+    fn inputs(&mut self) -> [InputState; 2] {
+        let InputStates {
+            emergency_stop,
+            door,
+        } = self.bench.status().inputs;
+        [emergency_stop, door]
+    }
+
+    /// Inputs, as events have told them since.
+    fn told(&mut self) -> Vec<[InputState; 2]> {
+        let told = self.bench.events.drain(..);
+        told.filter_map(|event| match event {
+            Event::Inputs(states) => Some([states.emergency_stop, states.door]),
+            _ => None,
+        })
+        .collect()
+    }
+}
+
+use InputState::{Absent, Active, Clear};
+
+/// A machine in the middle of a move with its tool on.
+fn running(category: StopCategory) -> Guarded<GuardedScene> {
+    let mut guarded = Guarded {
+        bench: Bench::set(scene(category), home(), settings()),
+        readings: InterlockReadings::default(),
+    };
+    guarded.bench.offer(Move {
+        tool_power: 0.5,
+        ..rest(0, home(), pose(0.28, 0.28, 0.2), 100)
+    });
+    guarded.bench.done(Command::Start);
+    guarded.ticks(40);
+    assert!(guarded.bench.service.output().tool > 0.0);
+    guarded
+}
+
+#[test]
+fn an_emergency_stop_of_category_0_is_off_in_the_tick_that_sees_it() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.press(true);
+    // Within the debounce time nothing happens.
+    let output = *guarded.bench.service.output();
+    assert!(output.is_on() && output.tool > 0.0);
+    let output = guarded.tick();
+    assert!(!output.is_on() && !output.brake_released);
+    assert_eq!(output.tool, 0.0);
+    assert_eq!(guarded.bench.state(), State::Fault);
+    let fault = guarded.bench.status().fault.unwrap();
+    // The first tick has enabled the machine.
+    let seen = 1 + 40 + u32::from(STOP_TICKS) - 1;
+    assert_eq!((fault.code, fault.tick), (FaultCode::EmergencyStop, seen));
+    assert_eq!(guarded.inputs(), [Active, Clear]);
+}
+
+/// On the very path, and to the place, of a stop that a host asks for.
+#[test]
+fn an_emergency_stop_of_category_1_comes_to_rest_on_the_path_then_is_off() {
+    let mut plain = running(StopCategory::StopThenOff);
+    plain.ticks(STOP_TICKS - 1);
+    plain.bench.done(Command::Stop);
+    let mut guarded = running(StopCategory::StopThenOff);
+    guarded.press(true);
+    let mut ticks = 0;
+    while plain.bench.service.state() != State::Idle {
+        let (stopped, output) = (plain.tick(), guarded.tick());
+        for (a, b) in stopped.motors.iter().zip(&output.motors) {
+            assert_eq!((a.angle.to_bits(), a.rate), (b.angle.to_bits(), b.rate));
+        }
+        assert_eq!(output.tool, 0.0);
+        ticks += 1;
+    }
+    assert!(ticks >= u32::from(RAMP) && guarded.bench.state() == State::Reacting);
+    guarded.until(State::Fault);
+    assert!(!guarded.bench.service.output().is_on());
+    let fault = guarded.bench.status().fault.unwrap();
+    assert_eq!(fault.code, FaultCode::EmergencyStop);
+}
+
+/// Pressed again on the way to rest it changes nothing; a failure of a drive does.
+#[test]
+fn a_stop_of_category_1_that_bounces_does_not_let_go_of_the_platform() {
+    let mut guarded = running(StopCategory::StopThenOff);
+    guarded.press(true);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Reacting);
+    for pressed in [false, true] {
+        guarded.press(pressed);
+        guarded.tick();
+        assert_eq!(guarded.bench.state(), State::Reacting);
+        assert!(guarded.bench.service.output().is_on());
+    }
+    let fault = FaultCode::Drive(DriveFault::Reported);
+    guarded.bench.service.raise(fault, Some(1), 5.0, 0.0);
+    assert!(!guarded.bench.service.output().is_on());
+}
+
+#[test]
+fn an_emergency_stop_is_latched_until_a_person_acknowledges_it_and_enables() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.press(true);
+    guarded.tick();
+    let refusal = guarded.bench.refused(Command::ClearFault);
+    assert_eq!(refusal, Refusal::EmergencyStop);
+    for command in [Command::Enable, Command::Start, Command::Resume] {
+        let refusal = guarded.bench.refused(command);
+        assert_eq!(refusal, Refusal::State(State::Fault), "{command:?}");
+    }
+    guarded.press(false);
+    assert_eq!(
+        guarded.bench.refused(Command::ClearFault),
+        Refusal::EmergencyStop
+    );
+    guarded.tick();
+    assert_eq!(guarded.inputs(), [Clear, Clear]);
+    // It is not over by itself.
+    guarded.ticks(50);
+    assert_eq!(guarded.bench.state(), State::Fault);
+    guarded.bench.done(Command::ClearFault);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Disabled);
+    assert!(!guarded.bench.service.output().is_on());
+    guarded.bench.done(Command::Enable);
+    guarded.until(State::Cleared);
+    // And again, with drives that are off.
+    guarded.bench.done(Command::Disable);
+    guarded.until(State::Disabled);
+    guarded.press(true);
+    guarded.tick();
+    let fault = guarded.bench.status().fault.unwrap();
+    assert_eq!(fault.code, FaultCode::EmergencyStop);
+    assert_eq!(
+        guarded.told(),
+        [[Active, Clear], [Clear, Clear], [Active, Clear]]
+    );
+}
+
+/// The order to acknowledge is on its way while the stop is pressed: the tick does not take it.
+#[test]
+fn an_acknowledgement_that_meets_a_pressed_stop_is_not_taken() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.press(true);
+    guarded.tick();
+    guarded.press(false);
+    guarded.tick();
+    guarded.press(true);
+    guarded.bench.done(Command::ClearFault);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Fault);
+    guarded.press(false);
+    guarded.tick();
+    guarded.bench.done(Command::ClearFault);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Disabled);
+}
+
+/// Drives that hold after another fault go off at once.
+#[test]
+fn an_emergency_stop_switches_off_what_a_fault_of_category_2_holds() {
+    let reactions = Reactions {
+        overrun: StopCategory::StopAndHold,
+        ..Reactions::OFF
+    };
+    let settings = Settings {
+        reactions,
+        ..settings()
+    };
+    let mut bench = Bench::set(scene(StopCategory::StopThenOff), home(), settings);
+    assert!(!bench.service.report_timing(1200, 1000));
+    for _ in 0..3 {
+        assert!(bench.service.tick().is_on());
+    }
+    assert_eq!(bench.state(), State::Fault);
+    let readings = InterlockReadings {
+        emergency_stop: true,
+        door: false,
+    };
+    for tick in 1..=STOP_TICKS {
+        bench.service.sense(readings);
+        assert_eq!(bench.service.tick().is_on(), tick < STOP_TICKS);
+    }
+    // The first fault stays.
+    let fault = bench.status().fault.unwrap();
+    assert_eq!(fault.code, FaultCode::Overrun);
+}
+
+/// The tool is off at once, the path waits, and goes on in its own bits when the host says so.
+#[test]
+fn a_door_holds_the_job_with_the_tool_off_until_it_is_closed_and_resumed() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.open(true);
+    assert!(guarded.bench.service.output().tool > 0.0);
+    let output = guarded.tick();
+    assert_eq!(output.tool, 0.0);
+    assert!(output.is_on() && !guarded.bench.service.foreground.tool_runs());
+    assert_eq!(guarded.bench.state(), State::Slowing);
+    guarded.until(State::Holding);
+    assert_eq!(guarded.bench.status().acting, Acting::Door);
+    assert_eq!(guarded.bench.refused(Command::Resume), Refusal::DoorOpen);
+    // Another hold does not take its place.
+    guarded.bench.done(Command::Hold);
+    guarded.ticks(20);
+    assert_eq!(guarded.bench.status().acting, Acting::Door);
+    guarded.open(false);
+    guarded.ticks(50);
+    assert_eq!(guarded.inputs(), [Clear, Clear]);
+    assert_eq!(
+        guarded.bench.state(),
+        State::Holding,
+        "it goes on by itself"
+    );
+    guarded.bench.done(Command::Resume);
+    guarded.until(State::Idle);
+    assert_eq!(guarded.bench.status().done, 1);
+    let mut plain = running(StopCategory::Off);
+    plain.until(State::Idle);
+    let [held, whole] = [&guarded, &plain].map(|each| each.bench.service.output().motors);
+    assert_eq!(held, whole);
+    assert_eq!(guarded.told(), [[Clear, Active], [Clear, Clear]]);
+}
+
+#[test]
+fn nothing_starts_behind_an_open_door() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.until(State::Idle);
+    let end = guarded.bench.status().end.unwrap().pose;
+    guarded.bench.offer(rest(1, end, home(), 100));
+    let recovery = Recovery {
+        to: home(),
+        ticks: 50,
+    };
+    guarded.open(true);
+    // Those that come before the tick has seen it are not taken by the tick.
+    guarded.bench.done(Command::Start);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Idle);
+    assert_eq!(guarded.bench.refused(Command::Start), Refusal::DoorOpen);
+    guarded.bench.done(Command::Stop);
+    guarded.ticks(3);
+    let refusal = guarded.bench.refused(Command::Recover(recovery));
+    assert_eq!(refusal, Refusal::DoorOpen);
+    // The drives may go off and on.
+    guarded.bench.done(Command::Disable);
+    guarded.until(State::Disabled);
+    guarded.bench.done(Command::Enable);
+    guarded.until(State::Idle);
+    guarded.open(false);
+    guarded.tick();
+    guarded.bench.done(Command::Recover(recovery));
+    guarded.until(State::Recovering);
+    guarded.open(true);
+    guarded.until(State::Cleared);
+}
+
+/// A door that closes before the machine stands lets it stand all the same.
+#[test]
+fn a_door_that_was_open_for_a_moment_holds_the_job() {
+    let mut guarded = running(StopCategory::Off);
+    guarded.open(true);
+    guarded.tick();
+    guarded.open(false);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Slowing);
+    guarded.until(State::Holding);
+    guarded.ticks(50);
+    assert_eq!(guarded.bench.state(), State::Holding);
+}
+
+#[test]
+fn homing_is_given_up_where_the_door_opens() {
+    let parameters = super::homing::parameters(Contact::Switch);
+    let coefficients = HomingCoefficients::build(&parameters, PERIOD_S);
+    let scene = WithInterlocks::<_, true, true> {
+        scene: WithHoming {
+            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
+            homing: Some(&*Box::leak(Box::new(coefficients))),
+        },
+        parameters: scene(StopCategory::Off).parameters,
+    };
+    let mut guarded = Guarded {
+        bench: Bench::set(scene, home(), settings()),
+        readings: InterlockReadings::default(),
+    };
+    assert!(home_angles().iter().all(|angle| angle.is_finite()));
+    assert_eq!(guarded.bench.state(), State::Unhomed);
+    guarded.bench.done(Command::Home);
+    guarded.until(State::Homing);
+    guarded.ticks(20);
+    guarded.open(true);
+    guarded.tick();
+    assert_eq!(guarded.bench.state(), State::Stopping);
+    assert_eq!(guarded.bench.status().acting, Acting::Door);
+    guarded.until(State::Unhomed);
+    assert_eq!(guarded.bench.refused(Command::Home), Refusal::DoorOpen);
+    guarded.open(false);
+    guarded.tick();
+    guarded.bench.done(Command::Home);
+    guarded.until(State::Homing);
+}
+
+#[test]
+fn a_scene_tells_the_inputs_that_it_names() {
+    let mut plain = Bench::<Thesis<f64>>::new();
+    assert_eq!(plain.status().inputs, InputStates::ABSENT);
+    let parameters = InterlockParameters {
+        door: None,
+        ..scene(StopCategory::Off).parameters
+    };
+    let mut guarded = Guarded {
+        bench: Bench::set(
+            WithInterlocks::<_, true, true> {
+                parameters,
+                ..scene(StopCategory::Off)
+            },
+            home(),
+            settings(),
+        ),
+        readings: InterlockReadings {
+            emergency_stop: false,
+            door: true,
+        },
+    };
+    guarded.ticks(20);
+    // A reading of an input that is not there counts for nothing.
+    assert_eq!(guarded.inputs(), [Clear, Absent]);
+    assert_eq!(guarded.bench.state(), State::Idle);
+}
