@@ -81,10 +81,13 @@ async function actions(tab) {
     await checked(tab);
     const line = scene.slice(0, scene.indexOf("proximal_m")).split("\n").length;
     assert.match(await text(tab, ".trouble"), new RegExp(`^${line}:14 machine\\.leg\\[1\\]\\.proximal_m = -[0-9.]+: must be greater than 0 \\(m\\)$`));
-    assert.match(await text(tab, ".mark"), /must be greater than 0/);
+    assert.equal(await text(tab, ".mark"), "must be greater than 0 (m)");
     const there = await tab.$eval(".mark", (mark) => mark.getBoundingClientRect().top - document.querySelector("#text").getBoundingClientRect().top);
     const height = await tab.$eval("#text", (field) => Number.parseFloat(getComputedStyle(field).lineHeight));
     assert.equal(Math.round((there - 8) / height), line - 1, "the message stands beside its line");
+    await tab.click(".trouble");
+    const caret = await tab.$eval("#text", (field) => field.value.slice(field.selectionStart, field.selectionStart + 2));
+    assert.equal(caret, "-0", "a click on the message goes to the value");
     await shot(tab, "refused");
     // A job that is too fast is refused by the admission; the machine stays in the hand.
     await tab.fill("#text", scene.replace(/^duration_s = .*$/m, "duration_s = 0.05"));

@@ -1,7 +1,7 @@
 //! The text of a scene, checked.
 
 use crate::{JobMode, Machine, PlayedJob};
-use trirrr_scene::{Scene, SceneError};
+use trirrr_scene::{Scene, SceneError, visible};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// One thing that is wrong with a scene.
@@ -14,6 +14,8 @@ pub struct Problem {
     pub column: u32,
     /// The sentence of `trirrr check`, without file and line: key, value, reason.
     pub sentence: String,
+    /// The reason alone, for a message beside key and value.
+    pub reason: String,
 }
 
 /// A text that was read as a scene.
@@ -68,6 +70,7 @@ impl Reading {
                 line: problem.line as u32,
                 column: problem.column as u32,
                 sentence: text.strip_prefix(&line).unwrap_or(&text).to_owned(),
+                reason: visible(&problem.reason).into_owned(),
             }
         });
         Self {

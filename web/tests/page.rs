@@ -57,12 +57,14 @@ fn text_that_is_no_toml_has_a_place() {
             line,
             column,
             sentence,
+            reason,
         },
     ] = &reading.problems()[..]
     else {
         panic!("{:?}", reading.problems());
     };
     assert_eq!((*line, *column), (2, 9));
+    assert!(sentence.ends_with(reason), "{sentence}");
     assert!(sentence.contains("decimal point"), "{sentence}");
 }
 

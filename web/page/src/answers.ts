@@ -12,6 +12,8 @@ export interface Trouble {
     line: number;
     column: number;
     sentence: string;
+    /** The sentence without key and value. */
+    reason: string;
 }
 
 /** Table of a job: columns of `ticks.csv` by name. */

@@ -1,7 +1,7 @@
 // The page: a scene, its machine in the user's hand, its job.
 
 import { initSync, Reading, bitsOf, type Machine } from "../core/core.js";
-import type { Answer, JobTable, ModeRow } from "./answers";
+import type { Answer, JobTable, ModeRow, Trouble } from "./answers";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
 import { number } from "./format";
@@ -68,7 +68,7 @@ class Page {
                 this.jobModes = answer.modes;
                 this.show();
             },
-            (sentence) => this.editor.show([{ line: 1, column: 1, sentence }], ""),
+            (sentence) => this.editor.show([atTheTop(sentence)], ""),
         );
         this.listen();
     }
@@ -158,7 +158,7 @@ class Page {
             try {
                 this.takeMachine(reading.machine());
             } catch (sentence) {
-                this.editor.show([{ line: 1, column: 1, sentence: String(sentence) }], "");
+                this.editor.show([atTheTop(String(sentence))], "");
             }
         } else {
             this.editor.show(reading.problems.map(taken), "");
@@ -359,6 +359,11 @@ function withElbows(text: string, mode: string): string | undefined {
         leg += 1;
         return before + sign;
     });
+}
+
+/** A sentence about the whole scene. */
+function atTheTop(sentence: string): Trouble {
+    return { line: 1, column: 1, sentence, reason: sentence };
 }
 
 /** Row at `time`, or the last before it. */

@@ -33,27 +33,27 @@ export class Editor {
     show(troubles: Trouble[], good: string): void {
         this.troubles = troubles;
         this.fit();
-        this.marks.replaceChildren(...this.byLine().map(([line, sentences, width]) => this.mark(line, sentences, width)));
+        this.marks.replaceChildren(...this.byLine().map(([line, reasons, width]) => this.mark(line, reasons, width)));
         const items = troubles.map((trouble) => this.item(trouble));
         this.list.classList.toggle("bad", troubles.length > 0);
         this.list.replaceChildren(...(items.length > 0 ? items : [good]));
     }
 
-    /** Lines with problems: number, sentences, characters of the line. */
+    /** Lines with problems: number, reasons, characters of the line. */
     private byLine(): [number, string, number][] {
         const lines = this.text.value.split("\n");
         const found = new Map<number, string[]>();
-        for (const { line, sentence } of this.troubles) found.set(line, [...(found.get(line) ?? []), sentence]);
-        return [...found].map(([line, sentences]) => [line, sentences.join("; "), lines[line - 1]?.length ?? 0]);
+        for (const { line, reason } of this.troubles) found.set(line, [...(found.get(line) ?? []), reason]);
+        return [...found].map(([line, reasons]) => [line, reasons.join("; "), lines[line - 1]?.length ?? 0]);
     }
 
-    private mark(line: number, sentence: string, width: number): HTMLElement {
+    private mark(line: number, reasons: string, width: number): HTMLElement {
         const mark = document.createElement("div");
         mark.className = "mark";
         mark.style.setProperty("--line", String(line - 1));
         const words = document.createElement("span");
         words.style.setProperty("--width", String(width + 2));
-        words.textContent = sentence;
+        words.textContent = reasons;
         mark.append(words);
         return mark;
     }
