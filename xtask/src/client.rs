@@ -149,7 +149,10 @@ fn install() -> Result<()> {
     let started = Instant::now();
     let mut pip = python();
     pip.args(["-m", "pip", "install", "--quiet", MYPY])
-        .arg(format!("{}[figures,notebooks,serial,tables]", package().display()))
+        .arg(format!(
+            "{}[figures,notebooks,serial,tables]",
+            package().display()
+        ))
         // The profile of the other programs here: compiling takes longer than running.
         .env("MATURIN_PEP517_ARGS", "--profile dev --features shared")
         .env("CARGO_TARGET_DIR", target_directory());
