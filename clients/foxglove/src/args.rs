@@ -42,7 +42,7 @@ pub(crate) struct FoxgloveArgs {
 }
 
 /// Origin of the values.
-pub(crate) enum Source<'a> {
+pub(crate) enum SampleOrigin<'a> {
     /// Port for watchers.
     Port(&'a str),
     /// Table of a run.
@@ -50,10 +50,10 @@ pub(crate) enum Source<'a> {
 }
 
 impl FoxgloveArgs {
-    pub(crate) fn source(&self) -> Source<'_> {
+    pub(crate) fn source(&self) -> SampleOrigin<'_> {
         match &self.ticks {
-            Some(ticks) => Source::Ticks(ticks),
-            None => Source::Port(&self.port),
+            Some(ticks) => SampleOrigin::Ticks(ticks),
+            None => SampleOrigin::Port(&self.port),
         }
     }
 

@@ -4,14 +4,14 @@
 
 mod args;
 mod drawing;
-mod failure;
+mod error;
 mod recording;
 mod topics;
 mod watched;
 
-use args::{FoxgloveArgs, Source};
+use args::{FoxgloveArgs, SampleOrigin};
 use clap::Parser;
-use failure::Failure;
+use error::FoxgloveError;
 use foxglove::{Context, WebSocketServerHandle};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -36,19 +36,20 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(args: &FoxgloveArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let scene = Scene::read(&args.scene).map_err(|error| Failure::Refused(error.to_string()))?;
+fn run(args: &FoxgloveArgs, stop: &AtomicBool) -> Result<(), FoxgloveError> {
+    let scene =
+        Scene::read(&args.scene).map_err(|error| FoxgloveError::Refused(error.to_string()))?;
     let context = Context::new();
     let mut topics = Topics::new(&context)?;
     let file = args.mcap.as_ref().map(|path| {
         let made = context.mcap_writer_with_options(args::uncompressed());
         let made = made.create_new_buffered_file(path);
-        made.map_err(|error| Failure::file(path, &error))
+        made.map_err(|error| FoxgloveError::file(path, &error))
     });
     let file = file.transpose()?;
     let done = match args.source() {
-        Source::Ticks(table) => recording::play(table, &scene, &mut topics),
-        Source::Port(port) => {
+        SampleOrigin::Ticks(table) => recording::play(table, &scene, &mut topics),
+        SampleOrigin::Port(port) => {
             let server = args.listen().map(|at| listen(&context, at)).transpose()?;
             if let Some(server) = &server {
                 println!("Foxglove connects to ws://{}:{}", args.host, server.port());
@@ -64,7 +65,7 @@ fn run(args: &FoxgloveArgs, stop: &AtomicBool) -> Result<(), Failure> {
     // What has come stays readable, however it ended.
     if let (Some(file), Some(path)) = (file, &args.mcap) {
         let closed = file.close();
-        closed.map_err(|error| Failure::Failed(format!("{}: {error}", path.display())))?;
+        closed.map_err(|error| FoxgloveError::Failed(format!("{}: {error}", path.display())))?;
         println!("wrote {}: {} samples", path.display(), topics.samples());
     }
     done
@@ -73,8 +74,8 @@ fn run(args: &FoxgloveArgs, stop: &AtomicBool) -> Result<(), Failure> {
 fn listen(
     context: &Arc<Context>,
     (host, port): (&str, u16),
-) -> Result<WebSocketServerHandle, Failure> {
+) -> Result<WebSocketServerHandle, FoxgloveError> {
     let server = context.websocket_server().name("trirrr").bind(host, port);
     let started = server.start_blocking();
-    started.map_err(|error| Failure::Failed(format!("{host}:{port}: {error}")))
+    started.map_err(|error| FoxgloveError::Failed(format!("{host}:{port}: {error}")))
 }

@@ -1,6 +1,6 @@
 //! A table of `trirrr run` as a recording.
 
-use crate::failure::Failure;
+use crate::error::FoxgloveError;
 use crate::topics::Topics;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -17,11 +17,11 @@ const COLUMNS: [&str; 11] = [
 ///
 /// # Errors
 /// Refused: a table that cannot be read, lacks a column, or has a cell that is no number; a setpoint that the machine does not reach.
-pub(crate) fn play(table: &Path, scene: &Scene, topics: &mut Topics) -> Result<(), Failure> {
+pub(crate) fn play(table: &Path, scene: &Scene, topics: &mut Topics) -> Result<(), FoxgloveError> {
     let name = table.display();
-    let refused = |reason: String| Failure::Refused(format!("{name}: {reason}"));
+    let refused = |reason: String| FoxgloveError::Refused(format!("{name}: {reason}"));
     let machine = pipeline::of_scene::<f64>(scene, Units::SI)
-        .map_err(|error| Failure::Refused(error.to_string()))?;
+        .map_err(|error| FoxgloveError::Refused(error.to_string()))?;
     let mut reader = csv::Reader::from_path(table).map_err(|error| refused(error.to_string()))?;
     let header = reader
         .headers()

@@ -1,7 +1,7 @@
 //! Topics of a machine: tables as JSON with a schema that says the units, and Foxglove's own messages for the 3D panel and the log.
 
 use crate::drawing;
-use crate::failure::Failure;
+use crate::error::FoxgloveError;
 use foxglove::messages::{FrameTransform, Log, Quaternion, SceneUpdate, Timestamp, Vector3, log};
 use foxglove::{Channel, Context, PartialMetadata, RawChannel, Schema};
 use serde_json::{Value, json};
@@ -99,7 +99,7 @@ impl Topics {
     ///
     /// # Errors
     /// A topic that is refused.
-    pub(crate) fn new(context: &Arc<Context>) -> Result<Self, Failure> {
+    pub(crate) fn new(context: &Arc<Context>) -> Result<Self, FoxgloveError> {
         let table = |topic: &str, properties: Value| {
             let name = format!("trirrr{}", topic.replace('/', "."));
             let schema = json!({ "title": name, "type": "object", "properties": properties });
@@ -112,7 +112,7 @@ impl Topics {
                     schema.to_string().into_bytes(),
                 ))
                 .build_raw();
-            channel.map_err(|error| Failure::Failed(format!("{topic}: {error}")))
+            channel.map_err(|error| FoxgloveError::Failed(format!("{topic}: {error}")))
         };
         let state = json!({
             "state": { "type": "string", "description": "state of the machine" },

@@ -1,6 +1,6 @@
 //! A machine behind a port for watchers.
 
-use crate::failure::Failure;
+use crate::error::FoxgloveError;
 use crate::topics::Topics;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,9 +34,9 @@ pub(crate) fn watch(
     scene: &Scene,
     topics: &mut Topics,
     stop: &AtomicBool,
-) -> Result<(), Failure> {
+) -> Result<(), FoxgloveError> {
     let key = key.map(SharedKey::read).transpose();
-    let key = key.map_err(|error| Failure::Refused(error.to_string()))?;
+    let key = key.map_err(|error| FoxgloveError::Refused(error.to_string()))?;
     let line = WatchedLine {
         address: Address::Tcp(port.into()),
         key,
@@ -69,8 +69,8 @@ fn watch_in<N: ServiceNumber>(
     scene: &Scene,
     topics: &mut Topics,
     stop: &AtomicBool,
-) -> Result<(), Failure> {
-    let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+) -> Result<(), FoxgloveError> {
+    let refused = |error: &dyn std::fmt::Display| FoxgloveError::Refused(error.to_string());
     let machine_units = units::<N>(scene).map_err(|error| refused(&error))?;
     let machine = pipeline::of_scene::<N>(scene, machine_units).map_err(|error| refused(&error))?;
     let units = Units::of_scene(scene, &machine_units);
@@ -82,7 +82,7 @@ fn watch_in<N: ServiceNumber>(
         drives: DriveSamples::new(scene, units, 1).map_err(|error| refused(&error))?,
         is_warned: false,
     };
-    let failed = |error: OpenError| Failure::Failed(error.to_string());
+    let failed = |error: OpenError| FoxgloveError::Failed(error.to_string());
     let mut link = line.open().map_err(failed)?;
     let mut frames = Frames::default();
     while !stop.load(Ordering::Relaxed) {
@@ -96,7 +96,7 @@ fn watch_in<N: ServiceNumber>(
                 }
             }
             Err(error) if KeyRefusal::of(&error).is_some() => {
-                return Err(Failure::Failed(format!("{}: {error}", line.address)));
+                return Err(FoxgloveError::Failed(format!("{}: {error}", line.address)));
             }
             Err(error) => {
                 watcher.warn(&format!("{}: {error}; opening it anew", line.address));
@@ -124,7 +124,7 @@ struct Watcher<'a, N: ServiceNumber> {
 }
 
 impl<N: ServiceNumber> Watcher<'_, N> {
-    fn take(&mut self, message: &RawMessage) -> Result<(), Failure> {
+    fn take(&mut self, message: &RawMessage) -> Result<(), FoxgloveError> {
         // An identity has the same bytes in every number type.
         if let Some(Message::Reply {
             reply: Reply::Hello(identity),
@@ -135,7 +135,7 @@ impl<N: ServiceNumber> Watcher<'_, N> {
             if identity.schema != own.schema || identity.scene != self.scene.key {
                 let name = identity.name.iter().take_while(|byte| **byte != 0);
                 let name: String = name.map(|byte| char::from(*byte)).collect();
-                return Err(Failure::Refused(format!(
+                return Err(FoxgloveError::Refused(format!(
                     "the machine was built from another scene, {name}, or in another number type than {}: give the one that it was built from",
                     self.scene.number
                 )));

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 /// Reason why the program ends early.
 #[derive(Debug, Error)]
-pub(crate) enum Failure {
+pub(crate) enum FoxgloveError {
     /// The input is refused.
     #[error("{0}")]
     Refused(String),
@@ -15,7 +15,7 @@ pub(crate) enum Failure {
     Failed(String),
 }
 
-impl Failure {
+impl FoxgloveError {
     /// A file that cannot be made or written.
     pub(crate) fn file(path: &Path, error: &impl Display) -> Self {
         match path.exists() {
