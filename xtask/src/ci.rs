@@ -207,9 +207,7 @@ fn releases(packages: &[Package]) -> Vec<Step> {
 
 /// Scenes whose figures CI measures: a kind of drive or of machine each, in the number type of its image. `cargo xtask nightly` measures
 /// those of all scenes in all types: others tick as one of these does.
-const MEASURED: [&str; 3] = [
-    // Drives on a bus, links with masses.
-    "odrive",
+const MEASURED: [&str; 2] = [
     // Steppers, fixed point, homing.
     "pick-home",
     // No drives, links without masses.

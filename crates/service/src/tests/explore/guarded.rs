@@ -6,7 +6,7 @@ use crate::interlock::InterlockKind;
 use crate::settings::StopCategory;
 
 /// Most acts on the way to a state in the short search.
-const DEPTH: usize = 4;
+const DEPTH: usize = 3;
 
 /// `ON_PATH`: the emergency stop is of category 1; else of 0.
 struct GuardedMachine<const ON_PATH: bool> {
