@@ -52,15 +52,7 @@ struct WatchedLine {
 
 impl WatchedLine {
     fn open(&self) -> Result<Box<dyn Link>, OpenError> {
-        match &self.key {
-            Some(key) => transport::open_keyed(&self.address, 0, key),
-            None => {
-                let mut link = transport::open(&self.address, 0)?;
-                // A port that expects a key says so to who begins without one. A link that is lost shows when it is read.
-                let _ = link.send(&[0; 2]);
-                Ok(link)
-            }
-        }
+        transport::open_watched(&self.address, self.key.as_ref())
     }
 }
 

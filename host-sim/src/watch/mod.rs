@@ -4,14 +4,13 @@ mod view;
 
 use crate::failure::CliError;
 use crate::serve::read_key;
-use crate::stream::open_link;
 use clap::Args;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::transport::{
-    Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey, listening,
+    Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey, listening, open_watched,
 };
 use trirrr_scene::visible_lines;
 use view::WatchView;
@@ -102,12 +101,7 @@ struct WatchedLine {
 
 impl WatchedLine {
     fn open(&self) -> Result<Box<dyn Link>, OpenError> {
-        let mut link = open_link(&self.address, 0, self.key.as_ref())?;
-        if self.key.is_none() {
-            // A port that expects a key says so to who begins without one. A link that is lost shows when it is read.
-            let _ = link.send(&[0; 2]);
-        }
-        Ok(link)
+        open_watched(&self.address, self.key.as_ref())
     }
 
     /// Tries until it is open. `None`: `stop` was raised.

@@ -145,6 +145,25 @@ pub fn open_keyed(
     }
 }
 
+/// Opens the link to a port for watchers at `address`, who send nothing else.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open_watched(
+    address: &Address,
+    key: Option<&SharedKey>,
+) -> Result<Box<dyn Link>, OpenError> {
+    match key {
+        Some(key) => open_keyed(address, 0, key),
+        None => {
+            let mut link = open(address, 0)?;
+            // A port that expects a key says so to who begins without one. A link that is lost shows when it is read.
+            let _ = link.send(&[0; 2]);
+            Ok(link)
+        }
+    }
+}
+
 fn classify_greeting(address: &Address, error: &io::Error) -> OpenError {
     let address = address.clone();
     match (KeyRefusal::of(error), error.kind()) {
