@@ -4,7 +4,7 @@
 //! the one that `trirrr run` writes: what the machine sent, in the bits; what the client computes
 //! itself, to its rounding. The client does not plan: of a job along a path it plays the moves that `trirrr plan` writes.
 
-use crate::programs::Programs;
+use crate::programs::{Programs, python_in, succeed};
 use crate::repository::{root, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -141,11 +141,7 @@ fn python() -> Command {
 /// Makes the virtual environment if it is missing, and installs the package and what its checks need.
 fn install() -> Result<()> {
     fs::create_dir_all(folder()).with_context(|| folder().display().to_string())?;
-    if !folder().join("venv/bin/python").exists() {
-        let mut venv = Command::new("python3");
-        venv.args(["-m", "venv"]).arg(folder().join("venv"));
-        succeed(&mut venv, "a place for the Python package")?;
-    }
+    python_in(&folder().join("venv"))?;
     let started = Instant::now();
     let mut pip = python();
     pip.args(["-m", "pip", "install", "--quiet", MYPY])
@@ -239,14 +235,6 @@ fn in_vain(trirrr: &Path) -> Result<()> {
     let expected = folder().join(name).join("run");
     compare(&expected.join("ticks.csv"), &table, rounding("fixed"))
         .with_context(|| format!("scene {name}, recovered"))
-}
-
-fn succeed(command: &mut Command, what: &str) -> Result<()> {
-    let status = command
-        .status()
-        .with_context(|| format!("{what} cannot be started"))?;
-    ensure!(status.success(), "{what} failed: {status}");
-    Ok(())
 }
 
 /// `trirrr device` in the background; it ends with this value.

@@ -4,6 +4,7 @@
 //! page's TypeScript into `target/page/trirrr.html`. Tools come from npm by `web/page/package-lock.json`.
 
 use crate::packages::choose_host;
+use crate::programs::succeed;
 use crate::repository::{cargo, root, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -131,11 +132,5 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
             }
         }
     }
-    Ok(())
-}
-
-fn succeed(command: &mut Command, what: &str) -> Result<()> {
-    let status = command.status().with_context(|| format!("{command:?}"))?;
-    ensure!(status.success(), "{what} failed: {status}");
     Ok(())
 }

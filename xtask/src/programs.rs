@@ -3,7 +3,7 @@
 use crate::packages::choose_host;
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Host programs, built.
@@ -37,4 +37,33 @@ impl Programs {
             board_test: built.join("board-test"),
         }
     }
+}
+
+/// Runs `command`, a part of a chore that people know as `what`.
+///
+/// # Errors
+/// It cannot be started, or says that it has failed.
+pub(crate) fn succeed(command: &mut Command, what: &str) -> Result<()> {
+    let status = command
+        .status()
+        .with_context(|| format!("{what} cannot be started: {command:?}"))?;
+    ensure!(status.success(), "{what} failed: {status}");
+    Ok(())
+}
+
+/// Python of the virtual environment in `folder`, which is made if it is missing.
+///
+/// # Errors
+/// It cannot be made.
+pub(crate) fn python_in(folder: &Path) -> Result<PathBuf> {
+    let python = folder.join("bin/python");
+    if !python.exists() {
+        let mut venv = Command::new("python3");
+        venv.args(["-m", "venv"]).arg(folder);
+        succeed(
+            &mut venv,
+            &format!("a virtual environment in {}", folder.display()),
+        )?;
+    }
+    Ok(python)
 }

@@ -1,9 +1,9 @@
 //! `cargo xtask senders`: programs that send G-code, as their users have them, against `trirrr grbl`.
 
 use crate::parallel;
-use crate::programs::Programs;
+use crate::programs::{Programs, python_in, succeed};
 use crate::repository::{root, target_directory};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use std::path::Path;
 use std::process::Command;
 
@@ -28,11 +28,7 @@ pub(crate) fn run() -> Result<()> {
 }
 
 fn bcnc(folder: &Path, trirrr: &Path) -> Result<()> {
-    let python = folder.join("bin/python");
-    if !python.exists() {
-        let mut venv = Command::new("python3");
-        succeed(venv.args(["-m", "venv"]).arg(folder), "a place for bCNC")?;
-    }
+    let python = python_in(folder)?;
     let mut install = Command::new(&python);
     install.args(["-m", "pip", "install", "--quiet", BCNC]);
     succeed(&mut install, "the installation of bCNC")?;
@@ -51,10 +47,4 @@ fn cncjs(folder: &Path, trirrr: &Path) -> Result<()> {
     let mut driver = Command::new("node");
     driver.arg(root().join("tests/senders/cncjs.js"));
     succeed(driver.arg(folder).arg(trirrr), "cncjs")
-}
-
-fn succeed(command: &mut Command, what: &str) -> Result<()> {
-    let status = command.status().with_context(|| format!("{command:?}"))?;
-    ensure!(status.success(), "{what} failed: {status}");
-    Ok(())
 }
