@@ -18,7 +18,7 @@ pub type Angle = <Scalar as Arithmetic>::Angle;
 /// One flag for each motor, set while the switch is closed or the drive stalls; `()` without homing.
 pub type Closed = <<ImageScene as Scene>::Homing as Homing<Scalar>>::Inputs;
 
-/// What the contacts of the interlocks tell; `()` without any.
+/// Readings of the contacts of the interlocks; `()` without any.
 pub type Interlocked = trirrr_service::InterlockReadingsOf<ImageScene>;
 
 /// Source of a tick's inputs.
@@ -60,7 +60,15 @@ pub trait InterlockInput {
 
 /// Pin that the scene does not name: it is left alone.
 #[cfg(interlocks)]
-pub struct NoInterlockPin<P>(pub PhantomData<P>);
+pub struct NoInterlockPin<P>(PhantomData<P>);
+
+#[cfg(interlocks)]
+impl<P> NoInterlockPin<P> {
+    /// Leaves the pin as it is: nothing pulls it up.
+    pub fn at(_: impl FnOnce() -> P) -> Self {
+        Self(PhantomData)
+    }
+}
 
 #[cfg(interlocks)]
 impl<P> InterlockInput for NoInterlockPin<P> {
@@ -72,7 +80,15 @@ impl<P> InterlockInput for NoInterlockPin<P> {
 
 /// Contact at a pin. `HIGH`: the machine must not move while the pin is high, which it is where the wire breaks.
 #[cfg(interlocks)]
-pub struct InterlockPin<P, const HIGH: bool>(pub P);
+pub struct InterlockPin<P, const HIGH: bool>(P);
+
+#[cfg(interlocks)]
+impl<P, const HIGH: bool> InterlockPin<P, HIGH> {
+    /// Contact at the pin that `pull_up` makes an input.
+    pub fn at(pull_up: impl FnOnce() -> P) -> Self {
+        Self(pull_up())
+    }
+}
 
 #[cfg(interlocks)]
 impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for InterlockPin<P, HIGH> {
