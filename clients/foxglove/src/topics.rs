@@ -117,7 +117,7 @@ impl Topics {
         let state = json!({
             "state": { "type": "string", "description": "state of the machine" },
             "move": { "type": "integer", "description": "number of the move under way, or of the last one" },
-            "lost": { "type": "integer", "description": "samples that did not come" },
+            "lost": { "type": "integer", "description": "samples that the machine dropped, as nobody fetched them" },
         });
         Ok(Self {
             platform: table("/platform", properties(&PLATFORM_FIELDS))?,
@@ -155,7 +155,7 @@ impl Topics {
             record.parallel,
             record.tool,
         ];
-        send(&self.platform, at, &single(&PLATFORM_FIELDS, values));
+        send(&self.platform, at, || single(&PLATFORM_FIELDS, values));
         let of_legs =
             |value: fn(&trirrr_scene::record::LegRecord) -> f64| record.legs.each_ref().map(value);
         let values = [
@@ -166,7 +166,7 @@ impl Topics {
             of_legs(|leg| leg.power),
             of_legs(|leg| leg.serial),
         ];
-        send(&self.motors, at, &triples(&MOTOR_FIELDS, values));
+        send(&self.motors, at, || triples(&MOTOR_FIELDS, values));
         let meta = PartialMetadata::with_log_time(at);
         let (sin, cos) = (0.5 * alpha).sin_cos();
         let transform = FrameTransform {
@@ -207,13 +207,16 @@ impl Topics {
             error,
             record.external,
         ];
-        send(&self.drives, at, &triples(&DRIVE_FIELDS, values));
+        send(&self.drives, at, || triples(&DRIVE_FIELDS, values));
     }
 
     /// Gives out the state.
-    pub(crate) fn state(&self, state: &str, number: u32, lost: u64, at: u64) {
-        let value = json!({ "state": state, "move": number, "lost": lost });
-        send(&self.state, at, &value);
+    pub(crate) fn state(&self, state: &str, number: u32, lost: u32, at: u64) {
+        send(
+            &self.state,
+            at,
+            || json!({ "state": state, "move": number, "lost": lost }),
+        );
     }
 
     /// Gives out a sentence.
@@ -265,9 +268,12 @@ fn triples<const COUNT: usize>(fields: &[Field; COUNT], values: [[f64; 3]; COUNT
     )
 }
 
-fn send(channel: &RawChannel, at: u64, value: &Value) {
-    let meta = PartialMetadata::with_log_time(at);
-    channel.log_with_meta(value.to_string().as_bytes(), meta);
+/// Sends what `value` makes, if somebody listens.
+fn send(channel: &RawChannel, at: u64, value: impl FnOnce() -> Value) {
+    if channel.has_sinks() {
+        let meta = PartialMetadata::with_log_time(at);
+        channel.log_with_meta(value().to_string().as_bytes(), meta);
+    }
 }
 
 /// Time of so many nanoseconds since 1970.

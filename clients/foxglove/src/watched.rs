@@ -163,8 +163,7 @@ impl<N: ServiceNumber> Watcher<'_, N> {
     fn sample(&mut self, sample: &Telemetry<N>) {
         let at = now();
         let state = describe::state(sample.state, sample.acting);
-        self.topics
-            .state(&state, sample.number, self.samples.missing(), at);
+        self.topics.state(&state, sample.number, sample.lost, at);
         if !sample.fields.contain(TelemetryFields::SETPOINT) {
             if !self.is_warned {
                 self.is_warned = true;
