@@ -23,7 +23,7 @@ pub struct Problem {
 #[derive(Debug)]
 pub struct Reading {
     problems: Vec<Problem>,
-    /// What `trirrr check` prints of a scene that is refused.
+    /// Text that `trirrr check` prints of a scene that is refused.
     refusal: Option<String>,
     /// The scene; of one that is refused only where its values are right and its job is not.
     scene: Option<Scene>,

@@ -1,4 +1,4 @@
-//! What the page is told, against what the host's crates say.
+//! Answers that the page gets, against what the host's crates say.
 
 use trirrr_scene::{Scene, SceneError};
 use trirrr_web::{Problem, Reading, bits_of, planned_moves};

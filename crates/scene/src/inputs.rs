@@ -12,7 +12,7 @@ const DEBOUNCE_S: f64 = 0.005;
 /// Contacts to ground by which a person stops the machine. Each is pulled up by the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputPorts {
-    /// What the contacts do, in ticks.
+    /// Settings of the contacts, in ticks.
     pub interlocks: InterlockParameters,
     /// Position of the door's contact while the door is closed.
     pub door_normally: NormalContact,

@@ -9,7 +9,7 @@ interface Curve {
     title: string;
     unit: string;
     column: string;
-    /** What is drawn for one SI unit. */
+    /** Drawn for one SI unit. */
     factor: number;
     limit: (limits: TakenLimits) => Float64Array | undefined;
 }

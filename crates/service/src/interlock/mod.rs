@@ -22,7 +22,7 @@ pub trait InterlockKind: Send {
     /// True for a scene with any.
     const EXIST: bool;
 
-    /// What the contacts tell in a tick.
+    /// Readings of the contacts in a tick.
     type Readings: Copy + Default;
     /// Report of the tick about them.
     type Report: Optional<InputStates> + Copy + Debug + PartialEq;
@@ -131,7 +131,7 @@ to_source!(pub [] InterlockParameters [] in trirrr_service {
     door,
 });
 
-/// What the contacts tell in a tick, bounces and all: true where the machine must not move.
+/// Readings of the contacts in a tick, bounces and all: true where the machine must not move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InterlockReadings {
     /// The emergency stop is pressed.

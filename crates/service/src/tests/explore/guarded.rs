@@ -68,7 +68,7 @@ impl<const ON_PATH: bool> Explored for GuardedMachine<ON_PATH> {
         &mut self.bench
     }
 
-    /// What the table of the inputs says holds in every tick.
+    /// The table of the inputs holds in every tick.
     fn tick(&mut self) -> Output<f64> {
         self.bench.service.sense(self.readings);
         let output = self.bench.tick();
