@@ -146,7 +146,7 @@ fn install() -> Result<()> {
     let mut pip = python();
     pip.args(["-m", "pip", "install", "--quiet", MYPY])
         .arg(format!(
-            "{}[figures,notebooks,serial,tables]",
+            "{}[figures,notebooks,progress,serial,tables]",
             package().display()
         ))
         // The profile of the other programs here: compiling takes longer than running.

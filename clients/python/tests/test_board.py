@@ -1,6 +1,8 @@
 """Boards: `trirrr device` on TCP."""
 
 import asyncio
+import contextlib
+import io
 import sys
 import threading
 import time
@@ -55,6 +57,11 @@ class Boards(unittest.TestCase):
             self.assertGreaterEqual(len(ticks["tau1"]), 101)
             self.assertAlmostEqual(ticks["x"][-1], 0.28, places=6)
             self.assertEqual(seen[-1][:2], (1, 1))
+            # The same job once more, behind a bar.
+            shown = io.StringIO()
+            with contextlib.redirect_stderr(shown):
+                board.run(SCENES / "thesis.toml", recover_s=0.5, progress=True)
+            self.assertRegex(shown.getvalue(), r"100%.* 1/1 ")
             # The conversation goes on after a job.
             self.assertEqual(board.status().moves, 0)
             with self.assertRaisesRegex(Refused, "a feed override is 1 to 100 percent"):

@@ -24,13 +24,12 @@ from .goals import LOOK_S, Mover, NoMotion, Triple
 from .messages import NUMBERS, Command, SectionName
 from .ports import Port, PortError, open_port
 from .postcard import Value
+from .progress import Progress, hearing
 from .record import Recorder
 from .stream import ON_THE_WAY, Stream
 
 #: A machine is at a pose if it is as near as this, m and rad: its number type may round.
 _NEAR = 1e-3
-
-Progress = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True)
@@ -185,37 +184,38 @@ class Board:
         *,
         moves: str | os.PathLike[str] | None = None,
         recover_s: float | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> dict[str, list[float]]:
         """Plays the job of a scene (.toml) or a table of moves (.csv) to its end, and returns the columns of ``ticks.csv``.
 
         ``moves``: the moves.csv of a job along a path. ``recover_s``: bring the machine to the start of the job first, within so many
-        seconds, and acknowledge a latched fault. ``progress`` hears the moves done, their number, and the state. ``JobError`` and
-        ``JobFailed`` say why the job was not played.
+        seconds, and acknowledge a latched fault. ``progress`` hears the moves done, their number, and the state;
+        ``True`` shows a bar of tqdm. ``JobError`` and ``JobFailed`` say why the job was not played.
         """
         read = jobs.read(os.fspath(job), None if moves is None else os.fspath(moves))
         recorder = Recorder()
-        stream = self._job = Stream(
-            self._open,
-            read,
-            recorder.hear,
-            progress or (lambda done, count, state: None),
-            answer_s=self._answer_s,
-            recover_s=recover_s,
-            survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
-        )
-        try:
-            self.close()
-            stream.run()
-            legs = [section.content.leg for section in stream.survey]
-            rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
-            return record.as_columns(rows, read.torque)
-        finally:
-            stream.exchange = None
+        with hearing(progress) as hear:
+            stream = self._job = Stream(
+                self._open,
+                read,
+                recorder.hear,
+                hear,
+                answer_s=self._answer_s,
+                recover_s=recover_s,
+                survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
+            )
             try:
-                self._greet()
+                self.close()
+                stream.run()
+                legs = [section.content.leg for section in stream.survey]
+                rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
+                return record.as_columns(rows, read.torque)
             finally:
-                self._job = None
+                stream.exchange = None
+                try:
+                    self._greet()
+                finally:
+                    self._job = None
 
     def _greet(self) -> None:
         port = self._port = self._open()
@@ -291,7 +291,7 @@ class AsyncBoard:
         return await asyncio.to_thread(self.board.move, pose)
 
     async def run(
-        self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | None = None
+        self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | bool | None = None
     ) -> dict[str, list[float]]:
         """As ``Board.run``."""
         return await asyncio.to_thread(self.board.run, job, recover_s=recover_s, progress=progress)
