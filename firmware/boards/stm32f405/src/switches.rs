@@ -19,6 +19,8 @@ mod inputs {
     pub(crate) struct Switches([HomingInput; 3]);
 
     /// Pulls the pins up.
+    // An inverted pin has the type of the array already.
+    #[allow(clippy::useless_conversion)]
     pub(crate) fn build(first: Homing1, second: Homing2, third: Homing3) -> Switches {
         Switches([
             first.input(Pull::Up).into(),

@@ -58,6 +58,8 @@ impl SampleTimer {
 /// machine is not enabled.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
+// An inverted pin has the type of the array already.
+#[allow(clippy::useless_conversion)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTimer) {
     let pins = parts.pins;
     let active = Active::at(ENABLE_HIGH);

@@ -75,6 +75,8 @@ impl SlotTimer {
 /// Builds the drives, off, and starts the slots if the core is fast enough.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
+// An inverted pin has the type of the array already.
+#[allow(clippy::useless_conversion)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotTimer) {
     let pins = parts.pins;
     let active = Active::at(ENABLE_HIGH);
