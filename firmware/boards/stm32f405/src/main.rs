@@ -117,7 +117,9 @@ mod app {
         };
         let pins = Pins::take(ports, &mut rcc);
         let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
-        let line_pins = (pins.line_transmit, pins.line_receive);
+        // At rest the line is high: without an adapter at the pin noise would be bytes, and each of them an interrupt above the tick.
+        let receive = pins.line_receive.into_pull_up_input();
+        let line_pins = (pins.line_transmit, receive);
         let line = Serial::new(pins.line, line_pins, settings(BAUD), &mut rcc);
         let log = pins.log.tx(pins.log_transmit, settings(LOG_BAUD), &mut rcc);
         let (Ok(line), Ok(log)) = (line, log) else {

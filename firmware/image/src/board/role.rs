@@ -104,7 +104,7 @@ pub(super) const ROLES: [RoleEntry; 19] = [
         .output()
         .fixed_level(),
     RoleEntry::new(Role::LineReceive, ("line", "receive"), 1)
-        .text("the line, receiver", "TX of the host's adapter")
+        .text("the line, receiver, pulled up", "TX of the host's adapter")
         .fixed_level(),
     RoleEntry::new(Role::LogTransmit, ("log", "transmit"), 1)
         .text("the log, transmitter", "RX of an adapter for the log")

@@ -52,7 +52,7 @@ const FIELDS: [(Role, &[&str]); 19] = [
 ];
 
 /// Field of a struct: no pin where the scene has no use for it, and a type of the firmware asks for one.
-struct Field<'b> {
+struct PinField<'b> {
     name: &'static str,
     pin: Option<&'b WiredPin>,
     /// It is a pin of the drives, which have a struct of their own.
@@ -60,7 +60,7 @@ struct Field<'b> {
 }
 
 /// The fields of an image, and of no function that its scene lacks.
-fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<Field<'b>> {
+fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     let needed = needs.roles();
     let is_always = |role| {
         matches!(
@@ -84,7 +84,7 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<Field<'b>> {
             Vec::new()
         };
         let is_of_drives = matches!(role.entry().table, "stepper" | "amplifier" | "can");
-        fields.extend(names.iter().zip(pins).map(|(name, pin)| Field {
+        fields.extend(names.iter().zip(pins).map(|(name, pin)| PinField {
             name,
             pin,
             is_of_drives,
@@ -114,7 +114,7 @@ struct Declared {
 
 /// Declares `fields`, with the type of a pin and the expression that takes it.
 fn declare(
-    fields: &[Field],
+    fields: &[PinField],
     pin_type: impl Fn(&WiredPin) -> String,
     taken: impl Fn(&WiredPin) -> String,
 ) -> Declared {
