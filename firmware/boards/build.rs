@@ -1,8 +1,9 @@
-//! Takes the kinds of the scene over from `trirrr-app`, and tells the linker about the memory of the board.
+//! Takes the kinds of the scene over from `trirrr-app`, writes the pins of the board, and tells the linker about its memory.
 
 use std::env;
 use std::error::Error;
 use std::path::Path;
+use std::process;
 
 /// Boards: package, Rust target, and linker script.
 const BOARDS: [(&str, &str, &str); 2] = [
@@ -12,7 +13,15 @@ const BOARDS: [(&str, &str, &str); 2] = [
     ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
 ];
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() {
+    if let Err(error) = build() {
+        // Printed as text: the user reads about a board file, not about a build script.
+        eprintln!("{error}");
+        process::exit(1);
+    }
+}
+
+fn build() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=../build.rs");
     for name in ["drive", "tool"] {
         let of_app = format!("DEP_TRIRRR_APP_{}", name.to_uppercase());
@@ -27,6 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     if env::var("CARGO_CFG_TARGET_OS")? == "none" {
+        let root = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../..");
+        trirrr_image::board::build_script(&env::var("CARGO_PKG_NAME")?, &root)?;
         link()?;
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
-use crate::boards::{RP2040_SCENE, RP2040_TARGET};
+use crate::boards::{FIRMWARE_TARGET, RP2040_SCENE, RP2040_TARGET};
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
@@ -138,7 +138,14 @@ fn lints_of_devices() -> Vec<Step> {
         }
         step
     };
-    DEVICE_PACKAGES.map(lint).into()
+    let mut lints: Vec<Step> = DEVICE_PACKAGES.map(lint).into();
+    // Pins on other ports than the default board's, of a scene with steppers, homing and a tool.
+    let mut other_board = lint(("trirrr-stm32f405", FIRMWARE_TARGET));
+    other_board.name += " for another board";
+    other_board.command.env("BOARD", "feather-f405");
+    other_board.command.env("SCENE", "scenes/pick-home.toml");
+    lints.push(other_board);
+    lints
 }
 
 /// Runs each example that needs no board; the tests' step has built them.

@@ -40,6 +40,7 @@ const TOP_KEYS: &[&str] = &[
     "name",
     "description",
     "machine",
+    "board",
     "tick_rate_hz",
     "number",
     "torque",
@@ -58,6 +59,8 @@ pub struct Scene {
     pub name: String,
     /// Description of the scene in the author's words; may be empty.
     pub description: String,
+    /// Board that the image of the scene is for, if the scene names one: a shipped board file, or the path of one beside the scene.
+    pub board: Option<String>,
     /// Ticks per second, from 1 to 100,000.
     pub tick_rate_hz: f64,
     /// The number type that the scene is meant to run in.
@@ -316,6 +319,19 @@ pub fn read_rate(root: &Section) -> Option<f64> {
     root.number("tick_rate_hz", Bound::Within(slowest, fastest))
 }
 
+/// Reads `board`. The build of an image looks for the file; other programs have no use for it.
+fn read_board(root: &Section) -> Option<String> {
+    let board = root.text("board")?;
+    if board.trim().is_empty() {
+        root.refuse(
+            "board",
+            "must be the name of a shipped board, such as \"feather-f405\", or the path of a board file",
+        );
+        return None;
+    }
+    Some(board.into_owned())
+}
+
 fn read_scene(
     document: &Document,
     root: &Section,
@@ -326,6 +342,10 @@ fn read_scene(
     refuse_redundant(root)?;
     let name = root.folder_name("name");
     let description = root.optional_text("description").unwrap_or_default();
+    let board = match root.has("board") {
+        true => read_board(root).map(Some),
+        false => Some(None),
+    };
     let rate = read_rate(root);
     let number = match root.has("number") {
         true => root.choice("number", &NumberType::NAMES),
@@ -380,6 +400,7 @@ fn read_scene(
         machine_file: None,
         name: name?,
         description: description.into_owned(),
+        board: board?,
         tick_rate_hz: rate?,
         number: number?,
         torque: torque?,

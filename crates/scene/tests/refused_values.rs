@@ -71,6 +71,8 @@ fn missing_keys_and_wrong_types() {
         case(("mass_kg = 0.5", 1, "mass_kg = 1979-05-27"),
             "platform.mass_kg", Some("1979-05-27"), "found a date or time"),
         case(("mass_kg = 0.5", 1, "mass_kg = {}"), "platform.mass_kg", Some("{}"), "found a table"),
+        case(("name = \"thesis\"", 1, "name = \"thesis\"\nboard = \" \""),
+            "board", Some("\" \""), "must be the name of a shipped board"),
         case(("name = \"thesis\"", 1, "name = 7"),
             "name", Some("7"), "expected a string, found a number"),
         case(("description = \"", 1, "description = [] # \""),

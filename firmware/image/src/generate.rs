@@ -8,10 +8,11 @@ mod kinds;
 mod source;
 mod tool;
 
-pub use drive::{DriveError, drive, kind};
+pub use drive::{DriveError, drive, kind, slots_hz};
 pub use source::{source, units};
 pub use tool::tool_kind;
 
+use crate::board::{Needs, is_path};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -46,7 +47,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
 /// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)` and `cfg(door)` are there, `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
-/// that detects contacts. A package with a `links` key hands the first two on to the build scripts of its dependents. Cargo warns of
+/// that detects contacts. A package with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
 /// # Errors
@@ -69,13 +70,19 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
 
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
-    let drives = drive(&scene, &units(&scene, scalar)?)
-        .map_err(|error| format!("{}: {error}", visible(&file.display().to_string())))?;
+    let name = file.display().to_string();
+    let in_file = |error: DriveError| format!("{}: {error}", visible(&name));
+    let drives = drive(&scene, &units(&scene, scalar)?).map_err(in_file)?;
     fs::write(
         out.join("scene.rs"),
         source(&scene, scalar)? + &drives + &tool::tool(&scene),
     )?;
     print_kinds(&scene);
+    let shown = file.strip_prefix(root).unwrap_or(&file);
+    let needs = Needs::of(&scene, &shown.display().to_string(), board(&scene, &file));
+    for (name, value) in needs.map_err(in_file)?.metadata() {
+        println!("cargo:{name}={value}");
+    }
     print_contact(&scene, scalar);
     Ok(())
 }
@@ -97,20 +104,28 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
     Ok((file, scene))
 }
 
-/// Sets the kinds of the scene as `cfg`s, and tells them to the build scripts of dependent packages
-/// (`DEP_..._DRIVES`, `DRIVE`, `TOOLS`, `TOOL`, `HOMING`, `BRAKE`, `INTERLOCKS`, `ESTOP`, `DOOR` and `FEEDBACK`).
+/// The board that the scene names: one by its path is beside the scene.
+fn board(scene: &Scene, file: &Path) -> Option<String> {
+    let name = scene.board.as_deref()?;
+    let beside = file.parent().filter(|_| is_path(name));
+    Some(beside.map_or_else(
+        || name.into(),
+        |folder| folder.join(name).display().to_string(),
+    ))
+}
+
+/// Sets the kinds of the scene as `cfg`s. The build scripts of dependent packages learn them by [`Needs`]; here the names of all kinds
+/// (`DEP_..._DRIVES`, `TOOLS`), `INTERLOCKS` and `FEEDBACK` are handed on.
 fn print_kinds(scene: &Scene) {
     print_kind("drive", drive::KINDS, kind(scene));
     print_kind("tool", tool::TOOLS, tool_kind(scene));
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
-        println!("cargo:homing=yes");
     }
     println!("cargo:rustc-check-cfg=cfg(brake)");
     if scene.power.has_brake {
         println!("cargo:rustc-cfg=brake");
-        println!("cargo:brake=yes");
     }
     println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door)");
     let interlocks = &scene.inputs.interlocks;
@@ -121,8 +136,10 @@ fn print_kinds(scene: &Scene) {
     ] {
         if is_named {
             println!("cargo:rustc-cfg={name}");
-            println!("cargo:{name}=yes");
         }
+    }
+    if scene.inputs.are_named() {
+        println!("cargo:interlocks=yes");
     }
     println!("cargo:rustc-check-cfg=cfg(levels)");
     if scene.service.power_lists > 0 {
@@ -139,14 +156,13 @@ fn print_kinds(scene: &Scene) {
     }
 }
 
-/// Sets `cfg(name = "kind")`, one of `kinds`, and hands both on.
+/// Sets `cfg(name = "kind")`, one of `kinds`, which are handed on.
 fn print_kind(name: &str, kinds: &[&str], kind: &str) {
     let kinds: Vec<String> = kinds.iter().map(|kind| format!("{kind:?}")).collect();
     let kinds = kinds.join(", ");
     println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
     println!("cargo:{name}s={kinds}");
     println!("cargo:rustc-cfg={name}={kind:?}");
-    println!("cargo:{name}={kind}");
 }
 
 /// Sets `cfg(contact)` for a scene that detects contacts, and `cfg(retreat)` if it goes back then, or `cfg(contact_refused)` where the number type `scalar` cannot.
@@ -160,5 +176,24 @@ fn print_contact(scene: &Scene, scalar: &str) {
         (true, false) => println!("cargo:rustc-cfg=contact"),
         (true, true) => println!("cargo:rustc-cfg=contact_refused"),
         (false, _) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_by_its_path_is_beside_the_scene() {
+        let of = |named: &str| {
+            let text = include_str!("../../../scenes/thesis.toml");
+            let text = text.replacen("tick_rate_hz", &format!("{named}\ntick_rate_hz"), 1);
+            let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}"));
+            board(&scene, Path::new("own/scene.toml"))
+        };
+        assert_eq!(of(""), None);
+        assert_eq!(of("board = \"pico\"").as_deref(), Some("pico"));
+        let beside = of("board = \"mine.toml\"").map(PathBuf::from);
+        assert_eq!(beside, Some(Path::new("own").join("mine.toml")));
     }
 }

@@ -1,5 +1,6 @@
 //! Clock: the crystal and the PLL, waited for with a bound.
 
+use crate::board::CRYSTAL_MHZ;
 use core::convert::Infallible;
 use rp2040_hal::clocks::{Clock, ClocksManager};
 use rp2040_hal::fugit::{HertzU32, RateExtU32};
@@ -10,9 +11,6 @@ use rp2040_hal::xosc::CrystalOscillator;
 
 /// Clock of the core, Hz.
 pub(super) const CORE_HZ: u32 = 125_000_000;
-
-/// Crystal, MHz: the boot ROM takes no other.
-pub(super) const CRYSTAL_MHZ: u8 = 12;
 
 /// Time for the start of the crystal, ms: slow ones take so long.
 const START_MS: u32 = 64;

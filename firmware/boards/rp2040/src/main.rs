@@ -1,14 +1,15 @@
-//! RP2040: the line on UART0 (GP0 TX, GP1 RX), the log on UART1 (GP4 TX), the tick on SysTick. Core 1
-//! stays in the boot ROM.
+//! RP2040: line and log on the ports of the board file, the tick on SysTick. Core 1 stays in the boot ROM.
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
 //! | 4 | PWM_IRQ_WRAP | a slot of the step pulses, in images for steppers |
-//! | 3 | UART0_IRQ | bytes from the line into their queue |
+//! | 3 | LINE, that of the line's port | bytes from the line into their queue |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod board;
 #[cfg(target_os = "none")]
 mod chip;
 #[cfg(target_os = "none")]
@@ -18,6 +19,8 @@ mod drives;
 #[cfg(all(target_os = "none", interlocks))]
 mod interlocks;
 #[cfg(target_os = "none")]
+mod pins;
+#[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod switches;
@@ -25,8 +28,11 @@ mod switches;
 mod tool;
 
 #[cfg(target_os = "none")]
-#[rtic::app(device = rp2040_hal::pac, peripherals = true)]
+#[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
+    use super::board::{
+        CRYSTAL_MHZ, LinePort, LineReceive, LineTransmit, LogPort, LogTransmit, Pins,
+    };
     use super::clock::{self, CORE_HZ};
     #[cfg(brake)]
     use super::drives::Drives;
@@ -35,6 +41,7 @@ mod app {
     use super::drives::{self, DriveTimer};
     #[cfg(interlocks)]
     use super::interlocks::{self, GuardedSwitches as Switches};
+    use super::pins::Ports;
     use super::start;
     use super::switches;
     #[cfg(not(interlocks))]
@@ -42,9 +49,7 @@ mod app {
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
-    use rp2040_hal::gpio::bank0::{Gpio0, Gpio1, Gpio4};
-    use rp2040_hal::gpio::{self, FunctionUart, Pin, PullNone, PullUp};
-    use rp2040_hal::pac::{UART0, UART1};
+    use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone, PullUp};
     use rp2040_hal::pwm::Slices;
     use rp2040_hal::typelevel::{OptionTNone, OptionTSome};
     use rp2040_hal::uart::{
@@ -55,18 +60,20 @@ mod app {
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
-    type Transmit<P> = Pin<P, FunctionUart, PullNone>;
-    type LinePins = (Transmit<Gpio0>, Pin<Gpio1, FunctionUart, PullUp>);
-    type LogPins = uart::Pins<OptionTSome<Transmit<Gpio4>>, OptionTNone, OptionTNone, OptionTNone>;
+    type Transmit<P> = Pin<<P as AnyPin>::Id, FunctionUart, PullNone>;
+    type LinePins = (
+        Transmit<LineTransmit>,
+        Pin<<LineReceive as AnyPin>::Id, FunctionUart, PullUp>,
+    );
+    type LogPins =
+        uart::Pins<OptionTSome<Transmit<LogTransmit>>, OptionTNone, OptionTNone, OptionTNone>;
 
     /// Capacity of the receiver, bytes.
     const FIFO: usize = 32;
 
     #[cfg(brake)]
-    type HeldDrives = trirrr_app::outputs::Braked<
-        Drives,
-        gpio::Pin<gpio::bank0::Gpio17, gpio::FunctionSioOutput, gpio::PullDown>,
-    >;
+    type HeldDrives =
+        trirrr_app::outputs::Braked<Drives, <super::board::Brake as super::pins::BoardPin>::Output>;
 
     #[cfg(tool = "none")]
     type Outputs = HeldDrives;
@@ -78,11 +85,11 @@ mod app {
 
     #[local]
     struct Local {
-        receiver: Reader<UART0, LinePins>,
+        receiver: Reader<LinePort, LinePins>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
         slot: DriveTimer,
-        background: Background<Writer<UART0, LinePins>, Writer<UART1, LogPins>>,
+        background: Background<Writer<LinePort, LinePins>, Writer<LogPort, LogPins>>,
         watchdog: Watchdog,
     }
 
@@ -105,7 +112,7 @@ mod app {
             // crystal does.
             panic!("the crystal or the PLL does not start");
         };
-        watchdog.enable_tick_generation(clock::CRYSTAL_MHZ);
+        watchdog.enable_tick_generation(CRYSTAL_MHZ);
 
         let sio = Sio::new(device.SIO);
         let pins = gpio::Pins::new(
@@ -114,12 +121,21 @@ mod app {
             sio.gpio_bank0,
             &mut resets,
         );
+        let slices = Slices::new(device.PWM, &mut resets);
+        let ports = Ports {
+            uart0: device.UART0,
+            uart1: device.UART1,
+        };
+        let pins = Pins::take(pins, slices, ports);
         let settings = |baud: u32| UartConfig::new(baud.Hz(), DataBits::Eight, None, StopBits::One);
-        let line_pins = (pins.gpio0.reconfigure(), pins.gpio1.reconfigure());
-        let line = UartPeripheral::new(device.UART0, line_pins, &mut resets)
+        let line_pins = (
+            pins.line_transmit.reconfigure(),
+            pins.line_receive.reconfigure(),
+        );
+        let line = UartPeripheral::new(pins.line, line_pins, &mut resets)
             .enable(settings(BAUD), line_clock);
-        let log_pins = uart::Pins::default().tx(pins.gpio4.reconfigure());
-        let log = UartPeripheral::new(device.UART1, log_pins, &mut resets)
+        let log_pins = uart::Pins::default().tx(pins.log_transmit.reconfigure());
+        let log = UartPeripheral::new(pins.log, log_pins, &mut resets)
             .enable(settings(LOG_BAUD), line_clock);
         let (Ok(mut line), Ok(log)) = (line, log) else {
             panic!("the clock does not divide into the baud rates");
@@ -135,32 +151,32 @@ mod app {
             start,
         };
         let (foreground, background) = trirrr_app::build(channels, board);
-        let slices = Slices::new(device.PWM, &mut resets);
         let parts = drives::DriveParts {
-            step: (pins.gpio6, pins.gpio7, pins.gpio8),
-            direction: (pins.gpio9, pins.gpio10, pins.gpio11),
-            enable: pins.gpio12,
-            slots: slices.pwm7,
+            pins: pins.drives,
+            slots: pins.slots,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
         let (outputs, slot) = drives::build(parts);
         #[cfg(brake)]
         let outputs = {
-            let pin = pins.gpio17.into_push_pull_output();
+            let pin = super::pins::BoardPin::output(pins.brake, false);
             trirrr_app::outputs::Braked::new(outputs, pin)
         };
         #[cfg(not(tool = "none"))]
         let outputs = {
             let parts = super::tool::ToolParts {
-                pin: pins.gpio16,
-                enable: pins.gpio18,
-                slice: slices.pwm0,
+                tool: pins.tool,
+                enable: pins.tool_enable,
+                slice: pins.tool_slice,
             };
             trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
         };
-        let inputs = switches::build(pins.gpio13, pins.gpio14, pins.gpio15);
+        #[cfg(homing)]
+        let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
+        #[cfg(not(homing))]
+        let inputs = switches::Switches;
         #[cfg(interlocks)]
-        let inputs = interlocks::build(inputs, pins.gpio19, pins.gpio20);
+        let inputs = interlocks::build(inputs, pins.stop, pins.door);
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });
@@ -184,7 +200,7 @@ mod app {
 
     /// Moves bytes from the line into their queue. Above the tick: the receiver interrupts with four bytes, or
     /// when no more come, and has room for 28 more.
-    #[task(binds = UART0_IRQ, priority = 3, local = [receiver, received])]
+    #[task(binds = LINE, priority = 3, local = [receiver, received])]
     fn line(context: line::Context) {
         let line::LocalResources {
             receiver, received, ..

@@ -1,9 +1,7 @@
-//! Tool: GP16 is its level, or its PWM from slice 0; GP18 enables it. An image holds the output that its scene names.
+//! Tool: a pin is its level, or its PWM; another one enables it. An image holds the output that its scene names.
 
-use crate::drives::Unused;
-use rp2040_hal::gpio::bank0::{Gpio16, Gpio18};
-use rp2040_hal::gpio::{FunctionSioOutput, Pin, PullDown};
-use rp2040_hal::pwm::{FreeRunning, Pwm0, Slice};
+use crate::board::{Tool, ToolEnable, ToolPwm};
+use rp2040_hal::pwm::{FreeRunning, Slice};
 use trirrr_app::scene::tool::INVERTED;
 
 #[cfg(tool = "duty")]
@@ -11,32 +9,29 @@ pub(super) use duty::{DutyPin as ToolPin, build};
 #[cfg(tool = "level")]
 pub(super) use level::{LevelPin as ToolPin, build};
 
-type OutputOf<P> = Pin<P, FunctionSioOutput, PullDown>;
-
 /// Parts of the board for the tool.
 // Each kind of output takes some of them.
 #[allow(dead_code)]
 pub(super) struct ToolParts {
-    pub(super) pin: Unused<Gpio16>,
-    pub(super) enable: Unused<Gpio18>,
-    pub(super) slice: Slice<Pwm0, FreeRunning>,
+    pub(super) tool: Tool,
+    pub(super) enable: ToolEnable,
+    pub(super) slice: Slice<ToolPwm, FreeRunning>,
 }
 
 #[cfg(tool = "duty")]
 mod duty {
-    use super::{
-        FreeRunning, Gpio16, Gpio18, INVERTED, OutputOf, Pin, PullDown, Pwm0, Slice, ToolParts,
-    };
+    use super::{FreeRunning, INVERTED, Slice, Tool, ToolEnable, ToolParts, ToolPwm};
     use crate::clock::CORE_HZ;
+    use crate::pins::BoardPin;
     use core::convert::Infallible;
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-    use rp2040_hal::gpio::{FunctionPwm, OutputOverride};
+    use rp2040_hal::gpio::{AnyPin, FunctionPwm, OutputOverride, Pin, PullDown};
     use trirrr_app::scene::tool::{ENABLE, FREQUENCY_HZ, SPAN};
     use trirrr_drives::Enable;
     use trirrr_drives::tool::DutyOutput;
 
     /// Output to the tool.
-    pub(crate) type DutyPin = DutyOutput<ToolSlice, OutputOf<Gpio18>>;
+    pub(crate) type DutyPin = DutyOutput<ToolSlice, <ToolEnable as BoardPin>::Output>;
 
     /// Divider in front of the timer, whose counts have 16 bits.
     const DIVIDER: u8 = {
@@ -56,10 +51,26 @@ mod duty {
         }
     };
 
-    /// Channel A of slice 0. A duty waits for the end of a period; none and all of it are made by the pin, at once.
+    type ToolId = <<Tool as BoardPin>::Plain as AnyPin>::Id;
+
+    /// Override of the pin for a constant level, as the tool sees it,
+    const fn constant(high: bool) -> OutputOverride {
+        match high != Tool::INVERTED {
+            true => OutputOverride::AlwaysHigh,
+            false => OutputOverride::AlwaysLow,
+        }
+    }
+
+    /// and for pulses.
+    const PULSES: OutputOverride = match Tool::INVERTED {
+        true => OutputOverride::Invert,
+        false => OutputOverride::DontInvert,
+    };
+
+    /// Channel A of the pin's slice. A duty waits for the end of a period; none and all of it are made by the pin, at once.
     pub(crate) struct ToolSlice {
-        slice: Slice<Pwm0, FreeRunning>,
-        pin: Pin<Gpio16, FunctionPwm, PullDown>,
+        slice: Slice<ToolPwm, FreeRunning>,
+        pin: Pin<ToolId, FunctionPwm, PullDown>,
     }
 
     impl ErrorType for ToolSlice {
@@ -74,9 +85,9 @@ mod duty {
         #[inline(always)]
         fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
             self.pin.set_output_override(match duty {
-                0 => OutputOverride::AlwaysLow,
-                _ if duty > TOP => OutputOverride::AlwaysHigh,
-                _ => OutputOverride::DontInvert,
+                0 => const { constant(false) },
+                _ if duty > TOP => const { constant(true) },
+                _ => PULSES,
             });
             self.slice.channel_a.set_duty_cycle(duty)
         }
@@ -88,16 +99,12 @@ mod duty {
     pub(crate) fn build(parts: ToolParts) -> DutyPin {
         let pin = parts.enable;
         let enable = ENABLE.map(|active| {
-            let off = active.off().into();
-            let Ok(enable) = Enable::new(pin.into_push_pull_output_in_state(off), active);
+            let Ok(enable) = Enable::new(pin.output(active.off()), active);
             enable
         });
-        let mut pin = parts.pin;
+        let mut pin = parts.tool.plain();
         // Before the pin is that of the slice.
-        pin.set_output_override(match INVERTED {
-            true => OutputOverride::AlwaysHigh,
-            false => OutputOverride::AlwaysLow,
-        });
+        pin.set_output_override(constant(INVERTED));
         let mut slice = parts.slice;
         slice.set_div_int(DIVIDER);
         slice.set_top(TOP);
@@ -109,21 +116,19 @@ mod duty {
 
 #[cfg(tool = "level")]
 mod level {
-    use super::{Gpio16, INVERTED, OutputOf, ToolParts};
+    use super::{INVERTED, Tool, ToolParts};
+    use crate::pins::BoardPin;
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.
-    pub(crate) type LevelPin = LevelOutput<OutputOf<Gpio16>>;
+    pub(crate) type LevelPin = LevelOutput<<Tool as BoardPin>::Output>;
 
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
     pub(crate) fn build(parts: ToolParts) -> LevelPin {
         let on = Active::at(!INVERTED);
-        LevelOutput::new(
-            parts.pin.into_push_pull_output_in_state(on.off().into()),
-            on,
-        )
+        LevelOutput::new(parts.tool.output(on.off()), on)
     }
 }

@@ -5,6 +5,7 @@
 //! clocks are constants. The HAL takes its clocks for those of the reset; [`dividers`](crate::dividers)
 //! corrects the dividers that follow from them.
 
+use crate::board;
 use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC};
 use trirrr_protocol::message::Clock;
 
@@ -15,13 +16,17 @@ const HSI_HZ: u32 = 16_000_000;
 /// ms, the PLL a third of one.
 const READS: u32 = 160_000;
 
-/// Crystal, MHz: `CRYSTAL_MHZ` when the image is built.
-const CRYSTAL_MHZ: u32 = match option_env!("CRYSTAL_MHZ") {
-    None => 8,
-    Some(text) => match u32::from_str_radix(text, 10) {
-        Ok(mhz) if mhz >= 4 && mhz <= 26 => mhz,
-        _ => panic!("CRYSTAL_MHZ has to be a whole number from 4 to 26"),
-    },
+/// Settings of the PLL: the source is divided, then taken so many times.
+#[derive(Clone, Copy)]
+pub(super) struct Pll {
+    pub(super) divider: u8,
+    pub(super) factor: u16,
+}
+
+/// Of the internal oscillator, as of [`board::PLL`]: twice the clock of the core.
+const INTERNAL_PLL: Pll = Pll {
+    divider: (HSI_HZ / 1_000_000) as u8,
+    factor: (FAST.core / 1_000_000 * 2) as u16,
 };
 
 /// Rates of the clocks, Hz.
@@ -29,18 +34,31 @@ const CRYSTAL_MHZ: u32 = match option_env!("CRYSTAL_MHZ") {
 pub(super) struct Clocks {
     /// Core and memories.
     pub(super) core: u32,
-    /// Serial ports and CAN controller, on APB1.
+    /// CAN controller and some serial ports, on APB1.
     pub(super) apb1: u32,
+    /// Other serial ports, on APB2.
+    apb2: u32,
     /// Timers on APB1, which run twice as fast as their bus where that is slower than the core.
     // Only some drives have one.
     #[allow(dead_code)]
     pub(super) timers: u32,
 }
 
-/// Clocks with the PLL; APB1 is at its limit.
+impl Clocks {
+    /// Rate of a serial port's bus, Hz.
+    pub(super) const fn bus(&self, is_apb2: bool) -> u32 {
+        match is_apb2 {
+            true => self.apb2,
+            false => self.apb1,
+        }
+    }
+}
+
+/// Clocks with the PLL; both buses are at their limits.
 pub(super) const FAST: Clocks = Clocks {
     core: 168_000_000,
     apb1: 42_000_000,
+    apb2: 84_000_000,
     timers: 84_000_000,
 };
 
@@ -48,6 +66,7 @@ pub(super) const FAST: Clocks = Clocks {
 pub(super) const SLOW: Clocks = Clocks {
     core: HSI_HZ,
     apb1: HSI_HZ,
+    apb2: HSI_HZ,
     timers: HSI_HZ,
 };
 
@@ -67,22 +86,17 @@ pub(super) fn start(rcc: &RCC, flash: &FLASH, debug: &DBGMCU) -> (Clock, Clocks)
     }
 }
 
-/// Runs the core from the PLL, fed by the crystal or the internal oscillator (RM0090, 7.2.3 and 3.5.1): from
-/// 1 MHz by 336 and then through 2. Returns `false`, with everything as before, if the PLL does not lock.
+/// Runs the core from the PLL, fed by the crystal or the internal oscillator (RM0090, 7.2.3 and 3.5.1), through 2. Returns
+/// `false`, with everything as before, if the PLL does not lock.
 fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
-    const TIMES: u16 = (FAST.core / 1_000_000 * 2) as u16;
-    let source_mhz = if crystal {
-        CRYSTAL_MHZ
-    } else {
-        HSI_HZ / 1_000_000
-    };
+    let pll = if crystal { board::PLL } else { INTERNAL_PLL };
     // The reset leaves the PLL off, and only then it takes settings. 7 makes 48 MHz, which is not used.
-    // SAFETY: 4 to 26 through the first divider and 336 times are within the fields and what they allow.
+    // SAFETY: a board file is refused if no settings within the fields make this clock of its crystal.
     #[allow(unsafe_code)]
     rcc.pllcfgr().write(|w| unsafe {
         w.pllsrc().bit(crystal);
-        w.pllm().bits(source_mhz as u8);
-        w.plln().bits(TIMES);
+        w.pllm().bits(pll.divider);
+        w.plln().bits(pll.factor);
         w.pllp().div2();
         w.pllq().bits(7)
     });

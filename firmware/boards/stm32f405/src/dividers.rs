@@ -4,14 +4,16 @@
 // An image uses those of its scene's drives.
 #![allow(dead_code)]
 
-use stm32f4xx_hal::pac::{TIM3, USART2, USART3, tim6, usart1};
+use crate::board::{LINE_IS_ON_APB2, LOG_IS_ON_APB2, LinePort, LogPort};
+use crate::clock::Clocks;
+use stm32f4xx_hal::pac::{TIM3, tim6, usart1};
 
-/// Sets the baud rates of USART2 and USART3, on a bus of `bus_hz`.
-pub(super) fn set_bauds(bus_hz: u32, usart2: u32, usart3: u32) {
+/// Sets the baud rates of line and log.
+pub(super) fn set_bauds(clocks: &Clocks, line: u32, log: u32) {
     // SAFETY: the HAL has configured both ports, and no byte is under way.
-    let ports = unsafe { (&*USART2::ptr(), &*USART3::ptr()) };
-    set_baud(ports.0, bus_hz, usart2);
-    set_baud(ports.1, bus_hz, usart3);
+    let ports = unsafe { (&*LinePort::ptr(), &*LogPort::ptr()) };
+    set_baud(ports.0, clocks.bus(LINE_IS_ON_APB2), line);
+    set_baud(ports.1, clocks.bus(LOG_IS_ON_APB2), log);
 }
 
 /// Sets one baud rate. The port samples each bit 16 times; the register counts sixteenths of a sample (RM0090,

@@ -1,19 +1,23 @@
-//! Emergency stop at PA6 and door at PA7, both pulled up: contacts to ground. An image whose scene names neither leaves the pins alone.
+//! Emergency stop and door, both pulled up: contacts to ground. An image whose scene names neither leaves the pins alone.
 
+use crate::board::{Door, Stop};
+use crate::pins::BoardPin;
 use crate::switches::Switches;
-use stm32f4xx_hal::gpio::Input;
-use stm32f4xx_hal::gpio::gpioa::{PA6, PA7};
+use stm32f4xx_hal::gpio::Pull;
 use trirrr_app::inputs::{DoorLine, StopLine, WithInterlockPins};
 
 /// Switches of homing beside the contacts.
-pub(super) type GuardedSwitches =
-    WithInterlockPins<Switches, StopLine<PA6<Input>>, DoorLine<PA7<Input>>>;
+pub(super) type GuardedSwitches = WithInterlockPins<
+    Switches,
+    StopLine<<Stop as BoardPin>::Input>,
+    DoorLine<<Door as BoardPin>::Input>,
+>;
 
 /// Pulls the pins up that the scene names.
-pub(super) fn build(inputs: Switches, stop: PA6, door: PA7) -> GuardedSwitches {
+pub(super) fn build(inputs: Switches, stop: Stop, door: Door) -> GuardedSwitches {
     WithInterlockPins {
         inputs,
-        stop: StopLine::at(|| stop.into_pull_up_input()),
-        door: DoorLine::at(|| door.into_pull_up_input()),
+        stop: StopLine::at(|| stop.input(Pull::Up)),
+        door: DoorLine::at(|| door.input(Pull::Up)),
     }
 }

@@ -1,14 +1,16 @@
-//! STM32F405: the line on USART2 (PA2 TX, PA3 RX), the log on USART3 (PB10 TX), the tick on SysTick.
+//! STM32F405: line and log on the ports of the board file, the tick on SysTick.
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
 //! | highest | CAN1_RX0 | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
-//! | 3 | USART2 | a byte from the line into its queue |
+//! | 3 | LINE, that of the line's port | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod board;
 #[cfg(target_os = "none")]
 mod chip;
 #[cfg(target_os = "none")]
@@ -29,8 +31,9 @@ mod switches;
 mod tool;
 
 #[cfg(target_os = "none")]
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+#[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
+    use super::board::{LinePort, LogPort, Pins};
     use super::clock::{self, FAST, SLOW};
     use super::dividers::set_bauds;
     #[cfg(brake)]
@@ -42,13 +45,13 @@ mod app {
     use super::drives::{self, DriveTimer};
     #[cfg(interlocks)]
     use super::interlocks::{self, GuardedSwitches as Switches};
+    use super::pins::Ports;
     use super::start;
     use super::switches;
     #[cfg(not(interlocks))]
     use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
-    use stm32f4xx_hal::pac::{USART2, USART3};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
@@ -58,7 +61,7 @@ mod app {
 
     #[cfg(brake)]
     type HeldDrives =
-        trirrr_app::outputs::Braked<Drives, stm32f4xx_hal::gpio::PB0<stm32f4xx_hal::gpio::Output>>;
+        trirrr_app::outputs::Braked<Drives, <super::board::Brake as super::pins::BoardPin>::Output>;
 
     #[cfg(tool = "none")]
     type Outputs = HeldDrives;
@@ -70,11 +73,11 @@ mod app {
 
     #[local]
     struct Local {
-        receiver: Rx<USART2>,
+        receiver: Rx<LinePort>,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
         timer: DriveTimer,
-        background: Background<Tx<USART2>, Tx<USART3>>,
+        background: Background<Tx<LinePort>, Tx<LogPort>>,
         watchdog: IndependentWatchdog,
     }
 
@@ -101,14 +104,28 @@ mod app {
         };
         let mut rcc = device.RCC.constrain();
 
-        let (a, b) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc));
+        let ports = Ports {
+            a: device.GPIOA,
+            b: device.GPIOB,
+            c: device.GPIOC,
+            d: device.GPIOD,
+            e: device.GPIOE,
+            usart1: device.USART1,
+            usart2: device.USART2,
+            usart3: device.USART3,
+            usart6: device.USART6,
+        };
+        let pins = Pins::take(ports, &mut rcc);
         let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
-        let line = Serial::new(device.USART2, (a.pa2, a.pa3), settings(BAUD), &mut rcc);
-        let log = device.USART3.tx(b.pb10, settings(LOG_BAUD), &mut rcc);
+        // At rest the line is high: without an adapter at the pin noise would be bytes, and each of them an interrupt above the tick.
+        let receive = pins.line_receive.into_pull_up_input();
+        let line_pins = (pins.line_transmit, receive);
+        let line = Serial::new(pins.line, line_pins, settings(BAUD), &mut rcc);
+        let log = pins.log.tx(pins.log_transmit, settings(LOG_BAUD), &mut rcc);
         let (Ok(line), Ok(log)) = (line, log) else {
             panic!("the slowest clock does not divide into the baud rates");
         };
-        set_bauds(clocks.apb1, BAUD, LOG_BAUD);
+        set_bauds(&clocks, BAUD, LOG_BAUD);
         let (line, mut receiver) = line.split();
         receiver.listen();
 
@@ -119,16 +136,7 @@ mod app {
         };
         let (foreground, background) = trirrr_app::build(channels, board);
         let parts = drives::DriveParts {
-            pa0: a.pa0,
-            pa1: a.pa1,
-            pa8: a.pa8,
-            pa9: a.pa9,
-            pb6: b.pb6,
-            pb7: b.pb7,
-            pb8: b.pb8,
-            pb9: b.pb9,
-            pb12: b.pb12,
-            port_c: device.GPIOC,
+            pins: pins.drives,
             tim1: device.TIM1,
             tim3: device.TIM3,
             tim4: device.TIM4,
@@ -144,21 +152,27 @@ mod app {
         };
         let (outputs, timer) = drives::build(parts, &mut rcc);
         #[cfg(brake)]
-        let outputs = trirrr_app::outputs::Braked::new(outputs, b.pb0.into_push_pull_output());
+        let outputs = trirrr_app::outputs::Braked::new(
+            outputs,
+            super::pins::BoardPin::output(pins.brake, false),
+        );
         #[cfg(not(tool = "none"))]
         let outputs = {
             let parts = super::tool::ToolParts {
-                pa4: a.pa4,
-                pa5: a.pa5,
+                tool: pins.tool,
+                enable: pins.tool_enable,
                 tim2: device.TIM2,
                 clocks,
             };
             let tool = super::tool::build(parts, &mut rcc);
             trirrr_app::outputs::Tooled::new(outputs, tool)
         };
-        let inputs = switches::build(b.pb13, b.pb14, b.pb15);
+        #[cfg(homing)]
+        let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
+        #[cfg(not(homing))]
+        let inputs = switches::Switches;
         #[cfg(interlocks)]
-        let inputs = interlocks::build(inputs, a.pa6, a.pa7);
+        let inputs = interlocks::build(inputs, pins.stop, pins.door);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_MS.millis());
@@ -185,7 +199,7 @@ mod app {
 
     /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at
     /// 921,600 baud the next comes 1,822 cycles later, less than a tick may take.
-    #[task(binds = USART2, priority = 3, local = [receiver, received])]
+    #[task(binds = LINE, priority = 3, local = [receiver, received])]
     fn line(context: line::Context) {
         // A damaged byte, or one without room, damages its frame, which the host repeats.
         if let Ok(byte) = context.local.receiver.read() {

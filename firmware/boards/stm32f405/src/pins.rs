@@ -1,39 +1,188 @@
-//! Pins of a port as one type, whatever their number: drives and switches come in arrays.
+//! Pins as the functions of a board take them: as they are, inverted by the wiring, or one of several alike.
 //!
-//! The HAL's own such type checks the number at each use and panics on a wrong one. The tick must not be able
-//! to panic, so here a pin is its bit.
+//! Drives and switches come in arrays, so a pin of any number has one type. The HAL's own such type checks the number at each use
+//! and panics on a wrong one. The tick must not be able to panic, so here a pin is its bit.
 #![allow(unsafe_code)]
-// An image uses those of its scene's drives.
+// An image uses those of its scene's functions.
 #![allow(dead_code)]
 
 use core::convert::Infallible;
-use stm32f4xx_hal::gpio::{Input, Output, Pin};
-use stm32f4xx_hal::hal::digital::{ErrorType, OutputPin};
-use stm32f4xx_hal::pac::{GPIOB, GPIOC};
+use stm32f4xx_hal::gpio::{Input, Output, Pin, Pull};
+use stm32f4xx_hal::hal::digital::{ErrorType, InputPin, OutputPin};
+use stm32f4xx_hal::pac::{
+    GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, USART1, USART2, USART3, USART6, gpioa,
+};
 
-/// Output of port C.
-pub(crate) struct OutputC(u16);
+/// The ports of the chip, of which [`Pins`](crate::board::Pins) takes those of the board file.
+pub(crate) struct Ports {
+    pub(crate) a: GPIOA,
+    pub(crate) b: GPIOB,
+    pub(crate) c: GPIOC,
+    pub(crate) d: GPIOD,
+    pub(crate) e: GPIOE,
+    pub(crate) usart1: USART1,
+    pub(crate) usart2: USART2,
+    pub(crate) usart3: USART3,
+    pub(crate) usart6: USART6,
+}
 
-impl<const N: u8> From<Pin<'C', N, Output>> for OutputC {
-    fn from(_: Pin<'C', N, Output>) -> Self {
+/// Registers of the port `P`.
+const fn port<const P: char>() -> *const gpioa::RegisterBlock {
+    // All have the same registers; only their values in a reset differ.
+    match P {
+        'A' => GPIOA::ptr(),
+        'B' => GPIOB::ptr().cast(),
+        'C' => GPIOC::ptr().cast(),
+        'D' => GPIOD::ptr().cast(),
+        'E' => GPIOE::ptr().cast(),
+        _ => panic!("a pin of another port is refused when the board file is read"),
+    }
+}
+
+/// Pin of a board file.
+pub(crate) trait BoardPin {
+    /// The wiring inverts the level.
+    const INVERTED: bool;
+    /// The pin itself, for a peripheral.
+    type Plain;
+    /// The pin as an output.
+    type Output: OutputPin<Error = Infallible>;
+    /// The pin as an input.
+    type Input: InputPin<Error = Infallible>;
+
+    /// Hands out the pin itself.
+    fn plain(self) -> Self::Plain;
+
+    /// Makes the pin an output, with this level from the beginning.
+    fn output(self, high: bool) -> Self::Output;
+
+    /// Makes the pin an input. What is pulled is the level that a function reads while nothing is connected.
+    fn input(self, pull: Pull) -> Self::Input;
+}
+
+impl<const P: char, const N: u8> BoardPin for Pin<P, N> {
+    const INVERTED: bool = false;
+    type Plain = Self;
+    type Output = Pin<P, N, Output>;
+    type Input = Pin<P, N, Input>;
+
+    fn plain(self) -> Self {
+        self
+    }
+
+    fn output(self, high: bool) -> Self::Output {
+        self.into_push_pull_output_in_state(high.into())
+    }
+
+    fn input(self, pull: Pull) -> Self::Input {
+        self.into_input().internal_resistor(pull)
+    }
+}
+
+/// Pin behind which the wiring inverts the level.
+pub(crate) struct Inverted<P>(pub(crate) P);
+
+impl<const P: char, const N: u8> BoardPin for Inverted<Pin<P, N>> {
+    const INVERTED: bool = true;
+    type Plain = Pin<P, N>;
+    type Output = AnyOutput;
+    type Input = AnyInput;
+
+    fn plain(self) -> Self::Plain {
+        self.0
+    }
+
+    fn output(self, high: bool) -> AnyOutput {
+        let AnyOutput { port, high, low } = AnyOutput::from(self.0.output(!high));
+        AnyOutput {
+            port,
+            high: low,
+            low: high,
+        }
+    }
+
+    fn input(self, pull: Pull) -> AnyInput {
+        let pull = match pull {
+            Pull::Up => Pull::Down,
+            Pull::Down => Pull::Up,
+            Pull::None => Pull::None,
+        };
+        AnyInput {
+            inverted: true,
+            ..self.0.input(pull).into()
+        }
+    }
+}
+
+/// Pin of a function that the scene lacks: it is none, and left alone.
+pub(crate) struct NoPin;
+
+impl BoardPin for NoPin {
+    const INVERTED: bool = false;
+    type Plain = Self;
+    type Output = Self;
+    type Input = Self;
+
+    fn plain(self) -> Self {
+        self
+    }
+
+    fn output(self, _: bool) -> Self {
+        self
+    }
+
+    fn input(self, _: Pull) -> Self {
+        self
+    }
+}
+
+impl ErrorType for NoPin {
+    type Error = Infallible;
+}
+
+impl OutputPin for NoPin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+impl InputPin for NoPin {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(false)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(true)
+    }
+}
+
+/// Output of port `P`.
+pub(crate) struct PortOutput<const P: char>(u16);
+
+impl<const P: char, const N: u8> From<Pin<P, N, Output>> for PortOutput<P> {
+    fn from(_: Pin<P, N, Output>) -> Self {
         Self(const { 1 << N })
     }
 }
 
-impl OutputC {
+impl<const P: char> PortOutput<P> {
     /// Writes BSRR: ones of the lower half set pins, ones of the upper half clear pins.
     #[inline(always)]
     fn write(&mut self, bits: u32) {
         // SAFETY: this value owns the pin, and one write of this register changes no other pin.
-        unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(bits)) };
+        unsafe { (*const { port::<P>() }).bsrr().write(|w| w.bits(bits)) };
     }
 }
 
-impl ErrorType for OutputC {
+impl<const P: char> ErrorType for PortOutput<P> {
     type Error = Infallible;
 }
 
-impl OutputPin for OutputC {
+impl<const P: char> OutputPin for PortOutput<P> {
     #[inline(always)]
     fn set_low(&mut self) -> Result<(), Infallible> {
         self.write(u32::from(self.0) << 16);
@@ -47,38 +196,113 @@ impl OutputPin for OutputC {
     }
 }
 
-/// Input of port C.
-pub(crate) struct InputC(u16);
+/// Output of any port, of either level.
+pub(crate) struct AnyOutput {
+    port: *const gpioa::RegisterBlock,
+    /// Bits of BSRR for the level that a function calls high,
+    high: u32,
+    /// and for the one that it calls low.
+    low: u32,
+}
 
-impl<const N: u8> From<Pin<'C', N, Input>> for InputC {
-    fn from(_: Pin<'C', N, Input>) -> Self {
+// SAFETY: this value owns the pin, and a write of its register changes no other pin, whatever runs beside it.
+unsafe impl Send for AnyOutput {}
+
+impl<const P: char, const N: u8> From<Pin<P, N, Output>> for AnyOutput {
+    fn from(_: Pin<P, N, Output>) -> Self {
+        Self {
+            port: const { port::<P>() },
+            high: const { 1 << N },
+            low: const { 1 << (N + 16) },
+        }
+    }
+}
+
+impl AnyOutput {
+    #[inline(always)]
+    fn write(&mut self, bits: u32) {
+        // SAFETY: this value owns the pin, and one write of this register changes no other pin.
+        unsafe { (*self.port).bsrr().write(|w| w.bits(bits)) };
+    }
+}
+
+impl ErrorType for AnyOutput {
+    type Error = Infallible;
+}
+
+impl OutputPin for AnyOutput {
+    #[inline(always)]
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.write(self.low);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.write(self.high);
+        Ok(())
+    }
+}
+
+/// Input of port `P`.
+pub(crate) struct PortInput<const P: char>(u16);
+
+impl<const P: char, const N: u8> From<Pin<P, N, Input>> for PortInput<P> {
+    fn from(_: Pin<P, N, Input>) -> Self {
         Self(const { 1 << N })
     }
 }
 
-impl InputC {
+impl<const P: char> PortInput<P> {
     #[inline(always)]
-    pub(super) fn is_high(&self) -> bool {
+    pub(crate) fn is_high(&self) -> bool {
         // SAFETY: reading changes nothing.
-        let levels = unsafe { (*GPIOC::ptr()).idr().read().bits() };
+        let levels = unsafe { (*const { port::<P>() }).idr().read().bits() };
         levels & u32::from(self.0) != 0
     }
 }
 
-/// Input of port B.
-pub(crate) struct InputB(u16);
+/// Input of any port, of either level.
+pub(crate) struct AnyInput {
+    port: *const gpioa::RegisterBlock,
+    bit: u16,
+    inverted: bool,
+}
 
-impl<const N: u8> From<Pin<'B', N, Input>> for InputB {
-    fn from(_: Pin<'B', N, Input>) -> Self {
-        Self(const { 1 << N })
+// SAFETY: reading a level changes nothing, whatever runs beside it.
+unsafe impl Send for AnyInput {}
+
+impl<const P: char, const N: u8> From<Pin<P, N, Input>> for AnyInput {
+    fn from(_: Pin<P, N, Input>) -> Self {
+        Self {
+            port: const { port::<P>() },
+            bit: const { 1 << N },
+            inverted: false,
+        }
     }
 }
 
-impl InputB {
+impl AnyInput {
     #[inline(always)]
-    pub(super) fn is_high(&self) -> bool {
+    pub(crate) fn is_high(&self) -> bool {
         // SAFETY: reading changes nothing.
-        let levels = unsafe { (*GPIOB::ptr()).idr().read().bits() };
-        levels & u32::from(self.0) != 0
+        let levels = unsafe { (*self.port).idr().read().bits() };
+        (levels & u32::from(self.bit) != 0) != self.inverted
+    }
+}
+
+impl ErrorType for AnyInput {
+    type Error = Infallible;
+}
+
+impl InputPin for AnyInput {
+    #[inline(always)]
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(AnyInput::is_high(self))
+    }
+
+    #[inline(always)]
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!AnyInput::is_high(self))
     }
 }

@@ -1,42 +1,32 @@
-//! Inputs of homing: PB13, PB14, PB15 for motors 1, 2, 3, pulled up. An image without homing
-//! leaves the pins alone.
-
-use stm32f4xx_hal::gpio::gpiob::{PB13, PB14, PB15};
+//! Inputs of homing for motors 1, 2, 3, pulled up. An image without homing leaves the pins alone.
 
 #[cfg(homing)]
-pub(super) use inputs::Switches;
+pub(super) use inputs::{Switches, build};
 
 #[cfg(not(homing))]
 pub(super) use trirrr_app::inputs::NoInputs as Switches;
 
-#[cfg(not(homing))]
-pub(super) fn build(_: PB13, _: PB14, _: PB15) -> Switches {
-    Switches
-}
-
-#[cfg(homing)]
-pub(super) fn build(first: PB13, second: PB14, third: PB15) -> Switches {
-    Switches::new([
-        first.into_pull_up_input().into(),
-        second.into_pull_up_input().into(),
-        third.into_pull_up_input().into(),
-    ])
-}
-
 #[cfg(homing)]
 mod inputs {
-    use crate::pins::InputB;
+    use crate::board::{Homing1, Homing2, Homing3, HomingInput};
+    use crate::pins::BoardPin;
+    use stm32f4xx_hal::gpio::Pull;
     use trirrr_app::inputs::{Closed, Inputs};
     use trirrr_app::scene::{HOMING_ACTIVE_HIGH, Scalar};
     use trirrr_core::tick::Motor;
 
     /// Switch or stall output of each motor.
-    pub(crate) struct Switches([InputB; 3]);
+    pub(crate) struct Switches([HomingInput; 3]);
 
-    impl Switches {
-        pub(crate) fn new(pins: [InputB; 3]) -> Self {
-            Self(pins)
-        }
+    /// Pulls the pins up.
+    // An inverted pin has the type of the array already.
+    #[allow(clippy::useless_conversion)]
+    pub(crate) fn build(first: Homing1, second: Homing2, third: Homing3) -> Switches {
+        Switches([
+            first.input(Pull::Up).into(),
+            second.input(Pull::Up).into(),
+            third.input(Pull::Up).into(),
+        ])
     }
 
     impl Inputs for Switches {

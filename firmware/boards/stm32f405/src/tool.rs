@@ -1,7 +1,7 @@
-//! Tool: PA5 is its level, or its PWM from TIM2; PA4 enables it. An image holds the output that its scene names.
+//! Tool: a pin is its level, or its PWM from TIM2, another one enables it. An image holds the output that its scene names.
 
+use crate::board::{Tool, ToolEnable};
 use crate::clock::Clocks;
-use stm32f4xx_hal::gpio::gpioa::{PA4, PA5};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::Rcc;
 use trirrr_app::scene::tool::INVERTED;
@@ -15,18 +15,18 @@ pub(super) use level::{LevelPin as ToolPin, build};
 // Each kind of output takes some of them.
 #[allow(dead_code)]
 pub(super) struct ToolParts {
-    pub(super) pa4: PA4,
-    pub(super) pa5: PA5,
+    pub(super) tool: Tool,
+    pub(super) enable: ToolEnable,
     pub(super) tim2: TIM2,
     pub(super) clocks: Clocks,
 }
 
 #[cfg(tool = "duty")]
 mod duty {
-    use super::{INVERTED, PA4, Rcc, TIM2, ToolParts};
+    use super::{INVERTED, Rcc, TIM2, Tool, ToolEnable, ToolParts};
     use crate::dividers::counts;
+    use crate::pins::BoardPin;
     use core::convert::Infallible;
-    use stm32f4xx_hal::gpio::Output;
     use stm32f4xx_hal::hal::pwm::{ErrorType, SetDutyCycle};
     use stm32f4xx_hal::rcc::{Enable as _, Reset};
     use trirrr_app::scene::tool::{CUTS, ENABLE, FREQUENCY_HZ, SPAN};
@@ -34,7 +34,7 @@ mod duty {
     use trirrr_drives::tool::DutyOutput;
 
     /// Output to the tool.
-    pub(crate) type DutyPin = DutyOutput<ToolTimer, PA4<Output>>;
+    pub(crate) type DutyPin = DutyOutput<ToolTimer, <ToolEnable as BoardPin>::Output>;
 
     /// Channel 1 of TIM2. Not that of the HAL: its duty waits for the end of a period, and a tool goes off at once.
     pub(crate) struct ToolTimer {
@@ -54,7 +54,9 @@ mod duty {
             timer
                 .ccmr1_output()
                 .write(|w| w.oc1m().pwm_mode1().oc1pe().bit(!CUTS));
-            timer.ccer().write(|w| w.cc1e().set_bit());
+            timer
+                .ccer()
+                .write(|w| w.cc1e().set_bit().cc1p().bit(Tool::INVERTED));
             timer.egr().write(|w| w.ug().set_bit());
             timer.cr1().write(|w| w.cen().set_bit());
             let full = last.saturating_add(1);
@@ -82,38 +84,34 @@ mod duty {
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
     pub(crate) fn build(parts: ToolParts, rcc: &mut Rcc) -> DutyPin {
-        let pin = parts.pa4;
+        let pin = parts.enable;
         let enable = ENABLE.map(|active| {
-            let off = active.off().into();
-            let Ok(enable) = Enable::new(pin.into_push_pull_output_in_state(off), active);
+            let Ok(enable) = Enable::new(pin.output(active.off()), active);
             enable
         });
         let timer = ToolTimer::start(parts.tim2, parts.clocks.timers, rcc);
         let output = DutyOutput::new(timer, enable, SPAN, INVERTED);
         // The pin is an input up to here, and the wiring holds the tool off.
-        let _ = parts.pa5.into_alternate::<1>();
+        let _ = parts.tool.plain().into_alternate::<1>();
         output
     }
 }
 
 #[cfg(tool = "level")]
 mod level {
-    use super::{INVERTED, PA5, Rcc, ToolParts};
-    use stm32f4xx_hal::gpio::Output;
+    use super::{INVERTED, Rcc, Tool, ToolParts};
+    use crate::pins::BoardPin;
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 
     /// Output to the tool.
-    pub(crate) type LevelPin = LevelOutput<PA5<Output>>;
+    pub(crate) type LevelPin = LevelOutput<<Tool as BoardPin>::Output>;
 
     /// Builds the output, off.
     // A function of its own: its symbol shows that the image holds it.
     #[inline(never)]
     pub(crate) fn build(parts: ToolParts, _: &mut Rcc) -> LevelPin {
         let on = Active::at(!INVERTED);
-        LevelOutput::new(
-            parts.pa5.into_push_pull_output_in_state(on.off().into()),
-            on,
-        )
+        LevelOutput::new(parts.tool.output(on.off()), on)
     }
 }

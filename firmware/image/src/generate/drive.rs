@@ -7,7 +7,7 @@ use bldc::bldcs;
 use can::cans;
 use std::fmt::{self, Write};
 use trirrr_core::units::Units;
-use trirrr_drives::stepper::StepsPerTurn;
+use trirrr_drives::stepper::{StepsPerTurn, slot_rate_hz};
 use trirrr_scene::{CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
 /// The kinds of drive, as `cfg(drive = "...")` has them in an image.
@@ -127,6 +127,20 @@ fn steppers(scene: &Scene, drives: &[Drive; 3]) -> Result<String, DriveError> {
          pub const MOST_PER_TICK: [u32; 3] = {most:?};",
         per_turn.join(", ")
     ))
+}
+
+/// Rate of the slots that step the scene's steppers, Hz, as an image computes it; none without steppers.
+///
+/// # Errors
+/// Steppers that no board drives.
+pub fn slots_hz(scene: &Scene) -> Result<Option<u32>, DriveError> {
+    let mut most = None;
+    for (index, drive) in scene.drives.iter().flatten().enumerate() {
+        if let DriveKind::Stepper(stepper) = drive.kind {
+            most = most.max(Some(most_per_tick(index, &stepper, scene.tick_rate_hz)?));
+        }
+    }
+    Ok(most.map(|most| slot_rate_hz(most, scene.tick_rate_hz) as u32 + 1))
 }
 
 fn most_per_tick(index: usize, stepper: &Stepper, tick_rate_hz: f64) -> Result<u32, DriveError> {

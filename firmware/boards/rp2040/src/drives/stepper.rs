@@ -2,7 +2,7 @@
 
 use super::DriveParts;
 use crate::clock::CORE_HZ;
-use rp2040_hal::gpio::{DynPinId, FunctionSioOutput, Pin, PinState, PullDown};
+use crate::pins::{AnyOutput, BoardPin};
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
@@ -36,11 +36,9 @@ const TOP: u16 = (CYCLES / DIVIDER as u32 - 1) as u16;
 /// Drives, as the tick sees them.
 pub(crate) type StepperDrives = Steppers<'static, Scalar>;
 
-type OutPin = Pin<DynPinId, FunctionSioOutput, PullDown>;
-
 /// Timer that calls the slots.
 pub(crate) struct SlotTimer {
-    slots: Slots<'static, OutPin, OutPin, OutPin>,
+    slots: Slots<'static, AnyOutput, AnyOutput, AnyOutput>,
     timer: Slice<Pwm7, FreeRunning>,
 }
 
@@ -58,33 +56,22 @@ impl SlotTimer {
 #[inline(never)]
 pub(crate) fn build(parts: DriveParts) -> (StepperDrives, SlotTimer) {
     let active = Active::at(ENABLE_HIGH);
-    let enable = parts
-        .enable
-        .into_push_pull_output_in_state(active.off().into());
-    let Ok(enable) = Enable::new(enable.into_dyn_pin(), active);
-    let (step_1, step_2, step_3) = parts.step;
-    let (direction_1, direction_2, direction_3) = parts.direction;
+    let pins = parts.pins;
+    let Ok(enable) = Enable::new(pins.enable.output(active.off()).into_dyn_pin(), active);
     let [r1, r2, r3] = REVERSED;
-    let low = PinState::Low;
     let Ok(axis_1) = Axis::new(
-        step_1.into_push_pull_output_in_state(low).into_dyn_pin(),
-        direction_1
-            .into_push_pull_output_in_state(low)
-            .into_dyn_pin(),
+        pins.step_1.output(false).into_dyn_pin(),
+        pins.direction_1.output(false).into_dyn_pin(),
         r1,
     );
     let Ok(axis_2) = Axis::new(
-        step_2.into_push_pull_output_in_state(low).into_dyn_pin(),
-        direction_2
-            .into_push_pull_output_in_state(low)
-            .into_dyn_pin(),
+        pins.step_2.output(false).into_dyn_pin(),
+        pins.direction_2.output(false).into_dyn_pin(),
         r2,
     );
     let Ok(axis_3) = Axis::new(
-        step_3.into_push_pull_output_in_state(low).into_dyn_pin(),
-        direction_3
-            .into_push_pull_output_in_state(low)
-            .into_dyn_pin(),
+        pins.step_3.output(false).into_dyn_pin(),
+        pins.direction_3.output(false).into_dyn_pin(),
         r3,
     );
     let slots = Slots::new(&LINE, [axis_1, axis_2, axis_3], enable, PER_TICK);

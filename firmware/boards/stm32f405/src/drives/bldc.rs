@@ -1,15 +1,16 @@
 //! Amplifiers and encoders: set values from TIM3, counters in TIM1, TIM4 and TIM5, loops called by TIM7.
 
 use super::DriveParts;
+use crate::board::{self, FailureInput, SetValue1, SetValue2, SetValue3};
 use crate::dividers::{self, set_pwm};
-use crate::pins::InputC;
-use stm32f4xx_hal::gpio::{Output as Out, Pin, Pull};
+use crate::pins::BoardPin;
+use stm32f4xx_hal::gpio::Pull;
 use stm32f4xx_hal::hal_02::Qei as _;
 use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4, TIM5, TIM7};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
-use stm32f4xx_hal::timer::ErasedChannel;
+use stm32f4xx_hal::timer::{ErasedChannel, Polarity};
 use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{
@@ -30,9 +31,9 @@ pub(crate) type BldcDrives = OrEmulated<Bldcs<&'static LoopLine>>;
 
 /// Timer that calls the loops, with what they read.
 pub(crate) struct SampleTimer {
-    loops: Loops<&'static LoopLine, ErasedChannel<TIM3>, Pin<'B', 12, Out>>,
+    loops: Loops<&'static LoopLine, ErasedChannel<TIM3>, <board::Enable as BoardPin>::Output>,
     encoders: (Qei<TIM1>, Qei<TIM4>, Qei<TIM5>),
-    failures: [InputC; 3],
+    failures: [FailureInput; 3],
     timer: TIM7,
 }
 
@@ -57,21 +58,30 @@ impl SampleTimer {
 /// machine is not enabled.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
+// An inverted pin has the type of the array already.
+#[allow(clippy::useless_conversion)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTimer) {
-    let c = parts.port_c.split(rcc);
+    let pins = parts.pins;
     let active = Active::at(ENABLE_HIGH);
-    let enable = parts
-        .pb12
-        .into_push_pull_output_in_state(active.off().into());
-    let Ok(enable) = Enable::new(enable, active);
+    let Ok(enable) = Enable::new(pins.enable.output(active.off()), active);
 
     let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(COMMAND_HZ.Hz(), rcc);
     set_pwm(parts.clocks.timers, COMMAND_HZ);
-    let pwm = [
-        pwm_1.with(c.pc6).erase(),
-        pwm_2.with(c.pc7).erase(),
-        pwm_3.with(c.pc8).erase(),
+    let mut pwm = [
+        pwm_1.with(pins.set_value_1.plain()).erase(),
+        pwm_2.with(pins.set_value_2.plain()).erase(),
+        pwm_3.with(pins.set_value_3.plain()).erase(),
     ];
+    let inverted = [
+        SetValue1::INVERTED,
+        SetValue2::INVERTED,
+        SetValue3::INVERTED,
+    ];
+    for (channel, inverted) in pwm.iter_mut().zip(inverted) {
+        if inverted {
+            channel.set_polarity(Polarity::ActiveLow);
+        }
+    }
     // Sets the duties of no current before the outputs start.
     let mut loops = Loops::new(&LINE, &MOTORS, pwm, enable, PER_TICK);
     for channel in loops.outputs() {
@@ -83,14 +93,14 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTime
         None => Pull::None,
     };
     let failures = [
-        c.pc0.into_pull_down_input().internal_resistor(pull).into(),
-        c.pc1.into_pull_down_input().internal_resistor(pull).into(),
-        c.pc2.into_pull_down_input().internal_resistor(pull).into(),
+        pins.failure_1.input(pull).into(),
+        pins.failure_2.input(pull).into(),
+        pins.failure_3.input(pull).into(),
     ];
     let encoders = (
-        Qei::new(parts.tim1, (parts.pa8, parts.pa9), rcc),
-        Qei::new(parts.tim4, (parts.pb6, parts.pb7), rcc),
-        Qei::new(parts.tim5, (parts.pa0, parts.pa1), rcc),
+        Qei::new(parts.tim1, (pins.encoder_a_1, pins.encoder_b_1), rcc),
+        Qei::new(parts.tim4, (pins.encoder_a_2, pins.encoder_b_2), rcc),
+        Qei::new(parts.tim5, (pins.encoder_a_3, pins.encoder_b_3), rcc),
     );
 
     let (timer, clocks) = (parts.tim7, parts.clocks);

@@ -24,8 +24,12 @@ pub(crate) type Inbox = Queue<ClassicFrame, { HEARD as usize + 1 }>;
 #[inline(never)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, DriveTimer) {
     let _ = (
-        parts.pb8.into_alternate::<9>().internal_pull_up(true),
-        parts.pb9.into_alternate::<9>(),
+        parts
+            .pins
+            .can_receive
+            .into_alternate::<9>()
+            .internal_pull_up(true),
+        parts.pins.can_transmit.into_alternate::<9>(),
     );
     let (frames, inbox) = parts.inbox.split();
     let timing = match parts.clock {

@@ -1,12 +1,12 @@
-//! Drives of the scene on the pins of this board; `docs/board.md` has the table.
+//! Drives of the scene on the pins of the board file; `docs/board.md` has the tables.
 //!
-//! | drive | pins | peripherals |
-//! |---|---|---|
-//! | stepper | step PC0 to PC2, direction PC3 to PC5, enable PB12 | TIM7: a slot |
-//! | bldc | set value PC6 to PC8, failure PC0 to PC2, enable PB12; encoders PA8 and PA9, PB6 and PB7, PA0 and PA1 | TIM3: PWM; TIM1, TIM4, TIM5: counters; TIM7: a sample |
-//! | can | PB8 receive, PB9 transmit | CAN1: an interrupt for each frame |
+//! | drive | peripherals |
+//! |---|---|
+//! | stepper | TIM7: a slot |
+//! | bldc | TIM3: PWM; TIM1, TIM4, TIM5: counters; TIM7: a sample |
+//! | can | CAN1: an interrupt for each frame |
 //!
-//! Motors 1 to 3 have the pins in this order. All timers but TIM1 are on APB1. An image holds the drive that its scene
+//! All timers but TIM1 are on APB1. An image holds the drive that its scene
 //! names, or none.
 
 #[cfg(drive = "bldc")]
@@ -37,10 +37,9 @@ compile_error!(
      of classic CAN"
 );
 
+use crate::board::DrivePins;
 use crate::clock::Clocks;
-use stm32f4xx_hal::gpio::gpioa::{PA0, PA1, PA8, PA9};
-use stm32f4xx_hal::gpio::gpiob::{PB6, PB7, PB8, PB9, PB12};
-use stm32f4xx_hal::pac::{CAN1, GPIOC, TIM1, TIM3, TIM4, TIM5, TIM7};
+use stm32f4xx_hal::pac::{CAN1, TIM1, TIM3, TIM4, TIM5, TIM7};
 use trirrr_app::inputs::Angle;
 #[cfg(feedback)]
 use trirrr_protocol::message::Clock;
@@ -49,16 +48,8 @@ use trirrr_protocol::message::Clock;
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
 pub(super) struct DriveParts {
-    pub(super) pa0: PA0,
-    pub(super) pa1: PA1,
-    pub(super) pa8: PA8,
-    pub(super) pa9: PA9,
-    pub(super) pb6: PB6,
-    pub(super) pb7: PB7,
-    pub(super) pb8: PB8,
-    pub(super) pb9: PB9,
-    pub(super) pb12: PB12,
-    pub(super) port_c: GPIOC,
+    /// Pins of the kind of drive.
+    pub(super) pins: DrivePins,
     pub(super) tim1: TIM1,
     pub(super) tim3: TIM3,
     pub(super) tim4: TIM4,

@@ -1,11 +1,10 @@
 //! Steppers: TIM7 calls the slots.
 
 use super::DriveParts;
+use crate::board::{self, DirectionOutput, StepOutput};
 use crate::dividers;
-use crate::pins::OutputC;
-use stm32f4xx_hal::gpio::{Output as Out, Pin, PinState};
+use crate::pins::BoardPin;
 use stm32f4xx_hal::pac::TIM7;
-use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
 use trirrr_app::Output;
 use trirrr_app::inputs::Angle;
@@ -59,7 +58,7 @@ fn too_slow() -> Failure<Scalar> {
 
 /// Timer that calls the slots.
 pub(crate) struct SlotTimer {
-    slots: Slots<'static, OutputC, OutputC, Pin<'B', 12, Out>>,
+    slots: Slots<'static, StepOutput, DirectionOutput, <board::Enable as BoardPin>::Output>,
     timer: TIM7,
 }
 
@@ -76,28 +75,26 @@ impl SlotTimer {
 /// Builds the drives, off, and starts the slots if the core is fast enough.
 // A function of its own: its symbol shows that the image holds these drives.
 #[inline(never)]
+// An inverted pin has the type of the array already.
+#[allow(clippy::useless_conversion)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotTimer) {
-    let c = parts.port_c.split(rcc);
+    let pins = parts.pins;
     let active = Active::at(ENABLE_HIGH);
-    let enable = parts
-        .pb12
-        .into_push_pull_output_in_state(active.off().into());
-    let Ok(enable) = Enable::new(enable, active);
+    let Ok(enable) = Enable::new(pins.enable.output(active.off()), active);
     let [r1, r2, r3] = REVERSED;
-    let low = PinState::Low;
     let Ok(axis_1) = Axis::new(
-        c.pc0.into_push_pull_output_in_state(low).into(),
-        c.pc3.into_push_pull_output_in_state(low).into(),
+        pins.step_1.output(false).into(),
+        pins.direction_1.output(false).into(),
         r1,
     );
     let Ok(axis_2) = Axis::new(
-        c.pc1.into_push_pull_output_in_state(low).into(),
-        c.pc4.into_push_pull_output_in_state(low).into(),
+        pins.step_2.output(false).into(),
+        pins.direction_2.output(false).into(),
         r2,
     );
     let Ok(axis_3) = Axis::new(
-        c.pc2.into_push_pull_output_in_state(low).into(),
-        c.pc5.into_push_pull_output_in_state(low).into(),
+        pins.step_3.output(false).into(),
+        pins.direction_3.output(false).into(),
         r3,
     );
     let axes = [axis_1, axis_2, axis_3];

@@ -1,0 +1,119 @@
+//! Pins of a board as data: a TOML file with chip, crystal, and pins by function.
+//!
+//! The build script of a board's package calls [`build_script`]. The file is checked against the chip, and against what the
+//! scene needs; the package includes `OUT_DIR/board.rs`, which has the pins as types.
+
+mod chip;
+mod clock;
+mod file;
+mod needs;
+mod role;
+mod source;
+mod table;
+
+pub use chip::{Chip, Family};
+pub use file::{BoardFile, WiredPin};
+pub use needs::Needs;
+pub use role::Role;
+pub use table::table;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+use trirrr_scene::read::text_of;
+use trirrr_scene::visible;
+
+/// Folder of the shipped board files, in the root of the repository.
+const FILES: &str = "firmware/boards/files";
+
+/// Variable of the environment that names the board.
+const VARIABLE: &str = "BOARD";
+
+/// Writes `OUT_DIR/board.rs` for the package `package`, and tells Cargo about the file and the variable that this depends on.
+///
+/// `BOARD` names the board: a shipped file, or a path relative to `root`. Without it the `board` of the scene counts, and without
+/// that the default of the package.
+///
+/// # Errors
+/// A board that is not there, or is refused: with file, line, key and reason.
+pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
+    println!("cargo:rerun-if-env-changed={VARIABLE}");
+    let family = Family::of_package(package)
+        .ok_or_else(|| format!("{package}: no chip of a board file is for this package"))?;
+    let handed_on = |name: &str| env::var(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).ok();
+    let needs = Needs::read(handed_on)?;
+    let variable = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
+    let file = chosen(variable.as_deref(), &needs, family, root)?;
+    println!("cargo:rerun-if-changed={}", file.display());
+    let name = file.strip_prefix(root).unwrap_or(&file);
+    let board = BoardFile::parse(
+        &text_of(&file)?,
+        &name.display().to_string(),
+        Some((family, &needs)),
+    )?;
+    let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?;
+    let text = source::source(&board, &needs);
+    fs::write(PathBuf::from(out).join("board.rs"), text)?;
+    Ok(())
+}
+
+/// The file of the board that `variable`, the scene or the family names.
+fn chosen(
+    variable: Option<&str>,
+    needs: &Needs,
+    family: Family,
+    root: &Path,
+) -> Result<PathBuf, String> {
+    let (by, name) = match (variable, needs.board.as_deref()) {
+        (Some(name), _) => (format!("{VARIABLE}={name}"), name),
+        (None, Some(name)) => (format!("{}: board = \"{name}\"", needs.scene), name),
+        (None, None) => (String::new(), family.default_board()),
+    };
+    let file = match is_path(name) {
+        true => root.join(name),
+        false => root.join(FILES).join(name).with_extension("toml"),
+    };
+    if file.is_file() {
+        return Ok(file);
+    }
+    let shipped = shipped_names(&root.join(FILES)).join(", ");
+    Err(format!(
+        "{}: no such board: {} is no file; shipped boards are {shipped}, and a path ends in .toml",
+        visible(&by),
+        visible(
+            &file
+                .strip_prefix(root)
+                .unwrap_or(&file)
+                .display()
+                .to_string()
+        ),
+    ))
+}
+
+/// Returns true if a board is named by the path of its file.
+pub fn is_path(name: &str) -> bool {
+    name.ends_with(".toml") || name.contains(['/', '\\'])
+}
+
+/// Names of the board files in `folder`, sorted.
+fn shipped_names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let files = entries.map(|entry| entry.path());
+    let tables = files.filter(|file| file.extension().is_some_and(|end| end == "toml"));
+    let mut names: Vec<String> = tables
+        .filter_map(|file| Some(file.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    names
+}
+
+/// Text of a shipped board file.
+#[cfg(test)]
+fn shipped(name: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let file = root.join(FILES).join(name).with_extension("toml");
+    fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! Chips: the pins of a package, and the functions that each pin can take.
+
+mod rp2040;
+mod stm32f405;
+
+use super::clock::{ClockSettings, RP2040_CLOCK, STM32F405_CLOCK};
+use super::role::Role;
+
+/// Family of chips with a firmware of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Package `trirrr-stm32f405`.
+    Stm32f405,
+    /// Package `trirrr-rp2040`.
+    Rp2040,
+}
+
+impl Family {
+    const ALL: [Self; 2] = [Self::Stm32f405, Self::Rp2040];
+
+    /// The family whose firmware is the package `name`.
+    pub fn of_package(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|family| family.package() == name)
+    }
+
+    /// Package of the firmware.
+    pub fn package(self) -> &'static str {
+        match self {
+            Self::Stm32f405 => "trirrr-stm32f405",
+            Self::Rp2040 => "trirrr-rp2040",
+        }
+    }
+
+    /// Cargo's alias that builds the firmware.
+    pub(super) fn command(self) -> &'static str {
+        match self {
+            Self::Stm32f405 => "cargo fw",
+            Self::Rp2040 => "cargo fw-rp2040",
+        }
+    }
+
+    /// Board of an image for which neither `BOARD` nor the scene names one.
+    pub(super) fn default_board(self) -> &'static str {
+        match self {
+            Self::Stm32f405 => "generic-f405",
+            Self::Rp2040 => "pico",
+        }
+    }
+
+    /// Clock of the family.
+    pub(super) fn clock(self) -> &'static ClockSettings {
+        match self {
+            Self::Stm32f405 => &STM32F405_CLOCK,
+            Self::Rp2040 => &RP2040_CLOCK,
+        }
+    }
+}
+
+/// Serial port of a chip, with its pins.
+pub(super) struct SerialPort {
+    /// Name in board files, in small letters.
+    pub(super) name: &'static str,
+    pub(super) transmit: &'static [&'static str],
+    pub(super) receive: &'static [&'static str],
+}
+
+/// Signal of a peripheral that a role takes, with its pins.
+pub(super) struct Signal {
+    pub(super) role: Role,
+    /// Pin of the role: motor 1 is 0.
+    pub(super) index: usize,
+    /// Name in messages: `TIM2 CH1`.
+    pub(super) name: &'static str,
+    pub(super) pins: &'static [&'static str],
+}
+
+/// Chip in a package.
+pub struct Chip {
+    /// Name in board files.
+    pub name: &'static str,
+    /// Firmware that it runs.
+    pub family: Family,
+    /// Ports: the text before the number, and the number of pins, from 0.
+    ports: &'static [(&'static str, &'static [u8])],
+    /// Pins that no function may have, and why.
+    withheld: &'static [(&'static str, &'static str)],
+    pub(super) serial_ports: &'static [SerialPort],
+    signals: &'static [Signal],
+    /// Tables of drives that the firmware has no code for, and why.
+    pub(super) without: &'static [(&'static str, &'static str)],
+}
+
+/// All chips.
+pub(super) const CHIPS: [&Chip; 3] = [
+    &stm32f405::STM32F405RG,
+    &stm32f405::STM32F405VG,
+    &rp2040::RP2040,
+];
+
+impl Chip {
+    /// Splits the name of a pin of this package into port and number. Returns `None` for any other text.
+    pub(super) fn pin(&self, name: &str) -> Option<(&'static str, u8)> {
+        self.ports.iter().find_map(|(port, numbers)| {
+            let digits = name.strip_prefix(port)?;
+            let number = numbers.iter().find(|number| number.to_string() == digits)?;
+            Some((*port, *number))
+        })
+    }
+
+    /// The reason for which no function may have the pin, if there is one.
+    pub(super) fn withheld(&self, name: &str) -> Option<&'static str> {
+        let found = self.withheld.iter().find(|(pin, _)| *pin == name);
+        found.map(|(_, reason)| *reason)
+    }
+
+    /// The signal that pin `index` of a role takes; none if any pin does.
+    pub(super) fn signal(&self, role: Role, index: usize) -> Option<&'static Signal> {
+        let is_it = |signal: &&Signal| signal.role == role && signal.index == index;
+        self.signals.iter().find(is_it)
+    }
+
+    /// The pins of `list` that the package has and a function may have, as text.
+    pub(super) fn usable(&self, list: &[&str]) -> String {
+        let usable = list
+            .iter()
+            .filter(|pin| self.pin(pin).is_some() && self.withheld(pin).is_none());
+        let usable: Vec<&str> = usable.copied().collect();
+        usable.join(", ")
+    }
+
+    /// Examples of pins, for messages.
+    pub(super) fn pins_in_words(&self) -> String {
+        let ports = self.ports.iter().map(|(port, numbers)| match numbers {
+            [only] => format!("{port}{only}"),
+            [first, .., last] => format!("{port}{first} to {port}{last}"),
+            [] => String::new(),
+        });
+        ports.collect::<Vec<_>>().join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pin_is_one_of_its_package() {
+        let small = &stm32f405::STM32F405RG;
+        assert_eq!(small.pin("PA13"), Some(("PA", 13)));
+        assert_eq!(small.pin("PD2"), Some(("PD", 2)));
+        for no_pin in ["PD3", "PA16", "PA01", "PA", "pa1", "A1", "GP1", ""] {
+            assert_eq!(small.pin(no_pin), None, "{no_pin}");
+        }
+        assert_eq!(stm32f405::STM32F405VG.pin("PD3"), Some(("PD", 3)));
+        assert_eq!(rp2040::RP2040.pin("GP29"), Some(("GP", 29)));
+        assert_eq!(rp2040::RP2040.pin("GP30"), None);
+        assert_eq!(
+            small.pins_in_words(),
+            "PA0 to PA15, PB0 to PB15, PC0 to PC15, PD2"
+        );
+    }
+
+    #[test]
+    fn each_signal_has_a_pin_in_every_package() {
+        for chip in CHIPS {
+            for signal in chip.signals {
+                assert!(!chip.usable(signal.pins).is_empty(), "{}", signal.name);
+                // A misspelt pin would never be found.
+                for pin in signal.pins {
+                    assert!(CHIPS.iter().any(|any| any.pin(pin).is_some()), "{pin}");
+                }
+            }
+            for (pin, _) in chip.withheld {
+                assert!(chip.pin(pin).is_some(), "{pin}");
+            }
+            for port in chip.serial_ports {
+                assert!(!chip.usable(port.transmit).is_empty(), "{}", port.name);
+                assert!(!chip.usable(port.receive).is_empty(), "{}", port.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_package_names_its_family() {
+        for family in Family::ALL {
+            assert_eq!(Family::of_package(family.package()), Some(family));
+        }
+        assert_eq!(Family::of_package("trirrr-core"), None);
+    }
+}

@@ -1,0 +1,206 @@
+//! What a scene takes from its board.
+
+use super::role::Role;
+use crate::generate::{DriveError, kind, slots_hz, tool_kind};
+use std::collections::BTreeMap;
+use trirrr_scene::{Scene, ToolKind};
+
+/// Functions of a board that the image of a scene has, and how fast its steppers step.
+///
+/// The build script of `trirrr-app` writes them for those of the boards: [`Needs::metadata`], [`Needs::read`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Needs {
+    /// File of the scene, for messages.
+    pub scene: String,
+    /// Board that the scene names, as the path of its file where it is one.
+    pub board: Option<String>,
+    /// Kind of the drives, as `cfg(drive = "...")` has it.
+    pub drive: String,
+    /// Kind of the output to the tool, as `cfg(tool = "...")` has it.
+    pub tool: String,
+    /// The tool has an enable line.
+    pub tool_enable: bool,
+    /// Homing.
+    pub homing: bool,
+    /// Brake.
+    pub brake: bool,
+    /// Emergency stop.
+    pub stop: bool,
+    /// Door.
+    pub door: bool,
+    /// Slots of its steppers, Hz, and its ticks, Hz.
+    pub slots: Option<(u32, f64)>,
+}
+
+impl Needs {
+    /// The needs of `scene`, read from `file`.
+    ///
+    /// # Errors
+    /// Steppers that no board drives.
+    pub fn of(scene: &Scene, file: &str, board: Option<String>) -> Result<Self, DriveError> {
+        let slots = slots_hz(scene)?;
+        let has_enable = |kind: &ToolKind| {
+            matches!(
+                kind,
+                ToolKind::Pwm {
+                    enable: Some(_),
+                    ..
+                }
+            )
+        };
+        Ok(Self {
+            scene: file.into(),
+            board,
+            drive: kind(scene).into(),
+            tool: tool_kind(scene).into(),
+            tool_enable: scene.tool.is_some_and(|port| has_enable(&port.kind)),
+            homing: scene.homing.is_some(),
+            brake: scene.power.has_brake,
+            stop: scene.inputs.interlocks.emergency_stop.is_some(),
+            door: scene.inputs.interlocks.door.is_some(),
+            slots: slots.map(|slots| (slots, scene.tick_rate_hz)),
+        })
+    }
+
+    /// Names and values, as one build script hands them to another.
+    pub fn metadata(&self) -> Vec<(&'static str, String)> {
+        let mut metadata = vec![
+            ("scene", self.scene.clone()),
+            ("drive", self.drive.clone()),
+            ("tool", self.tool.clone()),
+        ];
+        metadata.extend(self.board.clone().map(|board| ("board", board)));
+        for (name, is_so) in self.flags() {
+            if is_so {
+                metadata.push((name, "yes".into()));
+            }
+        }
+        if let Some((slots_hz, tick_rate_hz)) = self.slots {
+            metadata.push(("slots_hz", slots_hz.to_string()));
+            metadata.push(("tick_rate_hz", format!("{tick_rate_hz:?}")));
+        }
+        metadata
+    }
+
+    fn flags(&self) -> [(&'static str, bool); 5] {
+        [
+            ("tool_enable", self.tool_enable),
+            ("homing", self.homing),
+            ("brake", self.brake),
+            ("estop", self.stop),
+            ("door", self.door),
+        ]
+    }
+
+    /// Reads what [`metadata`](Self::metadata) wrote, by name.
+    ///
+    /// # Errors
+    /// A value that is missing or none.
+    pub fn read(value: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
+        let demand = |name: &str| value(name).ok_or_else(|| format!("trirrr-app gave no {name}"));
+        let has = |name: &str| value(name).is_some();
+        let number = |name: &str| -> Result<f64, String> {
+            let text = demand(name)?;
+            text.parse().map_err(|_| format!("{name}={text}"))
+        };
+        let slots = match has("slots_hz") {
+            true => Some((number("slots_hz")? as u32, number("tick_rate_hz")?)),
+            false => None,
+        };
+        Ok(Self {
+            scene: demand("scene")?,
+            board: value("board"),
+            drive: demand("drive")?,
+            tool: demand("tool")?,
+            tool_enable: has("tool_enable"),
+            homing: has("homing"),
+            brake: has("brake"),
+            stop: has("estop"),
+            door: has("door"),
+            slots,
+        })
+    }
+
+    /// Returns true if the scene has an output to a tool.
+    pub(super) fn has_tool(&self) -> bool {
+        !matches!(self.tool.as_str(), "none" | "")
+    }
+
+    /// Roles that need a pin, with what in the scene needs them.
+    pub(super) fn roles(&self) -> BTreeMap<Role, &'static str> {
+        let steppers = [Role::Step, Role::Direction, Role::StepperEnable];
+        let amplifiers = [
+            Role::SetValue,
+            Role::Failure,
+            Role::EncoderA,
+            Role::EncoderB,
+            Role::AmplifierEnable,
+        ];
+        let (drives, what): (&[Role], _) = match self.drive.as_str() {
+            "stepper" => (&steppers, "steppers"),
+            "bldc" => (&amplifiers, "brushless motors with amplifiers"),
+            "none" => (&[], ""),
+            _ => (&[Role::CanReceive, Role::CanTransmit], "drives on CAN"),
+        };
+        let others = [
+            (self.has_tool(), Role::Tool, "a tool"),
+            (
+                self.tool_enable,
+                Role::ToolEnable,
+                "a tool with an enable line",
+            ),
+            (self.stop, Role::Stop, "an emergency stop"),
+            (self.door, Role::Door, "a door"),
+            (self.homing, Role::Homing, "homing"),
+            (self.brake, Role::Brake, "a brake"),
+        ];
+        let drives = drives.iter().map(|role| (*role, what));
+        let others = others.into_iter().filter(|(is_needed, ..)| *is_needed);
+        drives
+            .chain(others.map(|(_, role, what)| (role, what)))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn of(scene: &str) -> Needs {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        let file = scenes.join(scene);
+        let scene = Scene::read(&file).expect("a shipped scene");
+        Needs::of(&scene, &file.display().to_string(), None).expect("a board drives it")
+    }
+
+    #[test]
+    fn needs_are_handed_on_whole() {
+        for scene in [
+            "thesis.toml",
+            "engraving.toml",
+            "inputs/guarded.toml",
+            "pick-home.toml",
+        ] {
+            let mut needs = of(scene);
+            needs.board = Some("feather-f405".into());
+            let metadata: BTreeMap<_, _> = needs.metadata().into_iter().collect();
+            let read = Needs::read(|name| metadata.get(name).cloned());
+            assert_eq!(read.as_ref(), Ok(&needs), "{scene}");
+        }
+        let error = Needs::read(|_| None).expect_err("nothing was handed on");
+        assert!(error.contains("scene"), "{error}");
+    }
+
+    #[test]
+    fn a_scene_needs_what_it_names_and_no_more() {
+        assert!(of("thesis.toml").roles().is_empty());
+        let engraving = of("engraving.toml");
+        let roles: Vec<Role> = engraving.roles().into_keys().collect();
+        let steppers = [Role::Step, Role::Direction, Role::StepperEnable];
+        assert_eq!(roles[..3], steppers);
+        assert!(roles.contains(&Role::Tool) && !roles.contains(&Role::Stop));
+        let roles = of("inputs/guarded.toml").roles();
+        assert!(roles.contains_key(&Role::Stop) && roles.contains_key(&Role::Door));
+    }
+}

@@ -1,0 +1,266 @@
+//! Rust source of a board's pins, as the firmware includes it.
+
+mod rp2040;
+mod stm32f405;
+
+use super::chip::Family;
+use super::file::{BoardFile, WiredPin};
+use super::needs::Needs;
+use super::role::Role;
+
+/// The pins that the image of a scene with these needs has, as types of its board's package, and the settings of the PLL.
+pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
+    match board.chip.family {
+        Family::Stm32f405 => stm32f405::source(board, needs),
+        Family::Rp2040 => rp2040::source(board, needs),
+    }
+}
+
+/// Fields of the struct `Pins` for a role, one for each of its pins.
+const FIELDS: [(Role, &[&str]); 19] = [
+    (Role::LineTransmit, &["line_transmit"]),
+    (Role::LineReceive, &["line_receive"]),
+    (Role::LogTransmit, &["log_transmit"]),
+    (Role::Step, &["step_1", "step_2", "step_3"]),
+    (
+        Role::Direction,
+        &["direction_1", "direction_2", "direction_3"],
+    ),
+    (Role::StepperEnable, &["enable"]),
+    (
+        Role::SetValue,
+        &["set_value_1", "set_value_2", "set_value_3"],
+    ),
+    (Role::Failure, &["failure_1", "failure_2", "failure_3"]),
+    (
+        Role::EncoderA,
+        &["encoder_a_1", "encoder_a_2", "encoder_a_3"],
+    ),
+    (
+        Role::EncoderB,
+        &["encoder_b_1", "encoder_b_2", "encoder_b_3"],
+    ),
+    (Role::AmplifierEnable, &["enable"]),
+    (Role::CanReceive, &["can_receive"]),
+    (Role::CanTransmit, &["can_transmit"]),
+    (Role::Tool, &["tool"]),
+    (Role::ToolEnable, &["tool_enable"]),
+    (Role::Stop, &["stop"]),
+    (Role::Door, &["door"]),
+    (Role::Homing, &["homing_1", "homing_2", "homing_3"]),
+    (Role::Brake, &["brake"]),
+];
+
+/// Field of a struct: no pin where the scene has no use for it, and a type of the firmware asks for one.
+struct PinField<'b> {
+    name: &'static str,
+    pin: Option<&'b WiredPin>,
+    /// It is a pin of the drives, which have a struct of their own.
+    is_of_drives: bool,
+}
+
+/// The fields of an image, and of no function that its scene lacks.
+fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
+    let needed = needs.roles();
+    let is_always = |role| {
+        matches!(
+            role,
+            Role::LineTransmit | Role::LineReceive | Role::LogTransmit
+        )
+    };
+    // Emergency stop and door, and tool and its enable line, are one type of the firmware.
+    let is_beside = |role| match role {
+        Role::Stop | Role::Door => needs.stop || needs.door,
+        Role::ToolEnable => needs.has_tool(),
+        _ => false,
+    };
+    let mut fields = Vec::new();
+    for (role, names) in FIELDS {
+        let pins: Vec<Option<&WiredPin>> = if is_always(role) || needed.contains_key(&role) {
+            board.pins(role).into_iter().flatten().map(Some).collect()
+        } else if is_beside(role) {
+            vec![None; names.len()]
+        } else {
+            Vec::new()
+        };
+        let is_of_drives = matches!(role.entry().table, "stepper" | "amplifier" | "can");
+        fields.extend(names.iter().zip(pins).map(|(name, pin)| PinField {
+            name,
+            pin,
+            is_of_drives,
+        }));
+    }
+    fields
+}
+
+/// Name of a type from that of its field: `step_1` becomes `Step1`.
+fn type_name(field: &str) -> String {
+    let words = field.split('_').map(|word| {
+        let (first, rest) = word.split_at(1);
+        first.to_uppercase() + rest
+    });
+    words.collect()
+}
+
+/// The pins of an image as source: structs and the expressions that build them.
+struct Declared {
+    /// A type for each field, and the struct `DrivePins`.
+    types: String,
+    /// Fields of the struct `Pins`,
+    fields: String,
+    /// and their values.
+    values: String,
+}
+
+/// Declares `fields`, with the type of a pin and the expression that takes it.
+fn declare(
+    fields: &[PinField],
+    pin_type: impl Fn(&WiredPin) -> String,
+    taken: impl Fn(&WiredPin) -> String,
+) -> Declared {
+    let mut types = String::new();
+    // Of `Pins`, and of `DrivePins`.
+    let mut declared = [String::new(), String::new()];
+    let mut values = [String::new(), String::new()];
+    for field in fields {
+        let (of, value) = match field.pin {
+            Some(pin) if pin.inverted => (
+                format!("Inverted<{}>", pin_type(pin)),
+                format!("Inverted({})", taken(pin)),
+            ),
+            Some(pin) => (pin_type(pin), taken(pin)),
+            None => ("NoPin".into(), "NoPin".into()),
+        };
+        let (name, alias) = (field.name, type_name(field.name));
+        let place = usize::from(field.is_of_drives);
+        types += &format!("pub(crate) type {alias} = {of};\n");
+        declared[place] += &format!("    pub(crate) {name}: {alias},\n");
+        values[place] += &format!("            {name}: {value},\n");
+    }
+    let [mut fields, of_drives] = declared;
+    let [mut own_values, drive_values] = values;
+    types += &format!("pub(crate) struct DrivePins {{\n{of_drives}}}\n");
+    fields += "    pub(crate) drives: DrivePins,\n";
+    own_values += &format!("            drives: DrivePins {{\n{drive_values}            }},\n");
+    Declared {
+        types,
+        fields,
+        values: own_values,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::shipped;
+
+    /// Source of the shipped board for a scene that needs these.
+    fn of(board: &str, change: impl Fn(String) -> String, needs: &Needs) -> String {
+        let text = change(shipped(board));
+        let board = BoardFile::parse(&text, board, None).unwrap_or_else(|error| panic!("{error}"));
+        source(&board, needs)
+    }
+
+    fn steppers() -> Needs {
+        Needs {
+            drive: "stepper".into(),
+            ..Needs::default()
+        }
+    }
+
+    fn nothing() -> Needs {
+        Needs {
+            drive: "none".into(),
+            ..Needs::default()
+        }
+    }
+
+    #[test]
+    fn an_image_holds_the_pins_of_its_scene_and_no_others() {
+        let text = of("generic-f405", |text| text, &nothing());
+        for part in [
+            "pub(crate) type LineTransmit = Pin<'A', 2>;",
+            "pub(crate) type LinePort = USART2;",
+            "log_transmit: b.pb10,",
+            "divider: 8, factor: 336",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        // Port C is not even switched on.
+        assert!(
+            !text.contains("ports.c") && !text.contains("enable"),
+            "{text}"
+        );
+        let needs = Needs {
+            tool: "duty".into(),
+            door: true,
+            ..steppers()
+        };
+        let text = of("generic-f405", |text| text, &needs);
+        for part in [
+            "pub(crate) type StepOutput = PortOutput<'C'>;",
+            "pub(crate) type Step3 = Pin<'C', 2>;",
+            "direction_1: c.pc3,",
+            "pub(crate) type ToolEnable = NoPin;",
+            "pub(crate) type Stop = NoPin;",
+            "door: a.pa7,",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        assert!(!text.contains("brake"), "{text}");
+    }
+
+    #[test]
+    fn an_inverted_pin_is_another_type() {
+        let invert = |text: String| {
+            let plain = "step = [\"PC0\", \"PC1\", \"PC2\"]";
+            assert!(text.contains(plain));
+            text.replace(plain, "step = [\"PC0\", \"!PC1\", \"PC2\"]")
+        };
+        let text = of("generic-f405", invert, &steppers());
+        for part in [
+            "pub(crate) type StepOutput = AnyOutput;",
+            "pub(crate) type DirectionOutput = PortOutput<'C'>;",
+            "pub(crate) type Step1 = Pin<'C', 0>;",
+            "pub(crate) type Step2 = Inverted<Pin<'C', 1>>;",
+            "step_2: Inverted(c.pc1),",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_board_of_its_own_crystal_and_ports_has_them() {
+        let text = of("feather-f405", |text| text, &steppers());
+        for part in [
+            "pub(crate) type LinePort = USART3;",
+            "line_interrupt!(USART3);",
+            "pub(crate) type LogPort = USART1;",
+            "divider: 12, factor: 336",
+            "step_1: c.pc2,",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_pico_has_its_slice_of_pwm() {
+        let needs = Needs {
+            tool: "duty".into(),
+            ..steppers()
+        };
+        let text = of("pico", |text| text, &needs);
+        for part in [
+            "pub(crate) type Tool = Pin<Gpio16, FunctionNull, PullDown>;",
+            "pub(crate) type ToolPwm = rp2040_hal::pwm::Pwm0;",
+            "line_interrupt!(UART0_IRQ);",
+            "pub(crate) const CRYSTAL_MHZ: u8 = 12;",
+            "step_1: pins.gpio6,",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        let odd = |text: String| text.replace("output = \"GP16\"", "output = \"GP26\"");
+        assert!(of("pico", odd, &needs).contains("ToolPwm = rp2040_hal::pwm::Pwm5;"));
+        assert!(!of("pico", |text| text, &nothing()).contains("ToolPwm"));
+    }
+}

@@ -1,0 +1,56 @@
+//! Pins of an RP2040 as types of its package.
+
+use super::{declare, fields};
+use crate::board::file::BoardFile;
+use crate::board::needs::Needs;
+use crate::board::role::Role;
+
+pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
+    let fields = fields(board, needs);
+    let declared = declare(
+        &fields,
+        |pin| format!("Pin<Gpio{}, FunctionNull, PullDown>", pin.place.1),
+        |pin| format!("pins.gpio{}", pin.place.1),
+    );
+    let [line, log] = [board.line, board.log].map(|port| port.name.to_uppercase());
+    let mut text = format!(
+        "use rp2040_hal::gpio::bank0::*;\n\
+         use rp2040_hal::gpio::{{self, FunctionNull, Pin, PullDown}};\n\
+         use rp2040_hal::pac::{{{line}, {log}}};\n\
+         use rp2040_hal::pwm::{{FreeRunning, Pwm7, Slice, Slices}};\n\
+         pub(crate) const CRYSTAL_MHZ: u8 = {};\n\
+         pub(crate) type LinePort = {line};\n\
+         pub(crate) type LogPort = {log};\n\
+         line_interrupt!({line}_IRQ);\n",
+        // Whole, as the clock asks for.
+        board.crystal_mhz as u8,
+    );
+    // Two pins have a slice: 0 and 1 slice 0, and again 16 and 17.
+    let tool = board.pins(Role::Tool).and_then(<[_]>::first);
+    let slice = tool
+        .filter(|_| needs.has_tool())
+        .map(|pin| pin.place.1 / 2 % 8);
+    if let Some(slice) = slice {
+        text += &format!("pub(crate) type ToolPwm = rp2040_hal::pwm::Pwm{slice};\n");
+    }
+    text += &declared.types;
+    text += "pub(crate) struct Pins {\n";
+    text += &declared.fields;
+    // The slice that calls the slots of steppers.
+    text += "    pub(crate) slots: Slice<Pwm7, FreeRunning>,\n";
+    if slice.is_some() {
+        text += "    pub(crate) tool_slice: Slice<ToolPwm, FreeRunning>,\n";
+    }
+    text += "    pub(crate) line: LinePort,\n    pub(crate) log: LogPort,\n}\n\nimpl Pins {\n    \
+             pub(crate) fn take(pins: gpio::Pins, slices: Slices, ports: Ports) -> Self {\n        Self {\n";
+    text += &declared.values;
+    text += "            slots: slices.pwm7,\n";
+    if let Some(slice) = slice {
+        text += &format!("            tool_slice: slices.pwm{slice},\n");
+    }
+    text += &format!(
+        "            line: ports.{},\n            log: ports.{},\n",
+        board.line.name, board.log.name
+    );
+    text + "        }\n    }\n}\n"
+}

@@ -1,0 +1,85 @@
+//! Pins of an STM32F405 as types of its package.
+
+use super::{declare, fields};
+use crate::board::chip::SerialPort;
+use crate::board::file::{BoardFile, WiredPin};
+use crate::board::needs::Needs;
+use crate::board::role::Role;
+use std::collections::BTreeSet;
+
+/// Pins of three motors that the firmware keeps in an array: role, type of the element, of one port and of several.
+const GROUPS: [(Role, &str, [&str; 2]); 4] = [
+    (Role::Step, "StepOutput", OUTPUTS),
+    (Role::Direction, "DirectionOutput", OUTPUTS),
+    (Role::Failure, "FailureInput", INPUTS),
+    (Role::Homing, "HomingInput", INPUTS),
+];
+
+const OUTPUTS: [&str; 2] = ["PortOutput", "AnyOutput"];
+const INPUTS: [&str; 2] = ["PortInput", "AnyInput"];
+
+/// The letter of a pin's port.
+fn port(pin: &WiredPin) -> char {
+    pin.place.0.chars().last().unwrap_or_default()
+}
+
+/// The port on APB2, which is twice as fast as the bus of the others.
+fn is_on_fast_bus(port: &SerialPort) -> bool {
+    matches!(port.name, "usart1" | "usart6")
+}
+
+pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
+    let fields = fields(board, needs);
+    let declared = declare(
+        &fields,
+        |pin| format!("Pin<'{}', {}>", port(pin), pin.place.1),
+        |pin| {
+            let letter = port(pin).to_ascii_lowercase();
+            format!("{letter}.p{letter}{}", pin.place.1)
+        },
+    );
+    let [line, log] = [board.line, board.log].map(|port| port.name.to_uppercase());
+    let mut text = format!(
+        "use stm32f4xx_hal::gpio::{{GpioExt as _, Pin}};\n\
+         use stm32f4xx_hal::pac::{{{line}, {log}}};\n\
+         use stm32f4xx_hal::rcc::Rcc;\n\
+         pub(crate) const PLL: crate::clock::Pll = crate::clock::Pll {{ divider: {}, factor: {} }};\n\
+         pub(crate) type LinePort = {line};\n\
+         pub(crate) type LogPort = {log};\n\
+         pub(crate) const LINE_IS_ON_APB2: bool = {};\n\
+         pub(crate) const LOG_IS_ON_APB2: bool = {};\n\
+         line_interrupt!({line});\n",
+        board.pll.divider,
+        board.pll.factor,
+        is_on_fast_bus(board.line),
+        is_on_fast_bus(board.log),
+    );
+    let needed = needs.roles();
+    for (role, name, [of_port, of_any]) in GROUPS {
+        if let Some(pins) = board.pins(role).filter(|_| needed.contains_key(&role)) {
+            let ports: BTreeSet<char> = pins.iter().map(port).collect();
+            let is_inverted = pins.iter().any(|pin| pin.inverted);
+            let of = match (ports.first(), ports.len(), is_inverted) {
+                (Some(port), 1, false) => format!("{of_port}<'{port}'>"),
+                _ => of_any.into(),
+            };
+            text += &format!("pub(crate) type {name} = {of};\n");
+        }
+    }
+    text += &declared.types;
+    text += &format!(
+        "pub(crate) struct Pins {{\n{}    pub(crate) line: LinePort,\n    pub(crate) log: LogPort,\n}}\n\nimpl Pins {{\n    pub(crate) fn take(ports: Ports, rcc: &mut Rcc) -> Self {{\n",
+        declared.fields
+    );
+    // Only these ports are switched on.
+    let ports = fields.iter().filter_map(|field| field.pin).map(port);
+    for port in ports.collect::<BTreeSet<char>>() {
+        let port = port.to_ascii_lowercase();
+        text += &format!("        let {port} = ports.{port}.split(rcc);\n");
+    }
+    text += &format!(
+        "        Self {{\n{}            line: ports.{},\n            log: ports.{},\n",
+        declared.values, board.line.name, board.log.name
+    );
+    text + "        }\n    }\n}\n"
+}

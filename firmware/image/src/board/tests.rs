@@ -1,0 +1,368 @@
+//! Refusals of board files, each by its message, and the shipped files.
+
+use super::*;
+use trirrr_scene::SceneError;
+
+/// The generic board with `from` replaced by `to`, for a scene that needs these.
+fn changed(from: &str, to: &str, needs: &Needs) -> Result<BoardFile, SceneError> {
+    let text = shipped("generic-f405");
+    assert!(text.contains(from), "{from}");
+    let text = text.replacen(from, to, 1);
+    BoardFile::parse(&text, "own.toml", Some((Family::Stm32f405, needs)))
+}
+
+fn needs(drive: &str) -> Needs {
+    Needs {
+        scene: "scenes/own.toml".into(),
+        drive: drive.into(),
+        ..Needs::default()
+    }
+}
+
+fn refusal(read: Result<BoardFile, SceneError>) -> String {
+    match read {
+        Ok(_) => panic!("not refused"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn a_pin_that_cannot_do_its_work_is_refused_with_those_that_can() {
+    for (from, to, said) in [
+        (
+            "output = \"PA5\"",
+            "output = \"PA6\"",
+            "tool.output = \"PA6\": is no pin of TIM2 CH1; on stm32f405rg it is PA0, PA5",
+        ),
+        (
+            "transmit = \"PB10\"",
+            "transmit = \"PB11\"",
+            "log.transmit = \"PB11\": is no pin of usart3 TX; on stm32f405rg it is PB10, PC10",
+        ),
+        (
+            "receive = \"PA3\"",
+            "receive = \"PD6\"",
+            "line.receive = \"PD6\": stm32f405rg has no such pin; it has PA0 to PA15, PB0 to PB15, PC0 to PC15, PD2",
+        ),
+        (
+            "encoder_b = [\"PA9\", \"PB7\"",
+            "encoder_b = [\"PA9\", \"PB5\"",
+            "amplifier.encoder_b[2] = \"PB5\": is no pin of TIM4 CH2; on stm32f405rg it is PB7",
+        ),
+        (
+            "release = \"PB0\"",
+            "release = \"PA13\"",
+            "brake.release = \"PA13\": cannot be used: PA13 is the debug port",
+        ),
+        (
+            "release = \"PB0\"",
+            "release = \"PA12 \"",
+            "brake.release = \"PA12 \": stm32f405rg has no such pin",
+        ),
+        (
+            "receive = \"PB8\"",
+            "receive = \"!PB8\"",
+            "can.receive = \"!PB8\": cannot be inverted",
+        ),
+        (
+            "port = \"usart2\"",
+            "port = \"usb\"",
+            "line.port = \"usb\": must be one of \"usart1\", \"usart2\", \"usart3\", \"usart6\"",
+        ),
+        (
+            "step = [\"PC0\", \"PC1\", \"PC2\"]",
+            "step = [\"PC0\", \"PC1\"]",
+            "stepper.step = [\"PC0\", \"PC1\"]: must be 3 pins, of motor 1, 2 and 3, found 2",
+        ),
+        (
+            "hold_us = 1\n",
+            "",
+            "stepper.hold_us: missing, expected a number",
+        ),
+        (
+            "hold_us = 1\n",
+            "hold_us = -1\n",
+            "stepper.hold_us = -1: must be from 0 to 10000",
+        ),
+        (
+            "[brake]\nrelease",
+            "[brake]\nrelese",
+            "brake.relese = \"PB0\": unknown key; did you mean `release`?",
+        ),
+        (
+            "[brake]",
+            "[brakes]",
+            "brakes = [brakes]: unknown key; did you mean `brake`?",
+        ),
+    ] {
+        let text = refusal(changed(from, to, &needs("none")));
+        assert!(
+            text.starts_with("own.toml:") && text.contains(said),
+            "{said}\n{text}"
+        );
+    }
+}
+
+#[test]
+fn a_pin_has_one_function_in_an_image() {
+    let text = refusal(changed(
+        "release = \"PB0\"",
+        "release = \"PA7\"",
+        &needs("none"),
+    ));
+    assert!(
+        text.contains("brake.release = \"PA7\": PA7 is that of inputs.door in line"),
+        "{text}"
+    );
+    // Twice in one list.
+    let text = refusal(changed(
+        "\"PC1\", \"PC2\"",
+        "\"PC0\", \"PC2\"",
+        &needs("none"),
+    ));
+    assert!(
+        text.contains("stepper.step[2] = \"PC0\": PC0 is that of stepper.step[1]"),
+        "{text}"
+    );
+    // An image has steppers or amplifiers, and both are enabled by PB12.
+    assert!(changed("[brake]", "[brake]", &needs("stepper")).is_ok());
+    let taken = "[taken]\nPA7 = \"a button\"\n[brake]";
+    let text = refusal(changed("[brake]", taken, &needs("none")));
+    assert!(
+        text.contains(
+            "inputs.door = \"PA7\": PA7 is taken by the board, as [taken] says: a button"
+        ),
+        "{text}"
+    );
+    let taken = "[taken]\nGP25 = \"a light\"\n[brake]";
+    let text = refusal(changed("[brake]", taken, &needs("none")));
+    assert!(
+        text.contains("taken.GP25 = \"a light\": stm32f405rg has no such pin"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_board_without_a_pin_that_the_scene_needs_is_refused() {
+    let braked = Needs {
+        brake: true,
+        ..needs("none")
+    };
+    let text = refusal(changed("[brake]\nrelease = \"PB0\"\n", "", &braked));
+    assert!(
+        text.contains(
+            "brake.release: missing: scenes/own.toml has a brake, and this board names no pin for it; any free pin would do"
+        ),
+        "{text}"
+    );
+    let enabled = Needs {
+        tool: "duty".into(),
+        tool_enable: true,
+        ..needs("none")
+    };
+    let text = refusal(changed("enable = \"PA4\"\n", "", &enabled));
+    assert!(
+        text.contains("tool.enable: missing: scenes/own.toml has a tool with an enable line"),
+        "{text}"
+    );
+    assert!(changed("enable = \"PA4\"\n", "", &needs("none")).is_ok());
+    // The headers of a Feather have too few pins for encoders.
+    let text = shipped("feather-f405");
+    let read = BoardFile::parse(&text, "feather", Some((Family::Stm32f405, &needs("bldc"))));
+    let text = refusal(read);
+    assert!(
+        text.contains(
+            "amplifier.encoder_a: missing: scenes/own.toml has brushless motors with amplifiers, and this board names no \
+             pin for it; TIM1 CH1 is at PA8; TIM4 CH1 is at PB6; TIM5 CH1 is at PA0"
+        ),
+        "{text}"
+    );
+    let read = BoardFile::parse(
+        &shipped("pico"),
+        "pico",
+        Some((Family::Rp2040, &needs("odrive"))),
+    );
+    let text = refusal(read);
+    assert!(
+        text.contains("scenes/own.toml has drives on CAN, and the RP2040 has no CAN controller"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_board_of_another_chip_is_refused() {
+    let read = BoardFile::parse(
+        &shipped("pico"),
+        "pico.toml",
+        Some((Family::Stm32f405, &needs("none"))),
+    );
+    assert_eq!(
+        refusal(read),
+        "pico.toml:3: chip = \"rp2040\": is a chip of trirrr-rp2040, which `cargo fw-rp2040` builds; an image of \
+         trirrr-stm32f405 is for \"stm32f405rg\" or \"stm32f405vg\""
+    );
+    let text = refusal(changed("stm32f405rg", "stm32f407vg", &needs("none")));
+    assert!(
+        text.contains(
+            "chip = \"stm32f407vg\": must be one of \"stm32f405rg\", \"stm32f405vg\", \"rp2040\""
+        ),
+        "{text}"
+    );
+    assert_eq!(
+        text.lines().count(),
+        1,
+        "pins of another chip may be right: {text}"
+    );
+    let can = shipped("pico") + "\n[can]\nreceive = \"GP2\"\ntransmit = \"GP3\"\n";
+    let text = refusal(BoardFile::parse(&can, "pico.toml", None));
+    assert!(
+        text.contains("can: must be left out: the RP2040 has no CAN controller"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_crystal_makes_the_clock_or_is_refused() {
+    for (crystal, said) in [
+        (
+            "14.7456",
+            "does not make exactly 168 MHz of it; of whole MHz 4, 5, 6, 7, 8",
+        ),
+        ("3", "must be from 4 to 26"),
+        ("27", "must be from 4 to 26"),
+        ("8.0000001", "does not make exactly 168 MHz"),
+    ] {
+        let to = format!("crystal_mhz = {crystal}\n");
+        let text = refusal(changed("crystal_mhz = 8\n", &to, &needs("none")));
+        assert!(
+            text.contains(&format!("crystal_mhz = {crystal}: ")),
+            "{text}"
+        );
+        assert!(text.contains(said), "{text}");
+    }
+    assert!(changed("crystal_mhz = 8\n", "crystal_mhz = 10.5\n", &needs("none")).is_ok());
+}
+
+#[test]
+fn times_of_a_driver_fit_between_two_slots() {
+    let stepping = Needs {
+        // 20,000 steps per second in ticks of 1 ms: 24.4 us.
+        slots: Some((41_001, 1000.0)),
+        ..needs("stepper")
+    };
+    assert!(changed("pulse_us = 2\n", "pulse_us = 23.5\n", &stepping).is_ok());
+    for (from, to, key) in [
+        ("pulse_us = 2\n", "pulse_us = 24\n", "stepper.pulse_us = 24"),
+        ("setup_us = 1\n", "setup_us = 30\n", "stepper.setup_us = 30"),
+        ("hold_us = 1\n", "hold_us = 30\n", "stepper.hold_us = 30"),
+    ] {
+        let text = refusal(changed(from, to, &stepping));
+        assert!(
+            text.contains(key)
+                && text.contains("the steppers of scenes/own.toml have 23.58 us for it")
+                && text.contains("41001 slots per second of 24.38 us"),
+            "{text}"
+        );
+    }
+    // 30.8 us are 32.4 slots in a tick: 15 steps, and a slot more.
+    let text = refusal(changed("hold_us = 1\n", "hold_us = 30\n", &stepping));
+    assert!(
+        text.contains("step_rate_limit_hz of 15000 leaves time"),
+        "{text}"
+    );
+    let text = refusal(changed("hold_us = 1\n", "hold_us = 9000\n", &stepping));
+    assert!(text.contains("a tick of the scene is too short"), "{text}");
+}
+
+#[test]
+fn a_line_and_its_log_have_ports_of_their_own() {
+    let (from, to) = (
+        "port = \"usart3\"\ntransmit = \"PB10\"",
+        "port = \"usart2\"\ntransmit = \"PD5\"",
+    );
+    let text = refusal(changed(from, to, &needs("none")));
+    assert!(
+        text.contains("log.port = \"usart2\": is that of the line"),
+        "{text}"
+    );
+    let text = refusal(changed(
+        "[log]\nport = \"usart3\"\ntransmit = \"PB10\"\n",
+        "",
+        &needs("none"),
+    ));
+    assert!(
+        text.contains("log: missing, expected [log] with a port of usart1, usart2, usart3, usart6"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_names_a_board_is_looked_for_in_order() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let of = |variable: Option<&str>, scene: Option<&str>| {
+        let needs = Needs {
+            board: scene.map(Into::into),
+            ..needs("none")
+        };
+        let file = chosen(variable, &needs, Family::Stm32f405, &root)?;
+        let name = file.file_name().unwrap_or_default();
+        Ok::<_, String>(name.to_string_lossy().into_owned())
+    };
+    assert_eq!(of(None, None).as_deref(), Ok("generic-f405.toml"));
+    assert_eq!(of(None, Some("pico")).as_deref(), Ok("pico.toml"));
+    let path = "firmware/boards/files/feather-f405.toml";
+    assert_eq!(
+        of(Some(path), Some("pico")).as_deref(),
+        Ok("feather-f405.toml")
+    );
+    let said = of(Some("fether"), None).expect_err("no such board");
+    assert!(
+        said.starts_with("BOARD=fether: no such board: ")
+            && said.contains("shipped boards are feather-f405, generic-f405, pico,"),
+        "{said}"
+    );
+    let said = of(None, Some("own/board.toml")).expect_err("no such file");
+    assert!(
+        said.starts_with("scenes/own.toml: board = \"own/board.toml\": "),
+        "{said}"
+    );
+}
+
+/// The shipped boards and their tables in `docs/board.md`. `TRIRRR_BLESS=1 cargo test -p trirrr-image --features generate board` writes them.
+#[test]
+fn the_tables_of_the_manual_are_those_of_the_shipped_boards() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let names = shipped_names(&root.join(FILES));
+    assert_eq!(names, ["feather-f405", "generic-f405", "pico"]);
+    let path = root.join("docs/board.md");
+    let mut text = fs::read_to_string(&path).expect("the manual");
+    let before = text.clone();
+    for name in names {
+        let board = BoardFile::parse(&shipped(&name), &name, None);
+        let board = board.unwrap_or_else(|error| panic!("{error}"));
+        let (begin, end) = (format!("<!-- board {name} -->\n"), "<!-- end of board -->");
+        let start = text
+            .find(&begin)
+            .unwrap_or_else(|| panic!("{begin} in docs/board.md"));
+        let start = start + begin.len();
+        let length = text[start..].find(end).expect("the table's end");
+        let head = format!(
+            "{}: chip `{}`, crystal {} MHz, line at {}, log at {}.\n\n",
+            board.description,
+            board.chip.name,
+            board.crystal_mhz,
+            board.line.name.to_uppercase(),
+            board.log.name.to_uppercase()
+        );
+        let table = format!("\n{head}{}\n", table(&board));
+        text.replace_range(start..start + length, &table);
+    }
+    if env::var_os("TRIRRR_BLESS").is_some() {
+        fs::write(&path, text).expect("the manual is written");
+    } else {
+        assert!(
+            before == text,
+            "docs/board.md differs; TRIRRR_BLESS=1 writes it"
+        );
+    }
+}
