@@ -10,6 +10,7 @@
 
 use crate::chip::{Chip, Crystal, HARD_FAULT, ResetCause};
 use crate::time::Time;
+use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail, ensure};
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -19,7 +20,7 @@ use std::path::Path;
 use unicorn_engine::{ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unicorn};
 
 /// Mean cycles of an instruction from flash; `docs/cycles.md` has from 1.4 in fixed point to 2.0 in f32.
-const CYCLES_PER_INSTRUCTION: u64 = 2;
+pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
 
 /// Cycles from an exception until its handler begins, and from its return on (Cortex-M4 technical reference manual, 3.9).
 const ENTRY_CYCLES: u64 = 12;
@@ -109,8 +110,10 @@ pub(crate) struct Board {
     pub(crate) hung: Option<Hang>,
     /// Handlers of the tick and of the slots, by their beginning.
     pub(crate) handled: Vec<Handled>,
-    /// Handlers that are under way.
+    /// Handlers that are under way,
     begun: Vec<(u16, Time)>,
+    /// and those that a reset has cut off.
+    cut_off: Vec<(u16, Time)>,
     /// Resets with their times.
     pub(crate) resets: Vec<(Time, ResetCause)>,
 }
@@ -154,6 +157,7 @@ impl Board {
             hung: None,
             handled: Vec::new(),
             begun: Vec::new(),
+            cut_off: Vec::new(),
             resets: Vec::new(),
         };
         // RAM after power-on is noise, from a generator with a fixed seed.
@@ -173,6 +177,28 @@ impl Board {
         &mut self.uc.get_data_mut().chip
     }
 
+    /// Returns the edges of the pins.
+    pub(crate) fn trace(&self) -> &Trace {
+        &self.uc.get_data().chip.trace
+    }
+
+    pub(crate) fn core_period(&self) -> Time {
+        self.uc.get_data().chip.core_period()
+    }
+
+    /// Returns the time at which the handler of `exception` began last.
+    pub(crate) fn last_begin(&self, exception: u16) -> Option<Time> {
+        let handled = self.handled.iter().map(|handled| (handled.exception, handled.begin));
+        let cut_off = self.cut_off.iter().copied();
+        let of = handled.chain(cut_off).filter(|(of, _)| *of == exception);
+        of.map(|(_, begin)| begin).max()
+    }
+
+    /// Sends the program to an address.
+    pub(crate) fn jump(&mut self, address: u32) -> Result<()> {
+        self.put(RegisterARM::PC, address | 1)
+    }
+
     pub(crate) fn now(&self) -> Time {
         self.uc.get_data().chip.now
     }
@@ -189,7 +215,7 @@ impl Board {
         chip.reset(cause);
         chip.interrupts.set_vectors(FLASH as u32);
         self.resets.push((self.now(), cause));
-        self.begun.clear();
+        self.cut_off.append(&mut self.begun);
         self.locked_up = false;
         self.clock_stands = false;
         let (stack, entry) = (self.word(FLASH)?, self.word(FLASH + 4)?);
