@@ -6,7 +6,9 @@
 //! a program.
 //!
 //! Time goes on by blocks, sequences without a jump: each instruction counts [`CYCLES_PER_INSTRUCTION`], and an access
-//! to a register comes at the end of its block. An interrupt is taken before the next block.
+//! to a register comes at the end of its block. An interrupt that is due within a block has its time: what is left of the block
+//! is executed before its handler, and takes its time after it. Only after a block that uses a register
+//! the handler waits for its end.
 
 use crate::chip::{Chip, Crystal, HARD_FAULT, ResetCause};
 use crate::time::Time;
@@ -58,6 +60,10 @@ pub(crate) struct World {
     flash: Vec<u8>,
     /// The block that begins next is executed whatever is pending, or nothing would go on.
     must_go_on: bool,
+    /// Begin of the block that was executed last.
+    block_begin: Time,
+    /// The block has used a register.
+    accessed: bool,
     returns: bool,
     unhandled: Option<u32>,
     bad_address: Option<u32>,
@@ -110,8 +116,8 @@ pub(crate) struct Board {
     pub(crate) hung: Option<Hang>,
     /// Handlers of the tick and of the slots, by their beginning.
     pub(crate) handled: Vec<Handled>,
-    /// Handlers that are under way,
-    begun: Vec<(u16, Time)>,
+    /// Handlers that are under way, with the time that the block before them still takes,
+    begun: Vec<(u16, Time, Time)>,
     /// and those that a reset has cut off.
     cut_off: Vec<(u16, Time)>,
     /// Resets with their times.
@@ -139,6 +145,8 @@ impl Board {
             blocks: vec![(0, 0); FLASH_BYTES as usize / 2],
             flash: load(file)?,
             must_go_on: true,
+            block_begin: 0,
+            accessed: false,
             returns: false,
             unhandled: None,
             bad_address: None,
@@ -215,7 +223,8 @@ impl Board {
         chip.reset(cause);
         chip.interrupts.set_vectors(FLASH as u32);
         self.resets.push((self.now(), cause));
-        self.cut_off.append(&mut self.begun);
+        let cut = self.begun.drain(..).map(|(exception, begin, _)| (exception, begin));
+        self.cut_off.extend(cut);
         self.locked_up = false;
         self.clock_stands = false;
         let (stack, entry) = (self.word(FLASH)?, self.word(FLASH + 4)?);
@@ -328,8 +337,21 @@ impl Board {
         self.enter(HARD_FAULT)
     }
 
+    /// Goes back to the time at which an interrupt was due within the last block. Returns what the block still takes.
+    fn rewind(&mut self) -> Time {
+        let World { chip, block_begin, accessed, .. } = self.uc.get_data_mut();
+        let due = chip.stop_at.max(*block_begin);
+        if *accessed || due >= chip.now {
+            return 0;
+        }
+        let rest = chip.now - due;
+        chip.now = due;
+        rest
+    }
+
     /// Enters an exception: the frame on the stack, the vector in the program counter.
     fn enter(&mut self, exception: u16) -> Result<()> {
+        let rest = self.rewind();
         let status = self.get(RegisterARM::XPSR)?;
         let has_fpu = self.get(RegisterARM::CONTROL)? & 4 != 0;
         let sp = self.get(RegisterARM::SP)?;
@@ -381,7 +403,7 @@ impl Board {
         self.put(RegisterARM::PC, handler)?;
         self.pass(has_fpu);
         let now = self.now();
-        self.begun.push((exception, now));
+        self.begun.push((exception, now, rest));
         Ok(())
     }
 
@@ -434,8 +456,12 @@ impl Board {
         self.put(RegisterARM::PC, word(6) | 1)?;
         self.pass(has_fpu);
         let end = self.now();
-        if let Some((exception, begin)) = self.begun.pop() {
+        if let Some((exception, begin, rest)) = self.begun.pop() {
             self.handled.push(Handled { exception, begin, end });
+            let world = self.uc.get_data_mut();
+            world.chip.now += rest;
+            // The next interrupt comes between blocks.
+            world.accessed = true;
         }
         Ok(())
     }
@@ -481,11 +507,13 @@ fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_err
             start,
             bytes,
             Some(move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize| {
-                let chip = &mut uc.get_data_mut().chip;
+                let World { chip, accessed, .. } = uc.get_data_mut();
+                *accessed = true;
                 chip.read((start + offset) as u32, size).into()
             }),
             Some(move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize, value: u64| {
-                let chip = &mut uc.get_data_mut().chip;
+                let World { chip, accessed, .. } = uc.get_data_mut();
+                *accessed = true;
                 chip.write((start + offset) as u32, size, value as u32);
             }),
         )?;
@@ -500,6 +528,8 @@ fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_err
         }
         let count = u64::from(world.count(address, bytes));
         world.instructions += count;
+        world.block_begin = world.chip.now;
+        world.accessed = false;
         world.chip.now += count * CYCLES_PER_INSTRUCTION * world.chip.core_period();
     })?;
     uc.add_intr_hook(|uc, exception| {

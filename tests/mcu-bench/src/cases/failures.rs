@@ -1,10 +1,9 @@
 //! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
 
-use super::{CRYSTAL, OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within, time};
+use super::{CRYSTAL, OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
 use crate::chip::{Crystal, ResetCause};
 use crate::cpu::{Board, Hang};
-use crate::host::Host;
-use crate::time::{MS, Time, micros, of_seconds, period};
+use crate::time::{MS, Time, of_seconds, period};
 use crate::wiring;
 use anyhow::{Context, Result};
 
@@ -48,8 +47,9 @@ fn failed(
 
 /// Row of the start that a new host is told.
 fn starts_with(subject: &Subject, board: &mut Board, case: &'static str, expected: &str) -> Result<Row> {
-    let mut host = Host::new(&subject.scene)?;
-    host.run(board, board.now() + 30 * MS)?;
+    let mut host = subject.host(board)?;
+    let now = board.now();
+    host.run(board, now + 30 * MS)?;
     let start = host.client().identity().map(|identity| identity.board.start);
     let start = start.map_or("none".into(), |start| format!("{start:?}"));
     let kind = start.split([' ', '(']).next().unwrap_or_default().to_owned();
@@ -62,7 +62,7 @@ pub(super) fn panic(subject: &Subject) -> Result<Vec<Row>> {
         return Ok(Vec::new());
     };
     let mut board = subject.switch_on_with(image, CRYSTAL, OSCILLATOR_HZ[0])?;
-    let mut host = Host::new(&subject.scene)?;
+    let mut host = subject.host(&mut board)?;
     // The host enables the machine, and the 50th tick panics.
     while board.resets.len() < 2 {
         let now = board.now();
@@ -164,8 +164,9 @@ pub(super) fn stop(subject: &Subject) -> Result<Vec<Row>> {
     board.run(since + bound + AFTER)?;
     let outputs = subject.outputs()?;
     let tool: Vec<_> = outputs.iter().copied().filter(|output| output.name == "tool").collect();
-    let mut rows = vec![off_within(&board, &outputs, "stop", "emergency stop, category 1", since, bound)];
-    rows.push(off_within(&board, &tool, "stop", "emergency stop: tool", since, bound));
-    debug_assert!(micros(bound) > 0.0, "{}", time(bound));
-    Ok(rows)
+    let at_once = ticks(f64::from(stop.debounce_ticks) + 1.0);
+    Ok(vec![
+        off_within(&board, &outputs, "stop", "emergency stop, category 1", since, bound),
+        off_within(&board, &tool, "stop", "emergency stop, tool", since, at_once),
+    ])
 }

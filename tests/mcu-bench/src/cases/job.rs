@@ -14,14 +14,14 @@ use trirrr_protocol::message::Telemetry;
 use trirrr_scene::{DriveKind, ToolKind};
 
 /// Number that telemetry gives the first tick after the start.
-const FIRST_TICK: u32 = 0;
+const FIRST_TICK: u32 = 1;
 
 /// Microsteps that a pulse may be away from the straight line between the positions of two ticks.
 const MOST_OFF: f64 = 1.0;
 
 pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     let mut board = subject.switch_on()?;
-    let mut host = Host::new(&subject.scene)?;
+    let mut host = subject.host(&mut board)?;
     host.play(&mut board, subject.longest())?;
     board.run(board.now() + 20 * MS)?;
     if let Some(file) = &subject.dump {
@@ -29,7 +29,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
         board.trace().write_vcd(&SIGNALS, &mut to)?;
         to.flush()?;
     }
-    let played = Played::of(&board, &host)?;
+    let played = Played::of(subject, &board, &host)?;
     let lost = board.chip().line().lost;
     let mut rows = vec![
         fact("job", "samples missing since the first step", played.missing.to_string(), "0"),
@@ -63,6 +63,10 @@ struct Played {
     missing: u32,
     /// Beginnings of the slots.
     slots: Vec<Time>,
+    /// Slots of a tick.
+    per_tick: u32,
+    /// Angles of the motors at rest: from here on the drive counts.
+    origin: [f32; 3],
 }
 
 struct PlayedTick {
@@ -72,7 +76,7 @@ struct PlayedTick {
 }
 
 impl Played {
-    fn of(board: &Board, host: &Host) -> Result<Self> {
+    fn of(subject: &Subject, board: &Board, host: &Host) -> Result<Self> {
         let of = |exception: u16| {
             let handled = board.handled.iter();
             handled.filter(move |handled| handled.exception == exception)
@@ -95,11 +99,23 @@ impl Played {
             ticks.push(PlayedTick { begin: handler.begin, end: handler.end, sample: *sample });
         }
         ensure!(ticks.len() > 100, "{} samples of a job", ticks.len());
+        let origin = host.samples.first().map(|sample| sample.angles).context("a sample")?;
         let mut slots: Vec<Time> = of(16 + TIM7).map(|slot| slot.begin).collect();
         // Recorded by their ends: a slot never preempts another.
         slots.sort_unstable();
-        Ok(Self { ticks, slots, missing })
+        Ok(Self { ticks, slots, missing, per_tick: per_tick(subject)?, origin })
     }
+}
+
+/// Returns the slots over which the pulses of a tick are spread: two for each that the fastest driver takes, and one.
+fn per_tick(subject: &Subject) -> Result<u32> {
+    let drives = subject.scene.drives.as_ref().context("drives")?;
+    let rates = drives.iter().filter_map(|drive| match &drive.kind {
+        DriveKind::Stepper(stepper) => stepper.step_rate_limit_hz,
+        _ => None,
+    });
+    let most = rates.fold(0.0, f64::max) / subject.scene.tick_rate_hz;
+    Ok(2 * most as u32 + 1)
 }
 
 /// Position of a motor over time, from its pulses.
@@ -171,11 +187,12 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
         let per_turn = f64::from(stepper.steps_per_rev * stepper.microsteps) * drive.gear_ratio;
         let per_rad = per_turn / std::f64::consts::TAU;
         let pulses = pulses(board, motor, drive.reversed);
-        let angles = unwrapped(&played.ticks, motor);
+        let origin = f64::from(played.origin[motor]);
+        let angles = unwrapped(&played.ticks, origin, motor);
         // As the drive counts: the angle of each tick to the nearest microstep, from the angle at the start.
         let wanted: Vec<i32> = angles
             .iter()
-            .map(|angle| ((angle - angles[0]) * per_rad).round() as i32)
+            .map(|angle| ((angle - origin) * per_rad).round() as i32)
             .collect();
         let last = pulses.rises.last().map_or(0, |(_, position)| *position);
         let travel: u32 = wanted.windows(2).map(|pair| pair[0].abs_diff(pair[1])).sum();
@@ -245,16 +262,13 @@ fn slot_time(slots: &[Time]) -> Result<Time> {
 }
 
 /// Returns the angles of a motor in all ticks without the jumps of whole turns.
-fn unwrapped(ticks: &[PlayedTick], motor: usize) -> Vec<f64> {
-    let mut before: Option<f64> = None;
+fn unwrapped(ticks: &[PlayedTick], origin: f64, motor: usize) -> Vec<f64> {
+    let mut before = origin;
     let angles = ticks.iter().map(|tick| {
         let angle = f64::from(tick.sample.angles[motor]);
         let turn = std::f64::consts::TAU;
-        let unwrapped = before.map_or(angle, |before| {
-            angle + ((before - angle) / turn).round() * turn
-        });
-        before = Some(unwrapped);
-        unwrapped
+        before = angle + ((before - angle) / turn).round() * turn;
+        before
     });
     angles.collect()
 }
@@ -291,13 +305,9 @@ fn line_at(time: Time, wanted: &[i32], played: &Played, at: fn(&PlayedTick) -> T
         return 0.0;
     };
     let first = slots.partition_point(|slot| *slot <= at(&played.ticks[index]));
-    let next = played.ticks.get(index + 1);
-    let length = next.map_or(usize::MAX, |next| {
-        slots.partition_point(|slot| *slot <= at(next)) - first
-    });
     let from = f64::from(wanted[index.saturating_sub(1)]);
     let to = f64::from(wanted[index]);
-    let part = ((now - first + 1) as f64 / length as f64).min(1.0);
+    let part = ((now - first + 1) as f64 / f64::from(played.per_tick)).min(1.0);
     from + (to - from) * part
 }
 
@@ -321,8 +331,8 @@ fn tool(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> {
         // The tick whose power counts: pulses that a tick falls into belong to two.
         let index = played.ticks.partition_point(|tick| tick.end <= begin.time);
         let next = played.ticks.get(index).map_or(Time::MAX, |tick| tick.begin);
+        // Before the first sample that is kept.
         let Some(of) = index.checked_sub(1 + tool.delay_ticks as usize) else {
-            stray += 1;
             continue;
         };
         let power = f64::from(played.ticks[of].sample.tool);

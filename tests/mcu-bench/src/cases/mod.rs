@@ -69,6 +69,16 @@ impl Subject {
         Ok(board)
     }
 
+    /// Returns a host of a board that has started.
+    fn host(&self, board: &mut Board) -> Result<Host> {
+        let ticks = board.handled.len();
+        let end = board.now() + SECOND;
+        while board.handled.len() == ticks && board.now() < end {
+            board.run(board.now() + MS)?;
+        }
+        Host::new(&self.scene)
+    }
+
     fn outputs(&self) -> Result<Vec<Output>> {
         wiring::outputs(&self.scene)
     }
@@ -82,7 +92,7 @@ impl Subject {
     /// Returns a board in the middle of its job, with drives on and steps, and its host.
     fn in_mid_job(&self, oscillator_hz: u64) -> Result<(Board, Host)> {
         let mut board = self.switch_on_with(&self.image, CRYSTAL, oscillator_hz)?;
-        let mut host = Host::new(&self.scene)?;
+        let mut host = self.host(&mut board)?;
         while step_edges(&board) < 20 {
             let now = board.now();
             ensure!(now < 3 * SECOND, "no motor has moved within 3 s");

@@ -2,7 +2,7 @@
 
 use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on};
 use crate::chip::{Crystal, ResetCause};
-use crate::host::{BAUD, Host};
+use crate::host::BAUD;
 use crate::time::MS;
 use anyhow::{Result, ensure};
 use trirrr_protocol::message::Start;
@@ -30,7 +30,7 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
         board.run(since + 200 * MS)?;
         let what = format!("200 ms without a host after {}", name(cause));
         rows.push(never_on(&board, &outputs, "power-up", what, since));
-        let mut host = Host::new(&subject.scene)?;
+        let mut host = subject.host(&mut board)?;
         let now = board.now();
         host.run(&mut board, now + 30 * MS)?;
         let start = host.client().identity().map(|identity| identity.board.start);
@@ -57,8 +57,9 @@ pub(super) fn crystal(subject: &Subject) -> Result<Vec<Row>> {
     ];
     for (what, crystal, expected) in boots {
         let mut board = subject.switch_on_with(&subject.image, crystal, OSCILLATOR_HZ[0])?;
-        let mut host = Host::new(&subject.scene)?;
-        host.run(&mut board, 400 * MS)?;
+        let mut host = subject.host(&mut board)?;
+        let now = board.now();
+        host.run(&mut board, now + 30 * MS)?;
         let clock = host.client().identity().map(|identity| identity.board.clock);
         let clock = clock.map_or("none".into(), |clock| format!("{clock:?}"));
         rows.push(fact("crystal", &format!("{what}: clock"), clock, expected));

@@ -75,7 +75,8 @@ impl SysTick {
         if self.control & 1 == 0 {
             return 0;
         }
-        let counts = (now - self.start) / core;
+        // An interrupt may go back by a part of a block.
+        let counts = now.saturating_sub(self.start) / core;
         match counts {
             0 => 0,
             _ => (Time::from(self.reload) + 1 - counts) as u32,

@@ -35,8 +35,8 @@ pub(crate) struct Timer {
     seen: Time,
     /// Counter of one that stands, or counts an encoder.
     count: u32,
-    /// Has 32 bits.
-    wide: bool,
+    /// Greatest count: of 16 bits, or of 32.
+    most: u32,
 }
 
 const ENABLE: u32 = 1;
@@ -63,7 +63,7 @@ impl Timer {
             start: 0,
             seen: 0,
             count: 0,
-            wide,
+            most,
         }
     }
 
@@ -80,8 +80,7 @@ impl Timer {
     #[cfg(test)]
     pub(crate) fn turn(&mut self, counts: i32) {
         if self.is_encoder() && self.control & ENABLE != 0 {
-            let most = if self.wide { u32::MAX } else { 0xFFFF };
-            self.count = self.count.wrapping_add_signed(counts) & most;
+            self.count = self.count.wrapping_add_signed(counts) & self.most;
         }
     }
 
@@ -112,7 +111,8 @@ impl Timer {
             let end = self.start + self.period();
             self.match_channels(now.min(end - 1), &mut edge);
             if now < end {
-                self.seen = now;
+                // An interrupt may go back by a part of a block.
+                self.seen = self.seen.max(now);
                 return;
             }
             self.seen = end;
@@ -220,7 +220,7 @@ impl Timer {
             0x1C => self.modes[1] = value,
             0x20 => self.outputs = value,
             0x24 => {
-                self.count = value;
+                self.count = value & self.most;
                 self.start = now.saturating_sub(Time::from(value) * self.count_time());
             }
             0x28 => self.prescaler_next = value,
