@@ -163,6 +163,7 @@ fn steps() -> Result<Vec<Step>> {
             "emulated boards of all scenes, in fixed point too",
             &["emulate", "--fixed"],
         )?,
+        Step::chore("pins of flashed images", &["bench"])?,
         Step::cargo(
             "the study of integrators",
             &[

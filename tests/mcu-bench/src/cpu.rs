@@ -14,9 +14,9 @@ use crate::chip::{Chip, Crystal, HARD_FAULT, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail, ensure};
+use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
-use object::Endianness;
 use std::fs;
 use std::path::Path;
 use unicorn_engine::{ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unicorn};
@@ -196,7 +196,10 @@ impl Board {
 
     /// Returns the time at which the handler of `exception` began last.
     pub(crate) fn last_begin(&self, exception: u16) -> Option<Time> {
-        let handled = self.handled.iter().map(|handled| (handled.exception, handled.begin));
+        let handled = self
+            .handled
+            .iter()
+            .map(|handled| (handled.exception, handled.begin));
         let cut_off = self.cut_off.iter().copied();
         let of = handled.chain(cut_off).filter(|(of, _)| *of == exception);
         of.map(|(_, begin)| begin).max()
@@ -223,7 +226,10 @@ impl Board {
         chip.reset(cause);
         chip.interrupts.set_vectors(FLASH as u32);
         self.resets.push((self.now(), cause));
-        let cut = self.begun.drain(..).map(|(exception, begin, _)| (exception, begin));
+        let cut = self
+            .begun
+            .drain(..)
+            .map(|(exception, begin, _)| (exception, begin));
         self.cut_off.extend(cut);
         self.locked_up = false;
         self.clock_stands = false;
@@ -310,7 +316,10 @@ impl Board {
         let result = self.uc.emu_start(pc, NEVER, 0, 0);
         let world = self.uc.get_data_mut();
         if let Some(exception) = world.unhandled.take() {
-            bail!("exception {exception} of the CPU emulator at {:#010x}", self.get(RegisterARM::PC)?);
+            bail!(
+                "exception {exception} of the CPU emulator at {:#010x}",
+                self.get(RegisterARM::PC)?
+            );
         }
         if std::mem::take(&mut world.returns) {
             return self.leave();
@@ -339,7 +348,12 @@ impl Board {
 
     /// Goes back to the time at which an interrupt was due within the last block. Returns what the block still takes.
     fn rewind(&mut self) -> Time {
-        let World { chip, block_begin, accessed, .. } = self.uc.get_data_mut();
+        let World {
+            chip,
+            block_begin,
+            accessed,
+            ..
+        } = self.uc.get_data_mut();
         let due = chip.stop_at.max(*block_begin);
         if *accessed || due >= chip.now {
             return 0;
@@ -374,7 +388,10 @@ impl Board {
         frame.push(status & !(1 << 9) | moved | 1 << 24);
         if has_fpu {
             for index in 0..8 {
-                let pair = self.uc.reg_read(RegisterARM::D0 as i32 + index).map_err(failed)?;
+                let pair = self
+                    .uc
+                    .reg_read(RegisterARM::D0 as i32 + index)
+                    .map_err(failed)?;
                 frame.extend([pair as u32, (pair >> 32) as u32]);
             }
             frame.extend([self.get(RegisterARM::FPSCR)?, 0]);
@@ -391,7 +408,11 @@ impl Board {
         };
         let handled = self.chip().interrupts.handled();
         // To the handler or the thread, without or with registers of the FPU.
-        let back = if handled == 0 { 0xFFFF_FFF9 } else { 0xFFFF_FFF1_u32 };
+        let back = if handled == 0 {
+            0xFFFF_FFF9
+        } else {
+            0xFFFF_FFF1_u32
+        };
         self.put(RegisterARM::SP, aligned)?;
         self.put(RegisterARM::LR, back & !(u32::from(has_fpu) << 4))?;
         self.put(RegisterARM::CONTROL, 0)?;
@@ -413,14 +434,24 @@ impl Board {
         let has_fpu = back & 1 << 4 == 0;
         let sp = self.get(RegisterARM::SP)?;
         let mut content = vec![0; if has_fpu { 104 } else { 32 }];
-        self.uc.mem_read(u64::from(sp), &mut content).map_err(failed)?;
+        self.uc
+            .mem_read(u64::from(sp), &mut content)
+            .map_err(failed)?;
         let word = |index: usize| {
             let at = 4 * index;
-            u32::from_le_bytes([content[at], content[at + 1], content[at + 2], content[at + 3]])
+            u32::from_le_bytes([
+                content[at],
+                content[at + 1],
+                content[at + 2],
+                content[at + 3],
+            ])
         };
         let status = word(7);
         let left = self.chip().interrupts.leave();
-        ensure!(left.is_some(), "a return from an exception that was not entered");
+        ensure!(
+            left.is_some(),
+            "a return from an exception that was not entered"
+        );
         let next = u32::from(self.chip().interrupts.handled());
         ensure!(
             status & 0x1FF == next,
@@ -457,7 +488,11 @@ impl Board {
         self.pass(has_fpu);
         let end = self.now();
         if let Some((exception, begin, rest)) = self.begun.pop() {
-            self.handled.push(Handled { exception, begin, end });
+            self.handled.push(Handled {
+                exception,
+                begin,
+                end,
+            });
             let world = self.uc.get_data_mut();
             world.chip.now += rest;
             // The next interrupt comes between blocks.
@@ -486,7 +521,9 @@ impl Board {
     }
 
     fn put(&mut self, register: RegisterARM, value: u32) -> Result<()> {
-        self.uc.reg_write(register as i32, value.into()).map_err(failed)
+        self.uc
+            .reg_write(register as i32, value.into())
+            .map_err(failed)
     }
 
     fn word(&self, address: u64) -> Result<u32> {
@@ -506,16 +543,20 @@ fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_err
         uc.mmio_map(
             start,
             bytes,
-            Some(move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize| {
-                let World { chip, accessed, .. } = uc.get_data_mut();
-                *accessed = true;
-                chip.read((start + offset) as u32, size).into()
-            }),
-            Some(move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize, value: u64| {
-                let World { chip, accessed, .. } = uc.get_data_mut();
-                *accessed = true;
-                chip.write((start + offset) as u32, size, value as u32);
-            }),
+            Some(
+                move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize| {
+                    let World { chip, accessed, .. } = uc.get_data_mut();
+                    *accessed = true;
+                    chip.read((start + offset) as u32, size).into()
+                },
+            ),
+            Some(
+                move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize, value: u64| {
+                    let World { chip, accessed, .. } = uc.get_data_mut();
+                    *accessed = true;
+                    chip.write((start + offset) as u32, size, value as u32);
+                },
+            ),
         )?;
     }
     uc.add_block_hook(1, 0, |uc, address, bytes| {
@@ -540,10 +581,15 @@ fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_err
         }
         let _ = uc.emu_stop();
     })?;
-    uc.add_mem_hook(HookType::MEM_UNMAPPED | HookType::MEM_PROT, 1, 0, |uc, _, address, _, _| {
-        uc.get_data_mut().bad_address = Some(address as u32);
-        false
-    })?;
+    uc.add_mem_hook(
+        HookType::MEM_UNMAPPED | HookType::MEM_PROT,
+        1,
+        0,
+        |uc, _, address, _, _| {
+            uc.get_data_mut().bad_address = Some(address as u32);
+            false
+        },
+    )?;
     Ok(())
 }
 
@@ -559,7 +605,10 @@ fn load(file: &Path) -> Result<Vec<u8>> {
         if header.p_type(endian) != PT_LOAD {
             continue;
         }
-        let (at, bytes) = (u64::from(header.p_paddr(endian)), u64::from(header.p_filesz(endian)));
+        let (at, bytes) = (
+            u64::from(header.p_paddr(endian)),
+            u64::from(header.p_filesz(endian)),
+        );
         if bytes == 0 {
             continue;
         }
@@ -570,7 +619,10 @@ fn load(file: &Path) -> Result<Vec<u8>> {
             flash.get_mut(start..start + content.len())
         });
         let Some(place) = place else {
-            bail!("{}: a segment at {at:#010x} is not in the flash", file.display());
+            bail!(
+                "{}: a segment at {at:#010x} is not in the flash",
+                file.display()
+            );
         };
         place.copy_from_slice(content);
     }

@@ -16,7 +16,8 @@ pub(crate) const BAUD: f64 = 921_600.0;
 const LOOK: Time = MS / 4;
 
 /// Content of the samples: at a sample in each of 1000 ticks a second the line has no room for all.
-const FIELDS: TelemetryFields = TelemetryFields(TelemetryFields::ANGLES.0 | TelemetryFields::TOOL.0);
+const FIELDS: TelemetryFields =
+    TelemetryFields(TelemetryFields::ANGLES.0 | TelemetryFields::TOOL.0);
 
 pub(crate) struct Host {
     client: JobClient<f32>,
@@ -88,7 +89,8 @@ impl Host {
             && time <= now
         {
             self.read += 1;
-            self.frames.receive(&[byte], |message| messages.push(message));
+            self.frames
+                .receive(&[byte], |message| messages.push(message));
         }
         for message in messages {
             if let Message::Telemetry(sample) = &message {

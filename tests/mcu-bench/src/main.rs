@@ -11,7 +11,7 @@ mod trace;
 mod wiring;
 
 use anyhow::{Context, Result, ensure};
-use cases::{CASES, Row, Subject};
+use cases::{CASES, Case, Row, Subject};
 use clap::Parser;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -37,7 +37,7 @@ struct Arguments {
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    let known: Vec<&str> = CASES.iter().map(|(name, _)| *name).collect();
+    let known: Vec<&str> = CASES.iter().map(|case| case.name).collect();
     for case in &arguments.case {
         ensure!(
             known.contains(&case.as_str()),
@@ -53,9 +53,16 @@ fn main() -> Result<()> {
     };
     let start = Instant::now();
     let mut rows = Vec::new();
-    for (name, case) in CASES {
-        if arguments.case.is_empty() || arguments.case.iter().any(|chosen| chosen == name) {
-            rows.extend(case(&subject).with_context(|| format!("case {name}"))?);
+    for Case { name, needs, run } in CASES {
+        let chosen = arguments.case.iter().any(|chosen| chosen == name);
+        let possible = subject.has(needs);
+        ensure!(
+            possible || !chosen,
+            "case {name}: it looks at {needs:?}, which {} does not have",
+            arguments.scene.display()
+        );
+        if chosen || arguments.case.is_empty() && possible {
+            rows.extend(run(&subject).with_context(|| format!("case {name}"))?);
         }
     }
     print(&rows);
@@ -74,14 +81,28 @@ fn print(rows: &[Row]) {
     let headings = ["case", "figure", "measured", "bound", ""].map(str::to_owned);
     let cells = rows.iter().map(|row| {
         let verdict = if row.holds { "" } else { "FAILS" };
-        [row.case.to_owned(), row.subject.clone(), row.measured.clone(), row.bound.clone(), verdict.to_owned()]
+        [
+            row.case.to_owned(),
+            row.subject.clone(),
+            row.measured.clone(),
+            row.bound.clone(),
+            verdict.to_owned(),
+        ]
     });
     let lines: Vec<[String; 5]> = std::iter::once(headings).chain(cells).collect();
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let width = |column: usize| {
+        lines
+            .iter()
+            .map(|line| line[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..5).map(width).collect();
     for line in &lines {
         let cells = line.iter().zip(&widths);
-        let cells: Vec<String> = cells.map(|(cell, width)| format!("{cell:width$}")).collect();
+        let cells: Vec<String> = cells
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
         println!("| {} |", cells.join(" | ").trim_end());
     }
 }

@@ -50,13 +50,18 @@ impl Trace {
     /// Records the level of a pin from `time` on. A level that the pin has is no edge.
     pub(crate) fn record(&mut self, time: Time, pin: Pin, level: Level) {
         if self.level(pin) != level {
-            self.edges.entry(pin).or_default().push(Edge { time, level });
+            self.edges
+                .entry(pin)
+                .or_default()
+                .push(Edge { time, level });
         }
     }
 
     /// Returns the present level of a pin. It floats before its first edge, as in a reset.
     pub(crate) fn level(&self, pin: Pin) -> Level {
-        self.edges(pin).last().map_or(Level::Floating, |edge| edge.level)
+        self.edges(pin)
+            .last()
+            .map_or(Level::Floating, |edge| edge.level)
     }
 
     /// Returns the edges of a pin, in the order of time.

@@ -2,8 +2,7 @@
 
 use crate::time::Time;
 use crate::trace::{Edge, Level, Pin, Trace};
-use anyhow::{Context, Result};
-use trirrr_scene::{DriveKind, EnableLevel, Scene, ToolKind};
+use trirrr_scene::{Drive, DriveKind, EnableLevel, FaultInput, Scene, ToolKind};
 
 /// Step of motor 1, 2, 3.
 pub(crate) const STEPS: [Pin; 3] = [Pin('C', 0), Pin('C', 1), Pin('C', 2)];
@@ -68,8 +67,27 @@ impl Output {
         let edges = trace.edges(self.pin);
         let before = edges.iter().rfind(|edge| edge.time <= since);
         before.is_some_and(|edge| self.is_on(edge.level))
-            || edges.iter().any(|edge| edge.time > since && self.is_on(edge.level))
+            || edges
+                .iter()
+                .any(|edge| edge.time > since && self.is_on(edge.level))
     }
+}
+
+/// Failure of amplifier 1, 2, 3.
+const FAILURES: [Pin; 3] = [Pin('C', 0), Pin('C', 1), Pin('C', 2)];
+
+/// Returns the levels at the inputs by which amplifiers report a failure, of those that have none.
+pub(crate) fn healthy(scene: &Scene) -> Vec<(Pin, bool)> {
+    let drives = scene.drives.iter().flatten().zip(FAILURES);
+    let level = |(drive, pin): (&Drive, Pin)| match &drive.kind {
+        DriveKind::Bldc(bldc) => match bldc.fault {
+            FaultInput::Low => Some((pin, true)),
+            FaultInput::High => Some((pin, false)),
+            FaultInput::None => None,
+        },
+        _ => None,
+    };
+    drives.filter_map(level).collect()
 }
 
 fn is_high(level: EnableLevel) -> bool {
@@ -77,28 +95,30 @@ fn is_high(level: EnableLevel) -> bool {
 }
 
 /// Returns the outputs of a scene that have to be off where the machine is: the enable lines, the tool, and the step lines.
-pub(crate) fn outputs(scene: &Scene) -> Result<Vec<Output>> {
-    let drives = scene.drives.as_ref();
-    let [first, ..] = drives.context("a scene with drives: the bench looks at their pins")?;
+pub(crate) fn outputs(scene: &Scene) -> Vec<Output> {
     let mut outputs = Vec::new();
     let mut add = |name, pin, on| outputs.push(Output { name, pin, on });
-    match &first.kind {
-        DriveKind::Stepper(stepper) => {
+    match scene.drives.as_ref().map(|[first, ..]| &first.kind) {
+        Some(DriveKind::Stepper(stepper)) => {
             add("drives", ENABLE, is_high(stepper.enable));
             for (name, pin) in ["step 1", "step 2", "step 3"].into_iter().zip(STEPS) {
                 add(name, pin, true);
             }
         }
-        DriveKind::Bldc(bldc) => add("drives", ENABLE, is_high(bldc.enable)),
-        DriveKind::Can(_) => {}
+        Some(DriveKind::Bldc(bldc)) => add("drives", ENABLE, is_high(bldc.enable)),
+        Some(DriveKind::Can(_)) | None => {}
     }
     if let Some(tool) = &scene.tool {
         add("tool", TOOL, !tool.inverted);
-        if let ToolKind::Pwm { enable: Some(level), .. } = tool.kind {
+        if let ToolKind::Pwm {
+            enable: Some(level),
+            ..
+        } = tool.kind
+        {
             add("tool enable", TOOL_ENABLE, is_high(level));
         }
     }
-    Ok(outputs)
+    outputs
 }
 
 #[cfg(test)]
@@ -107,7 +127,11 @@ mod tests {
 
     #[test]
     fn a_pin_that_floats_is_off() {
-        let output = Output { name: "drives", pin: ENABLE, on: false };
+        let output = Output {
+            name: "drives",
+            pin: ENABLE,
+            on: false,
+        };
         let mut trace = Trace::default();
         assert!(!output.was_on(&trace, 0));
         for (time, level) in [(10, Level::High), (20, Level::Low), (50, Level::Floating)] {

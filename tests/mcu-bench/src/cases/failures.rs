@@ -15,7 +15,7 @@ const FAILS_WITHIN: Time = MS / 10;
 
 /// Resets in mid-move: pins float at once, and nothing is on afterwards.
 pub(super) fn resets(subject: &Subject) -> Result<Vec<Row>> {
-    let outputs = subject.outputs()?;
+    let outputs = subject.outputs();
     let mut rows = Vec::new();
     for cause in [ResetCause::BrownOut, ResetCause::Pin] {
         let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
@@ -24,7 +24,13 @@ pub(super) fn resets(subject: &Subject) -> Result<Vec<Row>> {
         board.run(since + AFTER)?;
         let what = format!("{} in mid-move", name(cause));
         rows.push(off_within(&board, &outputs, "resets", &what, since, 0));
-        rows.push(never_on(&board, &outputs, "resets", format!("300 ms after {what}"), since));
+        rows.push(never_on(
+            &board,
+            &outputs,
+            "resets",
+            format!("300 ms after {what}"),
+            since,
+        ));
     }
     Ok(rows)
 }
@@ -39,20 +45,39 @@ fn failed(
     expected: &str,
 ) -> Result<Vec<Row>> {
     board.run(since + bound + AFTER)?;
-    let outputs = subject.outputs()?;
-    let mut rows = vec![off_within(board, &outputs, case, "in mid-move", since, bound)];
+    let outputs = subject.outputs();
+    let mut rows = vec![off_within(
+        board,
+        &outputs,
+        case,
+        "in mid-move",
+        since,
+        bound,
+    )];
     rows.push(starts_with(subject, board, case, expected)?);
     Ok(rows)
 }
 
 /// Row of the start that a new host is told.
-fn starts_with(subject: &Subject, board: &mut Board, case: &'static str, expected: &str) -> Result<Row> {
+fn starts_with(
+    subject: &Subject,
+    board: &mut Board,
+    case: &'static str,
+    expected: &str,
+) -> Result<Row> {
     let mut host = subject.host(board)?;
     let now = board.now();
     host.run(board, now + 30 * MS)?;
-    let start = host.client().identity().map(|identity| identity.board.start);
+    let start = host
+        .client()
+        .identity()
+        .map(|identity| identity.board.start);
     let start = start.map_or("none".into(), |start| format!("{start:?}"));
-    let kind = start.split([' ', '(']).next().unwrap_or_default().to_owned();
+    let kind = start
+        .split([' ', '('])
+        .next()
+        .unwrap_or_default()
+        .to_owned();
     Ok(fact(case, "start in the identity", kind, expected))
 }
 
@@ -69,14 +94,30 @@ pub(super) fn panic(subject: &Subject) -> Result<Vec<Row>> {
         anyhow::ensure!(now < 1000 * MS, "no panic within a second");
         host.run(&mut board, now + MS)?;
     }
-    let outputs = subject.outputs()?;
+    let outputs = subject.outputs();
     let reset = board.resets.last().map_or(0, |(time, _)| *time);
-    let failed_at = board.last_begin(crate::chip::SYS_TICK).context("no tick before the panic")?;
-    let was_on = outputs.iter().any(|output| output.was_on(board.trace(), failed_at - 2 * MS));
+    let failed_at = board
+        .last_begin(crate::chip::SYS_TICK)
+        .context("no tick before the panic")?;
+    let was_on = outputs
+        .iter()
+        .any(|output| output.was_on(board.trace(), failed_at - 2 * MS));
     board.run(reset + AFTER)?;
     Ok(vec![
-        fact("panic", "drives on in the tick that panics", was_on.to_string(), "true"),
-        off_within(&board, &outputs, "panic", "from that tick", failed_at, FAILS_WITHIN),
+        fact(
+            "panic",
+            "drives on in the tick that panics",
+            was_on.to_string(),
+            "true",
+        ),
+        off_within(
+            &board,
+            &outputs,
+            "panic",
+            "from that tick",
+            failed_at,
+            FAILS_WITHIN,
+        ),
         starts_with(subject, &mut board, "panic", "Panic")?,
     ])
 }
@@ -86,7 +127,14 @@ pub(super) fn hard_fault(subject: &Subject) -> Result<Vec<Row>> {
     let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
     let since = board.now();
     board.jump(0x6000_0000)?;
-    failed(subject, &mut board, "hard-fault", since, FAILS_WITHIN, "HardFault")
+    failed(
+        subject,
+        &mut board,
+        "hard-fault",
+        since,
+        FAILS_WITHIN,
+        "HardFault",
+    )
 }
 
 /// A tick and a background that do not go on, and a crystal that dies, with the oscillator of the watchdog slow and fast.
@@ -95,7 +143,9 @@ pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
     type Failure = fn(&mut Board);
     let failures: [(&str, Failure); 3] = [
         ("tick hung", |board| board.hung = Some(Hang::Tick)),
-        ("background hung", |board| board.hung = Some(Hang::Background)),
+        ("background hung", |board| {
+            board.hung = Some(Hang::Background)
+        }),
         ("crystal dies", |board| {
             board.chip().clock.crystal = Crystal::Missing;
             board.clock_stands = true;
@@ -115,8 +165,10 @@ pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
             board.run(board.now() + AFTER)?;
             let what = format!("{what}, oscillator of {} kHz", oscillator_hz / 1000);
             // A tick may pass before the hang, and was fed.
-            let outputs = subject.outputs()?;
-            rows.push(off_within(&board, &outputs, "watchdog", &what, since, bound));
+            let outputs = subject.outputs();
+            rows.push(off_within(
+                &board, &outputs, "watchdog", &what, since, bound,
+            ));
         }
         // What the last of the boards says: from its bite on.
     }
@@ -142,10 +194,20 @@ pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
     host.is_cut = true;
     let end = since + bound + 200 * MS;
     host.run(&mut board, end)?;
-    let outputs = subject.outputs()?;
+    let outputs = subject.outputs();
     // The drives hold the machine where it waits.
-    let moving: Vec<_> = outputs.into_iter().filter(|output| output.name != "drives" && output.name != "tool enable").collect();
-    Ok(vec![off_within(&board, &moving, "cable", "cable pulled: steps and tool", since, bound)])
+    let moving: Vec<_> = outputs
+        .into_iter()
+        .filter(|output| output.name != "drives" && output.name != "tool enable")
+        .collect();
+    Ok(vec![off_within(
+        &board,
+        &moving,
+        "cable",
+        "cable pulled: steps and tool",
+        since,
+        bound,
+    )])
 }
 
 /// The emergency stop is pressed.
@@ -162,11 +224,29 @@ pub(super) fn stop(subject: &Subject) -> Result<Vec<Row>> {
     // Debounce, a tick until it is read, the ramp, a tick of the steppers, the slot of the enable line.
     let bound = ticks(f64::from(stop.debounce_ticks) + 3.0) + ramp;
     board.run(since + bound + AFTER)?;
-    let outputs = subject.outputs()?;
-    let tool: Vec<_> = outputs.iter().copied().filter(|output| output.name == "tool").collect();
+    let outputs = subject.outputs();
+    let tool: Vec<_> = outputs
+        .iter()
+        .copied()
+        .filter(|output| output.name == "tool")
+        .collect();
     let at_once = ticks(f64::from(stop.debounce_ticks) + 1.0);
     Ok(vec![
-        off_within(&board, &outputs, "stop", "emergency stop, category 1", since, bound),
-        off_within(&board, &tool, "stop", "emergency stop, tool", since, at_once),
+        off_within(
+            &board,
+            &outputs,
+            "stop",
+            "emergency stop, category 1",
+            since,
+            bound,
+        ),
+        off_within(
+            &board,
+            &tool,
+            "stop",
+            "emergency stop, tool",
+            since,
+            at_once,
+        ),
     ])
 }

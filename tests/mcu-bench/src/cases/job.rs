@@ -26,7 +26,8 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     host.play(&mut board, subject.longest())?;
     board.run(board.now() + 20 * MS)?;
     if let Some(file) = &subject.dump {
-        let mut to = BufWriter::new(File::create(file).with_context(|| file.display().to_string())?);
+        let mut to =
+            BufWriter::new(File::create(file).with_context(|| file.display().to_string())?);
         board.trace().write_vcd(&SIGNALS, &mut to)?;
         to.flush()?;
     }
@@ -37,7 +38,10 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     let mut rows = vec![
         Row {
             case: "job",
-            subject: format!("samples of {} ticks that the board has dropped", played.ticks.len()),
+            subject: format!(
+                "samples of {} ticks that the board has dropped",
+                played.ticks.len()
+            ),
             measured: played.missing.to_string(),
             bound: format!("≤ {most_missing}"),
             holds: played.missing as usize <= most_missing,
@@ -129,14 +133,29 @@ impl Played {
                 }
                 None => {}
             }
-            ticks.push(PlayedTick { begin: handler.begin, end: handler.end, sample: *sample, is_known: true });
+            ticks.push(PlayedTick {
+                begin: handler.begin,
+                end: handler.end,
+                sample: *sample,
+                is_known: true,
+            });
         }
         ensure!(ticks.len() > 100, "{} samples of a job", ticks.len());
-        let origin = host.samples.first().map(|sample| sample.angles).context("a sample")?;
+        let origin = host
+            .samples
+            .first()
+            .map(|sample| sample.angles)
+            .context("a sample")?;
         let mut slots: Vec<Time> = of(16 + TIM7).map(|slot| slot.begin).collect();
         // Recorded by their ends: a slot never preempts another.
         slots.sort_unstable();
-        Ok(Self { ticks, slots, missing, per_tick: per_tick(subject)?, origin })
+        Ok(Self {
+            ticks,
+            slots,
+            missing,
+            per_tick: per_tick(subject)?,
+            origin,
+        })
     }
 }
 
@@ -236,17 +255,30 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
         }
         rows.push(Row {
             case: "job",
-            subject: format!("motor {}: positions of ticks off the angle by at most", motor + 1),
+            subject: format!(
+                "motor {}: positions of ticks off the angle by at most",
+                motor + 1
+            ),
             measured: format!("{rounding:.3} microsteps"),
             bound: "≤ 0.504".into(),
             holds: rounding <= 0.504,
         });
         let last = pulses.rises.last().map_or(0, |(_, position)| *position);
         let before = [0].into_iter().chain(wanted.iter().copied());
-        let travel: u32 = before.zip(&wanted).map(|(from, to)| to.abs_diff(from)).sum();
-        ensure!(travel > 100, "motor {} does not move in this job", motor + 1);
+        let travel: u32 = before
+            .zip(&wanted)
+            .map(|(from, to)| to.abs_diff(from))
+            .sum();
+        ensure!(
+            travel > 100,
+            "motor {} does not move in this job",
+            motor + 1
+        );
         let count = pulses.rises.len().to_string();
-        let subject = format!("motor {}: pulses, against the microsteps of the angles", motor + 1);
+        let subject = format!(
+            "motor {}: pulses, against the microsteps of the angles",
+            motor + 1
+        );
         rows.push(fact("job", &subject, count, &travel.to_string()));
         let at_end = wanted.last().map_or(0, |wanted| last - wanted).to_string();
         let subject = format!("motor {}: position at the end, off by", motor + 1);
@@ -254,7 +286,10 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
         let off = most_off(&pulses, &wanted, played);
         rows.push(Row {
             case: "job",
-            subject: format!("motor {}: off the commanded angle at any pulse by at most", motor + 1),
+            subject: format!(
+                "motor {}: off the commanded angle at any pulse by at most",
+                motor + 1
+            ),
             measured: format!("{off:.2} microsteps"),
             bound: format!("≤ {MOST_OFF}"),
             holds: off <= MOST_OFF,
@@ -263,7 +298,11 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
             shortest = shortest.min(time);
         }
         if let Some((first, _)) = pulses.rises.first() {
-            let on = board.trace().edges(ENABLE).iter().rfind(|edge| edge.time <= *first);
+            let on = board
+                .trace()
+                .edges(ENABLE)
+                .iter()
+                .rfind(|edge| edge.time <= *first);
             first_step = first_step.min(on.map_or(0, |on| first - on.time));
         }
     }
@@ -322,13 +361,18 @@ fn most_off(pulses: &Pulses, wanted: &[i32], played: &Played) -> f64 {
             continue;
         }
         let before = index.checked_sub(1).map_or(0, |last| pulses.rises[last].1);
-        let slot = played.slots.partition_point(|slot| *slot <= *rise).saturating_sub(1);
+        let slot = played
+            .slots
+            .partition_point(|slot| *slot <= *rise)
+            .saturating_sub(1);
         // In the slot before the pulse, and in its own.
         for (slot, position) in [(slot.saturating_sub(1), before), (slot, *position)] {
             let line = |at: fn(&PlayedTick) -> Time| line_at(slot, wanted, played, at);
             let (early, late) = (line(|tick| tick.begin), line(|tick| tick.end));
             let position = f64::from(position);
-            most = most.max(early.min(late) - position).max(position - early.max(late));
+            most = most
+                .max(early.min(late) - position)
+                .max(position - early.max(late));
         }
     }
     most
@@ -345,7 +389,9 @@ fn line_at(now: usize, wanted: &[i32], played: &Played, at: fn(&PlayedTick) -> T
         return 0.0;
     };
     let first = slots.partition_point(|slot| *slot <= at(&played.ticks[index]));
-    let from = index.checked_sub(1).map_or(0.0, |before| f64::from(wanted[before]));
+    let from = index
+        .checked_sub(1)
+        .map_or(0.0, |before| f64::from(wanted[before]));
     let to = f64::from(wanted[index]);
     let part = ((now - first + 1) as f64 / f64::from(played.per_tick)).min(1.0);
     from + (to - from) * part
@@ -356,7 +402,12 @@ fn tool(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> {
     let Some(tool) = &subject.scene.tool else {
         return Ok(Vec::new());
     };
-    let ToolKind::Pwm { frequency_hz, duty: [least, most], .. } = tool.kind else {
+    let ToolKind::Pwm {
+        frequency_hz,
+        duty: [least, most],
+        ..
+    } = tool.kind
+    else {
         return Ok(Vec::new());
     };
     let period = SECOND / Time::from(frequency_hz);
@@ -398,6 +449,11 @@ fn tool(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> {
             bound: format!("≤ {:.1} %", bound * 100.0),
             holds: compared > 100 && off <= bound,
         },
-        fact("job", "tool: pulses in ticks without power", stray.to_string(), "0"),
+        fact(
+            "job",
+            "tool: pulses in ticks without power",
+            stray.to_string(),
+            "0",
+        ),
     ])
 }

@@ -1,5 +1,6 @@
 //! Cases of the bench: each runs the image on a board of its own and gives rows of figures with their bounds.
 
+mod amplifiers;
 mod failures;
 mod job;
 mod power_up;
@@ -11,7 +12,7 @@ use crate::time::{MS, SECOND, Time};
 use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
-use trirrr_scene::Scene;
+use trirrr_scene::{DriveKind, Scene};
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
 pub(crate) const OSCILLATOR_HZ: [u64; 3] = [32_000, 47_000, 17_000];
@@ -40,19 +41,39 @@ pub(crate) struct Subject {
     pub(crate) dump: Option<PathBuf>,
 }
 
-type Case = fn(&Subject) -> Result<Vec<Row>>;
+/// Drives that a case looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    Any,
+    Steppers,
+    Amplifiers,
+}
 
-/// Cases by their names.
-pub(crate) const CASES: [(&str, Case); 9] = [
-    ("power-up", power_up::rest),
-    ("crystal", power_up::crystal),
-    ("job", job::run),
-    ("resets", failures::resets),
-    ("panic", failures::panic),
-    ("hard-fault", failures::hard_fault),
-    ("watchdog", failures::watchdog),
-    ("cable", failures::cable),
-    ("stop", failures::stop),
+/// Case of the bench.
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    pub(crate) needs: Needs,
+    pub(crate) run: fn(&Subject) -> Result<Vec<Row>>,
+}
+
+impl Case {
+    const fn of(name: &'static str, needs: Needs, run: fn(&Subject) -> Result<Vec<Row>>) -> Self {
+        Self { name, needs, run }
+    }
+}
+
+/// All cases.
+pub(crate) const CASES: [Case; 10] = [
+    Case::of("power-up", Needs::Any, power_up::rest),
+    Case::of("crystal", Needs::Any, power_up::crystal),
+    Case::of("job", Needs::Steppers, job::run),
+    Case::of("resets", Needs::Steppers, failures::resets),
+    Case::of("panic", Needs::Steppers, failures::panic),
+    Case::of("hard-fault", Needs::Steppers, failures::hard_fault),
+    Case::of("watchdog", Needs::Steppers, failures::watchdog),
+    Case::of("cable", Needs::Steppers, failures::cable),
+    Case::of("amplifiers", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("stop", Needs::Steppers, failures::stop),
 ];
 
 impl Subject {
@@ -60,7 +81,12 @@ impl Subject {
         self.switch_on_with(&self.image, CRYSTAL, OSCILLATOR_HZ[0])
     }
 
-    fn switch_on_with(&self, image: &PathBuf, crystal: Crystal, oscillator_hz: u64) -> Result<Board> {
+    fn switch_on_with(
+        &self,
+        image: &PathBuf,
+        crystal: Crystal,
+        oscillator_hz: u64,
+    ) -> Result<Board> {
         let mut board = Board::switch_on(image, crystal, oscillator_hz)?;
         // Contacts to ground: released, and closed.
         for pin in [wiring::STOP, wiring::DOOR] {
@@ -79,7 +105,17 @@ impl Subject {
         Host::new(&self.scene)
     }
 
-    fn outputs(&self) -> Result<Vec<Output>> {
+    /// Returns true if the scene has the drives that a case looks at.
+    pub(crate) fn has(&self, needs: Needs) -> bool {
+        let kind = self.scene.drives.as_ref().map(|[first, ..]| &first.kind);
+        match needs {
+            Needs::Any => true,
+            Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
+            Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+        }
+    }
+
+    fn outputs(&self) -> Vec<Output> {
         wiring::outputs(&self.scene)
     }
 
@@ -102,14 +138,18 @@ impl Subject {
         let middle = board.now() + 250 * MS;
         host.run(&mut board, middle)?;
         ensure!(host.ended.is_none(), "the job is over before its middle");
-        let outputs = self.outputs()?;
+        let outputs = self.outputs();
         let off: Vec<&str> = outputs
             .iter()
             .filter(|output| !output.was_on(board.trace(), middle - 2 * MS))
             .map(|output| output.name)
             .filter(|name| ["drives", "tool", "tool enable"].contains(name))
             .collect();
-        ensure!(off.is_empty(), "in the middle of the job these are off: {}", off.join(", "));
+        ensure!(
+            off.is_empty(),
+            "in the middle of the job these are off: {}",
+            off.join(", ")
+        );
         Ok((board, host))
     }
 }
@@ -161,7 +201,13 @@ fn off_within(
 }
 
 /// Row of the outputs that were on between `since` and now.
-fn never_on(board: &Board, outputs: &[Output], case: &'static str, subject: String, since: Time) -> Row {
+fn never_on(
+    board: &Board,
+    outputs: &[Output],
+    case: &'static str,
+    subject: String,
+    since: Time,
+) -> Row {
     let on: Vec<&str> = outputs
         .iter()
         .filter(|output| output.was_on(board.trace(), since))
@@ -170,7 +216,11 @@ fn never_on(board: &Board, outputs: &[Output], case: &'static str, subject: Stri
     Row {
         case,
         subject: format!("{subject}: outputs that were on"),
-        measured: if on.is_empty() { "none".into() } else { on.join(", ") },
+        measured: if on.is_empty() {
+            "none".into()
+        } else {
+            on.join(", ")
+        },
         bound: "none".into(),
         holds: on.is_empty(),
     }

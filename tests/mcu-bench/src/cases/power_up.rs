@@ -18,7 +18,7 @@ const CAUSES: [ResetCause; 5] = [
 
 /// No output is on before a host enables the machine, whatever the reset, and the board tells its cause.
 pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
-    let outputs = subject.outputs()?;
+    let outputs = subject.outputs();
     let mut rows = Vec::new();
     for cause in CAUSES {
         let mut board = subject.switch_on()?;
@@ -33,7 +33,10 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
         let mut host = subject.host(&mut board)?;
         let now = board.now();
         host.run(&mut board, now + 30 * MS)?;
-        let start = host.client().identity().map(|identity| identity.board.start);
+        let start = host
+            .client()
+            .identity()
+            .map(|identity| identity.board.start);
         let expected = match cause {
             ResetCause::Power => Start::Power,
             ResetCause::Watchdog => Start::Watchdog,
@@ -43,7 +46,10 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
         let start = start.map_or("none".into(), |start| format!("{start:?}"));
         rows.push(fact("power-up", &subject, start, &format!("{expected:?}")));
         let unknown = &board.chip().unknown;
-        ensure!(unknown.is_empty(), "registers that are not modelled: {unknown:?}");
+        ensure!(
+            unknown.is_empty(),
+            "registers that are not modelled: {unknown:?}"
+        );
     }
     Ok(rows)
 }
@@ -60,7 +66,10 @@ pub(super) fn crystal(subject: &Subject) -> Result<Vec<Row>> {
         let mut host = subject.host(&mut board)?;
         let now = board.now();
         host.run(&mut board, now + 30 * MS)?;
-        let clock = host.client().identity().map(|identity| identity.board.clock);
+        let clock = host
+            .client()
+            .identity()
+            .map(|identity| identity.board.clock);
         let clock = clock.map_or("none".into(), |clock| format!("{clock:?}"));
         rows.push(fact("crystal", &format!("{what}: clock"), clock, expected));
         let baud = board.chip().line_baud().unwrap_or(0.0);

@@ -114,7 +114,9 @@ impl ClockControl {
         let ready = |is: bool, bit: u32| u32::from(is) << bit;
         Some(match offset {
             0x00 => {
-                self.control | ready(self.crystal_is_ready(now), 17) | ready(self.pll_is_ready(now), 25)
+                self.control
+                    | ready(self.crystal_is_ready(now), 17)
+                    | ready(self.pll_is_ready(now), 25)
             }
             0x04 => self.pll,
             0x08 => self.configuration & !0xC | (self.configuration & 3) << 2,
@@ -155,7 +157,11 @@ impl ClockControl {
         let core_hz = match self.configuration & 3 {
             1 => crystal_hz,
             2 => {
-                let from = if self.pll & 1 << 22 != 0 { crystal_hz } else { HSI_HZ };
+                let from = if self.pll & 1 << 22 != 0 {
+                    crystal_hz
+                } else {
+                    HSI_HZ
+                };
                 let m = u64::from(self.pll & 0x3F).max(1);
                 let n = u64::from(self.pll >> 6 & 0x1FF);
                 let p = u64::from((self.pll >> 16 & 3) * 2 + 2);

@@ -172,7 +172,11 @@ impl Interrupts {
         if !self.any_pending() {
             return None;
         }
-        let running = self.active.iter().map(|active| self.priority(*active)).min();
+        let running = self
+            .active
+            .iter()
+            .map(|active| self.priority(*active))
+            .min();
         let running = running.unwrap_or(THREAD);
         let all = [PEND_SV, SYS_TICK]
             .into_iter()

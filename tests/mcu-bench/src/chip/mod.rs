@@ -159,7 +159,11 @@ impl Chip {
     fn set_clocks(&mut self) {
         self.clocks = self.clock.clocks();
         for (timer, (_, _, _, on_apb2, _)) in self.timers.iter_mut().zip(TIMERS) {
-            let bus = if on_apb2 { self.clocks.apb2 } else { self.clocks.apb1 };
+            let bus = if on_apb2 {
+                self.clocks.apb2
+            } else {
+                self.clocks.apb1
+            };
             timer.clock = self.clocks.timers(bus);
         }
     }
@@ -377,12 +381,17 @@ impl Chip {
 
     fn place(&self, address: u32) -> Place {
         let within = |start: u32, bytes: u32| {
-            (start..start + bytes).contains(&address).then(|| address - start)
+            (start..start + bytes)
+                .contains(&address)
+                .then(|| address - start)
         };
         if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
             return Place::Clock(offset);
         }
-        if HELD.iter().any(|(start, bytes)| within(*start, *bytes).is_some()) {
+        if HELD
+            .iter()
+            .any(|(start, bytes)| within(*start, *bytes).is_some())
+        {
             return Place::Held;
         }
         if let Some(offset) = within(0x4002_0000, 0x400 * PORTS.len() as u32) {
@@ -409,7 +418,9 @@ impl Chip {
 
 /// Returns the register and the bit of an address that stands for a single bit.
 fn single_bit(address: u32) -> Option<(u32, u32)> {
-    let offset = address.checked_sub(0x4200_0000).filter(|offset| *offset < 0x200_0000)?;
+    let offset = address
+        .checked_sub(0x4200_0000)
+        .filter(|offset| *offset < 0x200_0000)?;
     // 32 bytes for each byte, four for each bit.
     let (byte, bit) = (offset / 32, offset / 4 % 8);
     Some((0x4000_0000 + (byte & !3), (byte & 3) * 8 + bit))
@@ -461,7 +472,10 @@ mod tests {
         chip.write(0x4247_0600, 4, 1);
         chip.write(0x4247_0608, 4, 1);
         assert_eq!(chip.read(0x4002_3830, 4), 0b101);
-        assert_eq!((chip.read(0x4247_0604, 4), chip.read(0x4247_0608, 4)), (0, 1));
+        assert_eq!(
+            (chip.read(0x4247_0604, 4), chip.read(0x4247_0608, 4)),
+            (0, 1)
+        );
     }
 
     #[test]
@@ -473,6 +487,9 @@ mod tests {
         chip.now = 100;
         chip.write(RESET_OF_PORTS, 4, 0x1F);
         assert_eq!(chip.trace.level(Pin('B', 12)), Level::Floating);
-        assert_eq!(chip.trace.edges(Pin('B', 12)).last().map(|edge| edge.time), Some(100));
+        assert_eq!(
+            chip.trace.edges(Pin('B', 12)).last().map(|edge| edge.time),
+            Some(100)
+        );
     }
 }

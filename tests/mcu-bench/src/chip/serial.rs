@@ -139,9 +139,15 @@ mod tests {
         let mut serial = on();
         serial.write(0x04, 1, 0, 24);
         serial.write(0x04, 2, 0, 24);
-        assert_eq!(serial.read(0x00, 0, 24).map(|flags| flags >> 6 & 3), Some(0));
+        assert_eq!(
+            serial.read(0x00, 0, 24).map(|flags| flags >> 6 & 3),
+            Some(0)
+        );
         // 10 bits of 46 periods of the bus.
-        assert_eq!(serial.read(0x00, 11_040, 24).map(|flags| flags >> 6 & 3), Some(2));
+        assert_eq!(
+            serial.read(0x00, 11_040, 24).map(|flags| flags >> 6 & 3),
+            Some(2)
+        );
         assert_eq!(serial.sent, [(11_040, 1), (22_080, 2)]);
     }
 

@@ -129,7 +129,11 @@ impl Timer {
                 let time = self.start + Time::from(compare) * self.count_time();
                 if time > self.seen && time <= until {
                     let high = self.inverts(channel);
-                    edge(ChannelEdge { time, channel, high });
+                    edge(ChannelEdge {
+                        time,
+                        channel,
+                        high,
+                    });
                 }
             }
         }
@@ -143,7 +147,11 @@ impl Timer {
         for channel in 0..4 {
             if self.is_pwm(channel) {
                 let high = self.level(channel, time);
-                edge(ChannelEdge { time, channel, high });
+                edge(ChannelEdge {
+                    time,
+                    channel,
+                    high,
+                });
             }
         }
     }
@@ -270,7 +278,10 @@ mod tests {
     fn a_duty_is_high_for_so_many_counts() {
         let mut timer = pwm(0);
         timer.write(0x34, 25, 0);
-        assert_eq!(edges(&mut timer, 1500), [(300, false), (1200, true), (1500, false)]);
+        assert_eq!(
+            edges(&mut timer, 1500),
+            [(300, false), (1200, true), (1500, false)]
+        );
         assert_eq!(edges(&mut timer, 2700), [(2400, true), (2700, false)]);
     }
 
