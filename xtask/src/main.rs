@@ -1,6 +1,7 @@
 //! Chores of this repository: `cargo xtask --help`.
 
 mod admission;
+mod bench;
 mod boards;
 mod budget;
 mod callgraph;
@@ -57,6 +58,8 @@ enum Chore {
     Rp2040,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
+    /// Execute the firmware with a model of its registers, check pins and times of drives and tool
+    Bench(bench::BenchArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
     Client,
     /// Compare torques with those of MuJoCo and Pinocchio
@@ -89,6 +92,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Size(options) => size::run(&options),
         Chore::Rp2040 => rp2040::run(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
+        Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),
         Chore::Senders => senders::run(),
         Chore::Simulators => simulators::run(),

@@ -164,6 +164,18 @@ fn steps() -> Result<Vec<Step>> {
             &["emulate", "--fixed"],
         )?,
         Step::cargo(
+            "the model of the registers",
+            &[
+                "test",
+                "--release",
+                "--manifest-path",
+                "tests/mcu-bench/Cargo.toml",
+                "--target-dir",
+                "target/mcu-bench",
+            ],
+        ),
+        Step::chore("pins of flashed images", &["bench"])?,
+        Step::cargo(
             "the study of integrators",
             &[
                 "test",

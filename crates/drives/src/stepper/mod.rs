@@ -44,7 +44,8 @@ pub const fn slots_per_tick(most: u32) -> u32 {
     most.saturating_mul(2).saturating_add(1)
 }
 
-/// Rate of the slots, Hz: at least [`slots_per_tick`] of them in every tick.
+/// Rate of the slots, Hz: at least [`slots_per_tick`] of them in every tick, and one to spare. A tick that takes longer than the one
+/// after it hands its positions over late: without the spare slot its last pulse would come in the next tick.
 pub const fn slot_rate_hz(most: u32, tick_rate_hz: f64) -> f64 {
-    slots_per_tick(most) as f64 * tick_rate_hz
+    (slots_per_tick(most) as f64 + 1.0) * tick_rate_hz
 }

@@ -160,14 +160,14 @@ fn most_per_tick(index: usize, stepper: &Stepper, tick_rate_hz: f64) -> Result<u
             format!("{limit} Hz is less than a step in each of {tick_rate_hz} ticks per second"),
         );
     }
-    // Two slots for each step, one for the direction.
-    let slots = (2.0 * most + 1.0) * tick_rate_hz;
+    // Two slots for each step, one for the direction, and one to spare.
+    let slots = slot_rate_hz(most as u32, tick_rate_hz);
     if slots > SLOTS_MAX_HZ {
         return refuse(
             index,
             key,
             format!(
-                "{limit} Hz takes {slots} slots per second, two for each step and one more in \
+                "{limit} Hz takes {slots} slots per second, two for each step and two more in \
                  each tick; a board has at most {SLOTS_MAX_HZ}"
             ),
         );
@@ -241,7 +241,7 @@ mod tests {
             (
                 format!("{STEPPER}step_rate_limit_hz = 100e3"),
                 "drive[1].step_rate_limit_hz",
-                "takes 200100 slots per second",
+                "takes 200200 slots per second",
             ),
             (
                 format!("{STEPPER}step_rate_limit_hz = 20e3\ngear_ratio = 1e6"),

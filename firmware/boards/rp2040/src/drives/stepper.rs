@@ -19,7 +19,7 @@ const LEAST_CYCLES: u32 = 1200;
 const _: () = assert!(
     CYCLES >= LEAST_CYCLES,
     "step_rate_limit_hz of the scene: the RP2040 has at most 104,000 slots per second, two for each \
-     step and one more in each tick"
+     step and two more in each tick"
 );
 
 /// Divider in front of the timer, whose counts have 16 bits.

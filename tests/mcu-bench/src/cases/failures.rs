@@ -1,0 +1,252 @@
+//! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
+
+use super::{CRYSTAL, OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
+use crate::chip::{Crystal, ResetCause};
+use crate::cpu::{Board, Hang};
+use crate::time::{MS, Time, of_seconds, period};
+use crate::wiring;
+use anyhow::{Context, Result};
+
+/// Time after which a board has started again and stood for a while.
+const AFTER: Time = 300 * MS;
+
+/// Time from the failure of a program to its reset.
+const FAILS_WITHIN: Time = MS / 10;
+
+/// Resets in mid-move: pins float at once, and nothing is on afterwards.
+pub(super) fn resets(subject: &Subject) -> Result<Vec<Row>> {
+    let outputs = subject.outputs();
+    let mut rows = Vec::new();
+    for cause in [ResetCause::BrownOut, ResetCause::Pin] {
+        let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+        let since = board.now();
+        board.reset(cause)?;
+        board.run(since + AFTER)?;
+        let what = format!("{} in mid-move", name(cause));
+        rows.push(off_within(&board, &outputs, "resets", &what, since, 0));
+        rows.push(never_on(
+            &board,
+            &outputs,
+            "resets",
+            format!("300 ms after {what}"),
+            since,
+        ));
+    }
+    Ok(rows)
+}
+
+/// Rows of a program that fails at `since`: off at once, and a start with the cause `expected`.
+fn failed(
+    subject: &Subject,
+    board: &mut Board,
+    case: &'static str,
+    since: Time,
+    bound: Time,
+    expected: &str,
+) -> Result<Vec<Row>> {
+    board.run(since + bound + AFTER)?;
+    let outputs = subject.outputs();
+    let mut rows = vec![off_within(
+        board,
+        &outputs,
+        case,
+        "in mid-move",
+        since,
+        bound,
+    )];
+    rows.push(starts_with(subject, board, case, expected)?);
+    Ok(rows)
+}
+
+/// Row of the start that a new host is told.
+fn starts_with(
+    subject: &Subject,
+    board: &mut Board,
+    case: &'static str,
+    expected: &str,
+) -> Result<Row> {
+    let mut host = subject.host(board)?;
+    let now = board.now();
+    host.run(board, now + 30 * MS)?;
+    let start = host
+        .client()
+        .identity()
+        .map(|identity| identity.board.start);
+    let start = start.map_or("none".into(), |start| format!("{start:?}"));
+    let kind = start
+        .split([' ', '('])
+        .next()
+        .unwrap_or_default()
+        .to_owned();
+    Ok(fact(case, "start in the identity", kind, expected))
+}
+
+/// A panic of the image that is made to fail.
+pub(super) fn panic(subject: &Subject) -> Result<Vec<Row>> {
+    let Some(image) = &subject.panicking else {
+        return Ok(Vec::new());
+    };
+    let mut board = subject.switch_on_with(image, CRYSTAL, OSCILLATOR_HZ[0])?;
+    let mut host = subject.host(&mut board)?;
+    // The host enables the machine, and the 50th tick panics.
+    while board.resets.len() < 2 {
+        let now = board.now();
+        anyhow::ensure!(now < 1000 * MS, "no panic within a second");
+        host.run(&mut board, now + MS)?;
+    }
+    let outputs = subject.outputs();
+    let reset = board.resets.last().map_or(0, |(time, _)| *time);
+    let failed_at = board
+        .last_begin(crate::chip::SYS_TICK)
+        .context("no tick before the panic")?;
+    let was_on = outputs
+        .iter()
+        .any(|output| output.was_on(board.trace(), failed_at - 2 * MS));
+    board.run(reset + AFTER)?;
+    Ok(vec![
+        fact(
+            "panic",
+            "drives on in the tick that panics",
+            was_on.to_string(),
+            "true",
+        ),
+        off_within(
+            &board,
+            &outputs,
+            "panic",
+            "from that tick",
+            failed_at,
+            FAILS_WITHIN,
+        ),
+        starts_with(subject, &mut board, "panic", "Panic")?,
+    ])
+}
+
+/// A jump to where nothing is, in the flashed image.
+pub(super) fn hard_fault(subject: &Subject) -> Result<Vec<Row>> {
+    let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    let since = board.now();
+    board.jump(0x6000_0000)?;
+    failed(
+        subject,
+        &mut board,
+        "hard-fault",
+        since,
+        FAILS_WITHIN,
+        "HardFault",
+    )
+}
+
+/// A tick and a background that do not go on, and a crystal that dies, with the oscillator of the watchdog slow and fast.
+pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    type Failure = fn(&mut Board);
+    let failures: [(&str, Failure); 3] = [
+        ("tick hung", |board| board.hung = Some(Hang::Tick)),
+        ("background hung", |board| {
+            board.hung = Some(Hang::Background)
+        }),
+        ("crystal dies", |board| {
+            board.chip().clock.crystal = Crystal::Missing;
+            board.clock_stands = true;
+        }),
+    ];
+    for (what, fail) in failures {
+        for oscillator_hz in OSCILLATOR_HZ {
+            let (mut board, _) = subject.in_mid_job(oscillator_hz)?;
+            let since = board.now();
+            let bound = board.chip().watchdog.timeout();
+            fail(&mut board);
+            // Until it bites; the program that starts then goes on.
+            while board.resets.len() < 2 && board.now() < since + 2 * bound {
+                board.run(board.now() + MS)?;
+            }
+            board.hung = None;
+            board.run(board.now() + AFTER)?;
+            let what = format!("{what}, oscillator of {} kHz", oscillator_hz / 1000);
+            // A tick may pass before the hang, and was fed.
+            let outputs = subject.outputs();
+            rows.push(off_within(
+                &board, &outputs, "watchdog", &what, since, bound,
+            ));
+        }
+        // What the last of the boards says: from its bite on.
+    }
+    let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    board.hung = Some(Hang::Background);
+    while board.resets.len() < 2 {
+        board.run(board.now() + MS)?;
+    }
+    board.hung = None;
+    board.run(board.now() + AFTER)?;
+    rows.push(starts_with(subject, &mut board, "watchdog", "Watchdog")?);
+    Ok(rows)
+}
+
+/// The cable is pulled: the machine comes to rest on its path, and the tool is off.
+pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
+    let (mut board, mut host) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    let service = &subject.scene.service;
+    let tick = period(1_000_000) * (1e6 / subject.scene.tick_rate_hz) as u64;
+    // The last request may have come any time before; the ramp follows, and a tick of the steppers.
+    let bound = of_seconds(service.silence_timeout_s + service.hold_ramp_s) + 3 * tick;
+    let since = board.now();
+    host.is_cut = true;
+    let end = since + bound + 200 * MS;
+    host.run(&mut board, end)?;
+    let outputs = subject.outputs();
+    // The drives hold the machine where it waits.
+    let moving: Vec<_> = outputs
+        .into_iter()
+        .filter(|output| output.name != "drives" && output.name != "tool enable")
+        .collect();
+    Ok(vec![off_within(
+        &board,
+        &moving,
+        "cable",
+        "cable pulled: steps and tool",
+        since,
+        bound,
+    )])
+}
+
+/// The emergency stop is pressed.
+pub(super) fn stop(subject: &Subject) -> Result<Vec<Row>> {
+    let Some(stop) = subject.scene.inputs.interlocks.emergency_stop else {
+        return Ok(Vec::new());
+    };
+    let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    let since = board.now();
+    board.chip().drive(wiring::STOP, Some(true));
+    let tick_us = 1e6 / subject.scene.tick_rate_hz;
+    let ticks = |count: f64| (count * tick_us * crate::time::MS as f64 / 1000.0) as Time;
+    let ramp = of_seconds(subject.scene.service.hold_ramp_s);
+    // Debounce, a tick until it is read, the ramp, a tick of the steppers, the slot of the enable line.
+    let bound = ticks(f64::from(stop.debounce_ticks) + 3.0) + ramp;
+    board.run(since + bound + AFTER)?;
+    let outputs = subject.outputs();
+    let tool: Vec<_> = outputs
+        .iter()
+        .copied()
+        .filter(|output| output.name == "tool")
+        .collect();
+    let at_once = ticks(f64::from(stop.debounce_ticks) + 1.0);
+    Ok(vec![
+        off_within(
+            &board,
+            &outputs,
+            "stop",
+            "emergency stop, category 1",
+            since,
+            bound,
+        ),
+        off_within(
+            &board,
+            &tool,
+            "stop",
+            "emergency stop, tool",
+            since,
+            at_once,
+        ),
+    ])
+}

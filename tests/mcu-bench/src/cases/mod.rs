@@ -1,0 +1,249 @@
+//! Cases of the bench: each runs the image on a board of its own and gives rows of figures with their bounds.
+
+mod amplifiers;
+mod failures;
+mod job;
+mod power_up;
+
+use crate::chip::{Crystal, ResetCause};
+use crate::cpu::Board;
+use crate::host::Host;
+use crate::time::{MS, SECOND, Time};
+use crate::wiring::{self, Output};
+use anyhow::{Result, ensure};
+use std::path::PathBuf;
+use trirrr_scene::{DriveKind, Scene};
+
+/// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
+pub(crate) const OSCILLATOR_HZ: [u64; 3] = [32_000, 47_000, 17_000];
+
+/// Crystal for which the image is built.
+const CRYSTAL: Crystal = Crystal::Runs { mhz: 8 };
+
+/// A figure of a case, and the bound that it has to keep.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub(crate) case: &'static str,
+    pub(crate) subject: String,
+    pub(crate) measured: String,
+    pub(crate) bound: String,
+    pub(crate) holds: bool,
+}
+
+/// Scene with its images.
+pub(crate) struct Subject {
+    pub(crate) scene: Scene,
+    /// The image that is flashed.
+    pub(crate) image: PathBuf,
+    /// The same with a panic in its 50th tick.
+    pub(crate) panicking: Option<PathBuf>,
+    /// File for the edges of the case `job`.
+    pub(crate) dump: Option<PathBuf>,
+}
+
+/// Drives that a case looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    Any,
+    Steppers,
+    Amplifiers,
+}
+
+/// Case of the bench.
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    pub(crate) needs: Needs,
+    pub(crate) run: fn(&Subject) -> Result<Vec<Row>>,
+}
+
+impl Case {
+    const fn of(name: &'static str, needs: Needs, run: fn(&Subject) -> Result<Vec<Row>>) -> Self {
+        Self { name, needs, run }
+    }
+}
+
+/// All cases.
+pub(crate) const CASES: [Case; 10] = [
+    Case::of("power-up", Needs::Any, power_up::rest),
+    Case::of("crystal", Needs::Any, power_up::crystal),
+    Case::of("job", Needs::Steppers, job::run),
+    Case::of("resets", Needs::Steppers, failures::resets),
+    Case::of("panic", Needs::Steppers, failures::panic),
+    Case::of("hard-fault", Needs::Steppers, failures::hard_fault),
+    Case::of("watchdog", Needs::Steppers, failures::watchdog),
+    Case::of("cable", Needs::Steppers, failures::cable),
+    Case::of("amplifiers", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("stop", Needs::Steppers, failures::stop),
+];
+
+impl Subject {
+    fn switch_on(&self) -> Result<Board> {
+        self.switch_on_with(&self.image, CRYSTAL, OSCILLATOR_HZ[0])
+    }
+
+    fn switch_on_with(
+        &self,
+        image: &PathBuf,
+        crystal: Crystal,
+        oscillator_hz: u64,
+    ) -> Result<Board> {
+        let mut board = Board::switch_on(image, crystal, oscillator_hz)?;
+        // Contacts to ground: released, and closed.
+        for pin in [wiring::STOP, wiring::DOOR] {
+            board.chip().drive(pin, Some(false));
+        }
+        Ok(board)
+    }
+
+    /// Returns a host of a board that has started.
+    fn host(&self, board: &mut Board) -> Result<Host> {
+        let ticks = board.handled.len();
+        let end = board.now() + SECOND;
+        while board.handled.len() == ticks && board.now() < end {
+            board.run(board.now() + MS)?;
+        }
+        Host::new(&self.scene)
+    }
+
+    /// Returns true if the scene has the drives that a case looks at.
+    pub(crate) fn has(&self, needs: Needs) -> bool {
+        let kind = self.scene.drives.as_ref().map(|[first, ..]| &first.kind);
+        match needs {
+            Needs::Any => true,
+            Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
+            Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+        }
+    }
+
+    fn outputs(&self) -> Vec<Output> {
+        wiring::outputs(&self.scene)
+    }
+
+    /// Longest time that the job may take, with what comes before.
+    fn longest(&self) -> Time {
+        let seconds = self.scene.ticks() as f64 / self.scene.tick_rate_hz;
+        crate::time::of_seconds(3.0 + 1.5 * seconds)
+    }
+
+    /// Returns a board in the middle of its job, with drives on and steps, and its host.
+    fn in_mid_job(&self, oscillator_hz: u64) -> Result<(Board, Host)> {
+        let mut board = self.switch_on_with(&self.image, CRYSTAL, oscillator_hz)?;
+        let mut host = self.host(&mut board)?;
+        while step_edges(&board) < 20 {
+            let now = board.now();
+            ensure!(now < 3 * SECOND, "no motor has moved within 3 s");
+            host.run(&mut board, now + 10 * MS)?;
+        }
+        // Into the move, away from its begin.
+        let middle = board.now() + 250 * MS;
+        host.run(&mut board, middle)?;
+        ensure!(host.ended.is_none(), "the job is over before its middle");
+        let outputs = self.outputs();
+        let off: Vec<&str> = outputs
+            .iter()
+            .filter(|output| !output.was_on(board.trace(), middle - 2 * MS))
+            .map(|output| output.name)
+            .filter(|name| ["drives", "tool", "tool enable"].contains(name))
+            .collect();
+        ensure!(
+            off.is_empty(),
+            "in the middle of the job these are off: {}",
+            off.join(", ")
+        );
+        Ok((board, host))
+    }
+}
+
+/// Returns the number of edges of all step lines.
+fn step_edges(board: &Board) -> usize {
+    let count = |pin| board.trace().edges(pin).len();
+    wiring::STEPS.map(count).iter().sum()
+}
+
+/// Formats a time in µs, or in ms from one on.
+fn time(time: Time) -> String {
+    match time < MS {
+        true => format!("{:.1} µs", crate::time::micros(time)),
+        false => format!("{:.2} ms", crate::time::micros(time) / 1000.0),
+    }
+}
+
+/// Row of the time until all `outputs` were off for good.
+fn off_within(
+    board: &Board,
+    outputs: &[Output],
+    case: &'static str,
+    subject: &str,
+    since: Time,
+    bound: Time,
+) -> Row {
+    let off: Vec<Option<Time>> = outputs
+        .iter()
+        .map(|output| output.off_since(board.trace(), since))
+        .collect();
+    let all = off.iter().copied().collect::<Option<Vec<Time>>>();
+    let last = all.and_then(|times| times.into_iter().max());
+    let measured = match last {
+        Some(last) => time(last - since),
+        None => {
+            let on = outputs.iter().zip(&off).filter(|(_, off)| off.is_none());
+            let on: Vec<&str> = on.map(|(output, _)| output.name).collect();
+            format!("on: {}", on.join(", "))
+        }
+    };
+    Row {
+        case,
+        subject: format!("{subject}: all off after"),
+        measured,
+        bound: format!("≤ {}", time(bound)),
+        holds: last.is_some_and(|last| last - since <= bound),
+    }
+}
+
+/// Row of the outputs that were on between `since` and now.
+fn never_on(
+    board: &Board,
+    outputs: &[Output],
+    case: &'static str,
+    subject: String,
+    since: Time,
+) -> Row {
+    let on: Vec<&str> = outputs
+        .iter()
+        .filter(|output| output.was_on(board.trace(), since))
+        .map(|output| output.name)
+        .collect();
+    Row {
+        case,
+        subject: format!("{subject}: outputs that were on"),
+        measured: if on.is_empty() {
+            "none".into()
+        } else {
+            on.join(", ")
+        },
+        bound: "none".into(),
+        holds: on.is_empty(),
+    }
+}
+
+/// Row of a fact.
+fn fact(case: &'static str, subject: &str, measured: String, bound: &str) -> Row {
+    Row {
+        case,
+        subject: subject.into(),
+        holds: measured == bound,
+        measured,
+        bound: bound.into(),
+    }
+}
+
+/// Name of a cause of a reset.
+fn name(cause: ResetCause) -> &'static str {
+    match cause {
+        ResetCause::Power => "power-on",
+        ResetCause::Pin => "reset pin",
+        ResetCause::BrownOut => "brown-out",
+        ResetCause::Watchdog => "watchdog",
+        ResetCause::Software => "software",
+    }
+}

@@ -1,0 +1,235 @@
+//! Reset and clock control: crystal, PLL, dividers, flags of the reset (RM0090, chapter 7).
+
+use crate::time::{MS, SECOND, Time, period};
+
+/// Clock of the internal oscillator, Hz.
+const HSI_HZ: u64 = 16_000_000;
+
+/// Time until the crystal is ready, of one that starts.
+const CRYSTAL_START: Time = 2 * MS;
+
+/// Time until the PLL is locked: the data sheet's longest.
+const LOCK: Time = 3 * MS / 10;
+
+/// Crystal of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Crystal {
+    /// Starts, with this clock in MHz.
+    Runs { mhz: u32 },
+    /// None, or one that does not start.
+    Missing,
+}
+
+/// Cause of a reset, as the flags tell it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ResetCause {
+    Power,
+    /// The reset pin.
+    Pin,
+    /// The supply fell below the level of the brown-out reset.
+    BrownOut,
+    Watchdog,
+    /// The program asked for it.
+    Software,
+}
+
+impl ResetCause {
+    /// Flags in RCC_CSR. A reset from within pulls the reset pin, too.
+    fn flags(self) -> u32 {
+        const PIN: u32 = 1 << 26;
+        PIN | match self {
+            Self::Power => 1 << 27 | 1 << 25,
+            Self::Pin => 0,
+            Self::BrownOut => 1 << 25,
+            Self::Watchdog => 1 << 29,
+            Self::Software => 1 << 28,
+        }
+    }
+}
+
+/// Periods of the clocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Clocks {
+    pub(crate) core: Time,
+    pub(crate) apb1: Time,
+    pub(crate) apb2: Time,
+}
+
+impl Clocks {
+    /// Period of the timers on a bus with this period: half of it, unless the bus has the core's clock.
+    pub(crate) fn timers(&self, bus: Time) -> Time {
+        if bus == self.core { bus } else { bus / 2 }
+    }
+}
+
+pub(crate) struct ClockControl {
+    pub(crate) crystal: Crystal,
+    control: u32,
+    pll: u32,
+    configuration: u32,
+    status: u32,
+    crystal_since: Time,
+    pll_since: Time,
+}
+
+const HSE_ON: u32 = 1 << 16;
+const PLL_ON: u32 = 1 << 24;
+
+impl ClockControl {
+    pub(crate) fn new(crystal: Crystal) -> Self {
+        Self {
+            crystal,
+            control: 0x83,
+            pll: 0x2400_3010,
+            configuration: 0,
+            status: 0,
+            crystal_since: 0,
+            pll_since: 0,
+        }
+    }
+
+    /// Registers as after a reset. Flags of earlier resets stay until the program clears them, or power goes.
+    pub(crate) fn reset(&mut self, cause: ResetCause) {
+        let kept = match cause {
+            ResetCause::Power => 0,
+            _ => self.status & 0xFE00_0000,
+        };
+        *self = Self::new(self.crystal);
+        self.status = kept | cause.flags();
+    }
+
+    fn crystal_is_ready(&self, now: Time) -> bool {
+        self.control & HSE_ON != 0
+            && self.crystal != Crystal::Missing
+            && now >= self.crystal_since + CRYSTAL_START
+    }
+
+    /// The PLL locks only to a clock that runs.
+    fn pll_is_ready(&self, now: Time) -> bool {
+        let has_source = self.pll & 1 << 22 == 0 || self.crystal_is_ready(now);
+        self.control & PLL_ON != 0 && has_source && now >= self.pll_since + LOCK
+    }
+
+    pub(crate) fn read(&self, offset: u32, now: Time) -> Option<u32> {
+        let ready = |is: bool, bit: u32| u32::from(is) << bit;
+        Some(match offset {
+            0x00 => {
+                self.control
+                    | ready(self.crystal_is_ready(now), 17)
+                    | ready(self.pll_is_ready(now), 25)
+            }
+            0x04 => self.pll,
+            0x08 => self.configuration & !0xC | (self.configuration & 3) << 2,
+            // LSI: on and ready, as the watchdog turns it on.
+            0x74 => self.status | 3,
+            _ => return None,
+        })
+    }
+
+    /// Returns false if `offset` is no register of the clocks.
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Time) -> bool {
+        match offset {
+            0x00 => {
+                let risen = value & !self.control;
+                if risen & HSE_ON != 0 {
+                    self.crystal_since = now;
+                }
+                if risen & PLL_ON != 0 {
+                    self.pll_since = now;
+                }
+                self.control = value & !(1 << 17 | 1 << 25);
+            }
+            0x04 => self.pll = value,
+            0x08 => self.configuration = value,
+            0x74 if value & 1 << 24 != 0 => self.status &= 0x00FF_FFFF,
+            0x74 => {}
+            _ => return false,
+        }
+        true
+    }
+
+    /// Returns the periods of the clocks that the registers choose.
+    pub(crate) fn clocks(&self) -> Clocks {
+        let crystal_hz = match self.crystal {
+            Crystal::Runs { mhz } => u64::from(mhz) * 1_000_000,
+            Crystal::Missing => HSI_HZ,
+        };
+        let core_hz = match self.configuration & 3 {
+            1 => crystal_hz,
+            2 => {
+                let from = if self.pll & 1 << 22 != 0 {
+                    crystal_hz
+                } else {
+                    HSI_HZ
+                };
+                let m = u64::from(self.pll & 0x3F).max(1);
+                let n = u64::from(self.pll >> 6 & 0x1FF);
+                let p = u64::from((self.pll >> 16 & 3) * 2 + 2);
+                from * n / m / p
+            }
+            _ => HSI_HZ,
+        };
+        let core = period(core_hz.clamp(1, SECOND));
+        let bus = |bits: u32| match self.configuration >> bits & 7 {
+            divided @ 4.. => core << (divided - 3),
+            _ => core,
+        };
+        Clocks {
+            core,
+            apb1: bus(10),
+            apb2: bus(13),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Registers as the image writes them, for a crystal of 8 MHz.
+    fn started(crystal: Crystal, now: Time) -> ClockControl {
+        let mut control = ClockControl::new(crystal);
+        control.write(0x00, 0x83 | HSE_ON, 0);
+        control.write(0x04, 0x0740_5408, 0);
+        control.write(0x00, 0x83 | HSE_ON | PLL_ON, now);
+        control.write(0x08, 0x0000_9402, now);
+        control
+    }
+
+    #[test]
+    fn a_crystal_of_8_mhz_makes_168() {
+        let control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
+        let Clocks { core, apb1, apb2 } = control.clocks();
+        assert_eq!((core, apb1, apb2), (6, 24, 12));
+        assert_eq!(control.clocks().timers(apb1), 12);
+    }
+
+    #[test]
+    fn a_wrong_crystal_makes_a_wrong_clock() {
+        // 12 MHz for 8: the core has 252 MHz.
+        assert_eq!(started(Crystal::Runs { mhz: 12 }, 0).clocks().core, 4);
+    }
+
+    #[test]
+    fn a_missing_crystal_is_never_ready_and_a_pll_needs_its_source() {
+        let control = started(Crystal::Missing, 0);
+        let flags = control.read(0, 100 * MS).expect("a register");
+        assert_eq!(flags & (1 << 17 | 1 << 25), 0);
+        let control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
+        let of = |now| control.read(0, now).expect("a register") >> 25 & 1;
+        assert_eq!((of(CRYSTAL_START), of(CRYSTAL_START + LOCK)), (0, 1));
+    }
+
+    #[test]
+    fn flags_of_resets_stay_until_they_are_cleared() {
+        let mut control = ClockControl::new(Crystal::Missing);
+        control.reset(ResetCause::Power);
+        control.reset(ResetCause::Watchdog);
+        let flags = |control: &ClockControl| control.read(0x74, 0).expect("a register") >> 24;
+        assert_eq!(flags(&control), 0x2E);
+        control.write(0x74, 1 << 24, 0);
+        assert_eq!(flags(&control), 0);
+        control.reset(ResetCause::Pin);
+        assert_eq!(flags(&control), 0x04);
+    }
+}

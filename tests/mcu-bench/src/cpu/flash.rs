@@ -1,0 +1,45 @@
+//! Content of the flash, from an ELF file.
+
+use super::{FLASH, FLASH_BYTES};
+use anyhow::{Result, anyhow, bail};
+use object::Endianness;
+use object::elf::PT_LOAD;
+use object::read::elf::{ElfFile32, ProgramHeader};
+use std::fs;
+use std::path::Path;
+
+/// Returns the content of the flash with the image of `file` in it.
+pub(super) fn load(file: &Path) -> Result<Vec<u8>> {
+    let data = fs::read(file).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+    let elf = ElfFile32::<Endianness>::parse(&*data)
+        .map_err(|error| anyhow!("{}: not a 32-bit ELF file: {error}", file.display()))?;
+    // Erased flash is all ones.
+    let mut flash = vec![0xFF; FLASH_BYTES as usize];
+    for header in elf.elf_program_headers() {
+        let endian = Endianness::Little;
+        if header.p_type(endian) != PT_LOAD {
+            continue;
+        }
+        let (at, bytes) = (
+            u64::from(header.p_paddr(endian)),
+            u64::from(header.p_filesz(endian)),
+        );
+        if bytes == 0 {
+            continue;
+        }
+        let content = header.data(endian, &*data);
+        let content = content.map_err(|()| anyhow!("{}: a segment is cut off", file.display()))?;
+        let place = at.checked_sub(FLASH).and_then(|start| {
+            let start = start as usize;
+            flash.get_mut(start..start + content.len())
+        });
+        let Some(place) = place else {
+            bail!(
+                "{}: a segment at {at:#010x} is not in the flash",
+                file.display()
+            );
+        };
+        place.copy_from_slice(content);
+    }
+    Ok(flash)
+}

@@ -1,0 +1,293 @@
+//! The processor: the instructions by Unicorn, exceptions and time here.
+//!
+//! Unicorn executes Thumb-2 with the FPU, and takes no interrupt of a Cortex-M by itself. So exceptions are entered and left here
+//! as the ARMv7-M reference manual says (B1.5): the frame on the stack, with the registers of the FPU where the context has any,
+//! and a return by a jump to EXC_RETURN, on which Unicorn stops. A frame of the FPU is filled at once: a lazy one looks the same to
+//! a program.
+//!
+//! Time goes on by blocks, sequences without a jump: each instruction counts [`CYCLES_PER_INSTRUCTION`], and an access
+//! to a register comes at the end of its block. An interrupt that is due within a block has its time: what is left of the block
+//! is executed before its handler, and takes its time after it. Only after a block that uses a register
+//! the handler waits for its end.
+
+mod exceptions;
+mod flash;
+mod world;
+
+use crate::chip::{Chip, Crystal, ResetCause};
+use crate::time::Time;
+use crate::trace::Trace;
+use anyhow::{Result, anyhow, bail};
+use std::path::Path;
+use unicorn_engine::{ArmCpuModel, Mode, RegisterARM, Unicorn};
+use world::World;
+
+/// Mean cycles of an instruction from flash; `docs/cycles.md` has from 1.4 in fixed point to 2.0 in f32.
+pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
+
+const FLASH: u64 = 0x0800_0000;
+const FLASH_BYTES: u64 = 1024 * 1024;
+const RAM: u64 = 0x2000_0000;
+const RAM_BYTES: u64 = 128 * 1024;
+
+/// No address: the emulator runs until it is stopped.
+const NEVER: u64 = u64::MAX;
+
+/// Handlers that the processor has begun and ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Handled {
+    pub(crate) exception: u16,
+    pub(crate) begin: Time,
+    pub(crate) end: Time,
+}
+
+/// The board: a processor with a chip around it, and an image in its flash.
+pub(crate) struct Board {
+    uc: Unicorn<'static, World>,
+    /// The processor has stopped for good, after a fault in the handler of faults.
+    pub(crate) locked_up: bool,
+    /// The clock of the core stands: its crystal died under the PLL.
+    pub(crate) clock_stands: bool,
+    /// Code does not go on: it is hung on purpose.
+    pub(crate) hung: Option<Hang>,
+    /// Handlers of the tick and of the slots, by their beginning.
+    pub(crate) handled: Vec<Handled>,
+    /// Handlers that are under way, with the time that the block before them still takes,
+    begun: Vec<(u16, Time, Time)>,
+    /// and those that a reset has cut off.
+    cut_off: Vec<(u16, Time)>,
+    /// Resets with their times.
+    pub(crate) resets: Vec<(Time, ResetCause)>,
+}
+
+/// Part of the program that hangs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Hang {
+    /// Handlers of the tick do not end.
+    Tick,
+    /// The background does not go on; interrupts do.
+    Background,
+}
+
+fn failed(error: unicorn_engine::uc_error) -> anyhow::Error {
+    anyhow!("the CPU emulator: {error:?}")
+}
+
+impl Board {
+    /// Puts the image of `file` into the flash of a board and switches it on.
+    pub(crate) fn switch_on(file: &Path, crystal: Crystal, oscillator_hz: u64) -> Result<Self> {
+        let world = World {
+            chip: Chip::new(crystal, oscillator_hz),
+            blocks: vec![(0, 0); FLASH_BYTES as usize / 2],
+            flash: flash::load(file)?,
+            must_go_on: true,
+            block_begin: 0,
+            accessed: false,
+            returns: false,
+            unhandled: None,
+            bad_address: None,
+            longest_block: 0,
+            instructions: 0,
+        };
+        let mut uc = Unicorn::new_with_data(unicorn_engine::Arch::ARM, Mode::MCLASS, world)
+            .map_err(failed)?;
+        uc.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32)
+            .map_err(failed)?;
+        world::set_up(&mut uc).map_err(failed)?;
+        let mut board = Self {
+            uc,
+            locked_up: false,
+            clock_stands: false,
+            hung: None,
+            handled: Vec::new(),
+            begun: Vec::new(),
+            cut_off: Vec::new(),
+            resets: Vec::new(),
+        };
+        // RAM after power-on is noise, from a generator with a fixed seed.
+        let mut state = 0x9E37_79B9_u32;
+        let noise: Vec<u8> = (0..RAM_BYTES)
+            .map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 24) as u8
+            })
+            .collect();
+        board.uc.mem_write(RAM, &noise).map_err(failed)?;
+        board.reset(ResetCause::Power)?;
+        Ok(board)
+    }
+
+    pub(crate) fn chip(&mut self) -> &mut Chip {
+        &mut self.uc.get_data_mut().chip
+    }
+
+    /// Returns the edges of the pins.
+    pub(crate) fn trace(&self) -> &Trace {
+        &self.uc.get_data().chip.trace
+    }
+
+    pub(crate) fn core_period(&self) -> Time {
+        self.uc.get_data().chip.core_period()
+    }
+
+    /// Returns the time at which the handler of `exception` began last.
+    pub(crate) fn last_begin(&self, exception: u16) -> Option<Time> {
+        let handled = self
+            .handled
+            .iter()
+            .map(|handled| (handled.exception, handled.begin));
+        let cut_off = self.cut_off.iter().copied();
+        let of = handled.chain(cut_off).filter(|(of, _)| *of == exception);
+        of.map(|(_, begin)| begin).max()
+    }
+
+    /// Sends the program to an address.
+    pub(crate) fn jump(&mut self, address: u32) -> Result<()> {
+        self.put(RegisterARM::PC, address | 1)
+    }
+
+    pub(crate) fn now(&self) -> Time {
+        self.uc.get_data().chip.now
+    }
+
+    /// Returns the instructions executed so far, and those of the longest block.
+    pub(crate) fn work(&self) -> (u64, u16) {
+        let world = self.uc.get_data();
+        (world.instructions, world.longest_block)
+    }
+
+    /// Resets the chip and starts the program.
+    pub(crate) fn reset(&mut self, cause: ResetCause) -> Result<()> {
+        let chip = self.chip();
+        chip.reset(cause);
+        chip.interrupts.set_vectors(FLASH as u32);
+        self.resets.push((self.now(), cause));
+        let cut = self
+            .begun
+            .drain(..)
+            .map(|(exception, begin, _)| (exception, begin));
+        self.cut_off.extend(cut);
+        self.locked_up = false;
+        self.clock_stands = false;
+        let (stack, entry) = (self.word(FLASH)?, self.word(FLASH + 4)?);
+        for register in [
+            RegisterARM::PRIMASK,
+            RegisterARM::BASEPRI,
+            RegisterARM::FAULTMASK,
+            RegisterARM::CONTROL,
+            RegisterARM::FPSCR,
+        ] {
+            self.put(register, 0)?;
+        }
+        self.set_status(1 << 24)?;
+        self.put(RegisterARM::SP, stack)?;
+        self.put(RegisterARM::LR, u32::MAX)?;
+        self.put(RegisterARM::PC, entry)
+    }
+
+    /// Lets the board run until `end`.
+    pub(crate) fn run(&mut self, end: Time) -> Result<()> {
+        while self.now() < end {
+            self.chip().advance();
+            let chip = self.chip();
+            if chip.watchdog.bite().is_some_and(|bite| bite <= chip.now) {
+                self.reset(ResetCause::Watchdog)?;
+                continue;
+            }
+            if std::mem::take(&mut chip.asks_for_reset) {
+                self.reset(ResetCause::Software)?;
+                continue;
+            }
+            if self.locked_up || self.clock_stands {
+                // Nothing runs but the watchdog.
+                let chip = self.chip();
+                let bite = chip.watchdog.bite().unwrap_or(end);
+                chip.now = bite.min(end).max(chip.now);
+                continue;
+            }
+            self.take_interrupt()?;
+            let stop = self.chip().next_event().unwrap_or(end).min(end);
+            if self.is_hung() {
+                let chip = self.chip();
+                chip.now = stop.max(chip.now);
+                continue;
+            }
+            self.execute(stop)?;
+        }
+        let chip = self.chip();
+        chip.advance();
+        Ok(())
+    }
+
+    /// Returns true if the code that would run now is hung on purpose.
+    fn is_hung(&mut self) -> bool {
+        let handled = self.chip().interrupts.handled();
+        match self.hung {
+            Some(Hang::Tick) => handled == crate::chip::SYS_TICK,
+            Some(Hang::Background) => handled == 0,
+            None => false,
+        }
+    }
+
+    /// Enters the exception that is due, if the masks let it.
+    fn take_interrupt(&mut self) -> Result<()> {
+        let Some(exception) = self.chip().interrupts.due() else {
+            return Ok(());
+        };
+        let base = self.get(RegisterARM::BASEPRI)?;
+        let masked = self.get(RegisterARM::PRIMASK)? & 1 != 0
+            || !self.chip().interrupts.passes(exception, base);
+        match masked {
+            true => Ok(()),
+            false => self.enter(exception),
+        }
+    }
+
+    /// Executes blocks until `stop`, or until something has to be looked at.
+    fn execute(&mut self, stop: Time) -> Result<()> {
+        let world = self.uc.get_data_mut();
+        world.chip.stop_at = stop;
+        world.must_go_on = true;
+        let pc = u64::from(self.get(RegisterARM::PC)? | 1);
+        let result = self.uc.emu_start(pc, NEVER, 0, 0);
+        let world = self.uc.get_data_mut();
+        if let Some(exception) = world.unhandled.take() {
+            bail!(
+                "exception {exception} of the CPU emulator at {:#010x}",
+                self.get(RegisterARM::PC)?
+            );
+        }
+        if std::mem::take(&mut world.returns) {
+            return self.leave();
+        }
+        if result.is_err() {
+            let address = self.uc.get_data_mut().bad_address.take();
+            return self.fault(address);
+        }
+        Ok(())
+    }
+
+    /// Sets the status register, with the exception in it.
+    fn set_status(&mut self, status: u32) -> Result<()> {
+        self.put(RegisterARM::XPSR_NZCVQG, status)?;
+        // The emulator derives its mode from the exception when the flags are written in this way.
+        self.put(RegisterARM::APSR_NZCV, status & 0xF000_0000)
+    }
+
+    fn get(&self, register: RegisterARM) -> Result<u32> {
+        let value = self.uc.reg_read(register as i32).map_err(failed)?;
+        Ok(value as u32)
+    }
+
+    fn put(&mut self, register: RegisterARM, value: u32) -> Result<()> {
+        self.uc
+            .reg_write(register as i32, value.into())
+            .map_err(failed)
+    }
+
+    fn word(&self, address: u64) -> Result<u32> {
+        let mut word = [0; 4];
+        self.uc.mem_read(address, &mut word).map_err(failed)?;
+        Ok(u32::from_le_bytes(word))
+    }
+}

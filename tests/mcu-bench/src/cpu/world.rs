@@ -1,0 +1,122 @@
+//! Memories, registers and hooks of the CPU emulator.
+
+use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES, RAM, RAM_BYTES};
+use crate::chip::Chip;
+use crate::time::Time;
+use unicorn_engine::{HookType, Prot, Unicorn};
+
+/// Regions of registers: peripherals, their bits one by one, system, debug.
+const REGISTERS: [(u64, u64); 4] = [
+    (0x4000_0000, 0x8_0000),
+    (0x4200_0000, 0x100_0000),
+    (0xE000_E000, 0x1000),
+    (0xE004_2000, 0x1000),
+];
+
+/// Number that Unicorn gives a jump to EXC_RETURN.
+const EXCEPTION_EXIT: u32 = 8;
+
+/// State of the processor that hooks see.
+pub(crate) struct World {
+    pub(crate) chip: Chip,
+    /// Instructions of the block at a place in flash, and its bytes.
+    pub(super) blocks: Vec<(u16, u16)>,
+    pub(super) flash: Vec<u8>,
+    /// The block that begins next is executed whatever is pending, or nothing would go on.
+    pub(super) must_go_on: bool,
+    /// Begin of the block that was executed last.
+    pub(super) block_begin: Time,
+    /// The block has used a register.
+    pub(super) accessed: bool,
+    pub(super) returns: bool,
+    pub(super) unhandled: Option<u32>,
+    pub(super) bad_address: Option<u32>,
+    /// Most instructions of a block so far.
+    pub(super) longest_block: u16,
+    pub(super) instructions: u64,
+}
+
+impl World {
+    /// Returns the number of instructions of a block.
+    fn count(&mut self, address: u64, bytes: u32) -> u16 {
+        let at = address.wrapping_sub(FLASH) as usize;
+        let place = self.blocks.get_mut(at / 2);
+        if let Some((instructions, of)) = place
+            && u32::from(*of) == bytes
+        {
+            return *instructions;
+        }
+        let code = self.flash.get(at..at + bytes as usize).unwrap_or(&[]);
+        let (mut next, mut count) = (0, 0);
+        while let Some([low, high]) = code.get(next..next + 2) {
+            let first = u16::from_le_bytes([*low, *high]) >> 11;
+            next += if first >= 0b11101 { 4 } else { 2 };
+            count += 1;
+        }
+        if let Some(place) = self.blocks.get_mut(at / 2) {
+            *place = (count, bytes as u16);
+        }
+        self.longest_block = self.longest_block.max(count);
+        count
+    }
+}
+
+/// Maps memories and registers, and sets the hooks.
+pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
+    uc.mem_map(FLASH, FLASH_BYTES, Prot::READ | Prot::EXEC)?;
+    uc.mem_map(RAM, RAM_BYTES, Prot::READ | Prot::WRITE)?;
+    let flash = uc.get_data().flash.clone();
+    uc.mem_write(FLASH, &flash)?;
+    for (start, bytes) in REGISTERS {
+        uc.mmio_map(
+            start,
+            bytes,
+            Some(
+                move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize| {
+                    let World { chip, accessed, .. } = uc.get_data_mut();
+                    *accessed = true;
+                    chip.read((start + offset) as u32, size).into()
+                },
+            ),
+            Some(
+                move |uc: &mut Unicorn<'_, World>, offset: u64, size: usize, value: u64| {
+                    let World { chip, accessed, .. } = uc.get_data_mut();
+                    *accessed = true;
+                    chip.write((start + offset) as u32, size, value as u32);
+                },
+            ),
+        )?;
+    }
+    uc.add_block_hook(1, 0, |uc, address, bytes| {
+        let world = uc.get_data_mut();
+        let must = std::mem::take(&mut world.must_go_on);
+        if !must && world.chip.now >= world.chip.stop_at {
+            // An emulator that cannot be stopped goes on, and is looked at after the next block.
+            let _ = uc.emu_stop();
+            return;
+        }
+        let count = u64::from(world.count(address, bytes));
+        world.instructions += count;
+        world.block_begin = world.chip.now;
+        world.accessed = false;
+        world.chip.now += count * CYCLES_PER_INSTRUCTION * world.chip.core_period();
+    })?;
+    uc.add_intr_hook(|uc, exception| {
+        let world = uc.get_data_mut();
+        match exception {
+            EXCEPTION_EXIT => world.returns = true,
+            _ => world.unhandled = Some(exception),
+        }
+        let _ = uc.emu_stop();
+    })?;
+    uc.add_mem_hook(
+        HookType::MEM_UNMAPPED | HookType::MEM_PROT,
+        1,
+        0,
+        |uc, _, address, _, _| {
+            uc.get_data_mut().bad_address = Some(address as u32);
+            false
+        },
+    )?;
+    Ok(())
+}

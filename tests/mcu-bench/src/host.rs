@@ -1,0 +1,122 @@
+//! A host at the line, in the time of the board: the client of `trirrr stream`, frames byte by byte at the baud rate.
+
+use crate::cpu::Board;
+use crate::time::{MS, SECOND, Time, seconds};
+use anyhow::{Result, anyhow, bail};
+use std::time::Duration;
+use trirrr_client::transport::Frames;
+use trirrr_client::{Action, JobClient, Patience};
+use trirrr_protocol::message::{Message, Telemetry, TelemetryFields};
+use trirrr_scene::Scene;
+
+/// Baud rate of the line.
+pub(crate) const BAUD: f64 = 921_600.0;
+
+/// The host looks at the line so often, as a USB adapter does.
+const LOOK: Time = MS / 4;
+
+/// Content of the samples: at a sample in each of 1000 ticks a second the line has no room for all.
+const FIELDS: TelemetryFields =
+    TelemetryFields(TelemetryFields::ANGLES.0 | TelemetryFields::TOOL.0);
+
+pub(crate) struct Host {
+    client: JobClient<f32>,
+    frames: Frames,
+    /// Bytes of the board that were read.
+    read: usize,
+    /// End of the last byte to the board.
+    wire_free: Time,
+    pub(crate) samples: Vec<Telemetry<f32>>,
+    /// End of the job.
+    pub(crate) ended: Option<Result<(), String>>,
+    /// The cable is pulled.
+    pub(crate) is_cut: bool,
+}
+
+impl Host {
+    /// Creates a host with the scene's job.
+    pub(crate) fn new(scene: &Scene) -> Result<Self> {
+        let units = trirrr_scene::units::<f32>(scene).map_err(|error| anyhow!("{error}"))?;
+        let hello = trirrr_client::local::hello::<f32>(scene);
+        let moves = trirrr_scene::offer::moves::<f32>(scene, &units);
+        let client = JobClient::new(moves, hello, 1, Patience::default(), 7);
+        Ok(Self {
+            client: client.with_fields(FIELDS),
+            frames: Frames::default(),
+            read: 0,
+            wire_free: 0,
+            samples: Vec::new(),
+            ended: None,
+            is_cut: false,
+        })
+    }
+
+    /// Acknowledges a fault before the job.
+    pub(crate) fn client(&self) -> &JobClient<f32> {
+        &self.client
+    }
+
+    /// Lets the board and the host run until `end`, or until the job has ended.
+    pub(crate) fn run(&mut self, board: &mut Board, end: Time) -> Result<()> {
+        while board.now() < end && self.ended.is_none() {
+            board.run((board.now() + LOOK).min(end))?;
+            self.talk(board);
+        }
+        Ok(())
+    }
+
+    /// Plays the job to its end.
+    pub(crate) fn play(&mut self, board: &mut Board, longest: Time) -> Result<()> {
+        self.run(board, board.now() + longest)?;
+        match &self.ended {
+            Some(Ok(())) => Ok(()),
+            Some(Err(why)) => bail!("the job: {why}"),
+            None => bail!("the job does not end within {} s", seconds(longest)),
+        }
+    }
+
+    fn talk(&mut self, board: &mut Board) {
+        let now = board.now();
+        let chip = board.chip();
+        let line = chip.line();
+        if self.is_cut {
+            self.read = line.sent.len();
+            return;
+        }
+        let clock = Duration::from_secs_f64(seconds(now));
+        let mut messages: Vec<Message<f32>> = Vec::new();
+        while let Some((time, byte)) = line.sent.get(self.read).copied()
+            && time <= now
+        {
+            self.read += 1;
+            self.frames
+                .receive(&[byte], |message| messages.push(message));
+        }
+        for message in messages {
+            if let Message::Telemetry(sample) = &message {
+                self.samples.push(*sample);
+            }
+            self.client.receive(&message, clock);
+        }
+        loop {
+            match self.client.poll(clock) {
+                Action::Send(request) => {
+                    let mut bytes = Vec::new();
+                    Frames::append(&request, &mut bytes);
+                    for byte in bytes {
+                        let start = self.wire_free.max(now);
+                        self.wire_free = start + (10.0 * SECOND as f64 / BAUD) as Time;
+                        line.coming.push_back((self.wire_free, byte));
+                    }
+                }
+                Action::Wait(_) => return,
+                Action::Lost => self.client.reconnected(),
+                Action::Finished(result) => {
+                    let result = result.map_err(|failure| self.client.describe(&failure));
+                    self.ended = Some(result);
+                    return;
+                }
+            }
+        }
+    }
+}

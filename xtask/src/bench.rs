@@ -1,0 +1,94 @@
+//! `cargo xtask bench`: executes the flashed images of the STM32F405 with a model of the registers that they use, and checks their
+//! pins.
+//!
+//! The bench is a workspace of its own, for it needs a C library: Unicorn, which takes cmake and libclang to build.
+
+use crate::image::Image;
+use crate::repository::{self, SceneFile, cargo, target_directory};
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use trirrr_scene::{DriveKind, Scene};
+
+/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, and no drives at all.
+const SCENES: [&str; 4] = ["inputs/guarded", "engraving", "bldc-massless", "thesis"];
+
+/// Number type of the images: the bench talks to them in it.
+const SCALAR: &str = "f32";
+
+#[derive(Args)]
+pub(crate) struct BenchArgs {
+    /// Scenes, by name or file; without, a choice of those that are shipped
+    scenes: Vec<String>,
+    /// Case to run, all without; repeat for more
+    #[arg(long)]
+    case: Vec<String>,
+    /// File for the edges of the job of one scene, as Value Change Dump
+    #[arg(long)]
+    vcd: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
+    let names = match arguments.scenes.as_slice() {
+        [] => SCENES.map(str::to_owned).to_vec(),
+        some => some.to_vec(),
+    };
+    let scenes = repository::scenes_named(&names)?;
+    ensure!(
+        arguments.vcd.is_none() || scenes.len() == 1,
+        "--vcd: one scene at a time, for there is one file"
+    );
+    let bench = build()?;
+    for scene in &scenes {
+        check(arguments, &bench, scene).with_context(|| scene.name.clone())?;
+    }
+    Ok(())
+}
+
+/// Builds the bench; its program.
+fn build() -> Result<PathBuf> {
+    let build = target_directory().join("mcu-bench");
+    let status = cargo()
+        .args(["build", "--quiet", "--release", "--locked"])
+        .args(["--manifest-path", "tests/mcu-bench/Cargo.toml"])
+        .arg("--target-dir")
+        .arg(&build)
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(
+        status.success(),
+        "the bench does not build; besides Rust it needs the Debian packages cmake and libclang-dev"
+    );
+    Ok(build.join("release/trirrr-mcu-bench"))
+}
+
+/// Runs the cases on the images of a scene.
+fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
+    let image = Image::firmware(scene, SCALAR);
+    let mut command = Command::new(bench);
+    command.arg(&scene.path).arg(image.build()?);
+    if has_steppers(scene)? {
+        let panicking = image.build_as("-panic", |cargo| {
+            cargo
+                .args(["--features", "fault-injection"])
+                .env("FAULT", "panic");
+        })?;
+        command.arg("--panicking").arg(panicking);
+    }
+    for case in &arguments.case {
+        command.args(["--case", case]);
+    }
+    if let Some(file) = &arguments.vcd {
+        command.arg("--vcd").arg(env::current_dir()?.join(file));
+    }
+    let status = command.status().context("the bench cannot be run")?;
+    ensure!(status.success(), "the bench has failed");
+    Ok(())
+}
+
+fn has_steppers(scene: &SceneFile) -> Result<bool> {
+    let drives = Scene::read(&scene.path)?.drives;
+    Ok(drives.is_some_and(|[first, ..]| matches!(first.kind, DriveKind::Stepper(_))))
+}
