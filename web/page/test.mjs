@@ -1,5 +1,6 @@
-// The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS
-// BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS. Run by `cargo xtask page`.
+// The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS FILES
+// BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS; FILES is the folder of
+// shipped jobs. Run by `cargo xtask page`.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
@@ -8,7 +9,7 @@ import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const [file, bits, ticks, shots] = process.argv.slice(2);
+const [file, bits, ticks, shots, files] = process.argv.slice(2);
 
 /** Least frames per second while the platform is dragged, and latest first paint, ms: for idle machines, on request. Others may be slow. */
 const FRAMES_MIN = Number(process.env.TRIRRR_PAGE_FRAMES ?? 1);
@@ -59,7 +60,7 @@ const shot = (tab, name, options = {}) => tab.screenshot({ path: join(shots, `${
 async function actions(tab) {
     assert.match(await text(tab, "#verdict"), /^\d+ moves?, /);
     assert.equal(await tab.locator("#modes tr").count(), 8);
-    assert.equal(await tab.locator("#plots canvas").count(), 4);
+    assert.equal(await tab.locator("#plots canvas").count(), 6);
 
     // Arrow keys move the platform, Q turns it, and a screen reader hears of it.
     await tab.focus(".platform");
@@ -107,13 +108,60 @@ async function actions(tab) {
     await tab.setInputFiles("#file", { name: "mine.toml", mimeType: "application/toml", buffer: Buffer.from(scene) });
     await checked(tab);
     assert.equal(await tab.inputValue("#text"), scene);
-    await tab.setInputFiles("#file", { name: "plate.ngc", mimeType: "text/plain", buffer: Buffer.from("G0 X1") });
-    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.ngc is no scene"));
+    await tab.setInputFiles("#file", { name: "plate.dxf", mimeType: "text/plain", buffer: Buffer.from("0") });
+    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.dxf is no scene"));
 
     // The job plays to its end.
     await tab.selectOption("#speed", "4");
     await tab.click("#play");
     await tab.waitForFunction(() => document.querySelector("#play").textContent === "Play" && document.querySelector("#time").value === document.querySelector("#time").max, undefined, { timeout: 20_000 });
+}
+
+/** Drops a file on the page, as a file manager does. */
+async function drop(tab, name, content) {
+    await tab.evaluate(([name, content]) => {
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([content], name));
+        document.querySelector("main").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    }, [name, content]);
+    await tab.waitForFunction((name) => document.querySelector("#show-job").textContent === name && !document.querySelector("#verdict").textContent.includes("checking"), name, { timeout: 60_000 });
+    await checked(tab);
+}
+
+/** Jobs in files: G-code and a drawing, with their messages, and back to the scene. */
+async function jobs(tab) {
+    await choose(tab, "engraving");
+    const scene = await tab.inputValue("#text");
+    const plate = readFileSync(join(files, "plate.ngc"), "utf8");
+    await drop(tab, "plate.ngc", plate);
+    assert.equal(await tab.inputValue("#text"), plate);
+    // Its zero is out of reach: the message stands beside the line of the program.
+    assert.match(await text(tab, ".trouble"), /^\d+:1 /);
+    assert.ok(await tab.isVisible(".breach"));
+    await tab.fill("#inputs [name=x_mm]", "180");
+    await tab.fill("#inputs [name=y_mm]", "245");
+    await tab.waitForFunction(() => /^\d+ moves, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
+    assert.equal(await text(tab, "#command"), "trirrr run plate.ngc --machine engraving.toml --origin 180,245");
+    assert.match(await text(tab, "#problems"), /^The job has a plan\./);
+    assert.equal(await tab.locator("#plots canvas").count(), 6);
+    await tab.waitForTimeout(300);
+    await shot(tab, "job", { fullPage: true });
+    // A word that is not known, with line and column.
+    await tab.fill("#text", plate.replace("G1 Y70", "G1 Q70"));
+    await tab.waitForFunction(() => document.querySelector(".trouble"), undefined, { timeout: 60_000 });
+    assert.match(await text(tab, ".trouble"), /^\d+:4 Q70: /);
+    assert.equal(await tab.isDisabled("#play"), true);
+    await shot(tab, "job-refused");
+    await drop(tab, "badge.svg", readFileSync(join(files, "badge.svg"), "utf8"));
+    assert.match(await text(tab, "#verdict"), /^\d+ moves, /);
+    assert.match(await text(tab, "#problems"), /--fit: as --scale [0-9.]+ --origin [-0-9.]+,[-0-9.]+/);
+    await shot(tab, "badge", { fullPage: true });
+    const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#download")]);
+    assert.equal(download.suggestedFilename(), "badge.svg");
+    // Back to the scene, which is as it was.
+    await tab.click("#close-job");
+    assert.equal(await tab.inputValue("#text"), scene);
+    await tab.waitForFunction(() => document.querySelector("#problems").textContent.startsWith("The scene is good."), undefined, { timeout: 60_000 });
 }
 
 /** A link opens the same scene, also one that is edited. */
@@ -229,6 +277,8 @@ try {
     await actions(tab);
     const pose = await core(tab);
     const { rate, longest, moved } = await drag(tab);
+    await jobs(tab);
+    await choose(tab, "vertical");
     await share(tab);
     await compare(tab);
     // Every shipped scene is read, and played; from a file, as the page is shipped.

@@ -1,6 +1,8 @@
 //! The text of a scene, checked.
 
-use crate::{JobMode, Machine, PlayedJob};
+use crate::job_file::{self, DrawnPath};
+use crate::{JobInputs, JobMode, Machine, PlayedJob};
+use trirrr_jobs::JobRefusal;
 use trirrr_scene::{Scene, SceneError, visible};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -27,6 +29,8 @@ pub struct Reading {
     refusal: Option<String>,
     /// The scene; of one that is refused only where its values are right and its job is not.
     scene: Option<Scene>,
+    /// Path of a job in a file of its own.
+    drawn: DrawnPath,
 }
 
 #[wasm_bindgen]
@@ -34,11 +38,7 @@ impl Reading {
     /// Reads the values of `text` and looks at no pose: quick enough for each key stroke. `file` is named in messages.
     pub fn draft(text: &str, file: &str) -> Self {
         match Scene::draft_set(text, file, &[]) {
-            Ok(scene) => Self {
-                problems: Vec::new(),
-                refusal: None,
-                scene: Some(scene),
-            },
+            Ok(scene) => Self::of_job(scene, DrawnPath::default()),
             Err(error) => Self::refused(&error, None),
         }
     }
@@ -48,11 +48,7 @@ impl Reading {
     pub fn whole(text: &str, file: &str) -> Self {
         let (read, shown) = Scene::parse_shown(text, file, &[]);
         match read {
-            Ok(scene) => Self {
-                problems: Vec::new(),
-                refusal: None,
-                scene: Some(scene),
-            },
+            Ok(scene) => Self::of_job(scene, DrawnPath::default()),
             Err(error) => Self::refused(&error, shown),
         }
     }
@@ -77,7 +73,80 @@ impl Reading {
             problems: problems.collect(),
             refusal: Some(error.to_string()),
             scene,
+            drawn: DrawnPath::default(),
         }
+    }
+
+    /// Reads the job in `text`, G-code or a drawing by the name of its `file`, for the machine of this scene, as
+    /// `trirrr run FILE --machine SCENE` does. Problems of the answer stand in the lines of that file.
+    ///
+    /// # Errors
+    /// The scene is refused, or was read as a draft.
+    #[wasm_bindgen(js_name = withJob)]
+    pub fn with_job(&self, text: &str, file: &str, inputs: &JobInputs) -> Result<Self, String> {
+        Ok(job_file::plan(self.good()?, text, file, inputs))
+    }
+
+    /// A scene that is good, with the path of its file if the job has one.
+    pub(crate) fn of_job(scene: Scene, drawn: DrawnPath) -> Self {
+        Self {
+            problems: Vec::new(),
+            refusal: None,
+            scene: Some(scene),
+            drawn,
+        }
+    }
+
+    /// The refusal of the job in `text`.
+    pub(crate) fn of_refused_job(
+        text: &str,
+        file: &str,
+        refusal: &JobRefusal,
+        drawn: DrawnPath,
+    ) -> Self {
+        let line = refusal.line.unwrap_or(1);
+        let written = text.lines().nth(line as usize - 1).unwrap_or_default();
+        // A reason begins with the word of the line that it is about.
+        let word = refusal.reason.split_once(": ").map(|(word, _)| word);
+        let before = word.and_then(|word| {
+            let at = written
+                .to_ascii_uppercase()
+                .find(&word.to_ascii_uppercase());
+            written.get(..at?)
+        });
+        let problem = Problem {
+            line,
+            column: 1 + before.map_or(0, |before| before.chars().count() as u32),
+            sentence: match refusal.line {
+                Some(_) => visible(&refusal.reason).into_owned(),
+                None => visible(refusal.text.trim_start()).into_owned(),
+            },
+            reason: visible(&refusal.reason).into_owned(),
+        };
+        Self {
+            problems: vec![problem],
+            refusal: Some(format!("{file}:{refusal}")),
+            scene: None,
+            drawn,
+        }
+    }
+
+    /// Points of the path in a job's file, x and y in turns, m; none where it cannot be read.
+    #[wasm_bindgen(getter)]
+    pub fn path(&self) -> Vec<f64> {
+        self.drawn.points.clone()
+    }
+
+    /// Place at which the path has no plan: x and y, m.
+    #[wasm_bindgen(getter)]
+    pub fn breach(&self) -> Option<Vec<f64>> {
+        self.drawn.breach.map(Vec::from)
+    }
+
+    /// What the command line says about a job's file: the place that was found for it, lines that wait for the user.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.drawn.notes.clone()
     }
 
     /// Everything that is wrong, in the order of the text; nothing of a good scene.

@@ -1,7 +1,11 @@
 //! Answers that the page gets, against what the host's crates say.
 
-use trirrr_scene::{Scene, SceneError};
-use trirrr_web::{Problem, Reading, bits_of, planned_moves};
+use std::path::Path;
+use trirrr_core::number::Number;
+use trirrr_host_sim::job_file::{DrawingArgs, JobFileArgs, read_job};
+use trirrr_scene::record::tick_columns;
+use trirrr_scene::{Scene, SceneError, in_number_type, pipeline};
+use trirrr_web::{JobInputs, PlayedJob, Problem, Reading, bits_of, planned_moves};
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 const VERTICAL: &str = include_str!("../../scenes/vertical.toml");
@@ -161,6 +165,180 @@ fn a_long_job_is_thinned_and_keeps_its_ends() {
         "{times:?}"
     );
     assert_eq!(job.ticks(), 100);
+}
+
+const ENGRAVING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
+const PLATE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/jobs/plate.ngc");
+const BADGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/jobs/badge.svg");
+
+fn text_of(file: &str) -> String {
+    std::fs::read_to_string(file).expect("a shipped file")
+}
+
+/// The page's reading of the job in `file` on the machine of `engraving`.
+fn job_of(file: &str, text: &str, inputs: JobInputs) -> Reading {
+    let scene = Reading::whole(&text_of(ENGRAVING), ENGRAVING);
+    scene.with_job(text, file, &inputs).expect("a good scene")
+}
+
+/// Arguments of the command line for the machine of `engraving`.
+fn arguments() -> JobFileArgs {
+    JobFileArgs {
+        machine: Some(ENGRAVING.into()),
+        ..JobFileArgs::default()
+    }
+}
+
+/// Holds the table of `job` to the ticks that the command plays.
+fn check_ticks<N: Number>(job: &PlayedJob, scene: &Scene) {
+    let played = pipeline::scene::<N>(scene).expect("a machine");
+    assert_eq!(job.ticks(), played.player.ticks());
+    for tick in 0..=job.ticks() {
+        let record = played.machine.evaluate(0.0, &played.player.at(tick));
+        let row = record.expect("a motion");
+        let columns = tick_columns(scene.torque).zip(row.tick_row(scene.torque));
+        for (name, value) in columns.filter(|(name, _)| *name != "t") {
+            assert_eq!(job.values(name).expect("a column")[tick as usize], value);
+        }
+    }
+}
+
+#[test]
+fn a_job_of_a_file_has_the_plan_of_the_command() {
+    let program = JobInputs {
+        x_mm: 180.0,
+        y_mm: 245.0,
+        ..JobInputs::default()
+    };
+    let plate = JobFileArgs {
+        origin: Some([180.0, 245.0, 0.0]),
+        ..arguments()
+    };
+    // A small drawing at a high speed: a short job.
+    let drawing = JobInputs {
+        fit: true,
+        scale: Some(0.3),
+        speed_mm_min: Some(6000.0),
+        hatch_mm: Some(2.0),
+        ..JobInputs::default()
+    };
+    let badge = JobFileArgs {
+        drawing: DrawingArgs {
+            fit: true,
+            scale: Some(0.3),
+            speed: Some(6000.0),
+            hatch: Some(2.0),
+            ..DrawingArgs::default()
+        },
+        ..arguments()
+    };
+    for (file, inputs, arguments) in [(PLATE, program, plate), (BADGE, drawing, badge)] {
+        let reading = job_of(file, &text_of(file), inputs);
+        assert_eq!(reading.refusal(), None);
+        let job = reading.job(u32::MAX).expect("a plan");
+        let native = read_job(Path::new(file), &arguments).expect("a plan");
+        in_number_type!(native.number, N => check_ticks::<N>(&job, &native));
+        assert!(reading.verdict().expect("a verdict").contains(" moves, "));
+        assert!(reading.path().len() > 100 && reading.breach().is_none());
+        assert_eq!(reading.notes().len(), usize::from(inputs.fit));
+        // Speeds along strokes are those that the file asks for.
+        let fastest = job.feeds().last().copied().expect("a feed");
+        assert!(
+            job.speeds()
+                .iter()
+                .any(|speed| (speed / fastest - 1.0).abs() < 0.01)
+        );
+    }
+}
+
+#[test]
+fn a_refused_job_has_the_message_of_the_command_and_its_line() {
+    let told = |file: &str, text: &str, inputs: JobInputs, arguments: &JobFileArgs| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = Path::new(file).file_name().expect("a name");
+        let copy = folder.path().join(name);
+        std::fs::write(&copy, text).expect("written");
+        let reading = job_of(&copy.display().to_string(), text, inputs);
+        let native = read_job(&copy, arguments).expect_err("refused").to_string();
+        assert_eq!(reading.refusal(), Some(native));
+        assert!(reading.job(10).is_err());
+        let [problem] = &reading.problems()[..] else {
+            panic!("{:?}", reading.problems());
+        };
+        (
+            (problem.line, problem.column),
+            problem.reason.clone(),
+            reading.breach(),
+        )
+    };
+    let plate = text_of(PLATE);
+    // At the zero of the machine the program leaves its reach in the middle of a line.
+    let (place, reason, breach) = told(PLATE, &plate, JobInputs::default(), &arguments());
+    assert_eq!(place, (6, 1));
+    assert!(
+        reason.contains("leg 2 comes nearer") && breach.is_some(),
+        "{reason}"
+    );
+    let wrong = plate.replacen("G1 Y70", "G1 Q70", 1);
+    let (place, reason, breach) = told(PLATE, &wrong, JobInputs::default(), &arguments());
+    assert_eq!((place, breach), ((8, 4), None));
+    assert!(reason.starts_with("Q70: "), "{reason}");
+    let badge = text_of(BADGE);
+    let (place, reason, _) = told(BADGE, &badge, JobInputs::default(), &arguments());
+    assert_eq!(place, (1, 1));
+    assert!(reason.contains("--speed MM_PER_MIN"), "{reason}");
+    let cut = badge.replacen("</g>", "", 1);
+    let (place, reason, _) = told(BADGE, &cut, JobInputs::default(), &arguments());
+    assert!(
+        place.0 > 1 && reason.contains("no SVG file"),
+        "{place:?} {reason}"
+    );
+}
+
+#[test]
+fn an_input_out_of_range_is_refused() {
+    for (inputs, word) in [
+        (
+            JobInputs {
+                x_mm: f64::NAN,
+                ..JobInputs::default()
+            },
+            "--origin",
+        ),
+        (
+            JobInputs {
+                corner_mm: Some(-1.0),
+                ..JobInputs::default()
+            },
+            "--corner",
+        ),
+        (
+            JobInputs {
+                scale: Some(0.0),
+                ..JobInputs::default()
+            },
+            "--scale",
+        ),
+        (
+            JobInputs {
+                power: Some(1.5),
+                ..JobInputs::default()
+            },
+            "--power",
+        ),
+    ] {
+        let refusal = job_of(BADGE, &text_of(BADGE), inputs).refusal();
+        assert!(
+            refusal.as_ref().is_some_and(|text| text.contains(word)),
+            "{refusal:?}"
+        );
+    }
+    let refused = read(&THESIS.replacen("proximal_m = 0.2", "proximal_m = -0.2", 1));
+    assert!(
+        refused
+            .with_job("G1 X1", "a.ngc", &JobInputs::default())
+            .is_err()
+    );
 }
 
 /// Generator of damage, SplitMix64.

@@ -115,6 +115,7 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
         .args([page, &bits])
         .arg(ticks.to_string())
         .arg(folder())
+        .arg(root().join("scenes/jobs"))
         .current_dir(folder().join("build"));
     succeed(&mut browser, "the page in Chromium")
 }

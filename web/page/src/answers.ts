@@ -6,6 +6,27 @@ export interface Question {
     id: number;
     text: string;
     file: string;
+    job: JobFile | undefined;
+}
+
+/** What a job's file leaves open, by the names of the core. */
+export interface JobInputValues {
+    x_mm: number;
+    y_mm: number;
+    alpha_deg: number;
+    fit: boolean;
+    corner_mm?: number | undefined;
+    scale?: number | undefined;
+    speed_mm_min?: number | undefined;
+    power?: number | undefined;
+    hatch_mm?: number | undefined;
+}
+
+/** A job in a file of its own. */
+export interface JobFile {
+    file: string;
+    text: string;
+    inputs: JobInputValues;
 }
 
 export interface Trouble {
@@ -19,6 +40,8 @@ export interface Trouble {
 /** Table of a job: columns of `ticks.csv` by name. */
 export interface JobTable {
     columns: Record<string, Float64Array>;
+    /** Speeds that the path asks for, m/s. */
+    feeds: Float64Array;
     /** Times at which moves begin, s. */
     begins: Float64Array;
     every: number;
@@ -38,6 +61,12 @@ export interface Answer {
     refusal: string | undefined;
     verdict: string | undefined;
     warning: string | undefined;
+    /** The problems are those of the job's file. */
+    isOfJob: boolean;
+    notes: string[];
+    /** Path in the job's file, x and y in turns, m, and the place at which it has no plan. */
+    path: Float64Array | undefined;
+    breach: Float64Array | undefined;
     job: JobTable | undefined;
 }
 

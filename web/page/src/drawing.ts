@@ -39,6 +39,7 @@ const corners = (joints: ArrayLike<number>): string => [0, 1, 2].map((joint) => 
 export class Drawing {
     private readonly grid: SVGPathElement;
     private readonly path: SVGPolylineElement;
+    private readonly breach: SVGCircleElement;
     private readonly ghosts: SVGGElement;
     private readonly ghostLegs: SVGGElement;
     private readonly legs: { far: SVGLineElement; near: SVGLineElement; elbow: SVGCircleElement; base: SVGCircleElement; joint: SVGCircleElement; label: SVGTextElement }[] = [];
@@ -60,6 +61,7 @@ export class Drawing {
         this.grid = shape("path", svg, { class: "grid-lines" });
         this.scaleBar = shape("text", svg, { class: "scale" });
         this.path = shape("polyline", svg, { class: "way" });
+        this.breach = shape("circle", svg, { class: "breach" });
         this.ghosts = shape("g", svg, { class: "ghosts" });
         this.ghostLegs = shape("g", svg, { class: "ghost-legs" });
         for (const motor of [1, 2, 3]) {
@@ -93,7 +95,10 @@ export class Drawing {
         this.resize();
     }
 
-    showPath(x: ArrayLike<number> | undefined, y: ArrayLike<number> | undefined): void {
+    /** Shows a path, and the place at which it has no plan. */
+    showPath(x: ArrayLike<number> | undefined, y: ArrayLike<number> | undefined, breach: ArrayLike<number> | undefined): void {
+        this.breach.style.display = breach ? "" : "none";
+        if (breach) dot(this.breach, at(breach, 0));
         const points: string[] = [];
         if (x && y) {
             // A screen has no more points than that.
@@ -160,6 +165,7 @@ export class Drawing {
             radius(leg.joint, 4);
             leg.label.style.fontSize = `${13 * pixel}px`;
         }
+        radius(this.breach, 9);
         radius(this.grip, GRIP);
         radius(this.centre, 3.5);
         radius(this.knob, 8);

@@ -1,5 +1,5 @@
 // Asks the worker for the whole reading of a scene; only the newest question is answered.
-import type { Answer, ModesAnswer, Question } from "./answers";
+import type { Answer, JobFile, ModesAnswer, Question } from "./answers";
 
 export class Reader {
     private worker: Worker | undefined;
@@ -14,9 +14,9 @@ export class Reader {
         private readonly onFailure: (sentence: string) => void,
     ) {}
 
-    ask(text: string, file: string): void {
+    ask(text: string, file: string, job: JobFile | undefined): void {
         this.asked += 1;
-        const question: Question = { id: this.asked, text, file };
+        const question: Question = { id: this.asked, text, file, job };
         // An older question is of no interest any more, and may take long.
         if (this.isBusy) this.stop();
         if (!this.worker) {
