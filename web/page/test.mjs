@@ -164,6 +164,36 @@ async function jobs(tab) {
     await tab.waitForFunction(() => document.querySelector("#problems").textContent.startsWith("The scene is good."), undefined, { timeout: 60_000 });
 }
 
+/** A plant plays along: tracking errors, and its summary. */
+async function plants(tab) {
+    await choose(tab, "plant-thesis");
+    await tab.waitForFunction(() => document.querySelectorAll("#plant-rows tr").length === 4, undefined, { timeout: 120_000 });
+    assert.match(await text(tab, "#plant-words"), /^D is at most [0-9.]+ \u00b5m off its setpoint, at t = /);
+    assert.equal(await tab.locator("#plots canvas").count(), 9);
+    await tab.fill("#time", "50");
+    assert.notEqual(await tab.getAttribute(".measured", "points"), "");
+    await tab.waitForTimeout(300);
+    await shot(tab, "plant", { fullPage: true });
+}
+
+/** A machine in a file of its own: asked for, added, or dropped together with its scene. */
+async function machines(tab) {
+    await choose(tab, "plotter");
+    const scene = (await tab.inputValue("#text")).replace(/^machine = .*$/m, 'machine = "own.toml"');
+    const machine = await tab.evaluate(() => globalThis.trirrr.scenes.thesis);
+    const file = (name, content) => ({ name, mimeType: "application/toml", buffer: Buffer.from(content) });
+    await tab.setInputFiles("#file", file("one.toml", scene));
+    await tab.waitForFunction(() => document.querySelector(".trouble")?.textContent.includes("own.toml"));
+    assert.match(await text(tab, ".trouble"), /the page has no file own\.toml: open or drop own\.toml, too$/);
+    await tab.setInputFiles("#file", file("own.toml", machine));
+    await tab.waitForFunction(() => /^\d+ moves?, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
+    assert.equal(await tab.inputValue("#text"), scene);
+    const other = scene.replaceAll("own.toml", "other.toml");
+    await tab.setInputFiles("#file", [file("other.toml", machine), file("two.toml", other)]);
+    await tab.waitForFunction((text) => document.querySelector("#text").value === text, other);
+    await tab.waitForFunction(() => /^\d+ moves?, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
+}
+
 /** A link opens the same scene, also one that is edited. */
 async function share(tab) {
     const scene = (await tab.inputValue("#text")).replace(/^name = .*$/m, 'name = "shared_\u{2713}"').replace("\u{2713}", "by-link");
@@ -226,7 +256,7 @@ async function drag(tab) {
 async function core(tab) {
     return tab.evaluate(() => {
         const { Reading, scenes } = globalThis.trirrr;
-        const machine = Reading.draft(scenes.vertical, "vertical.toml").machine();
+        const machine = Reading.draft(scenes.vertical, "vertical.toml", undefined).machine();
         const [x, y, alpha] = machine.start;
         const count = 300;
         const begin = performance.now();
@@ -262,7 +292,11 @@ async function compare(tab) {
     assert.deepEqual(scenes, [...native.keys()].sort(), "both have the same scenes");
     for (const name of scenes) {
         const { hash, moves } = native.get(name);
-        const here = await tab.evaluate(([name, ticks, moves]) => globalThis.trirrr.bitsOf(globalThis.trirrr.scenes[name], `${name}.toml`, ticks, Float64Array.from(moves)), [name, Number(ticks), moves]);
+        const here = await tab.evaluate(([name, ticks, moves]) => {
+            const { bitsOf, machineFile, scenes } = globalThis.trirrr;
+            const machine = machineFile(scenes[name])?.replace(/\.toml$/, "");
+            return bitsOf(scenes[name], `${name}.toml`, machine && scenes[machine], ticks, Float64Array.from(moves));
+        }, [name, Number(ticks), moves]);
         assert.equal(here, hash, `${name}: bits in WebAssembly and native`);
     }
     console.log(`${scenes.length} scenes, ${scenes.length * Number(ticks)} ticks: the bits of the native core`);
@@ -278,6 +312,8 @@ try {
     const pose = await core(tab);
     const { rate, longest, moved } = await drag(tab);
     await jobs(tab);
+    await plants(tab);
+    await machines(tab);
     await choose(tab, "vertical");
     await share(tab);
     await compare(tab);

@@ -1,17 +1,19 @@
 //! Answers that the page gets, against what the host's crates say.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use trirrr_core::number::Number;
 use trirrr_host_sim::job_file::{DrawingArgs, JobFileArgs, read_job};
+use trirrr_host_sim::run::{TickRows, simulate};
 use trirrr_scene::record::tick_columns;
 use trirrr_scene::{Scene, SceneError, in_number_type, pipeline};
-use trirrr_web::{JobInputs, PlayedJob, Problem, Reading, bits_of, planned_moves};
+use trirrr_web::{JobInputs, PlayedJob, Problem, Reading, bits_of, machine_file, planned_moves};
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 const VERTICAL: &str = include_str!("../../scenes/vertical.toml");
 
 fn read(text: &str) -> Reading {
-    Reading::whole(text, "my.toml")
+    Reading::whole(text, "my.toml", None)
 }
 
 fn state(job: &trirrr_web::PlayedJob, row: usize) -> Vec<f64> {
@@ -55,7 +57,7 @@ fn a_refusal_is_that_of_the_host_tools_with_line_and_column() {
 
 #[test]
 fn text_that_is_no_toml_has_a_place() {
-    let reading = Reading::draft("name = \"a\"\nmass = 0,5\n", "my.toml");
+    let reading = Reading::draft("name = \"a\"\nmass = 0,5\n", "my.toml", None);
     let [
         Problem {
             line,
@@ -177,7 +179,7 @@ fn text_of(file: &str) -> String {
 
 /// The page's reading of the job in `file` on the machine of `engraving`.
 fn job_of(file: &str, text: &str, inputs: JobInputs) -> Reading {
-    let scene = Reading::whole(&text_of(ENGRAVING), ENGRAVING);
+    let scene = Reading::whole(&text_of(ENGRAVING), ENGRAVING, None);
     scene.with_job(text, file, &inputs).expect("a good scene")
 }
 
@@ -193,12 +195,14 @@ fn arguments() -> JobFileArgs {
 fn check_ticks<N: Number>(job: &PlayedJob, scene: &Scene) {
     let played = pipeline::scene::<N>(scene).expect("a machine");
     assert_eq!(job.ticks(), played.player.ticks());
+    let columns = tick_columns(scene.torque).map(|name| job.values(name).expect("a column"));
+    let columns: Vec<_> = columns.collect();
     for tick in 0..=job.ticks() {
         let record = played.machine.evaluate(0.0, &played.player.at(tick));
-        let row = record.expect("a motion");
-        let columns = tick_columns(scene.torque).zip(row.tick_row(scene.torque));
-        for (name, value) in columns.filter(|(name, _)| *name != "t") {
-            assert_eq!(job.values(name).expect("a column")[tick as usize], value);
+        let row = record.expect("a motion").tick_row(scene.torque);
+        // The first column is the time.
+        for (column, value) in columns.iter().zip(row).skip(1) {
+            assert_eq!(column[tick as usize], value, "{tick}");
         }
     }
 }
@@ -296,6 +300,86 @@ fn a_refused_job_has_the_message_of_the_command_and_its_line() {
 }
 
 #[test]
+fn the_plant_is_that_of_the_run() {
+    // A number type and a controller each; drives on a bus hear the service of the run.
+    for (name, tolerance) in [
+        ("plant-thesis", 0.0),
+        ("plant-reference", 0.0),
+        ("plant-vertical", 0.03),
+    ] {
+        let file = format!("{}/../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let scene = Scene::read(&file).expect("a shipped scene");
+        let reading = Reading::whole(&text_of(&file), &file, None);
+        let plant = reading.plant(500).expect("a run").expect("a plant");
+        let folder = tempfile::tempdir().expect("a folder");
+        let stop = AtomicBool::new(false);
+        let ticks = TickRows::ALL;
+        let native = simulate(&scene, scene.number, false, ticks, folder.path(), &stop);
+        let native = native.expect("a run").plant.expect("a plant").outcome;
+        let near = |here: f64, there: f64| {
+            assert!(
+                (here - there).abs() <= tolerance * there.abs(),
+                "{name}: {here} {there}"
+            );
+        };
+        let (here, there) = (plant.outcome().statistics, native.statistics);
+        assert_eq!(plant.outcome().end, native.end);
+        assert!(here.tool_position.peak > 1e-7, "{name}");
+        near(here.tool_position.peak, there.tool_position.peak);
+        near(here.tool_angle.rms(), there.tool_angle.rms());
+        for (here, there) in here.motors.iter().zip(&there.motors) {
+            near(here.error.peak, there.error.peak);
+            near(here.torque.rms(), there.torque.rms());
+            near(here.power.peak, there.power.peak);
+        }
+        let times = plant.values("t").expect("times");
+        let off = plant.values("off").expect("errors");
+        assert!((100..=502).contains(&times.len()) && times.len() == off.len());
+        let peak = off.iter().copied().fold(0.0, f64::max);
+        assert!(peak > 0.5 * here.tool_position.peak && peak <= here.tool_position.peak);
+        assert_eq!(plant.tool()[0], here.tool_position.peak);
+        assert_eq!(plant.loads().len(), 24);
+    }
+    assert!(read(THESIS).plant(10).expect("a run").is_none());
+}
+
+#[test]
+fn a_machine_in_a_file_of_its_own_is_taken_or_asked_for() {
+    let text = include_str!("../../scenes/plotter.toml");
+    assert_eq!(machine_file(text).as_deref(), Some("thesis.toml"));
+    assert_eq!(machine_file(THESIS), None);
+    let reading = Reading::whole(text, "plotter.toml", Some(THESIS.into()));
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/plotter.toml");
+    let native = Scene::read(file).expect("a shipped scene");
+    let job = reading.job(u32::MAX).expect("a job");
+    in_number_type!(native.number, N => check_ticks::<N>(&job, &native));
+    // Without the file, the line that names it says which one to add.
+    let line = text.lines().position(|line| line.starts_with("machine = "));
+    let line = line.expect("a machine") as u32 + 1;
+    for reading in [
+        Reading::whole(text, "plotter.toml", None),
+        Reading::draft(text, "plotter.toml", None),
+    ] {
+        let [problem] = &reading.problems()[..] else {
+            panic!("{:?}", reading.problems());
+        };
+        assert_eq!(problem.line, line);
+        assert!(problem.reason.contains("drop thesis.toml"), "{problem:?}");
+    }
+    // A problem in that file is told at the same line, with its own place.
+    let wrong = THESIS.replacen("proximal_m = 0.2", "proximal_m = -0.2", 1);
+    let reading = Reading::draft(text, "plotter.toml", Some(wrong));
+    let problem = &reading.problems()[0];
+    assert_eq!(problem.line, line);
+    assert!(
+        problem
+            .sentence
+            .starts_with("thesis.toml:11: machine.leg[1]"),
+        "{problem:?}"
+    );
+}
+
+#[test]
 fn an_input_out_of_range_is_refused() {
     for (inputs, word) in [
         (
@@ -386,7 +470,7 @@ fn no_text_makes_the_core_panic() {
     let mut refused = 0;
     for round in 0..600 {
         let text = damaged(&mut random);
-        let draft = Reading::draft(&text, "my.toml");
+        let draft = Reading::draft(&text, "my.toml", None);
         refused += usize::from(draft.refusal().is_some());
         assert_eq!(
             draft.refusal().is_some(),
@@ -424,13 +508,13 @@ fn no_text_makes_the_core_panic() {
 #[test]
 fn a_hash_is_of_the_moves_that_are_given() {
     let path = include_str!("../../scenes/engraving.toml");
-    let moves = planned_moves(path, "engraving.toml").expect("a plan");
-    let hash = |moves: &[f64]| bits_of(path, "engraving.toml", 500, moves);
+    let moves = planned_moves(path, "engraving.toml", None).expect("a plan");
+    let hash = |moves: &[f64]| bits_of(path, "engraving.toml", None, 500, moves);
     let planned = hash(&moves).expect("a hash");
     assert_eq!(hash(&[]).as_ref(), Ok(&planned), "planned again");
     let mut others = moves.clone();
     others[18] += 1.0;
     assert_ne!(hash(&others), Ok(planned), "the first move is longer");
     assert!(hash(&moves[1..]).is_err());
-    assert_eq!(planned_moves(THESIS, "thesis.toml"), Ok(Vec::new()));
+    assert_eq!(planned_moves(THESIS, "thesis.toml", None), Ok(Vec::new()));
 }

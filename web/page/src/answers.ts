@@ -6,6 +6,8 @@ export interface Question {
     id: number;
     text: string;
     file: string;
+    /** Text of the file that the scene takes its machine from. */
+    machine: string | undefined;
     job: JobFile | undefined;
 }
 
@@ -54,7 +56,18 @@ export interface ModeRow {
     torque: number;
 }
 
-/** The verdict on a scene, and its job. A second answer brings the job in all working modes. */
+/** The plant of a scene under its job. */
+export interface PlantTable {
+    columns: Record<string, Float64Array>;
+    /** Peak, its time, root mean square: distance of D, m, then angle, rad. */
+    tool: Float64Array;
+    /** Peak and root mean square of error, torque, current and power, motor by motor. */
+    loads: Float64Array;
+    notes: string[];
+    balance: number;
+}
+
+/** The verdict on a scene, and its job. A second answer brings the job in all working modes, a third one its plant. */
 export interface Answer {
     id: number;
     problems: Trouble[];
@@ -68,6 +81,13 @@ export interface Answer {
     path: Float64Array | undefined;
     breach: Float64Array | undefined;
     job: JobTable | undefined;
+    hasPlant: boolean;
+}
+
+/** The plant, or why it cannot be simulated. */
+export interface PlantAnswer {
+    id: number;
+    plant: PlantTable | string;
 }
 
 export interface ModesAnswer {

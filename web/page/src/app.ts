@@ -1,15 +1,17 @@
 // The page: a scene, its machine in the user's hand, its job.
 
-import { initSync, Reading, bitsOf, type Machine } from "../core/core.js";
-import type { Answer, JobTable, ModeRow, Trouble } from "./answers";
+import { initSync, machineFile, Reading, bitsOf, type Machine } from "../core/core.js";
+import type { Answer, JobTable, ModeRow, PlantTable, Trouble } from "./answers";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
 import { number } from "./format";
 import { Panel } from "./panel";
+import { decompressed } from "./lzma";
+import { showPlant } from "./plant";
 import { Plots } from "./plots";
 import { isJob, Program } from "./program";
 import { Reader } from "./reader";
-import { bytesOf, fragmentOf, sceneOf, unzipped } from "./share";
+import { bytesOf, fragmentOf, sceneOf } from "./share";
 import { taken, takenAssemblies, type TakenLimits } from "./taken";
 
 /** Pause in the user's writing after which the scene is read whole, ms. */
@@ -43,7 +45,10 @@ class Page {
     private state: number[] = [0, 0, 0, ...MOTION];
     private job: JobTable | undefined;
     private jobModes: ModeRow[] | undefined;
+    private plant: PlantTable | undefined;
     private row = 0;
+    /** Files that were opened, by their names: scenes may take their machine from them. */
+    private readonly files = new Map<string, string>();
     private timer = 0;
     /** The scene as it was loaded: its name among the shipped ones, and its text. */
     private loaded = { name: "", text: "" };
@@ -69,6 +74,12 @@ class Page {
             (answer) => {
                 this.jobModes = answer.modes;
                 this.show();
+            },
+            ({ plant }) => {
+                this.plant = typeof plant === "string" ? undefined : plant;
+                showPlant(page, plant);
+                this.redrawPlots();
+                this.showRow(this.row, this.isAtJob);
             },
             (sentence) => this.program.tell("scene", [atTheTop(sentence)], ""),
         );
@@ -134,9 +145,18 @@ class Page {
 
     /** Takes scenes and jobs of files. */
     private async open(files: Iterable<File> | null | undefined): Promise<void> {
-        for (const file of [...(files ?? [])]) {
-            if (file.name.endsWith(".toml")) this.load("", await file.text());
-            else if (isJob(file.name)) {
+        const opened = [...(files ?? [])];
+        const scenes = opened.filter((file) => file.name.endsWith(".toml"));
+        for (const file of scenes) this.files.set(file.name, await file.text());
+        // The file that a scene waits for is no scene of its own then, and of several the one that names another is the scene.
+        const names = scenes.map((file) => file.name);
+        const texts = names.map((name) => this.files.get(name) ?? "");
+        const scene = texts.find((text) => names.includes(machineFile(text) ?? "")) ?? texts[0];
+        const wanted = machineFile(this.program.scene);
+        if (scene !== undefined && names.length === 1 && names[0] === wanted) this.edited();
+        else if (scene !== undefined) this.load("", scene);
+        for (const file of opened.filter((each) => !scenes.includes(each))) {
+            if (isJob(file.name)) {
                 this.program.take(file.name, await file.text());
                 this.row = 0;
                 this.readWhole();
@@ -165,7 +185,7 @@ class Page {
 
     /** Takes the machine as it stands in the text, whatever its job is. */
     private readDraft(): void {
-        const reading = Reading.draft(this.program.scene, this.file);
+        const reading = Reading.draft(this.program.scene, this.file, this.machineText());
         this.isDraftGood = reading.refusal === undefined;
         if (reading.refusal === undefined) {
             try {
@@ -180,9 +200,15 @@ class Page {
         reading.free();
     }
 
+    /** Text of the file that the scene takes its machine from: one that was opened, or a shipped one. */
+    private machineText(): string | undefined {
+        const name = machineFile(this.program.scene);
+        return name === undefined ? undefined : (this.files.get(name) ?? SCENES[name.replace(/\.toml$/, "")]);
+    }
+
     private readWhole(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
-        this.reader.ask(this.program.scene, this.file, this.program.job);
+        this.reader.ask(this.program.scene, this.file, this.machineText(), this.program.job);
     }
 
     private takeMachine(machine: Machine): void {
@@ -203,12 +229,14 @@ class Page {
         this.show();
     }
 
-    private answered({ problems, refusal, verdict, warning, isOfJob, notes, path, breach, job }: Answer): void {
+    private answered({ problems, refusal, verdict, warning, isOfJob, notes, path, breach, job, hasPlant }: Answer): void {
         this.setVerdict(verdict ?? `${problems.length} to correct`, refusal !== undefined);
         const good = [isOfJob ? "The job has a plan." : "The scene is good.", warning].filter(Boolean).join(" Warning: ");
         this.program.tell(isOfJob ? "job" : "scene", problems, [good, ...notes].join(" "));
         this.job = job;
         this.jobModes = undefined;
+        this.plant = undefined;
+        showPlant(page, hasPlant ? "Simulating the motors, gears and friction \u2026" : undefined);
         const count = job?.columns.t?.length ?? 0;
         for (const input of [this.time, this.play]) input.disabled = count === 0;
         this.time.max = String(Math.max(count - 1, 0));
@@ -228,7 +256,7 @@ class Page {
     }
 
     private redrawPlots(): void {
-        if (this.job) this.plots.show(this.job, this.limits);
+        if (this.job) this.plots.show(this.job, this.plant, this.limits);
         else this.plots.clear();
     }
 
@@ -262,6 +290,7 @@ class Page {
         const figures = taken(machine.figures(Float64Array.from(state)));
         const [x = 0, y = 0, alpha = 0] = state;
         this.drawing.draw([x, y, alpha], figures);
+        if (!this.isAtJob) this.drawing.showMeasured(undefined);
         this.panel.showState(state);
         this.panel.showFigures(figures, limits);
         const modes = machine.workingModes(Float64Array.from(state)).map(taken);
@@ -310,6 +339,17 @@ class Page {
         this.isAtJob = true;
         this.state = STATE_COLUMNS.map((name) => columns[name]?.[row] ?? 0);
         this.show();
+        this.showMeasured(time);
+    }
+
+    /** Draws the platform where the plant has it at a time of the job. */
+    private showMeasured(time: number): void {
+        const { machine, plant } = this;
+        const times = plant?.columns.t;
+        if (!machine || !times || times.length === 0) return;
+        const row = rowAt(times, time);
+        const pose = ["x", "y", "alpha"].map((name) => plant.columns[name]?.[row] ?? 0);
+        this.drawing.showMeasured(taken(machine.figures(Float64Array.from([...pose, 0, 0, 0, 0, 0, 0]))).platform);
     }
 
     private goTo(time: number): void {
@@ -404,12 +444,14 @@ async function given(): Promise<string | undefined> {
 }
 
 async function start(): Promise<void> {
-    const bytes = await unzipped(bytesOf(page("core").textContent ?? ""));
+    // The first paint comes before the work.
+    await new Promise((painted) => setTimeout(painted));
+    const bytes = decompressed(bytesOf(page("core").textContent ?? ""));
     const module = await WebAssembly.compile(bytes);
     initSync({ module });
     await new Page(module).start();
     // The core, for the console and for tests.
-    Object.assign(globalThis, { trirrr: { Reading, bitsOf, scenes: SCENES } });
+    Object.assign(globalThis, { trirrr: { Reading, bitsOf, machineFile, scenes: SCENES } });
     document.documentElement.dataset.ready = "";
 }
 

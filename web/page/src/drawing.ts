@@ -40,6 +40,7 @@ export class Drawing {
     private readonly grid: SVGPathElement;
     private readonly path: SVGPolylineElement;
     private readonly breach: SVGCircleElement;
+    private readonly measured: SVGPolygonElement;
     private readonly ghosts: SVGGElement;
     private readonly ghostLegs: SVGGElement;
     private readonly legs: { far: SVGLineElement; near: SVGLineElement; elbow: SVGCircleElement; base: SVGCircleElement; joint: SVGCircleElement; label: SVGTextElement }[] = [];
@@ -77,6 +78,7 @@ export class Drawing {
         }
         this.handle = shape("g", svg, { class: "platform", tabindex: "0", role: "application", "aria-roledescription": "platform to drag", "aria-label": "Platform. Arrow keys move it, Q and E turn it." });
         this.platform = shape("polygon", this.handle, { class: "body" });
+        this.measured = shape("polygon", this.handle, { class: "measured" });
         this.spoke = shape("line", this.handle, { class: "spoke" });
         this.grip = shape("circle", this.handle, { class: "grip" });
         this.centre = shape("circle", this.handle, { class: "centre" });
@@ -106,6 +108,11 @@ export class Drawing {
             for (let row = 0; row < x.length; row += every) points.push(`${((x[row] ?? 0) * MM).toFixed(2)},${(-(y[row] ?? 0) * MM).toFixed(2)}`);
         }
         this.path.setAttribute("points", points.join(" "));
+    }
+
+    /** Shows the joints of the platform where a plant has them. */
+    showMeasured(platform: ArrayLike<number> | undefined): void {
+        this.measured.setAttribute("points", platform ? corners(platform) : "");
     }
 
     showGhosts(platforms: ArrayLike<number>[]): void {

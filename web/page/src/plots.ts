@@ -1,7 +1,7 @@
 // Curves of the job against the limits.
 
 import uPlot from "uplot";
-import type { JobTable } from "./answers";
+import type { JobTable, PlantTable } from "./answers";
 import { degrees, number, round } from "./format";
 import type { TakenLimits } from "./taken";
 
@@ -30,6 +30,13 @@ const CURVES: Curve[] = [
     ofMotors("Power", "W", "P", (limits) => limits.powers),
 ];
 
+/** Curves of the plant: what is measured against what is commanded. */
+const OF_PLANT: Curve[] = [
+    { title: "Tracking error of D", unit: "mm", columns: ["off"], factor: 1000, limit: () => undefined, colours: ["--path"] },
+    ofMotors("Tracking error of the joints", "mrad", "error", undefined, 1000),
+    ofMotors("Torque of the plant's motors", "N m", "tau", (limits) => limits.torques),
+];
+
 const HEIGHT = 190;
 
 const colour = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -56,14 +63,15 @@ export class Plots {
         this.place.replaceChildren();
     }
 
-    show(job: JobTable, limits: TakenLimits): void {
+    show(job: JobTable, plant: PlantTable | undefined, limits: TakenLimits): void {
         this.clear();
-        const time = job.columns.t;
-        if (!time) return;
         // All boxes first: a curve is as wide as its box is then.
         const made: (() => uPlot)[] = [];
-        for (const curve of CURVES) {
-            const values = curve.columns.flatMap((name) => job.columns[name]?.map((value) => value * curve.factor) ?? []);
+        const ofPlant = plant ? OF_PLANT.map((curve) => [curve, plant.columns] as const) : [];
+        for (const [curve, columns] of [...CURVES.map((each) => [each, job.columns] as const), ...ofPlant]) {
+            const time = columns.t;
+            if (!time) continue;
+            const values = curve.columns.flatMap((name) => columns[name]?.map((value) => value * curve.factor) ?? []);
             if (values.length < curve.columns.length) continue;
             const box = document.createElement("figure");
             const caption = document.createElement("figcaption");

@@ -1,6 +1,6 @@
 // Reads scenes whole and plays their jobs, away from the thread that draws.
 import { initSync, JobInputs, Reading } from "../core/core.js";
-import type { Answer, JobFile, JobTable, ModesAnswer, Question } from "./answers";
+import type { Answer, JobFile, JobTable, ModesAnswer, PlantAnswer, PlantTable, Question } from "./answers";
 import { taken } from "./taken";
 
 /** Most rows of a job's table. */
@@ -25,6 +25,24 @@ function table(reading: Reading): JobTable {
     return { columns, begins, every, feeds, reason };
 }
 
+/** Columns of a plant. */
+const PLANT = ["t", "x", "y", "alpha", "off", ...["error", "tau"].flatMap((name) => [1, 2, 3].map((motor) => `${name}${motor}`))];
+
+/** Simulates the plant, or says why that is not possible. */
+function plantOf(reading: Reading): PlantTable | string {
+    try {
+        const plant = reading.plant(ROWS);
+        if (!plant) return "The scene has no plant.";
+        const columns: Record<string, Float64Array> = {};
+        for (const name of PLANT) columns[name] = plant.values(name) ?? new Float64Array();
+        const { tool, loads, notes, balance } = plant;
+        plant.free();
+        return { columns, tool, loads, notes, balance };
+    } catch (sentence) {
+        return `The plant is refused: ${String(sentence)}.`;
+    }
+}
+
 /** Reads the job of the file in place of that of the scene. */
 function withJob(scene: Reading, { file, text, inputs }: JobFile): Reading {
     const given = Object.assign(new JobInputs(), inputs);
@@ -38,20 +56,24 @@ function withJob(scene: Reading, { file, text, inputs }: JobFile): Reading {
 
 export function work(): void {
     addEventListener("message", ({ data }: MessageEvent<Question>) => {
-        const { id, text, file, module } = data;
+        const { id, text, file, machine, module } = data;
         if (module) initSync({ module });
-        const scene = Reading.whole(text, file);
+        const scene = Reading.whole(text, file, machine);
         const isOfJob = data.job !== undefined && scene.refusal === undefined;
         const reading = data.job && isOfJob ? withJob(scene, data.job) : scene;
         const { refusal, verdict, warning, notes, breach } = reading;
         const job = refusal === undefined ? table(reading) : undefined;
         const path = isOfJob ? reading.path : undefined;
-        const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, isOfJob, notes, path, breach, job };
+        const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, isOfJob, notes, path, breach, job, hasPlant: reading.hasPlant };
         postMessage(answer);
-        const modes = job ? reading.jobModes().map(taken) : [];
+        if (job) {
+            const all: ModesAnswer = { id, modes: reading.jobModes().map(taken) };
+            postMessage(all);
+        }
+        if (answer.hasPlant) {
+            const simulated: PlantAnswer = { id, plant: plantOf(reading) };
+            postMessage(simulated);
+        }
         reading.free();
-        if (!job) return;
-        const all: ModesAnswer = { id, modes };
-        postMessage(all);
     });
 }
