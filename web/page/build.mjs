@@ -24,18 +24,19 @@ const scripts = await build({ ...options, entryPoints: ["src/main.ts"], define: 
 const main = scripts.outputFiles[0].text.replaceAll("</script", "<\\/script");
 const styles = await build({ ...options, entryPoints: ["src/style.css"] });
 const style = styles.outputFiles[0].text;
-const module = readFileSync("core/core_bg.wasm");
-const compressed = readFileSync("core/core.lzma");
-const core = compressed.toString("base64");
+const [core, drawings] = ["core", "drawing"].map((name) => ({ module: readFileSync(`core/${name}_bg.wasm`), compressed: readFileSync(`core/${name}.lzma`) }));
 const licence = readFileSync("node_modules/uplot/LICENSE", "utf8").trim();
 
 const page = readFileSync("index.html", "utf8")
     .replace("<!--licence-->", () => `<!--\nuPlot, https://github.com/leeoniya/uPlot:\n${licence}\n-->`)
     .replace("/*style*/", () => style)
-    .replace("/*core*/", () => core)
+    .replace("/*core*/", () => core.compressed.toString("base64"))
+    .replace("/*drawings*/", () => drawings.compressed.toString("base64"))
     .replace("/*main*/", () => main);
 writeFileSync(out, page);
 const kilobytes = (bytes) => `${(bytes / 1000).toFixed(0)} kB`;
 const zipped = (bytes) => kilobytes(gzipSync(bytes, { level: 9 }).length);
-console.log(`module ${kilobytes(module.length)}, ${kilobytes(compressed.length)} compressed by LZMA, ${zipped(module)} by gzip`);
+const sizes = ({ module, compressed }) => `${kilobytes(module.length)}, ${kilobytes(compressed.length)} compressed by LZMA, ${zipped(module)} by gzip`;
+console.log(`module ${sizes(core)}`);
+console.log(`reader of drawings ${sizes(drawings)}`);
 console.log(`page ${kilobytes(Buffer.byteLength(page))}, ${zipped(page)} compressed by gzip`);

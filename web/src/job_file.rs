@@ -7,8 +7,8 @@ use trirrr_jobs::{
 };
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, Scene};
-use trirrr_toolpath::ToolPlace;
-use trirrr_toolpath::drawing::read_svg;
+use trirrr_toolpath::drawing::FlatDrawing;
+use trirrr_toolpath::{PathFault, ToolPlace};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// Most points along a piece of a path that is drawn, and on all pieces of a long one.
@@ -97,6 +97,24 @@ impl JobInputs {
     }
 }
 
+/// Drawing that the reader of drawings, a module of its own, has read or refused.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct GivenDrawing(Result<FlatDrawing, PathFault>);
+
+#[wasm_bindgen]
+impl GivenDrawing {
+    /// A drawing that was read.
+    pub fn read(numbers: Vec<f64>, names: Vec<String>) -> Self {
+        Self(Ok(FlatDrawing { numbers, names }))
+    }
+
+    /// A refusal; `line` is 0 where the file has no place for it.
+    pub fn refused(line: u32, word: String, reason: String) -> Self {
+        Self(Err(PathFault { line, word, reason }))
+    }
+}
+
 /// Path of a file, as it is drawn.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DrawnPath {
@@ -108,11 +126,17 @@ pub(crate) struct DrawnPath {
     pub(crate) notes: Vec<String>,
 }
 
-/// Reads and plans the job in `text` for the machine of `machine`.
-pub(crate) fn plan(machine: &Scene, text: &str, file: &str, inputs: &JobInputs) -> Reading {
+/// Reads and plans the job in `text`, or in `drawing`, for the machine of `machine`.
+pub(crate) fn plan(
+    machine: &Scene,
+    text: &str,
+    file: &str,
+    inputs: &JobInputs,
+    drawing: Option<GivenDrawing>,
+) -> Reading {
     let refused =
         |refusal: JobRefusal, path: DrawnPath| Reading::of_refused_job(text, file, &refusal, path);
-    let read = match read(machine, text, file, inputs) {
+    let read = match read(machine, text, inputs, drawing) {
         Ok(read) => read,
         Err(refusal) => return refused(refusal, DrawnPath::default()),
     };
@@ -134,18 +158,23 @@ pub(crate) fn plan(machine: &Scene, text: &str, file: &str, inputs: &JobInputs) 
 fn read(
     machine: &Scene,
     text: &str,
-    file: &str,
     inputs: &JobInputs,
+    drawing: Option<GivenDrawing>,
 ) -> Result<ReadJob, JobRefusal> {
     let options = inputs.options().map_err(|reason| JobRefusal {
         line: None,
         text: format!(" {reason}"),
         reason,
     })?;
-    Ok(match is_drawing(file) {
-        true => drawing_job(read_svg(text)?, machine, &options)?,
-        false => gcode_job(text.as_bytes(), machine, &options)?,
-    })
+    let Some(GivenDrawing(given)) = drawing else {
+        return Ok(gcode_job(text.as_bytes(), machine, &options)?);
+    };
+    let drawing = given?.drawing().ok_or_else(|| PathFault {
+        line: 0,
+        word: String::new(),
+        reason: "the reader of drawings has answered with none".into(),
+    })?;
+    Ok(drawing_job(drawing, machine, &options)?)
 }
 
 /// Returns true for the name of a drawing; other files are G-code.

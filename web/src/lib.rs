@@ -20,7 +20,7 @@ mod reading;
 pub use bits::{bits_of, planned_moves};
 pub use figures::{Figures, MotorLimits};
 pub use job::{JobMode, PlayedJob};
-pub use job_file::{JobInputs, is_drawing};
+pub use job_file::{GivenDrawing, JobInputs, is_drawing};
 pub use machine::Machine;
 pub use modes::{AssemblyList, AssemblyMode, WorkingMode};
 pub use plant::SimulatedPlant;

@@ -1,6 +1,6 @@
 //! The text of a scene, checked.
 
-use crate::job_file::{self, DrawnPath};
+use crate::job_file::{self, DrawnPath, GivenDrawing};
 use crate::{JobInputs, JobMode, Machine, PlayedJob, SimulatedPlant};
 use std::path::Path;
 use trirrr_jobs::JobRefusal;
@@ -121,14 +121,21 @@ impl Reading {
         }
     }
 
-    /// Reads the job in `text`, G-code or a drawing by the name of its `file`, for the machine of this scene, as
+    /// Reads the job in `text`, G-code, or the `drawing` that was read from it, for the machine of this scene, as
     /// `trirrr run FILE --machine SCENE` does. Problems of the answer stand in the lines of that file.
     ///
     /// # Errors
     /// The scene is refused, or was read as a draft.
     #[wasm_bindgen(js_name = withJob)]
-    pub fn with_job(&self, text: &str, file: &str, inputs: &JobInputs) -> Result<Self, String> {
-        Ok(job_file::plan(self.good()?, text, file, inputs))
+    pub fn with_job(
+        &self,
+        text: &str,
+        file: &str,
+        inputs: &JobInputs,
+        drawing: Option<GivenDrawing>,
+    ) -> Result<Self, String> {
+        let scene = self.good()?;
+        Ok(job_file::plan(scene, text, file, inputs, drawing))
     }
 
     /// A scene that is good, with the path of its file if the job has one.

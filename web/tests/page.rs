@@ -7,7 +7,11 @@ use trirrr_host_sim::job_file::{DrawingArgs, JobFileArgs, read_job};
 use trirrr_host_sim::run::{TickRows, simulate};
 use trirrr_scene::record::tick_columns;
 use trirrr_scene::{Scene, SceneError, in_number_type, pipeline};
-use trirrr_web::{JobInputs, PlayedJob, Problem, Reading, bits_of, machine_file, planned_moves};
+use trirrr_web::{
+    GivenDrawing, JobInputs, PlayedJob, Problem, Reading, bits_of, is_drawing, machine_file,
+    planned_moves,
+};
+use trirrr_web_drawing::read_drawing;
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 const VERTICAL: &str = include_str!("../../scenes/vertical.toml");
@@ -180,7 +184,15 @@ fn text_of(file: &str) -> String {
 /// The page's reading of the job in `file` on the machine of `engraving`.
 fn job_of(file: &str, text: &str, inputs: JobInputs) -> Reading {
     let scene = Reading::whole(&text_of(ENGRAVING), ENGRAVING, None);
-    scene.with_job(text, file, &inputs).expect("a good scene")
+    let drawing = is_drawing(file).then(|| {
+        let read = read_drawing(text);
+        match read.reason {
+            Some(reason) => GivenDrawing::refused(read.line, read.word, reason),
+            None => GivenDrawing::read(read.numbers, read.names),
+        }
+    });
+    let read = scene.with_job(text, file, &inputs, drawing);
+    read.expect("a good scene")
 }
 
 /// Arguments of the command line for the machine of `engraving`.
@@ -199,9 +211,9 @@ fn check_ticks<N: Number>(job: &PlayedJob, scene: &Scene) {
     let columns: Vec<_> = columns.collect();
     for tick in 0..=job.ticks() {
         let record = played.machine.evaluate(0.0, &played.player.at(tick));
-        let row = record.expect("a motion").tick_row(scene.torque);
+        let record = record.expect("a motion");
         // The first column is the time.
-        for (column, value) in columns.iter().zip(row).skip(1) {
+        for (column, value) in columns.iter().zip(record.tick_row(scene.torque)).skip(1) {
             assert_eq!(column[tick as usize], value, "{tick}");
         }
     }
@@ -301,15 +313,16 @@ fn a_refused_job_has_the_message_of_the_command_and_its_line() {
 
 #[test]
 fn the_plant_is_that_of_the_run() {
-    // A number type and a controller each; drives on a bus hear the service of the run.
+    // Sampled loops, a continuous controller, and drives on a bus with setpoints in binary32.
     for (name, tolerance) in [
         ("plant-thesis", 0.0),
         ("plant-reference", 0.0),
-        ("plant-vertical", 0.03),
+        ("plant-odrive", 0.01),
     ] {
         let file = format!("{}/../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let scene = Scene::read(&file).expect("a shipped scene");
         let reading = Reading::whole(&text_of(&file), &file, None);
+        assert!(reading.has_plant());
         let plant = reading.plant(500).expect("a run").expect("a plant");
         let folder = tempfile::tempdir().expect("a folder");
         let stop = AtomicBool::new(false);
@@ -420,7 +433,7 @@ fn an_input_out_of_range_is_refused() {
     let refused = read(&THESIS.replacen("proximal_m = 0.2", "proximal_m = -0.2", 1));
     assert!(
         refused
-            .with_job("G1 X1", "a.ngc", &JobInputs::default())
+            .with_job("G1 X1", "a.ngc", &JobInputs::default(), None)
             .is_err()
     );
 }

@@ -3,6 +3,8 @@
 /** A scene to be read whole. */
 export interface Question {
     module?: WebAssembly.Module;
+    /** Reader of drawings, for a job that is one. */
+    drawings?: WebAssembly.Module | undefined;
     id: number;
     text: string;
     file: string;

@@ -1,6 +1,6 @@
 // The page: a scene, its machine in the user's hand, its job.
 
-import { initSync, machineFile, Reading, bitsOf, type Machine } from "../core/core.js";
+import { initSync, isDrawing, machineFile, Reading, bitsOf, type Machine } from "../core/core.js";
 import type { Answer, JobTable, ModeRow, PlantTable, Trouble } from "./answers";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
@@ -45,6 +45,7 @@ class Page {
     private state: number[] = [0, 0, 0, ...MOTION];
     private job: JobTable | undefined;
     private jobModes: ModeRow[] | undefined;
+    private drawingModule: WebAssembly.Module | undefined;
     private plant: PlantTable | undefined;
     private row = 0;
     /** Files that were opened, by their names: scenes may take their machine from them. */
@@ -200,6 +201,14 @@ class Page {
         reading.free();
     }
 
+    /** Reader of drawings, if the job is one. It is compiled with the first of them. */
+    private drawings(): WebAssembly.Module | undefined {
+        const { job } = this.program;
+        if (job === undefined || !isDrawing(job.file)) return undefined;
+        this.drawingModule ??= new WebAssembly.Module(decompressed(bytesOf(page("drawings").textContent ?? "")));
+        return this.drawingModule;
+    }
+
     /** Text of the file that the scene takes its machine from: one that was opened, or a shipped one. */
     private machineText(): string | undefined {
         const name = machineFile(this.program.scene);
@@ -208,7 +217,7 @@ class Page {
 
     private readWhole(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
-        this.reader.ask(this.program.scene, this.file, this.machineText(), this.program.job);
+        this.reader.ask(this.program.scene, this.file, this.machineText(), this.program.job, this.drawings());
     }
 
     private takeMachine(machine: Machine): void {

@@ -16,9 +16,9 @@ export class Reader {
         private readonly onFailure: (sentence: string) => void,
     ) {}
 
-    ask(text: string, file: string, machine: string | undefined, job: JobFile | undefined): void {
+    ask(text: string, file: string, machine: string | undefined, job: JobFile | undefined, drawings: WebAssembly.Module | undefined): void {
         this.asked += 1;
-        const question: Question = { id: this.asked, text, file, machine, job };
+        const question: Question = { id: this.asked, text, file, machine, job, drawings };
         // An older question is of no interest any more, and may take long.
         if (this.isBusy) this.stop();
         if (!this.worker) {

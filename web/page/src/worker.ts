@@ -1,5 +1,6 @@
 // Reads scenes whole and plays their jobs, away from the thread that draws.
-import { initSync, JobInputs, Reading } from "../core/core.js";
+import { GivenDrawing, initSync, JobInputs, Reading } from "../core/core.js";
+import { initSync as initDrawings, readDrawing } from "../core/drawing.js";
 import type { Answer, JobFile, JobTable, ModesAnswer, PlantAnswer, PlantTable, Question } from "./answers";
 import { taken } from "./taken";
 
@@ -43,11 +44,21 @@ function plantOf(reading: Reading): PlantTable | string {
     }
 }
 
+let hasDrawings = false;
+
+/** Reads a drawing by the module of its own. */
+function drawingOf(text: string, module: WebAssembly.Module): GivenDrawing {
+    if (!hasDrawings) initDrawings({ module });
+    hasDrawings = true;
+    const { numbers, names, reason, word, line } = taken(readDrawing(text));
+    return reason === undefined ? GivenDrawing.read(numbers, names) : GivenDrawing.refused(line, word, reason);
+}
+
 /** Reads the job of the file in place of that of the scene. */
-function withJob(scene: Reading, { file, text, inputs }: JobFile): Reading {
+function withJob(scene: Reading, { file, text, inputs }: JobFile, drawings: WebAssembly.Module | undefined): Reading {
     const given = Object.assign(new JobInputs(), inputs);
     try {
-        return scene.withJob(text, file, given);
+        return scene.withJob(text, file, given, drawings && drawingOf(text, drawings));
     } finally {
         given.free();
         scene.free();
@@ -60,7 +71,7 @@ export function work(): void {
         if (module) initSync({ module });
         const scene = Reading.whole(text, file, machine);
         const isOfJob = data.job !== undefined && scene.refusal === undefined;
-        const reading = data.job && isOfJob ? withJob(scene, data.job) : scene;
+        const reading = data.job && isOfJob ? withJob(scene, data.job, data.drawings) : scene;
         const { refusal, verdict, warning, notes, breach } = reading;
         const job = refusal === undefined ? table(reading) : undefined;
         const path = isOfJob ? reading.path : undefined;

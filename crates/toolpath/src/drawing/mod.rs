@@ -5,6 +5,7 @@
 
 #[cfg(feature = "dxf")]
 mod dxf;
+mod flat;
 mod hatch;
 #[cfg(feature = "dxf")]
 mod join;
@@ -14,6 +15,7 @@ mod svg;
 
 #[cfg(feature = "dxf")]
 pub use dxf::read_dxf;
+pub use flat::FlatDrawing;
 pub use stroke::{Stroke, StrokeCurve};
 pub use svg::read_svg;
 
