@@ -18,24 +18,37 @@ fn main() -> Result<(), String> {
         let text =
             fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
-        // A machine in a file of its own is out of the page's reach.
-        if text.lines().any(|line| line.starts_with("machine =")) {
-            continue;
-        }
+        let machine = machine_of(&text)?;
         let file = format!("{name}.toml");
-        let moves = trirrr_web::planned_moves(&text, &file)?;
-        let hash = trirrr_web::bits_of(&text, &file, ticks, &moves)?;
+        let moves = trirrr_web::planned_moves(&text, &file, machine.clone())?;
+        let hash = trirrr_web::bits_of(&text, &file, machine, ticks, &moves)?;
         let moves: String = moves.iter().map(|number| format!(" {number}")).collect();
         println!("{name} {hash}{moves}");
     }
     Ok(())
 }
 
+/// Folder of the shipped scenes.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes")
+}
+
+/// Text of the file that the scene in `text` takes its machine from: one of the shipped ones.
+fn machine_of(text: &str) -> Result<Option<String>, String> {
+    let Some(name) = trirrr_web::machine_file(text) else {
+        return Ok(None);
+    };
+    let file = folder().join(name);
+    let read = fs::read_to_string(&file);
+    read.map(Some)
+        .map_err(|error| format!("{}: {error}", file.display()))
+}
+
 /// The shipped scenes of 3-RRR machines.
 fn scenes() -> Result<Vec<PathBuf>, String> {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let scenes = folder();
     let mut files = Vec::new();
-    for folder in ["", "paths", "design"] {
+    for folder in ["", "paths", "design", "inputs"] {
         let folder = scenes.join(folder);
         let entries =
             fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,5 +1,6 @@
-// The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS
-// BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS. Run by `cargo xtask page`.
+// The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS FILES
+// BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS; FILES is the folder of
+// shipped jobs. Run by `cargo xtask page`.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
@@ -8,7 +9,7 @@ import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const [file, bits, ticks, shots] = process.argv.slice(2);
+const [file, bits, ticks, shots, files] = process.argv.slice(2);
 
 /** Least frames per second while the platform is dragged, and latest first paint, ms: for idle machines, on request. Others may be slow. */
 const FRAMES_MIN = Number(process.env.TRIRRR_PAGE_FRAMES ?? 1);
@@ -59,7 +60,7 @@ const shot = (tab, name, options = {}) => tab.screenshot({ path: join(shots, `${
 async function actions(tab) {
     assert.match(await text(tab, "#verdict"), /^\d+ moves?, /);
     assert.equal(await tab.locator("#modes tr").count(), 8);
-    assert.equal(await tab.locator("#plots canvas").count(), 4);
+    assert.equal(await tab.locator("#plots canvas").count(), 6);
 
     // Arrow keys move the platform, Q turns it, and a screen reader hears of it.
     await tab.focus(".platform");
@@ -107,13 +108,90 @@ async function actions(tab) {
     await tab.setInputFiles("#file", { name: "mine.toml", mimeType: "application/toml", buffer: Buffer.from(scene) });
     await checked(tab);
     assert.equal(await tab.inputValue("#text"), scene);
-    await tab.setInputFiles("#file", { name: "plate.ngc", mimeType: "text/plain", buffer: Buffer.from("G0 X1") });
-    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.ngc is no scene"));
+    await tab.setInputFiles("#file", { name: "plate.dxf", mimeType: "text/plain", buffer: Buffer.from("0") });
+    await tab.waitForFunction(() => document.querySelector("#verdict").textContent.includes("plate.dxf is no scene"));
 
     // The job plays to its end.
     await tab.selectOption("#speed", "4");
     await tab.click("#play");
     await tab.waitForFunction(() => document.querySelector("#play").textContent === "Play" && document.querySelector("#time").value === document.querySelector("#time").max, undefined, { timeout: 20_000 });
+}
+
+/** Drops a file on the page, as a file manager does. */
+async function drop(tab, name, content) {
+    await tab.evaluate(([name, content]) => {
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([content], name));
+        document.querySelector("main").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    }, [name, content]);
+    await tab.waitForFunction((name) => document.querySelector("#show-job").textContent === name && !document.querySelector("#verdict").textContent.includes("checking"), name, { timeout: 60_000 });
+    await checked(tab);
+}
+
+/** Jobs in files: G-code and a drawing, with their messages, and back to the scene. */
+async function jobs(tab) {
+    await choose(tab, "engraving");
+    const scene = await tab.inputValue("#text");
+    const plate = readFileSync(join(files, "plate.ngc"), "utf8");
+    await drop(tab, "plate.ngc", plate);
+    assert.equal(await tab.inputValue("#text"), plate);
+    // Its zero is out of reach: the message stands beside the line of the program.
+    assert.match(await text(tab, ".trouble"), /^\d+:1 /);
+    assert.ok(await tab.isVisible(".breach"));
+    await tab.fill("#inputs [name=x_mm]", "180");
+    await tab.fill("#inputs [name=y_mm]", "245");
+    await tab.waitForFunction(() => /^\d+ moves, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
+    assert.equal(await text(tab, "#command"), "trirrr run plate.ngc --machine engraving.toml --origin 180,245");
+    assert.match(await text(tab, "#problems"), /^The job has a plan\./);
+    assert.equal(await tab.locator("#plots canvas").count(), 6);
+    await tab.waitForTimeout(300);
+    await shot(tab, "job", { fullPage: true });
+    // A word that is not known, with line and column.
+    await tab.fill("#text", plate.replace("G1 Y70", "G1 Q70"));
+    await tab.waitForFunction(() => document.querySelector(".trouble"), undefined, { timeout: 60_000 });
+    assert.match(await text(tab, ".trouble"), /^\d+:4 Q70: /);
+    assert.equal(await tab.isDisabled("#play"), true);
+    await shot(tab, "job-refused");
+    await drop(tab, "badge.svg", readFileSync(join(files, "badge.svg"), "utf8"));
+    assert.match(await text(tab, "#verdict"), /^\d+ moves, /);
+    assert.match(await text(tab, "#problems"), /--fit: as --scale [0-9.]+ --origin [-0-9.]+,[-0-9.]+/);
+    await shot(tab, "badge", { fullPage: true });
+    const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#download")]);
+    assert.equal(download.suggestedFilename(), "badge.svg");
+    // Back to the scene, which is as it was.
+    await tab.click("#close-job");
+    assert.equal(await tab.inputValue("#text"), scene);
+    await tab.waitForFunction(() => document.querySelector("#problems").textContent.startsWith("The scene is good."), undefined, { timeout: 60_000 });
+}
+
+/** A plant plays along: tracking errors, and its summary. */
+async function plants(tab) {
+    await choose(tab, "plant-thesis");
+    await tab.waitForFunction(() => document.querySelectorAll("#plant-rows tr").length === 4, undefined, { timeout: 120_000 });
+    assert.match(await text(tab, "#plant-words"), /^D is at most [0-9.]+ \u00b5m off its setpoint, at t = /);
+    assert.equal(await tab.locator("#plots canvas").count(), 9);
+    await tab.fill("#time", "50");
+    assert.notEqual(await tab.getAttribute(".measured", "points"), "");
+    await tab.waitForTimeout(300);
+    await shot(tab, "plant", { fullPage: true });
+}
+
+/** A machine in a file of its own: asked for, added, or dropped together with its scene. */
+async function machines(tab) {
+    await choose(tab, "plotter");
+    const scene = (await tab.inputValue("#text")).replace(/^machine = .*$/m, 'machine = "own.toml"');
+    const machine = await tab.evaluate(() => globalThis.trirrr.scenes.thesis);
+    const file = (name, content) => ({ name, mimeType: "application/toml", buffer: Buffer.from(content) });
+    await tab.setInputFiles("#file", file("one.toml", scene));
+    await tab.waitForFunction(() => document.querySelector(".trouble")?.textContent.includes("own.toml"));
+    assert.match(await text(tab, ".trouble"), /the page has no file own\.toml: open or drop own\.toml, too$/);
+    await tab.setInputFiles("#file", file("own.toml", machine));
+    await tab.waitForFunction(() => /^\d+ moves?, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
+    assert.equal(await tab.inputValue("#text"), scene);
+    const other = scene.replaceAll("own.toml", "other.toml");
+    await tab.setInputFiles("#file", [file("other.toml", machine), file("two.toml", other)]);
+    await tab.waitForFunction((text) => document.querySelector("#text").value === text, other);
+    await tab.waitForFunction(() => /^\d+ moves?, /.test(document.querySelector("#verdict").textContent), undefined, { timeout: 60_000 });
 }
 
 /** A link opens the same scene, also one that is edited. */
@@ -178,7 +256,7 @@ async function drag(tab) {
 async function core(tab) {
     return tab.evaluate(() => {
         const { Reading, scenes } = globalThis.trirrr;
-        const machine = Reading.draft(scenes.vertical, "vertical.toml").machine();
+        const machine = Reading.draft(scenes.vertical, "vertical.toml", undefined).machine();
         const [x, y, alpha] = machine.start;
         const count = 300;
         const begin = performance.now();
@@ -214,7 +292,11 @@ async function compare(tab) {
     assert.deepEqual(scenes, [...native.keys()].sort(), "both have the same scenes");
     for (const name of scenes) {
         const { hash, moves } = native.get(name);
-        const here = await tab.evaluate(([name, ticks, moves]) => globalThis.trirrr.bitsOf(globalThis.trirrr.scenes[name], `${name}.toml`, ticks, Float64Array.from(moves)), [name, Number(ticks), moves]);
+        const here = await tab.evaluate(([name, ticks, moves]) => {
+            const { bitsOf, machineFile, scenes } = globalThis.trirrr;
+            const machine = machineFile(scenes[name])?.replace(/\.toml$/, "");
+            return bitsOf(scenes[name], `${name}.toml`, machine && scenes[machine], ticks, Float64Array.from(moves));
+        }, [name, Number(ticks), moves]);
         assert.equal(here, hash, `${name}: bits in WebAssembly and native`);
     }
     console.log(`${scenes.length} scenes, ${scenes.length * Number(ticks)} ticks: the bits of the native core`);
@@ -229,6 +311,10 @@ try {
     await actions(tab);
     const pose = await core(tab);
     const { rate, longest, moved } = await drag(tab);
+    await jobs(tab);
+    await plants(tab);
+    await machines(tab);
+    await choose(tab, "vertical");
     await share(tab);
     await compare(tab);
     // Every shipped scene is read, and played; from a file, as the page is shipped.

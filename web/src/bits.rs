@@ -18,17 +18,24 @@ const MOVE: usize = 19;
 ///
 /// The job is played in the number type of the scene until there are enough ticks, each time with moves that are a tick longer, so that no
 /// setpoint comes twice. A setpoint without a motion counts with its reason. `moves`, if there are any, go in place of those of a path:
-/// plans take functions of the platform's library of mathematics, whose last bit differs from one to another.
+/// plans take functions of the platform's library of mathematics, whose last bit differs from one to another. `machine` is as in
+/// [`Reading::draft`].
 ///
 /// # Errors
 /// The refusal of the scene; `moves` that are none.
 #[wasm_bindgen(js_name = bitsOf)]
-pub fn bits_of(text: &str, file: &str, ticks: u32, moves: &[f64]) -> Result<String, String> {
+pub fn bits_of(
+    text: &str,
+    file: &str,
+    machine: Option<String>,
+    ticks: u32,
+    moves: &[f64],
+) -> Result<String, String> {
     let scene = match moves {
-        [] => good(text, file)?,
+        [] => good(text, file, machine)?,
         numbers => {
-            let draft = Scene::draft_set(text, file, &[]);
-            let mut scene = draft.map_err(|error| error.to_string())?;
+            let draft = Reading::draft(text, file, machine);
+            let mut scene = draft.draft_scene()?.clone();
             scene.job.moves = moves_from(numbers)?;
             scene
         }
@@ -41,8 +48,8 @@ pub fn bits_of(text: &str, file: &str, ticks: u32, moves: &[f64]) -> Result<Stri
 ///
 /// # Errors
 /// The refusal of the scene.
-pub fn planned_moves(text: &str, file: &str) -> Result<Vec<f64>, String> {
-    let scene = good(text, file)?;
+pub fn planned_moves(text: &str, file: &str, machine: Option<String>) -> Result<Vec<f64>, String> {
+    let scene = good(text, file, machine)?;
     let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
     let moves = scene.job.moves.iter().filter_map(|each| {
         let [begin, end] = each.accelerations?;
@@ -63,8 +70,8 @@ pub fn planned_moves(text: &str, file: &str) -> Result<Vec<f64>, String> {
     })
 }
 
-fn good(text: &str, file: &str) -> Result<Scene, String> {
-    let reading = Reading::whole(text, file);
+fn good(text: &str, file: &str, machine: Option<String>) -> Result<Scene, String> {
+    let reading = Reading::whole(text, file, machine);
     let scene = reading.good().cloned();
     scene.map_err(|reason| reading.refusal().unwrap_or(reason))
 }

@@ -18,6 +18,8 @@ pub struct PlayedJob {
     every: u32,
     ticks: u32,
     rate_hz: f64,
+    /// Speeds that the path asks for, m/s.
+    feeds: Vec<f64>,
     /// First tick of each move.
     begins: Vec<u32>,
     /// Reason why the job ends before its last tick.
@@ -47,6 +49,7 @@ impl PlayedJob {
             ticks,
             rate_hz: scene.tick_rate_hz,
             begins: begins.collect(),
+            feeds: feeds(scene),
             ..Self::default()
         };
         for tick in rows_of(ticks, played.every) {
@@ -83,6 +86,18 @@ impl PlayedJob {
         self.values.get(column).cloned()
     }
 
+    /// Speed of D along its path, m/s, of each row.
+    pub fn speeds(&self) -> Vec<f64> {
+        let [x, y] = ["vx", "vy"].map(|name| self.values(name).unwrap_or_default());
+        x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect()
+    }
+
+    /// Greatest speeds that the path of the job asks for, m/s, each once; none of moves between poses.
+    #[wasm_bindgen(getter)]
+    pub fn feeds(&self) -> Vec<f64> {
+        self.feeds.clone()
+    }
+
     /// Ticks from one row to the next.
     #[wasm_bindgen(getter)]
     pub fn every(&self) -> u32 {
@@ -107,6 +122,15 @@ impl PlayedJob {
     pub fn reason(&self) -> Option<String> {
         self.reason.clone()
     }
+}
+
+/// Speeds of the pieces of a path, each once.
+fn feeds(scene: &Scene) -> Vec<f64> {
+    let pieces = scene.job.path.iter().flat_map(|path| &path.pieces);
+    let mut feeds: Vec<f64> = pieces.filter_map(|each| each.feed_m_s).collect();
+    feeds.sort_by(f64::total_cmp);
+    feeds.dedup();
+    feeds
 }
 
 /// Ticks of the rows: every so many, and the last one.

@@ -1,6 +1,10 @@
 //! The text of a scene, checked.
 
-use crate::{JobMode, Machine, PlayedJob};
+use crate::job_file::{self, DrawnPath, GivenDrawing};
+use crate::{JobInputs, JobMode, Machine, PlayedJob, SimulatedPlant};
+use std::path::Path;
+use trirrr_jobs::JobRefusal;
+use trirrr_scene::read::machine_file_of;
 use trirrr_scene::{Scene, SceneError, visible};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -18,6 +22,36 @@ pub struct Problem {
     pub reason: String,
 }
 
+/// Name of the file that the scene in `text` takes its machine from, without folders; none of a scene with a machine of its own.
+#[wasm_bindgen(js_name = machineFile)]
+pub fn machine_file(text: &str) -> Option<String> {
+    machine_file_of(text).map(|path| base_name(Path::new(&path)))
+}
+
+fn base_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// Text of the file of a machine, or what to do about it.
+fn machine_text(machine: &Option<String>, path: &Path) -> Result<String, String> {
+    machine.clone().ok_or_else(|| {
+        let name = base_name(path);
+        format!("the page has no file {name}: open or drop {name}, too")
+    })
+}
+
+/// Line of `text` that names the file of the machine.
+fn machine_line(text: &str) -> u32 {
+    let names = |line: &str| {
+        let key = line.split_once('=').map(|(key, _)| key.trim());
+        key == Some("machine")
+    };
+    text.lines()
+        .position(names)
+        .map_or(1, |line| line as u32 + 1)
+}
+
 /// A text that was read as a scene.
 #[wasm_bindgen]
 #[derive(Debug)]
@@ -27,49 +61,55 @@ pub struct Reading {
     refusal: Option<String>,
     /// The scene; of one that is refused only where its values are right and its job is not.
     scene: Option<Scene>,
+    /// Path of a job in a file of its own.
+    drawn: DrawnPath,
 }
 
 #[wasm_bindgen]
 impl Reading {
-    /// Reads the values of `text` and looks at no pose: quick enough for each key stroke. `file` is named in messages.
-    pub fn draft(text: &str, file: &str) -> Self {
-        match Scene::draft_set(text, file, &[]) {
-            Ok(scene) => Self {
-                problems: Vec::new(),
-                refusal: None,
-                scene: Some(scene),
-            },
-            Err(error) => Self::refused(&error, None),
+    /// Reads the values of `text` and looks at no pose: quick enough for each key stroke. `file` is named in messages. `machine` is the
+    /// text of the file that the scene takes its machine from, if [`machine_file`] names one.
+    pub fn draft(text: &str, file: &str, machine: Option<String>) -> Self {
+        match Scene::draft_from(text, file, &|path| machine_text(&machine, path)) {
+            Ok(scene) => Self::of_job(scene, DrawnPath::default()),
+            Err(error) => Self::refused(&error, None, text),
         }
     }
 
     /// Reads `text` as every command of `trirrr` does: poses, limits, and each move by the admission of the machine's service; a path is
-    /// planned.
-    pub fn whole(text: &str, file: &str) -> Self {
-        let (read, shown) = Scene::parse_shown(text, file, &[]);
+    /// planned. Arguments as in [`draft`](Self::draft).
+    pub fn whole(text: &str, file: &str, machine: Option<String>) -> Self {
+        let (read, shown) =
+            Scene::parse_shown_from(text, file, &|path| machine_text(&machine, path));
         match read {
-            Ok(scene) => Self {
-                problems: Vec::new(),
-                refusal: None,
-                scene: Some(scene),
-            },
-            Err(error) => Self::refused(&error, shown),
+            Ok(scene) => Self::of_job(scene, DrawnPath::default()),
+            Err(error) => Self::refused(&error, shown, text),
         }
     }
 
-    fn refused(error: &SceneError, scene: Option<Scene>) -> Self {
+    fn refused(error: &SceneError, scene: Option<Scene>, text: &str) -> Self {
         let problems: &[trirrr_scene::Problem] = match error {
             SceneError::Refused { problems, .. } => problems,
             SceneError::Unreadable { .. } => &[],
         };
         let problems = problems.iter().map(|problem| {
-            let text = problem.to_string();
+            let words = problem.to_string();
+            if let Some(source) = &problem.source {
+                // The file of the machine has no lines on the page: the line that names it stands for them.
+                let sentence = format!("{}:{words}", visible(source));
+                return Problem {
+                    line: machine_line(text),
+                    column: 1,
+                    reason: sentence.clone(),
+                    sentence,
+                };
+            }
             // The page shows the line itself.
             let line = format!("{}: ", problem.line);
             Problem {
                 line: problem.line as u32,
                 column: problem.column as u32,
-                sentence: text.strip_prefix(&line).unwrap_or(&text).to_owned(),
+                sentence: words.strip_prefix(&line).unwrap_or(&words).to_owned(),
                 reason: visible(&problem.reason).into_owned(),
             }
         });
@@ -77,7 +117,87 @@ impl Reading {
             problems: problems.collect(),
             refusal: Some(error.to_string()),
             scene,
+            drawn: DrawnPath::default(),
         }
+    }
+
+    /// Reads the job in `text`, G-code, or the `drawing` that was read from it, for the machine of this scene, as
+    /// `trirrr run FILE --machine SCENE` does. Problems of the answer stand in the lines of that file.
+    ///
+    /// # Errors
+    /// The scene is refused, or was read as a draft.
+    #[wasm_bindgen(js_name = withJob)]
+    pub fn with_job(
+        &self,
+        text: &str,
+        file: &str,
+        inputs: &JobInputs,
+        drawing: Option<GivenDrawing>,
+    ) -> Result<Self, String> {
+        let scene = self.good()?;
+        Ok(job_file::plan(scene, text, file, inputs, drawing))
+    }
+
+    /// A scene that is good, with the path of its file if the job has one.
+    pub(crate) fn of_job(scene: Scene, drawn: DrawnPath) -> Self {
+        Self {
+            problems: Vec::new(),
+            refusal: None,
+            scene: Some(scene),
+            drawn,
+        }
+    }
+
+    /// The refusal of the job in `text`.
+    pub(crate) fn of_refused_job(
+        text: &str,
+        file: &str,
+        refusal: &JobRefusal,
+        drawn: DrawnPath,
+    ) -> Self {
+        let line = refusal.line.unwrap_or(1);
+        let written = text.lines().nth(line as usize - 1).unwrap_or_default();
+        // A reason begins with the word of the line that it is about.
+        let word = refusal.reason.split_once(": ").map(|(word, _)| word);
+        let before = word.and_then(|word| {
+            let at = written
+                .to_ascii_uppercase()
+                .find(&word.to_ascii_uppercase());
+            written.get(..at?)
+        });
+        let problem = Problem {
+            line,
+            column: 1 + before.map_or(0, |before| before.chars().count() as u32),
+            sentence: match refusal.line {
+                Some(_) => visible(&refusal.reason).into_owned(),
+                None => visible(refusal.text.trim_start()).into_owned(),
+            },
+            reason: visible(&refusal.reason).into_owned(),
+        };
+        Self {
+            problems: vec![problem],
+            refusal: Some(format!("{file}:{refusal}")),
+            scene: None,
+            drawn,
+        }
+    }
+
+    /// Points of the path in a job's file, x and y in turns, m; none where it cannot be read.
+    #[wasm_bindgen(getter)]
+    pub fn path(&self) -> Vec<f64> {
+        self.drawn.points.clone()
+    }
+
+    /// Place at which the path has no plan: x and y, m.
+    #[wasm_bindgen(getter)]
+    pub fn breach(&self) -> Option<Vec<f64>> {
+        self.drawn.breach.map(Vec::from)
+    }
+
+    /// What the command line says about a job's file: the place that was found for it, lines that wait for the user.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.drawn.notes.clone()
     }
 
     /// Everything that is wrong, in the order of the text; nothing of a good scene.
@@ -138,6 +258,26 @@ impl Reading {
     #[wasm_bindgen(js_name = jobModes)]
     pub fn job_modes(&self) -> Result<Vec<JobMode>, String> {
         JobMode::all(self.good()?)
+    }
+
+    /// The scene has a plant, and its job can be played.
+    #[wasm_bindgen(getter, js_name = hasPlant)]
+    pub fn has_plant(&self) -> bool {
+        self.good().is_ok_and(|scene| scene.plant.is_some())
+    }
+
+    /// Simulates the plant of the scene under the job, and keeps up to `rows` rows of it; nothing of a scene without a plant.
+    ///
+    /// # Errors
+    /// As [`job`](Self::job); the plant is refused.
+    pub fn plant(&self, rows: u32) -> Result<Option<SimulatedPlant>, String> {
+        SimulatedPlant::of(self.good()?, rows)
+    }
+
+    /// The scene of a draft.
+    pub(crate) fn draft_scene(&self) -> Result<&Scene, String> {
+        let refusal = || self.refusal.clone().unwrap_or_default();
+        self.scene.as_ref().ok_or_else(refusal)
     }
 
     /// The scene, if its job can be played.

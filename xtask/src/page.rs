@@ -1,7 +1,7 @@
 //! `cargo xtask page`: the page as one file, and its test in a headless Chromium.
 //!
-//! The module is compiled for WebAssembly, the generator that fits its wasm-bindgen writes its JavaScript, and esbuild bundles both with the
-//! page's TypeScript into `target/page/trirrr.html`. Tools come from npm by `web/page/package-lock.json`.
+//! The modules are compiled for WebAssembly, the generator that fits their wasm-bindgen writes their JavaScript and compresses them, and
+//! esbuild bundles all with the page's TypeScript into `target/page/trirrr.html`. Tools come from npm by `web/page/package-lock.json`.
 
 use crate::packages::choose_host;
 use crate::programs::succeed;
@@ -47,9 +47,10 @@ fn folder() -> PathBuf {
 fn build() -> Result<PathBuf> {
     let mut module = cargo();
     module
-        .args(["build", "--quiet", "--lib", "--package", "trirrr-web"])
+        .args(["build", "--quiet", "--lib"])
+        .args(["--package", "trirrr-web", "--package", "trirrr-web-drawing"])
         .args(["--target", TARGET, "--profile", PROFILE]);
-    succeed(&mut module, "the page's module")?;
+    succeed(&mut module, "the page's modules")?;
     let build = folder().join("build");
     // A file that is no longer there would be checked with the others.
     let old = build.join("src");
@@ -58,12 +59,15 @@ fn build() -> Result<PathBuf> {
     }
     copy(&root().join("web/page"), &build)?;
     let module = target_directory().join(TARGET).join(PROFILE);
-    let mut generator = cargo();
-    generator
-        .args(["run", "--quiet", "--package", "trirrr-web-bindgen", "--"])
-        .arg(module.join("trirrr_web.wasm"))
-        .arg(build.join("core"));
-    succeed(&mut generator, "the JavaScript of the module")?;
+    for (file, name) in [("trirrr_web", "core"), ("trirrr_web_drawing", "drawing")] {
+        let mut generator = cargo();
+        generator
+            .args(["run", "--quiet", "--package", "trirrr-web-bindgen", "--"])
+            .arg(module.join(file).with_extension("wasm"))
+            .arg(build.join("core"))
+            .arg(name);
+        succeed(&mut generator, "the JavaScript of the modules")?;
+    }
     let mut install = Command::new("npm");
     // No package runs a script of its own.
     install.args([
@@ -115,6 +119,7 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
         .args([page, &bits])
         .arg(ticks.to_string())
         .arg(folder())
+        .arg(root().join("scenes/jobs"))
         .current_dir(folder().join("build"));
     succeed(&mut browser, "the page in Chromium")
 }

@@ -1,4 +1,30 @@
-//! Time of a run: samples, rows and the end.
+//! Time of a run: samples, rows and the end; and the time that the simulation takes.
+
+use std::time::Duration;
+#[cfg(not(target_family = "wasm"))]
+use std::time::Instant;
+
+/// Clock of the computer. In WebAssembly there is none: no time passes.
+pub(crate) struct Stopwatch {
+    #[cfg(not(target_family = "wasm"))]
+    started: Instant,
+}
+
+impl Stopwatch {
+    pub(crate) fn start() -> Self {
+        Self {
+            #[cfg(not(target_family = "wasm"))]
+            started: Instant::now(),
+        }
+    }
+
+    pub(crate) fn elapsed(&self) -> Duration {
+        #[cfg(not(target_family = "wasm"))]
+        return self.started.elapsed();
+        #[cfg(target_family = "wasm")]
+        Duration::ZERO
+    }
+}
 
 /// Samples, rows and the end, in the order of time.
 pub(crate) struct RunClock {

@@ -25,6 +25,18 @@ pub enum PlantEnd {
     Failed(String),
 }
 
+impl PlantEnd {
+    /// Reason why the run did not reach its end; none of one that did, or was interrupted.
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            Self::Complete | Self::Interrupted { .. } => None,
+            Self::Ended(ending) => Some(format!("the plant {ending}")),
+            Self::EnergyLost(loss) => Some(format!("the plant {loss}")),
+            Self::Failed(reason) => Some(format!("the plant: {reason}")),
+        }
+    }
+}
+
 /// Energy that is missing beyond the errors that the method of integration explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyLoss {
@@ -88,7 +100,7 @@ pub struct Outcome {
     pub end: PlantEnd,
     /// Time simulated, s.
     pub simulated_s: f64,
-    /// Time that the simulation took.
+    /// Time that the simulation took; 0 in WebAssembly, which has no clock.
     pub elapsed: Duration,
     /// Method of integration.
     pub method: Method,

@@ -1,6 +1,6 @@
 //! A run of a scene's plant, tick by tick.
 
-use crate::clock::RunClock;
+use crate::clock::{RunClock, Stopwatch};
 use crate::control::Continuous;
 use crate::driven::{Driven, Sampled};
 use crate::drives::{self, samples_per_tick};
@@ -13,7 +13,7 @@ use crate::stability;
 use crate::table::Row;
 use crate::watch::{Cause, Ending};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use trirrr_core::number::Number;
 use trirrr_drives::count::Countable;
 use trirrr_drives::stepper::Line;
@@ -211,7 +211,7 @@ impl<const D: usize> Run<D> {
         stop: Option<&AtomicBool>,
         sink: &mut dyn FnMut(&Row),
     ) {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         while self.ended.is_none() && self.clock.t < until {
             match self.step(&mut driven, stop, sink) {
                 Ok(true) => {}

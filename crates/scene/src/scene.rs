@@ -16,7 +16,9 @@ use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::{Plant, read_plant};
 use crate::power::{Power, read_power, read_reactions};
-use crate::read::{Bound, Document, Place, Section, Setting, text_of, with_scene};
+use crate::read::{
+    Bound, Document, MachineTexts, Place, Section, Setting, on_disk, text_of, with_scene_from,
+};
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
 use crate::tool::{ToolPort, check_tool, read_tool_port};
@@ -211,7 +213,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with everything found wrong.
     pub fn parse_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, ReadDepth::Whole, &mut None)
+        Self::parse_in(text, file, settings, &on_disk, ReadDepth::Whole, &mut None)
     }
 
     /// Reads as [`parse_set`](Self::parse_set), and looks at no pose: the job may ask for what the machine cannot do. A path is not
@@ -220,7 +222,15 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Refused`] with every value that is refused.
     pub fn draft_set(text: &str, file: &str, settings: &[Setting]) -> Result<Self, SceneError> {
-        Self::parse_in(text, file, settings, ReadDepth::Values, &mut None)
+        Self::parse_in(text, file, settings, &on_disk, ReadDepth::Values, &mut None)
+    }
+
+    /// Reads as [`draft_set`](Self::draft_set), and takes the file of the machine from `machines`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn draft_from(text: &str, file: &str, machines: &MachineTexts) -> Result<Self, SceneError> {
+        Self::parse_in(text, file, &[], machines, ReadDepth::Values, &mut None)
     }
 
     /// Reads the scene in `file` with `settings`, of which only the job is refused: its moves break a limit, or the machine cannot follow
@@ -240,7 +250,25 @@ impl Scene {
         settings: &[Setting],
     ) -> (Result<Self, SceneError>, Option<Self>) {
         let mut refused = None;
-        let read = Self::parse_in(text, file, settings, ReadDepth::Whole, &mut refused);
+        let read = Self::parse_in(
+            text,
+            file,
+            settings,
+            &on_disk,
+            ReadDepth::Whole,
+            &mut refused,
+        );
+        (read, refused)
+    }
+
+    /// Checks as [`parse_shown`](Self::parse_shown), and takes the file of the machine from `machines`.
+    pub fn parse_shown_from(
+        text: &str,
+        file: &str,
+        machines: &MachineTexts,
+    ) -> (Result<Self, SceneError>, Option<Self>) {
+        let mut refused = None;
+        let read = Self::parse_in(text, file, &[], machines, ReadDepth::Whole, &mut refused);
         (read, refused)
     }
 
@@ -249,22 +277,31 @@ impl Scene {
         text: &str,
         file: &str,
         settings: &[Setting],
+        machines: &MachineTexts,
         depth: ReadDepth,
         refused: &mut Option<Self>,
     ) -> Result<Self, SceneError> {
-        with_scene(text, file, settings, TOP_KEYS, |document, root, whole| {
-            let key = key(whole.text.as_bytes());
-            let (mut scene, placed, homing, places) =
-                read_scene(document, root, key, depth, refused).filter(|_| document.is_clean())?;
-            scene.machine_file = whole.machine_file.clone();
-            if depth == ReadDepth::Whole {
-                check_machine(document, &scene, &placed, homing.as_ref(), &places);
-            }
-            if !document.is_clean() {
-                *refused = Some(scene.clone());
-            }
-            Some(scene)
-        })
+        with_scene_from(
+            text,
+            file,
+            settings,
+            TOP_KEYS,
+            machines,
+            |document, root, whole| {
+                let key = key(whole.text.as_bytes());
+                let (mut scene, placed, homing, places) =
+                    read_scene(document, root, key, depth, refused)
+                        .filter(|_| document.is_clean())?;
+                scene.machine_file = whole.machine_file.clone();
+                if depth == ReadDepth::Whole {
+                    check_machine(document, &scene, &placed, homing.as_ref(), &places);
+                }
+                if !document.is_clean() {
+                    *refused = Some(scene.clone());
+                }
+                Some(scene)
+            },
+        )
     }
 
     /// Returns the kind of model that the scene needs.

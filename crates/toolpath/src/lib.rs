@@ -8,6 +8,7 @@
 
 pub mod drawing;
 pub mod gcode;
+#[cfg(feature = "raster")]
 pub mod raster;
 pub mod table;
 

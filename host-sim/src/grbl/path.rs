@@ -1,8 +1,8 @@
 //! Motions of a sender as pieces of a path without an end.
 
-use crate::job_file::{has_length, piece_from, pose_of, tool_of};
 use std::collections::VecDeque;
 use trirrr_core::setpoint::Pose;
+use trirrr_jobs::{has_length, piece_from, pose_of, tool_of};
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;

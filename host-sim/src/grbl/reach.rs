@@ -1,10 +1,10 @@
 //! Look at a motion before the machine gets it.
 
-use crate::job_file::{piece_from, pose_of};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::units::Units;
 use trirrr_grbl::MotionCheck;
+use trirrr_jobs::{piece_from, pose_of};
 use trirrr_scene::Scene;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_toolpath::{ToolMotion, ToolPlace};

@@ -5,6 +5,8 @@ use super::image_args::ImageArgs;
 use crate::arguments::SetArgs;
 use clap::Args;
 use std::path::PathBuf;
+use trirrr_jobs::JobOptions;
+use trirrr_toolpath::ToolPlace;
 
 /// Job that stands in a file of its own.
 #[derive(Args, Clone, Debug)]
@@ -51,6 +53,24 @@ impl Default for JobFileArgs {
             repeat: 1,
             drawing: DrawingArgs::default(),
             image: ImageArgs::default(),
+        }
+    }
+}
+
+impl JobFileArgs {
+    /// The options that the arguments give, in SI units.
+    pub(super) fn options(&self) -> JobOptions {
+        let [x, y, alpha] = self.origin.unwrap_or([0.0; 3]);
+        JobOptions {
+            origin: ToolPlace {
+                position_m: [1e-3 * x, 1e-3 * y],
+                alpha_rad: alpha.to_radians(),
+            },
+            corner_m: 1e-3 * self.corner,
+            full_power: self.full_power,
+            ignore_z: self.ignore_z,
+            repeat: self.repeat,
+            drawing: self.drawing.options(),
         }
     }
 }

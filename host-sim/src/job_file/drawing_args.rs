@@ -3,8 +3,8 @@
 use super::JobKind;
 use crate::arguments::factor;
 use clap::Args;
-use trirrr_toolpath::ToolWork;
-use trirrr_toolpath::drawing::{Pen, PenKey};
+use trirrr_jobs::{DrawingOptions, PenOption};
+use trirrr_toolpath::drawing::PenKey;
 
 /// Feed, pens and place of a drawing; feed and place of an image; feed of a table.
 #[derive(Args, Clone, Debug, Default)]
@@ -66,23 +66,22 @@ impl DrawingArgs {
         })
     }
 
-    /// Pen of the strokes without an own one at `feed_m_s`, and those of colours and layers.
-    pub(super) fn pens(&self, feed_m_s: f64) -> (Pen, Vec<(PenKey, Pen)>) {
-        let pen = |power: Option<f64>, feed_m_s: f64| Pen {
-            feed_m_s,
-            work: power.map(|power| ToolWork {
-                power,
-                follows_speed: !self.constant_power,
-            }),
-        };
-        let own = self.pen.iter().map(|each| {
-            let feed_m_s = each.feed.map_or(feed_m_s, metres_per_second);
-            (each.key.clone(), pen(each.power, feed_m_s))
+    /// The options that the arguments give, in SI units.
+    pub(super) fn options(&self) -> DrawingOptions {
+        let pens = self.pen.iter().map(|each| PenOption {
+            key: each.key.clone(),
+            power: each.power,
+            speed_m_s: each.feed.map(metres_per_second),
         });
-        (
-            pen(Some(self.power.unwrap_or(1.0)), feed_m_s),
-            own.collect(),
-        )
+        DrawingOptions {
+            speed_m_s: self.speed_m_s(),
+            power: self.power,
+            constant_power: self.constant_power,
+            pens: pens.collect(),
+            hatch_m: self.hatch.map(|pitch_mm| 1e-3 * pitch_mm),
+            scale: self.scale,
+            fit: self.fit,
+        }
     }
 }
 

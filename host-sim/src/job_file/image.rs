@@ -1,7 +1,8 @@
 //! Raster images on a machine: size, place, and the work of the tool.
 
 use super::JobFileArgs;
-use super::fit::{Fitted, fit};
+use crate::terminal::say;
+use trirrr_jobs::{Fitted, fit, level_origin_m};
 use trirrr_scene::Scene;
 use trirrr_toolpath::raster::{GreyImage, RasterPath, RasterSetup};
 use trirrr_toolpath::{PathFault, ToolPlace, ToolWork};
@@ -17,7 +18,7 @@ fn fault(word: &str, reason: String) -> PathFault {
     }
 }
 
-/// Tool path of `image` on the machine of `scene`, with its lower left corner at `origin_m`, or where it fits.
+/// Tool path of `image` on the machine of `scene`, with its lower left corner at the zero point, or where it fits.
 ///
 /// # Errors
 /// The image has no speed, or one at which its pixels are shorter than a tick; the machine has no room for it; nothing is
@@ -25,10 +26,10 @@ fn fault(word: &str, reason: String) -> PathFault {
 pub(super) fn rows(
     image: &GreyImage,
     scene: &Scene,
-    origin_m: [f64; 2],
     args: &JobFileArgs,
 ) -> Result<RasterPath, PathFault> {
     let (own, shared) = (&args.image, &args.drawing);
+    let origin_m = level_origin_m(&args.options())?;
     let feed_m_s = shared.speed_m_s().ok_or_else(|| {
         let reason = "an image has no speed: add --speed MM_PER_MIN, the speed along its rows";
         fault("", reason.into())
@@ -57,6 +58,7 @@ pub(super) fn rows(
     if shared.fit {
         let bounds = [[0.0; 2], [width_m, width_m * image.aspect()]];
         placed = fit(bounds, own.overscan_m(), placed.scale, scene)?;
+        say(&format!("--fit: as {placed}"));
     }
     let pixels = placed.scale * width_m / pitch_m;
     let raster = image.raster(pixels, own.tones())?;

@@ -1,11 +1,11 @@
 //! Paths of long files, read block by block.
 
-use super::path::{PathReader, PathSink, TOLERANCE_M, TOLERANCE_RAD};
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
 use trirrr_core::setpoint::Pose;
+use trirrr_jobs::{PathReader, PathSink, TOLERANCE_M, TOLERANCE_RAD};
 use trirrr_plan::corner::CornerRounding;
 use trirrr_plan::course::PathPiece;
 use trirrr_scene::{BlockCutter, Dwell, PathBlock, Tool};

@@ -1,13 +1,10 @@
 //! Jobs in files of their own: G-code, drawings, images and tables, planned for the machine of a scene.
 
 mod args;
-mod drawing;
 mod drawing_args;
-mod fit;
 mod image;
 mod image_args;
 mod long;
-mod path;
 mod queue;
 mod read;
 
@@ -18,7 +15,6 @@ pub use image_args::ImageArgs;
 use long::LongPath;
 use read::{JobKind, ReadWay};
 
-pub(crate) use path::{has_length, piece_from, pose_of, tool_of};
 pub(crate) use queue::{QueuedJob, load_queue};
 
 use crate::failure::CliError;
@@ -27,11 +23,9 @@ use crate::recording::unwritable;
 use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
+use trirrr_jobs::{JobRefusal, breach, job_scene};
 use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned, UntakenJob};
 use trirrr_toolpath::PathFault;
-
-/// Longest name of a job: that of a folder, and on the wire.
-const LONGEST_NAME: usize = 32;
 
 /// Place for the moves of a long job of G-code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,17 +139,10 @@ fn load_for(
     };
     let machine = args.set.scene_to_move(machine)?;
     let name = file.display();
-    let refused = |fault: PathFault| CliError::Refused(format!("{name}:{}", in_line(&fault)));
-    let read = read::read(file, &machine, args, moves)?.map_err(refused)?;
-    let mut scene = Scene {
-        name: job_name(file, &machine.name),
-        description: format!("{name} on the machine {}", machine.name),
-        ..machine.clone()
-    };
-    let unplanned = |error: Unplanned| {
-        let place = number(&error).map(|number| read.places.of(number + 1) + ":");
-        CliError::Refused(format!("{name}:{} {error}", place.unwrap_or_default()))
-    };
+    let refused = |refusal: JobRefusal| CliError::Refused(format!("{name}:{refusal}"));
+    let read = read::read(file, &machine, args, moves)?.map_err(|fault| refused(fault.into()))?;
+    let mut scene = job_scene(&name.to_string(), &machine);
+    let unplanned = |error: Unplanned| refused(read.places.refusal(&error));
     match &read.way {
         ReadWay::Whole(path) => {
             let planned = scene.take_path(path);
@@ -167,7 +154,7 @@ fn load_for(
         }
         ReadWay::Long(path) => {
             take_long(&mut scene, path).map_err(|error| match error {
-                UntakenJob::Path(fault) => refused(fault),
+                UntakenJob::Path(fault) => refused(fault.into()),
                 UntakenJob::Plan(error) => unplanned(error),
                 UntakenJob::Spool(_) => {
                     CliError::Failed(format!("{name}: {error}; TMPDIR names its folder"))
@@ -244,60 +231,4 @@ fn preview(
     let file = drawn.write(file).map_err(failed)?;
     say(&format!("wrote {}", file.display()));
     Ok(())
-}
-
-/// A fault behind the name of its file.
-fn in_line(fault: &PathFault) -> String {
-    let space = if fault.line == 0 { " " } else { "" };
-    format!("{space}{fault}")
-}
-
-/// Number of the element that cannot be planned, from 0.
-fn number(error: &Unplanned) -> Option<u32> {
-    match error {
-        Unplanned::Path { number, .. }
-        | Unplanned::NoAlpha { number, .. }
-        | Unplanned::Dwell { number }
-        | Unplanned::LongDwell { number, .. }
-        | Unplanned::Levels { number }
-        | Unplanned::Tool { number } => Some(*number as u32),
-        Unplanned::Machine(_) | Unplanned::Units | Unplanned::Ticks(_) => None,
-    }
-}
-
-/// Place at which a path cannot be planned, m.
-fn breach(error: &Unplanned) -> Option<[f64; 2]> {
-    match error {
-        Unplanned::Path { refusal, .. } | Unplanned::NoAlpha { refusal, .. } => {
-            Some(refusal.pose.position.into())
-        }
-        _ => None,
-    }
-}
-
-/// Name for results and for the wire: that of the file, in the letters of names.
-fn job_name(file: &Path, machine: &str) -> String {
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    let letter = |c: char| match c.is_ascii_alphanumeric() || c == '-' {
-        true => c,
-        false => '_',
-    };
-    let name: String = stem.chars().map(letter).take(LONGEST_NAME).collect();
-    match name.is_empty() {
-        true => machine.to_owned(),
-        false => name,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_job_is_named_after_its_file() {
-        assert_eq!(job_name(Path::new("a/My part (2).ngc"), "m"), "My_part__2_");
-        assert_eq!(job_name(Path::new(".."), "m"), "m");
-        let long = "x".repeat(99);
-        assert_eq!(job_name(Path::new(&long), "m").len(), LONGEST_NAME);
-    }
 }

@@ -34,11 +34,8 @@ impl Simulated {
     /// Reason why the plant did not come to the end of the job.
     pub(super) fn reason(&self) -> Option<String> {
         match &self.outcome.end {
-            PlantEnd::Complete => None,
             PlantEnd::Interrupted { .. } => Some(super::STOPPED.into()),
-            PlantEnd::Ended(ending) => Some(format!("the plant {ending}")),
-            PlantEnd::EnergyLost(loss) => Some(format!("the plant {loss}")),
-            PlantEnd::Failed(reason) => Some(format!("the plant: {reason}")),
+            end => end.reason(),
         }
     }
 }

@@ -1,14 +1,17 @@
 // The page: a scene, its machine in the user's hand, its job.
 
-import { initSync, Reading, bitsOf, type Machine } from "../core/core.js";
-import type { Answer, JobTable, ModeRow, Trouble } from "./answers";
+import { initSync, isDrawing, machineFile, Reading, bitsOf, type Machine } from "../core/core.js";
+import type { Answer, JobTable, ModeRow, PlantTable, Trouble } from "./answers";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
 import { number } from "./format";
 import { Panel } from "./panel";
+import { decompressed } from "./lzma";
+import { showPlant } from "./plant";
 import { Plots } from "./plots";
+import { isJob, Program } from "./program";
 import { Reader } from "./reader";
-import { bytesOf, fragmentOf, sceneOf, unzipped } from "./share";
+import { bytesOf, fragmentOf, sceneOf } from "./share";
 import { taken, takenAssemblies, type TakenLimits } from "./taken";
 
 /** Pause in the user's writing after which the scene is read whole, ms. */
@@ -42,7 +45,11 @@ class Page {
     private state: number[] = [0, 0, 0, ...MOTION];
     private job: JobTable | undefined;
     private jobModes: ModeRow[] | undefined;
+    private drawingModule: WebAssembly.Module | undefined;
+    private plant: PlantTable | undefined;
     private row = 0;
+    /** Files that were opened, by their names: scenes may take their machine from them. */
+    private readonly files = new Map<string, string>();
     private timer = 0;
     /** The scene as it was loaded: its name among the shipped ones, and its text. */
     private loaded = { name: "", text: "" };
@@ -56,6 +63,7 @@ class Page {
     private readonly panel = new Panel(page, (state) => this.takeState(state));
     private readonly plots = new Plots(page("plots"), (time) => this.goTo(time));
     private readonly editor = new Editor(page("text") as HTMLTextAreaElement, page("gutter"), page("marks"), page("problems"), () => this.edited());
+    private readonly program = new Program(page, this.editor, () => this.file, () => this.ask());
     private readonly time = page("time") as HTMLInputElement;
     private readonly play = page("play") as HTMLButtonElement;
     private readonly reader: Reader;
@@ -68,7 +76,13 @@ class Page {
                 this.jobModes = answer.modes;
                 this.show();
             },
-            (sentence) => this.editor.show([atTheTop(sentence)], ""),
+            ({ plant }) => {
+                this.plant = typeof plant === "string" ? undefined : plant;
+                showPlant(page, plant);
+                this.redrawPlots();
+                this.showRow(this.row, this.isAtJob);
+            },
+            (sentence) => this.program.tell("scene", [atTheTop(sentence)], ""),
         );
         this.listen();
     }
@@ -93,13 +107,12 @@ class Page {
         const file = page("file") as HTMLInputElement;
         page("open").addEventListener("click", () => file.click());
         file.addEventListener("change", () => {
-            void this.open(file.files?.[0]);
-            file.value = "";
+            void this.open(file.files).finally(() => (file.value = ""));
         });
         addEventListener("dragover", (event) => event.preventDefault());
         addEventListener("drop", (event) => {
             event.preventDefault();
-            void this.open(event.dataTransfer?.files[0]);
+            void this.open(event.dataTransfer?.files);
         });
         page("share").addEventListener("click", () => void this.share());
         page("download").addEventListener("click", () => this.download());
@@ -110,7 +123,7 @@ class Page {
             this.redrawPlots();
         });
         matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redrawPlots());
-        addEventListener("hashchange", () => void sceneOf(location.hash).then((text) => text !== undefined && text !== this.editor.value && this.load("", text)));
+        addEventListener("hashchange", () => void sceneOf(location.hash).then((text) => text !== undefined && text !== this.program.scene && this.load("", text)));
     }
 
     /** Begins with another scene. */
@@ -124,23 +137,44 @@ class Page {
         pick.querySelector("option[value='']")?.remove();
         if (name === "") pick.prepend(new Option("yours", ""));
         pick.value = name;
-        this.editor.value = text;
+        this.program.scene = text;
         this.machine?.free();
         this.machine = undefined;
         this.readDraft();
         this.readWhole();
     }
 
-    /** Takes the scene of a file. */
-    private async open(file: File | undefined): Promise<void> {
-        if (!file) return;
-        if (file.name.endsWith(".toml")) this.load("", await file.text());
-        else this.setVerdict(`${file.name} is no scene: a job in G-code or a drawing is for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
+    /** Takes scenes and jobs of files. */
+    private async open(files: Iterable<File> | null | undefined): Promise<void> {
+        const opened = [...(files ?? [])];
+        const scenes = opened.filter((file) => file.name.endsWith(".toml"));
+        for (const file of scenes) this.files.set(file.name, await file.text());
+        // The file that a scene waits for is no scene of its own then, and of several the one that names another is the scene.
+        const names = scenes.map((file) => file.name);
+        const texts = names.map((name) => this.files.get(name) ?? "");
+        const scene = texts.find((text) => names.includes(machineFile(text) ?? "")) ?? texts[0];
+        const wanted = machineFile(this.program.scene);
+        if (scene !== undefined && names.length === 1 && names[0] === wanted) this.edited();
+        else if (scene !== undefined) this.load("", scene);
+        for (const file of opened.filter((each) => !scenes.includes(each))) {
+            if (isJob(file.name)) {
+                this.program.take(file.name, await file.text());
+                this.row = 0;
+                this.readWhole();
+            } else this.setVerdict(`${file.name} is no scene (.toml) and no job in G-code (.gcode, .nc, .ngc) or SVG; DXF, images and tables are for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
+        }
     }
 
     private edited(): void {
-        page("reset").hidden = this.editor.value === this.loaded.text;
-        this.readDraft();
+        if (this.program.isSceneShown) {
+            page("reset").hidden = this.editor.value === this.loaded.text;
+            this.readDraft();
+        }
+        this.ask();
+    }
+
+    /** Reads all once the user pauses. */
+    private ask(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
         clearTimeout(this.timer);
         this.timer = setTimeout(() => this.readWhole(), PAUSE);
@@ -152,24 +186,38 @@ class Page {
 
     /** Takes the machine as it stands in the text, whatever its job is. */
     private readDraft(): void {
-        const reading = Reading.draft(this.editor.value, this.file);
+        const reading = Reading.draft(this.program.scene, this.file, this.machineText());
         this.isDraftGood = reading.refusal === undefined;
         if (reading.refusal === undefined) {
             try {
                 this.takeMachine(reading.machine());
             } catch (sentence) {
-                this.editor.show([atTheTop(String(sentence))], "");
+                this.program.tell("scene", [atTheTop(String(sentence))], "");
             }
         } else {
-            this.editor.show(reading.problems.map(taken), "");
+            this.program.tell("scene", reading.problems.map(taken), "");
             this.setVerdict(`${reading.problems.length} to correct`, true);
         }
         reading.free();
     }
 
+    /** Reader of drawings, if the job is one. It is compiled with the first of them. */
+    private drawings(): WebAssembly.Module | undefined {
+        const { job } = this.program;
+        if (job === undefined || !isDrawing(job.file)) return undefined;
+        this.drawingModule ??= new WebAssembly.Module(decompressed(bytesOf(page("drawings").textContent ?? "")));
+        return this.drawingModule;
+    }
+
+    /** Text of the file that the scene takes its machine from: one that was opened, or a shipped one. */
+    private machineText(): string | undefined {
+        const name = machineFile(this.program.scene);
+        return name === undefined ? undefined : (this.files.get(name) ?? SCENES[name.replace(/\.toml$/, "")]);
+    }
+
     private readWhole(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
-        this.reader.ask(this.editor.value, this.file);
+        this.reader.ask(this.program.scene, this.file, this.machineText(), this.program.job, this.drawings());
     }
 
     private takeMachine(machine: Machine): void {
@@ -184,25 +232,29 @@ class Page {
         if (isNew) {
             this.job = undefined;
             this.jobModes = undefined;
-            this.drawing.showPath(undefined, undefined);
+            this.drawing.showPath(undefined, undefined, undefined);
             this.state = [...machine.start, ...MOTION];
         }
         this.show();
     }
 
-    private answered({ problems, refusal, verdict, warning, job }: Answer): void {
+    private answered({ problems, refusal, verdict, warning, isOfJob, notes, path, breach, job, hasPlant }: Answer): void {
         this.setVerdict(verdict ?? `${problems.length} to correct`, refusal !== undefined);
-        const good = ["The scene is good.", warning].filter(Boolean).join(" Warning: ");
-        this.editor.show(problems, good);
+        const good = [isOfJob ? "The job has a plan." : "The scene is good.", warning].filter(Boolean).join(" Warning: ");
+        this.program.tell(isOfJob ? "job" : "scene", problems, [good, ...notes].join(" "));
         this.job = job;
         this.jobModes = undefined;
+        this.plant = undefined;
+        showPlant(page, hasPlant ? "Simulating the motors, gears and friction \u2026" : undefined);
         const count = job?.columns.t?.length ?? 0;
         for (const input of [this.time, this.play]) input.disabled = count === 0;
         this.time.max = String(Math.max(count - 1, 0));
-        this.drawing.showPath(job?.columns.x, job?.columns.y);
+        // A path without a plan is drawn as the file has it.
+        const drawn = (axis: number) => path?.filter((_, index) => index % 2 === axis);
+        this.drawing.showPath(job?.columns.x ?? drawn(0), job?.columns.y ?? drawn(1), breach);
         this.redrawPlots();
         const thinned = job && job.every > 1 ? `The curves hold one tick of ${job.every}.` : "";
-        const note = job ? (job.reason ?? thinned) : "The job is refused: correct the scene to see its curves.";
+        const note = job ? (job.reason ?? thinned) : "The job is refused: correct it to see its curves.";
         page("no-job").hidden = note === "";
         page("no-job").textContent = note;
         if (!job) {
@@ -213,7 +265,7 @@ class Page {
     }
 
     private redrawPlots(): void {
-        if (this.job) this.plots.show(this.job, this.limits);
+        if (this.job) this.plots.show(this.job, this.plant, this.limits);
         else this.plots.clear();
     }
 
@@ -247,6 +299,7 @@ class Page {
         const figures = taken(machine.figures(Float64Array.from(state)));
         const [x = 0, y = 0, alpha = 0] = state;
         this.drawing.draw([x, y, alpha], figures);
+        if (!this.isAtJob) this.drawing.showMeasured(undefined);
         this.panel.showState(state);
         this.panel.showFigures(figures, limits);
         const modes = machine.workingModes(Float64Array.from(state)).map(taken);
@@ -274,10 +327,12 @@ class Page {
 
     /** Writes the elbow signs of a working mode into the scene. */
     private takeMode(name: string): void {
-        const text = withElbows(this.editor.value, name);
+        const text = withElbows(this.program.scene, name);
         if (text === undefined) return;
-        this.editor.value = text;
-        this.edited();
+        this.program.scene = text;
+        page("reset").hidden = text === this.loaded.text;
+        this.readDraft();
+        this.ask();
     }
 
     private showRow(row: number, moves = true): void {
@@ -293,6 +348,17 @@ class Page {
         this.isAtJob = true;
         this.state = STATE_COLUMNS.map((name) => columns[name]?.[row] ?? 0);
         this.show();
+        this.showMeasured(time);
+    }
+
+    /** Draws the platform where the plant has it at a time of the job. */
+    private showMeasured(time: number): void {
+        const { machine, plant } = this;
+        const times = plant?.columns.t;
+        if (!machine || !times || times.length === 0) return;
+        const row = rowAt(times, time);
+        const pose = ["x", "y", "alpha"].map((name) => plant.columns[name]?.[row] ?? 0);
+        this.drawing.showMeasured(taken(machine.figures(Float64Array.from([...pose, 0, 0, 0, 0, 0, 0]))).platform);
     }
 
     private goTo(time: number): void {
@@ -328,7 +394,7 @@ class Page {
     }
 
     private async share(): Promise<void> {
-        const fragment = await fragmentOf(this.editor.value);
+        const fragment = await fragmentOf(this.program.scene);
         history.replaceState(null, "", fragment);
         const button = page("share");
         try {
@@ -342,8 +408,9 @@ class Page {
 
     private download(): void {
         const link = document.createElement("a");
-        link.href = URL.createObjectURL(new Blob([this.editor.value], { type: "application/toml" }));
-        link.download = `${this.machine?.name ?? "scene"}.toml`;
+        link.href = URL.createObjectURL(new Blob([this.editor.value], { type: "text/plain" }));
+        // The text that stands in the editor.
+        link.download = this.program.isSceneShown ? `${this.machine?.name ?? "scene"}.toml` : (this.program.job?.file ?? "job.ngc");
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     }
@@ -386,12 +453,14 @@ async function given(): Promise<string | undefined> {
 }
 
 async function start(): Promise<void> {
-    const bytes = await unzipped(bytesOf(page("core").textContent ?? ""));
+    // The first paint comes before the work.
+    await new Promise((painted) => setTimeout(painted));
+    const bytes = decompressed(bytesOf(page("core").textContent ?? ""));
     const module = await WebAssembly.compile(bytes);
     initSync({ module });
     await new Page(module).start();
     // The core, for the console and for tests.
-    Object.assign(globalThis, { trirrr: { Reading, bitsOf, scenes: SCENES } });
+    Object.assign(globalThis, { trirrr: { Reading, bitsOf, machineFile, scenes: SCENES } });
     document.documentElement.dataset.ready = "";
 }
 

@@ -39,6 +39,8 @@ const corners = (joints: ArrayLike<number>): string => [0, 1, 2].map((joint) => 
 export class Drawing {
     private readonly grid: SVGPathElement;
     private readonly path: SVGPolylineElement;
+    private readonly breach: SVGCircleElement;
+    private readonly measured: SVGPolygonElement;
     private readonly ghosts: SVGGElement;
     private readonly ghostLegs: SVGGElement;
     private readonly legs: { far: SVGLineElement; near: SVGLineElement; elbow: SVGCircleElement; base: SVGCircleElement; joint: SVGCircleElement; label: SVGTextElement }[] = [];
@@ -60,6 +62,7 @@ export class Drawing {
         this.grid = shape("path", svg, { class: "grid-lines" });
         this.scaleBar = shape("text", svg, { class: "scale" });
         this.path = shape("polyline", svg, { class: "way" });
+        this.breach = shape("circle", svg, { class: "breach" });
         this.ghosts = shape("g", svg, { class: "ghosts" });
         this.ghostLegs = shape("g", svg, { class: "ghost-legs" });
         for (const motor of [1, 2, 3]) {
@@ -75,6 +78,7 @@ export class Drawing {
         }
         this.handle = shape("g", svg, { class: "platform", tabindex: "0", role: "application", "aria-roledescription": "platform to drag", "aria-label": "Platform. Arrow keys move it, Q and E turn it." });
         this.platform = shape("polygon", this.handle, { class: "body" });
+        this.measured = shape("polygon", this.handle, { class: "measured" });
         this.spoke = shape("line", this.handle, { class: "spoke" });
         this.grip = shape("circle", this.handle, { class: "grip" });
         this.centre = shape("circle", this.handle, { class: "centre" });
@@ -93,7 +97,10 @@ export class Drawing {
         this.resize();
     }
 
-    showPath(x: ArrayLike<number> | undefined, y: ArrayLike<number> | undefined): void {
+    /** Shows a path, and the place at which it has no plan. */
+    showPath(x: ArrayLike<number> | undefined, y: ArrayLike<number> | undefined, breach: ArrayLike<number> | undefined): void {
+        this.breach.style.display = breach ? "" : "none";
+        if (breach) dot(this.breach, at(breach, 0));
         const points: string[] = [];
         if (x && y) {
             // A screen has no more points than that.
@@ -101,6 +108,11 @@ export class Drawing {
             for (let row = 0; row < x.length; row += every) points.push(`${((x[row] ?? 0) * MM).toFixed(2)},${(-(y[row] ?? 0) * MM).toFixed(2)}`);
         }
         this.path.setAttribute("points", points.join(" "));
+    }
+
+    /** Shows the joints of the platform where a plant has them. */
+    showMeasured(platform: ArrayLike<number> | undefined): void {
+        this.measured.setAttribute("points", platform ? corners(platform) : "");
     }
 
     showGhosts(platforms: ArrayLike<number>[]): void {
@@ -160,6 +172,7 @@ export class Drawing {
             radius(leg.joint, 4);
             leg.label.style.fontSize = `${13 * pixel}px`;
         }
+        radius(this.breach, 9);
         radius(this.grip, GRIP);
         radius(this.centre, 3.5);
         radius(this.knob, 8);

@@ -5,7 +5,7 @@ export function number(value: number, digits = 3): string {
     if (!Number.isFinite(value)) return "\u2013";
     const size = Math.abs(value);
     let text: string;
-    if (size !== 0 && (size < 1e-4 || size >= 1e6)) text = value.toExponential(digits - 1);
+    if (size !== 0 && (size < 1e-3 || size >= 1e6)) text = value.toExponential(digits - 1);
     else {
         const before = size === 0 ? 0 : Math.floor(Math.log10(size));
         text = value.toFixed(Math.min(Math.max(0, digits - 1 - before), 6));

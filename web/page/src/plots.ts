@@ -1,24 +1,40 @@
 // Curves of the job against the limits.
 
 import uPlot from "uplot";
-import type { JobTable } from "./answers";
+import type { JobTable, PlantTable } from "./answers";
 import { degrees, number, round } from "./format";
 import type { TakenLimits } from "./taken";
 
 interface Curve {
     title: string;
     unit: string;
-    column: string;
+    columns: string[];
     /** Drawn for one SI unit. */
     factor: number;
-    limit: (limits: TakenLimits) => Float64Array | undefined;
+    limit: (limits: TakenLimits, job: JobTable) => Float64Array | undefined;
+    colours: string[];
+}
+
+/** Curve of each motor. */
+function ofMotors(title: string, unit: string, column: string, limit: Curve["limit"] = () => undefined, factor = 1): Curve {
+    const motors = [1, 2, 3];
+    return { title, unit, columns: motors.map((motor) => `${column}${motor}`), factor, limit, colours: motors.map((motor) => `--motor${motor}`) };
 }
 
 const CURVES: Curve[] = [
-    { title: "Angle", unit: "\u00b0", column: "th1_", factor: degrees(1), limit: () => undefined },
-    { title: "Rate", unit: "rad/s", column: "dth1_", factor: 1, limit: (limits) => limits.rates },
-    { title: "Torque", unit: "N m", column: "tau", factor: 1, limit: (limits) => limits.torques },
-    { title: "Power", unit: "W", column: "P", factor: 1, limit: (limits) => limits.powers },
+    { title: "Speed along the path", unit: "m/s", columns: ["speed"], factor: 1, limit: (_, job) => job.feeds, colours: ["--path"] },
+    ofMotors("Angle", "\u00b0", "th1_", undefined, degrees(1)),
+    ofMotors("Rate", "rad/s", "dth1_", (limits) => limits.rates),
+    ofMotors("Acceleration", "rad/s\u00b2", "ddth1_", (limits) => limits.accelerations),
+    ofMotors("Torque", "N m", "tau", (limits) => limits.torques),
+    ofMotors("Power", "W", "P", (limits) => limits.powers),
+];
+
+/** Curves of the plant: what is measured against what is commanded. */
+const OF_PLANT: Curve[] = [
+    { title: "Tracking error of D", unit: "mm", columns: ["off"], factor: 1000, limit: () => undefined, colours: ["--path"] },
+    ofMotors("Tracking error of the joints", "mrad", "error", undefined, 1000),
+    ofMotors("Torque of the plant's motors", "N m", "tau", (limits) => limits.torques),
 ];
 
 const HEIGHT = 190;
@@ -47,26 +63,26 @@ export class Plots {
         this.place.replaceChildren();
     }
 
-    show(job: JobTable, limits: TakenLimits): void {
+    show(job: JobTable, plant: PlantTable | undefined, limits: TakenLimits): void {
         this.clear();
-        const time = job.columns.t;
-        if (!time) return;
         // All boxes first: a curve is as wide as its box is then.
         const made: (() => uPlot)[] = [];
-        for (const curve of CURVES) {
-            const values = [1, 2, 3].map((motor) => job.columns[`${curve.column}${motor}`]?.map((value) => value * curve.factor));
-            const [one, two, three] = values;
-            if (!one || !two || !three) continue;
+        const ofPlant = plant ? OF_PLANT.map((curve) => [curve, plant.columns] as const) : [];
+        for (const [curve, columns] of [...CURVES.map((each) => [each, job.columns] as const), ...ofPlant]) {
+            const time = columns.t;
+            if (!time) continue;
+            const values = curve.columns.flatMap((name) => columns[name]?.map((value) => value * curve.factor) ?? []);
+            if (values.length < curve.columns.length) continue;
             const box = document.createElement("figure");
             const caption = document.createElement("figcaption");
-            const peak = Math.max(...[one, two, three].map((each) => each.reduce((most, value) => Math.max(most, Math.abs(value)), 0)));
+            const peak = Math.max(...values.map((each) => each.reduce((most, value) => Math.max(most, Math.abs(value)), 0)));
             const unit = document.createElement("span");
             unit.className = "muted";
             unit.textContent = `${curve.unit}, at most ${number(peak)}`;
             caption.append(curve.title, " ", unit);
             box.append(caption);
             this.place.append(box);
-            made.push(() => this.plot(box, [time, one, two, three], curve.limit(limits), job.begins));
+            made.push(() => this.plot(box, [time, ...values], curve.colours, curve.limit(limits, job), job.begins));
         }
         this.plots = made.map((make) => make());
     }
@@ -77,9 +93,9 @@ export class Plots {
         for (const plot of this.plots) plot.redraw(false, false);
     }
 
-    private plot(box: HTMLElement, data: [Float64Array, Float64Array, Float64Array, Float64Array], limits: Float64Array | undefined, begins: Float64Array): uPlot {
+    private plot(box: HTMLElement, data: [Float64Array, ...Float64Array[]], colours: string[], limits: Float64Array | undefined, begins: Float64Array): uPlot {
         const axis = { stroke: colour("--muted"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { stroke: colour("--grid"), width: 1 }, font: "12px system-ui, sans-serif" };
-        const largest = limits && limits.length === 3 ? Math.max(...limits) : undefined;
+        const largest = limits && limits.length > 0 ? Math.max(...limits) : undefined;
         const options: uPlot.Options = {
             width: Math.max(box.clientWidth, 200),
             height: HEIGHT,
@@ -100,7 +116,7 @@ export class Plots {
                 },
             },
             axes: [{ ...axis, size: 28, values: (_, values) => values.map((value) => `${round(value)} s`) }, { ...axis, size: 56, values: (_, values) => values.map(round) }],
-            series: [{}, ...[1, 2, 3].map((motor) => ({ stroke: colour(`--motor${motor}`), width: 1.75, points: { show: false } }))],
+            series: [{}, ...colours.map((name) => ({ stroke: colour(name), width: 1.75, points: { show: false } }))],
             hooks: {
                 drawClear: [(plot) => this.drawBegins(plot, begins)],
                 draw: [(plot) => this.drawMarks(plot, limits)],

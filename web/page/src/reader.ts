@@ -1,27 +1,29 @@
 // Asks the worker for the whole reading of a scene; only the newest question is answered.
-import type { Answer, ModesAnswer, Question } from "./answers";
+import type { Answer, JobFile, ModesAnswer, PlantAnswer, Question } from "./answers";
 
 export class Reader {
     private worker: Worker | undefined;
     private asked = 0;
     private isBusy = false;
+    private hasPlant = false;
     private readonly script = URL.createObjectURL(new Blob([document.getElementById("main")?.textContent ?? ""], { type: "text/javascript" }));
 
     constructor(
         private readonly module: WebAssembly.Module,
         private readonly onAnswer: (answer: Answer) => void,
         private readonly onModes: (answer: ModesAnswer) => void,
+        private readonly onPlant: (answer: PlantAnswer) => void,
         private readonly onFailure: (sentence: string) => void,
     ) {}
 
-    ask(text: string, file: string): void {
+    ask(text: string, file: string, machine: string | undefined, job: JobFile | undefined, drawings: WebAssembly.Module | undefined): void {
         this.asked += 1;
-        const question: Question = { id: this.asked, text, file };
+        const question: Question = { id: this.asked, text, file, machine, job, drawings };
         // An older question is of no interest any more, and may take long.
         if (this.isBusy) this.stop();
         if (!this.worker) {
             this.worker = new Worker(this.script);
-            this.worker.addEventListener("message", ({ data }: MessageEvent<Answer | ModesAnswer>) => this.take(data));
+            this.worker.addEventListener("message", ({ data }: MessageEvent<Answer | ModesAnswer | PlantAnswer>) => this.take(data));
             this.worker.addEventListener("error", () => {
                 this.stop();
                 this.onFailure("The core has stopped on this scene. That is a defect of trirrr: please report it with the scene.");
@@ -38,13 +40,19 @@ export class Reader {
         this.isBusy = false;
     }
 
-    private take(data: Answer | ModesAnswer): void {
+    private take(data: Answer | ModesAnswer | PlantAnswer): void {
         if (data.id !== this.asked) return;
         if ("modes" in data) {
-            this.isBusy = false;
+            this.isBusy = this.hasPlant;
             this.onModes(data);
             return;
         }
+        if ("plant" in data) {
+            this.isBusy = false;
+            this.onPlant(data);
+            return;
+        }
+        this.hasPlant = data.hasPlant;
         this.isBusy = data.job !== undefined;
         this.onAnswer(data);
     }

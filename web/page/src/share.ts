@@ -14,10 +14,6 @@ export function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
     return bytes;
 }
 
-export async function unzipped(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
-    return through(bytes, new DecompressionStream("gzip"));
-}
-
 export async function fragmentOf(text: string): Promise<string> {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
     let binary = "";

@@ -1,6 +1,7 @@
 // Reads scenes whole and plays their jobs, away from the thread that draws.
-import { initSync, Reading } from "../core/core.js";
-import type { Answer, JobTable, ModesAnswer, Question } from "./answers";
+import { GivenDrawing, initSync, JobInputs, Reading } from "../core/core.js";
+import { initSync as initDrawings, readDrawing } from "../core/drawing.js";
+import type { Answer, JobFile, JobTable, ModesAnswer, PlantAnswer, PlantTable, Question } from "./answers";
 import { taken } from "./taken";
 
 /** Most rows of a job's table. */
@@ -9,7 +10,7 @@ const ROWS = 20_000;
 /** Columns that the page draws. */
 const COLUMNS = [
     "t", "x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha",
-    ...["th1_", "dth1_", "tau", "P"].flatMap((name) => [1, 2, 3].map((motor) => `${name}${motor}`)),
+    ...["th1_", "dth1_", "ddth1_", "tau", "P"].flatMap((name) => [1, 2, 3].map((motor) => `${name}${motor}`)),
 ];
 
 function table(reading: Reading): JobTable {
@@ -19,24 +20,71 @@ function table(reading: Reading): JobTable {
         const values = job.values(name);
         if (values) columns[name] = values;
     }
-    const { begins, every, reason } = job;
+    columns.speed = job.speeds();
+    const { begins, every, feeds, reason } = job;
     job.free();
-    return { columns, begins, every, reason };
+    return { columns, begins, every, feeds, reason };
+}
+
+/** Columns of a plant. */
+const PLANT = ["t", "x", "y", "alpha", "off", ...["error", "tau"].flatMap((name) => [1, 2, 3].map((motor) => `${name}${motor}`))];
+
+/** Simulates the plant, or says why that is not possible. */
+function plantOf(reading: Reading): PlantTable | string {
+    try {
+        const plant = reading.plant(ROWS);
+        if (!plant) return "The scene has no plant.";
+        const columns: Record<string, Float64Array> = {};
+        for (const name of PLANT) columns[name] = plant.values(name) ?? new Float64Array();
+        const { tool, loads, notes, balance } = plant;
+        plant.free();
+        return { columns, tool, loads, notes, balance };
+    } catch (sentence) {
+        return `The plant is refused: ${String(sentence)}.`;
+    }
+}
+
+let hasDrawings = false;
+
+/** Reads a drawing by the module of its own. */
+function drawingOf(text: string, module: WebAssembly.Module): GivenDrawing {
+    if (!hasDrawings) initDrawings({ module });
+    hasDrawings = true;
+    const { numbers, names, reason, word, line } = taken(readDrawing(text));
+    return reason === undefined ? GivenDrawing.read(numbers, names) : GivenDrawing.refused(line, word, reason);
+}
+
+/** Reads the job of the file in place of that of the scene. */
+function withJob(scene: Reading, { file, text, inputs }: JobFile, drawings: WebAssembly.Module | undefined): Reading {
+    const given = Object.assign(new JobInputs(), inputs);
+    try {
+        return scene.withJob(text, file, given, drawings && drawingOf(text, drawings));
+    } finally {
+        given.free();
+        scene.free();
+    }
 }
 
 export function work(): void {
     addEventListener("message", ({ data }: MessageEvent<Question>) => {
-        const { id, text, file, module } = data;
+        const { id, text, file, machine, module } = data;
         if (module) initSync({ module });
-        const reading = Reading.whole(text, file);
-        const { refusal, verdict, warning } = reading;
+        const scene = Reading.whole(text, file, machine);
+        const isOfJob = data.job !== undefined && scene.refusal === undefined;
+        const reading = data.job && isOfJob ? withJob(scene, data.job, data.drawings) : scene;
+        const { refusal, verdict, warning, notes, breach } = reading;
         const job = refusal === undefined ? table(reading) : undefined;
-        const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, job };
+        const path = isOfJob ? reading.path : undefined;
+        const answer: Answer = { id, problems: reading.problems.map(taken), refusal, verdict, warning, isOfJob, notes, path, breach, job, hasPlant: reading.hasPlant };
         postMessage(answer);
-        const modes = job ? reading.jobModes().map(taken) : [];
+        if (job) {
+            const all: ModesAnswer = { id, modes: reading.jobModes().map(taken) };
+            postMessage(all);
+        }
+        if (answer.hasPlant) {
+            const simulated: PlantAnswer = { id, plant: plantOf(reading) };
+            postMessage(simulated);
+        }
         reading.free();
-        if (!job) return;
-        const all: ModesAnswer = { id, modes };
-        postMessage(all);
     });
 }

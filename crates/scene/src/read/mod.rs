@@ -18,7 +18,7 @@ pub use section::Section;
 pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
 pub(crate) use document::TextPart;
-pub use parts::SceneText;
+pub use parts::{SceneText, machine_file_of};
 
 use crate::error::SceneError;
 use std::path::Path;
@@ -35,6 +35,14 @@ pub fn text_of(file: &Path) -> Result<String, SceneError> {
     })
 }
 
+/// Gives the text of the file of a machine, or the reason why there is none.
+pub type MachineTexts<'a> = dyn Fn(&Path) -> Result<String, String> + 'a;
+
+/// The text of the file of a machine, from the disk.
+pub(crate) fn on_disk(file: &Path) -> Result<String, String> {
+    text_of(file).map_err(|error| error.to_string())
+}
+
 /// Parses the scene in `text`, with what it takes from the file of its machine and from `settings`, and hands document and
 /// root table to `read`. `file` is named in errors; `top_keys` are the keys that stand before the first table.
 ///
@@ -47,8 +55,23 @@ pub fn with_scene<T>(
     top_keys: &'static [&'static str],
     read: impl FnOnce(&Document, &Section, &SceneText) -> Option<T>,
 ) -> Result<T, SceneError> {
+    with_scene_from(text, file, settings, top_keys, &on_disk, read)
+}
+
+/// Parses as [`with_scene`], and takes the file of the machine from `machines`.
+///
+/// # Errors
+/// As there.
+pub(crate) fn with_scene_from<T>(
+    text: &str,
+    file: &str,
+    settings: &[Setting],
+    top_keys: &'static [&'static str],
+    machines: &MachineTexts,
+    read: impl FnOnce(&Document, &Section, &SceneText) -> Option<T>,
+) -> Result<T, SceneError> {
     let (root, faults) = DeTable::parse_recoverable(text);
-    let whole = SceneText::new(text, file, root.get_ref(), settings);
+    let whole = SceneText::new(text, file, root.get_ref(), settings, machines);
     let document = Document::new(&whole.text, top_keys).with_parts(whole.parts.clone());
     refuse_faults(&document, &faults);
     if !document.is_clean() {

@@ -1,6 +1,6 @@
 //! A scene whose parts stand in several places: its file, the file of its machine, arguments.
 
-use super::{Document, Place, Setting, TextPart, text_of};
+use super::{Document, MachineTexts, Place, Setting, TextPart};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -15,6 +15,13 @@ const OWN: [&str; 3] = ["name", "description", "job"];
 /// Name of arguments in messages.
 const ARGUMENT: &str = "--set";
 
+/// Name of the file that has the machine of the scene in `text`, as the scene writes it, if the machine has a file of its own.
+pub fn machine_file_of(text: &str) -> Option<String> {
+    let (root, _) = DeTable::parse_recoverable(text);
+    let named = root.get_ref().get(MACHINE)?;
+    named.get_ref().as_str().map(str::to_owned)
+}
+
 /// Text of a scene with all that it takes from elsewhere behind its own: spans count through the whole.
 pub struct SceneText {
     /// The whole text.
@@ -28,8 +35,14 @@ pub struct SceneText {
 }
 
 impl SceneText {
-    /// The text of the scene in `file`, with that of the machine which `root` names, and of `settings`.
-    pub(super) fn new(text: &str, file: &str, root: &DeTable, settings: &[Setting]) -> Self {
+    /// The text of the scene in `file`, with that of the machine which `root` names, from `machines`, and of `settings`.
+    pub(super) fn new(
+        text: &str,
+        file: &str,
+        root: &DeTable,
+        settings: &[Setting],
+        machines: &MachineTexts,
+    ) -> Self {
         let mut whole = Self {
             text: text.to_owned(),
             parts: Vec::new(),
@@ -40,12 +53,12 @@ impl SceneText {
         let named = root.get(MACHINE).and_then(|value| value.get_ref().as_str());
         if let Some(name) = named {
             let path = Path::new(file).parent().unwrap_or(Path::new("")).join(name);
-            match text_of(&path) {
+            match machines(&path) {
                 Ok(machine) => {
                     let begin = whole.add(&path.display().to_string(), &machine, true);
                     whole.machine_span = Some(begin..begin + machine.len());
                 }
-                Err(error) => whole.missing = Some(error.to_string()),
+                Err(reason) => whole.missing = Some(reason),
             }
             whole.machine_file = Some(path);
         }

@@ -3,14 +3,19 @@
 //! A drawing has x to the right and y upward, in m. [`read_svg`]
 //! and [`read_dxf`] read one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
 
+#[cfg(feature = "dxf")]
 mod dxf;
+mod flat;
 mod hatch;
+#[cfg(feature = "dxf")]
 mod join;
 mod order;
 mod stroke;
 mod svg;
 
+#[cfg(feature = "dxf")]
 pub use dxf::read_dxf;
+pub use flat::FlatDrawing;
 pub use stroke::{Stroke, StrokeCurve};
 pub use svg::read_svg;
 

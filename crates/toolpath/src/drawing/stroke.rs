@@ -74,6 +74,7 @@ impl Stroke {
     }
 
     /// Returns true if every point that makes the stroke is a number, and at most `largest_m` from each axis.
+    #[cfg(feature = "dxf")]
     pub(super) fn is_within(&self, largest_m: f64) -> bool {
         let within = |point: &[f64; 2]| point.iter().all(|value| value.abs() <= largest_m);
         let curve = |curve: &StrokeCurve| match curve {

@@ -12,16 +12,16 @@ use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace,
 const LENGTH_MIN: f64 = 1e-9;
 
 /// Largest distance of the played motion from the path, m.
-pub(super) const TOLERANCE_M: f64 = 1e-5;
+pub const TOLERANCE_M: f64 = 1e-5;
 
 /// Most motions of a path in memory.
 const PIECES_MAX: usize = 20_000_000;
 
 /// Largest deviation of alpha from the path, rad.
-pub(super) const TOLERANCE_RAD: f64 = 1e-4;
+pub const TOLERANCE_RAD: f64 = 1e-4;
 
 /// Takes the parts of a path as they come.
-pub(super) trait PathSink {
+pub trait PathSink {
     /// Work of the tool in the element `source`, which comes before its piece or its dwell.
     fn tool(&mut self, source: usize, tool: Option<Tool>);
 
@@ -33,7 +33,7 @@ pub(super) trait PathSink {
 }
 
 /// Reader of the elements of a path. The number of a piece in the file is its line.
-pub(super) struct PathReader {
+pub struct PathReader {
     rate_hz: f64,
     start: Pose<f64>,
     /// End of the path.
@@ -48,12 +48,12 @@ pub(super) struct PathReader {
     /// and numbers of elements.
     sources: usize,
     /// Lines at which the job waits for the user.
-    pub(super) pauses: Vec<u32>,
+    pub pauses: Vec<u32>,
 }
 
 impl PathReader {
     /// Begins a path at `start`, on a machine with `rate_hz` ticks a second.
-    pub(super) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
+    pub fn new(start: Pose<f64>, rate_hz: f64) -> Self {
         Self {
             rate_hz,
             start,
@@ -71,7 +71,7 @@ impl PathReader {
     ///
     /// # Errors
     /// A dwell that lasts longer than ticks are counted.
-    pub(super) fn push(
+    pub fn push(
         &mut self,
         element: &Element,
         offset: usize,
@@ -145,17 +145,17 @@ impl PathReader {
     }
 
     /// Numbers of elements so far, and one for a way back.
-    pub(super) fn pass(&self) -> u32 {
+    pub fn pass(&self) -> u32 {
         self.sources as u32 + 1
     }
 
     /// Number of pieces so far.
-    pub(super) fn pieces(&self) -> usize {
+    pub fn pieces(&self) -> usize {
         self.pieces
     }
 
     /// Goes back to where the path began, as the element `source`: straight, as fast as the machine may, with the tool off.
-    pub(super) fn back(&mut self, source: usize, sink: &mut impl PathSink) {
+    pub fn back(&mut self, source: usize, sink: &mut impl PathSink) {
         let back = Piece::line(self.at, self.start);
         self.note_tool(source, None, sink);
         if has_length(&back) {
@@ -166,8 +166,9 @@ impl PathReader {
 }
 
 /// Path of a job under construction, in memory.
-pub(super) struct PathBuilder {
-    pub(super) reader: PathReader,
+pub struct PathBuilder {
+    /// Reader of the elements, which counts them.
+    pub reader: PathReader,
     /// Parts so far; none of a path that is read once more, block by block.
     parts: Option<PathParts>,
 }
@@ -208,7 +209,7 @@ impl PathSink for Option<PathParts> {
 
 impl PathBuilder {
     /// Begins a path as [`PathReader::new`].
-    pub(super) fn new(start: Pose<f64>, rate_hz: f64) -> Self {
+    pub fn new(start: Pose<f64>, rate_hz: f64) -> Self {
         Self {
             reader: PathReader::new(start, rate_hz),
             parts: Some(PathParts::default()),
@@ -219,7 +220,7 @@ impl PathBuilder {
     ///
     /// # Errors
     /// As there.
-    pub(super) fn push(&mut self, element: &Element) -> Result<(), PathFault> {
+    pub fn push(&mut self, element: &Element) -> Result<(), PathFault> {
         self.reader.push(element, 0, &mut self.parts)
     }
 
@@ -227,7 +228,7 @@ impl PathBuilder {
     ///
     /// # Errors
     /// As [`push`](Self::push).
-    pub(super) fn push_row(&mut self, element: &Element, levels: &[u8]) -> Result<(), PathFault> {
+    pub fn push_row(&mut self, element: &Element, levels: &[u8]) -> Result<(), PathFault> {
         let from = self.reader.at.position;
         let pieces = self.reader.pieces();
         // No other motion has its setting: moves end where it ends.
@@ -249,12 +250,12 @@ impl PathBuilder {
     }
 
     /// Keeps no parts any more: they are only counted.
-    pub(super) fn count_only(&mut self) {
+    pub fn count_only(&mut self) {
         self.parts = None;
     }
 
     /// Returns true if there are parts.
-    pub(super) fn has_parts(&self) -> bool {
+    pub fn has_parts(&self) -> bool {
         self.parts.is_some()
     }
 
@@ -263,7 +264,7 @@ impl PathBuilder {
     ///
     /// # Errors
     /// The path becomes longer than fits into memory.
-    pub(super) fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
+    pub fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
         let pass = self.reader.pass() as usize;
         let Some(parts) = self.parts.as_mut().filter(|_| times > 1) else {
             return Ok(());
@@ -304,7 +305,7 @@ impl PathBuilder {
     ///
     /// # Errors
     /// Nothing moves.
-    pub(super) fn finish(self, corner_m: f64) -> Result<JobPath, PathFault> {
+    pub fn finish(self, corner_m: f64) -> Result<JobPath, PathFault> {
         let parts = self.parts.unwrap_or_default();
         if parts.pieces.is_empty() {
             return Err(PathFault {
@@ -326,7 +327,7 @@ impl PathBuilder {
 }
 
 /// Refusal of a job that is played so many times.
-pub(super) fn too_often(times: u32, most: usize) -> PathFault {
+pub fn too_often(times: u32, most: usize) -> PathFault {
     PathFault {
         line: 0,
         word: "--repeat".into(),
@@ -337,13 +338,13 @@ pub(super) fn too_often(times: u32, most: usize) -> PathFault {
 }
 
 /// Pose of a place.
-pub(crate) fn pose_of(place: &ToolPlace) -> Pose<f64> {
+pub fn pose_of(place: &ToolPlace) -> Pose<f64> {
     let [x, y] = place.position_m;
     Pose::from_f64(x, y, place.alpha_rad)
 }
 
 /// Piece of a motion from `at`.
-pub(crate) fn piece_from(at: Pose<f64>, motion: &ToolMotion) -> Piece<f64> {
+pub fn piece_from(at: Pose<f64>, motion: &ToolMotion) -> Piece<f64> {
     let to = pose_of(&motion.to);
     match motion.curve {
         ToolCurve::Line => Piece::line(at, to),
@@ -364,13 +365,13 @@ pub(crate) fn piece_from(at: Pose<f64>, motion: &ToolMotion) -> Piece<f64> {
 }
 
 /// Returns false for what the rounding of decimals has left.
-pub(crate) fn has_length(piece: &Piece<f64>) -> bool {
+pub fn has_length(piece: &Piece<f64>) -> bool {
     let first = [0.0, 0.5, 1.0].map(|p| piece.at(p).first);
     first.iter().any(|first| first.amax() > LENGTH_MIN)
 }
 
 /// Tool of a motion at a feed. A power that follows the speed is the given one at the feed.
-pub(crate) fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
+pub fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
     work.map(|work| Tool {
         power: work.power,
         speed_m_s: match work.follows_speed {

@@ -1,15 +1,19 @@
 //! Drawings on a machine: pens, and the place.
 
-use super::DrawingArgs;
-use super::fit::{Fitted, fit};
+use crate::fit::{Fitted, fit};
+use crate::options::DrawingOptions;
 use trirrr_scene::Scene;
 use trirrr_toolpath::drawing::{Drawing, DrawingSetup};
 use trirrr_toolpath::{PathFault, ToolPlace};
 
 /// Drawing of a file, and its place on a machine.
-pub(super) struct PlacedDrawing {
-    pub(super) drawing: Drawing,
-    pub(super) setup: DrawingSetup,
+pub struct PlacedDrawing {
+    /// Strokes, in the order in which they are drawn.
+    pub drawing: Drawing,
+    /// Pens and place.
+    pub setup: DrawingSetup,
+    /// Place that was found for it.
+    pub fitted: Option<Fitted>,
 }
 
 fn fault(reason: String) -> PathFault {
@@ -24,23 +28,23 @@ fn fault(reason: String) -> PathFault {
 ///
 /// # Errors
 /// The drawing is left out, has no feed, or the machine has no room for it.
-pub(super) fn place(
+pub fn place(
     mut drawing: Drawing,
     scene: &Scene,
     origin_m: [f64; 2],
-    args: &DrawingArgs,
+    options: &DrawingOptions,
 ) -> Result<PlacedDrawing, PathFault> {
-    let feed_m_s = args.speed_m_s().ok_or_else(|| {
+    let feed_m_s = options.speed_m_s.ok_or_else(|| {
         fault("a drawing has no speed: add --speed MM_PER_MIN, the speed along its strokes".into())
     })?;
-    let (pen, pens) = args.pens(feed_m_s);
+    let (pen, pens) = options.all_pens(feed_m_s);
     let start = &scene.job.start;
     let mut setup = DrawingSetup {
         origin: ToolPlace {
             position_m: origin_m,
             alpha_rad: start.angle,
         },
-        scale: args.scale.unwrap_or(1.0),
+        scale: options.scale.unwrap_or(1.0),
         pen,
         pens,
     };
@@ -48,19 +52,24 @@ pub(super) fn place(
     if drawing.strokes.is_empty() {
         return Err(fault("every stroke is left out".into()));
     }
-    if args.fit {
+    let mut fitted = None;
+    if options.fit {
         let bounds = drawing
             .bounds_m()
             .ok_or_else(|| fault("nothing is drawn".into()))?;
-        let Fitted { scale, origin_m } = fit(bounds, 0.0, setup.scale, scene)?;
+        let Fitted { scale, origin_m } = *fitted.insert(fit(bounds, 0.0, setup.scale, scene)?);
         (setup.scale, setup.origin.position_m) = (scale, origin_m);
     }
     // After the scale is known: lines have their distance on the machine.
-    if let Some(pitch_mm) = args.hatch {
-        drawing.fill(1e-3 * pitch_mm / setup.scale)?;
+    if let Some(pitch_m) = options.hatch_m {
+        drawing.fill(pitch_m / setup.scale)?;
     }
     let [x, y] = setup.origin.position_m;
     let at = [start.position.x - x, start.position.y - y];
     drawing.order(at.map(|distance| distance / setup.scale));
-    Ok(PlacedDrawing { drawing, setup })
+    Ok(PlacedDrawing {
+        drawing,
+        setup,
+        fitted,
+    })
 }

@@ -1,6 +1,6 @@
 //! Place and scale of a drawing or an image, where the machine has room for it.
 
-use crate::terminal::say;
+use std::fmt;
 use trirrr_scene::{ReachMap, Scene};
 use trirrr_toolpath::PathFault;
 
@@ -12,19 +12,27 @@ const ROUNDS: u32 = 8;
 
 /// Place of a drawing on a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fitted {
+pub struct Fitted {
     /// Length on the machine of a length 1 in the drawing.
-    pub(super) scale: f64,
+    pub scale: f64,
     /// Zero point of the drawing, m.
-    pub(super) origin_m: [f64; 2],
+    pub origin_m: [f64; 2],
+}
+
+/// The arguments of the command line with which the same place comes again.
+impl fmt::Display for Fitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y] = self.origin_m.map(|metres| 1e3 * metres);
+        write!(f, "--scale {:.4} --origin {x:.3},{y:.3}", self.scale)
+    }
 }
 
 /// Puts a drawing with these corners, m, where the machine of `scene` has the most room for its shape, not larger than by
-/// `scale`, with `margin_m` free beside it, and says so.
+/// `scale`, with `margin_m` free beside it.
 ///
 /// # Errors
 /// The machine has no room for a thousandth of the drawing.
-pub(super) fn fit(
+pub fn fit(
     [low, high]: [[f64; 2]; 2],
     margin_m: f64,
     scale: f64,
@@ -55,10 +63,6 @@ pub(super) fn fit(
         let metres = centre_m[axis] - 0.5 * fitted * (low[axis] + high[axis]);
         1e-3 * ((1e6 * metres).round() / 1e3)
     });
-    let [x, y] = origin_m.map(|metres| 1e3 * metres);
-    say(&format!(
-        "--fit: as --scale {fitted:.4} --origin {x:.3},{y:.3}"
-    ));
     Ok(Fitted {
         scale: fitted,
         origin_m,
