@@ -111,7 +111,7 @@ struct Curve {
 }
 
 fn speed(v: Vector3<f64>) -> f64 {
-    v.x.hypot(v.y)
+    libm::hypot(v.x, v.y)
 }
 
 /// The longest curve within the tolerance. At a sharp turn it is a cubic whose inner control poses lie on the two
@@ -126,8 +126,8 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
     if !(along > SHARPEST * speed_a * speed_b) {
         return None;
     }
-    let turn = across.abs().atan2(along);
-    let half_sine = (0.5 * turn).sin();
+    let turn = libm::atan2(across.abs(), along);
+    let half_sine = libm::sin(0.5 * turn);
     let slight = turn < SLIGHT;
     let straight = [before, after]
         .iter()

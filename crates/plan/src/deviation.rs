@@ -51,7 +51,7 @@ struct Looked {
 
 /// The larger of the distances in the plane and of alpha.
 fn size(v: &Vector3<f64>) -> f64 {
-    v.x.hypot(v.y).max(v.z.abs())
+    libm::hypot(v.x, v.y).max(v.z.abs())
 }
 
 impl Deviation<'_> {

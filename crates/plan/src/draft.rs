@@ -221,7 +221,7 @@ impl<'a> Draft<'a> {
             let part = f64::from(instant) / f64::from(INSTANTS);
             let feed = self.spline.feed(self.knots[index] + part * ticks)?;
             let velocity = segment.at_fraction(part).velocity;
-            Some((velocity.x.hypot(velocity.y) + rounded) / (FEED * feed))
+            Some((libm::hypot(velocity.x, velocity.y) + rounded) / (FEED * feed))
         });
         speeds.fold(0.0, f64::max)
     }
@@ -265,7 +265,7 @@ pub(crate) fn shortest_s(
     let spline = Spline::new(run, pieces, step_s, sampling.period_s);
     let rounded = 60.0 * (sampling.resolution_m + lever_m * sampling.resolution_rad);
     let jerk = spline.largest_jerk(lever_m);
-    least_s.max((rounded / (ROUNDED_JERK * jerk)).cbrt().min(LONGEST_S))
+    least_s.max(libm::cbrt(rounded / (ROUNDED_JERK * jerk)).min(LONGEST_S))
 }
 
 /// Shortest move, s, for which the rounding of its ends is little beside the feeds of `run`.

@@ -218,7 +218,7 @@ fn marks(pieces: &[PathPiece], range: &Range<usize>, count: usize) -> Vec<(usize
         let end = before + size / total;
         let mut on_piece = vec![0.0];
         while next < count {
-            let sin = (core::f64::consts::FRAC_PI_2 * next as f64 / count as f64).sin();
+            let sin = libm::sin(core::f64::consts::FRAC_PI_2 * next as f64 / count as f64);
             let p = (sin * sin - before) / (end - before);
             if !(p < 1.0) {
                 break;

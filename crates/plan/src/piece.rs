@@ -311,7 +311,7 @@ impl Piece<f64> {
 
     /// Length of D's way, by chords.
     pub fn length_m(&self) -> f64 {
-        self.size(|v| v.x.hypot(v.y))
+        self.size(|v| libm::hypot(v.x, v.y))
     }
 
     /// The integral of `length` of the first derivative, by the midpoint rule.

@@ -156,7 +156,7 @@ impl<M: Model<N = f64>> Sampler<M> {
         let inverse: f64 = serial.iter().map(|distance| distance.recip()).sum();
         Ok(Sample {
             motors: [0, 1, 2].map(terms),
-            speed: point.first.x.hypot(point.first.y),
+            speed: libm::hypot(point.first.x, point.first.y),
             feed: feed.unwrap_or(f64::INFINITY),
             weight: 1.0 + SINGULAR * (inverse + parallel.abs().recip()),
         })
@@ -190,7 +190,7 @@ impl<M: Model<N = f64>> Sampler<M> {
             }
             if let Some(limits) = self.limits.power {
                 let (still, fast) = (limits[index] / (resting * rate).abs(), moving * rate);
-                pace = pace.min(still).min((limits[index] / fast.abs()).cbrt());
+                pace = pace.min(still).min(libm::cbrt(limits[index] / fast.abs()));
             }
         }
         let pace = pace.min((2.0 * start * to_stop).sqrt());

@@ -158,13 +158,13 @@ impl<'a> Problem<'a> {
         let kept = self.slacks(parts, |slack| {
             product *= slack.value;
             if !(1e-200..1e200).contains(&product) {
-                logarithms += product.ln();
+                logarithms += libm::log(product);
                 product = 1.0;
             }
             slack.value > 0.0
         });
         match kept {
-            true => self.time(parts) / weight - logarithms - product.ln(),
+            true => self.time(parts) / weight - logarithms - libm::log(product),
             false => f64::INFINITY,
         }
     }

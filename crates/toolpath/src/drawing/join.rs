@@ -21,7 +21,7 @@ pub(super) fn join<K: PartialEq>(
     // Takes a stroke that begins or ends at the end of `chain`, in the sense in which it goes on from there.
     let next = |left: &mut Vec<Option<Stroke>>, chain: &Stroke| -> Option<Stroke> {
         let at = chain.end();
-        let meets = |point: [f64; 2]| (point[0] - at[0]).hypot(point[1] - at[1]) <= near;
+        let meets = |point: [f64; 2]| libm::hypot(point[0] - at[0], point[1] - at[1]) <= near;
         if meets(chain.start) {
             return None;
         }

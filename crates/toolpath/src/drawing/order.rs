@@ -15,7 +15,7 @@ impl Drawing {
         let mut at = from;
         let mut left = std::mem::take(&mut self.strokes);
         while !left.is_empty() {
-            let way = |point: [f64; 2]| (point[0] - at[0]).hypot(point[1] - at[1]);
+            let way = |point: [f64; 2]| libm::hypot(point[0] - at[0], point[1] - at[1]);
             let ways = left
                 .iter()
                 .map(|stroke| (way(stroke.start), way(stroke.end())));

@@ -96,10 +96,10 @@ impl Stroke {
                 StrokeCurve::Line(_) => {}
                 StrokeCurve::Arc { centre, turn, .. } => {
                     let from = [at[0] - centre[0], at[1] - centre[1]];
-                    let chords = arc_chords(from[0].hypot(from[1]), turn, flatness_m);
+                    let chords = arc_chords(libm::hypot(from[0], from[1]), turn, flatness_m);
                     for chord in 1..chords {
                         let angle = turn * f64::from(chord) / f64::from(chords);
-                        let (sin, cos) = angle.sin_cos();
+                        let (sin, cos) = libm::sincos(angle);
                         points.push([
                             centre[0] + cos * from[0] - sin * from[1],
                             centre[1] + sin * from[0] + cos * from[1],
@@ -130,7 +130,7 @@ fn arc_chords(radius: f64, turn: f64, flatness_m: f64) -> u32 {
 /// Chords that keep a distance: a chord over a part h is off by at most h^2 / 8 of the greatest second derivative.
 fn chords(from: [f64; 2], first: [f64; 2], second: [f64; 2], to: [f64; 2], flatness_m: f64) -> u32 {
     let bend = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
-        6.0 * (a[0] - 2.0 * b[0] + c[0]).hypot(a[1] - 2.0 * b[1] + c[1])
+        6.0 * libm::hypot(a[0] - 2.0 * b[0] + c[0], a[1] - 2.0 * b[1] + c[1])
     };
     let most = bend(from, first, second).max(bend(first, second, to));
     (most / (8.0 * flatness_m))
@@ -185,7 +185,7 @@ mod tests {
             let round = &points[..points.len() - 1];
             for pair in round.windows(2) {
                 let middle = [0, 1].map(|axis| 0.5 * (pair[0][axis] + pair[1][axis]));
-                let off = (middle[0].hypot(middle[1]) - 1.0).abs();
+                let off = (libm::hypot(middle[0], middle[1]) - 1.0).abs();
                 assert!(off <= flatness + 3e-4, "{off} at {flatness}");
             }
         }

@@ -88,8 +88,8 @@ pub(super) fn about(
             done: 1.0,
         }]);
     }
-    let first = from[1].atan2(from[0]);
-    let mut sweep = (sign * (to[1].atan2(to[0]) - first)).rem_euclid(TAU);
+    let first = libm::atan2(from[1], from[0]);
+    let mut sweep = (sign * (libm::atan2(to[1], to[0]) - first)).rem_euclid(TAU);
     if sweep <= CLOSED_RAD {
         sweep += TAU;
     }
@@ -151,7 +151,7 @@ pub(super) fn with_radius(
     let middle = [0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])];
     let unit = [chord[0] / (2.0 * half), chord[1] / (2.0 * half)];
     let centre = [middle[0] - left * unit[1], middle[1] + left * unit[0]];
-    let turn = sign * (2.0 * half.atan2(sign * left) + TAU * whole_turns);
+    let turn = sign * (2.0 * libm::atan2(half, sign * left) + TAU * whole_turns);
     Ok(vec![ArcPart {
         centre,
         turn,
@@ -193,7 +193,7 @@ fn spiral(start: [f64; 2], end: [f64; 2], centre: [f64; 2], spiral: Spiral) -> V
     }
     let mut from = start;
     if sweep > 1.5 * PI {
-        let (sin, cos) = (first + sign * 0.5 * sweep).sin_cos();
+        let (sin, cos) = libm::sincos(first + sign * 0.5 * sweep);
         let radius = 0.5 * (r0 + r1);
         let middle = [centre[0] + radius * cos, centre[1] + radius * sin];
         let done = (rounds.abs() + 0.5 * sweep) / whole;
@@ -217,7 +217,7 @@ fn fit(start: [f64; 2], end: [f64; 2], centre: [f64; 2], sign: f64) -> (ArcPart,
     let along = offset[0] * unit[0] + offset[1] * unit[1];
     let left = unit[0] * offset[1] - unit[1] * offset[0];
     let centre = [middle[0] - left * unit[1], middle[1] + left * unit[0]];
-    let turn = sign * 2.0 * (0.5 * whole).atan2(sign * left);
+    let turn = sign * 2.0 * libm::atan2(0.5 * whole, sign * left);
     (
         ArcPart {
             centre,
@@ -247,5 +247,5 @@ pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 fn length(v: [f64; 2]) -> f64 {
-    v[0].hypot(v[1])
+    libm::hypot(v[0], v[1])
 }

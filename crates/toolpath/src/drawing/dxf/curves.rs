@@ -64,7 +64,7 @@ impl<'p> Outline<'p> {
         let sweep = ends[1] - ends[0];
         let parts = (sweep.abs() / PART).ceil().max(1.0);
         let step = sweep / parts;
-        let reach = 4.0 / 3.0 * (0.25 * step).tan();
+        let reach = 4.0 / 3.0 * libm::tan(0.25 * step);
         let back = [0, 1].map(|i| -along[i]);
         for index in 0..parts as u32 {
             let from = ends[0] + step * f64::from(index);
@@ -106,7 +106,7 @@ impl<'p> Outline<'p> {
 }
 
 fn at_angle(centre: [f64; 2], along: [f64; 2], across: [f64; 2], angle: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     [0, 1].map(|i| centre[i] + cos * along[i] + sin * across[i])
 }
 

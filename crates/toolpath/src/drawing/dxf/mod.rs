@@ -122,5 +122,5 @@ fn areas(drawing: &Drawing) -> Vec<Area> {
 
 fn is_closed(stroke: &Stroke) -> bool {
     let (from, to) = (stroke.start, stroke.end());
-    (from[0] - to[0]).hypot(from[1] - to[1]) <= MEETING_M
+    libm::hypot(from[0] - to[0], from[1] - to[1]) <= MEETING_M
 }

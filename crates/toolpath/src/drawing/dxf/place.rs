@@ -28,7 +28,7 @@ impl Affine {
 
     /// Map that scales along the axes, turns by `angle` (rad), and moves.
     pub(super) fn new(scales: [f64; 2], angle: f64, zero: [f64; 2]) -> Self {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         Self {
             axes: [
                 [scales[0] * cos, scales[0] * sin],

@@ -300,7 +300,7 @@ fn polyline(place: &Affine, vertices: Vec<([f64; 2], f64)>, is_closed: bool) -> 
 }
 
 fn round(place: &Affine, centre: &Point, radius: f64, [from, turn]: [f64; 2]) -> Course {
-    let (sin, cos) = from.sin_cos();
+    let (sin, cos) = libm::sincos(from);
     let centre = xy(centre);
     let start = [centre[0] + radius * cos, centre[1] + radius * sin];
     let mut chain = Outline::new(place, start);
@@ -316,7 +316,7 @@ fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<Course, Path
     let ratio = part.minor_axis_ratio * part.normal.z.signum();
     let across = [-ratio * along[1], ratio * along[0]];
     let (from, centre) = (part.start_parameter, xy(&part.center));
-    let (sin, cos) = from.sin_cos();
+    let (sin, cos) = libm::sincos(from);
     let start = [0, 1].map(|i| centre[i] + cos * along[i] + sin * across[i]);
     let mut chain = Outline::new(place, start);
     let to = from + sweep(from, part.end_parameter);

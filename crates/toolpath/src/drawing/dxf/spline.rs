@@ -112,7 +112,7 @@ impl<'s> Nurbs<'s> {
             let q = 1.0 - p;
             let weights = [q * q * q, 3.0 * q * q * p, 3.0 * q * p * p, p * p * p];
             let cubic = [0, 1].map(|i| (0..4).map(|k| weights[k] * controls[k][i]).sum::<f64>());
-            (point[0] - cubic[0]).hypot(point[1] - cubic[1]) <= near
+            libm::hypot(point[0] - cubic[0], point[1] - cubic[1]) <= near
         });
         if is_near || halvings == 0 {
             let [_, first, second, end] = controls;
