@@ -1,25 +1,34 @@
-//! `trirrr ui`: the page with a scene, for a browser on this computer.
+//! `trirrr ui`: the page with a scene, for a browser on this computer, and the way from the page to a board.
+
+mod relay;
+mod request;
 
 use crate::arguments::{DEFAULT_SCENE, scene_text};
 use crate::failure::CliError;
+use crate::serve::read_key;
 use crate::terminal::{print, say};
 use clap::Args;
-use std::io::{self, BufRead, BufReader, Read, Write};
+use relay::BoardLine;
+use request::Head;
+use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use std::{env, fs, thread};
+use trirrr_client::transport::Address;
 use trirrr_scene::Scene;
+use tungstenite::handshake::server::create_response;
+use tungstenite::http::StatusCode;
 
 /// Name of the page's file.
 const PAGE: &str = "trirrr.html";
 
-/// Longest head of a request, bytes.
-const LONGEST_HEAD: u64 = 1 << 14;
+/// Path of the board's WebSocket.
+const BOARD: &str = "/board";
 
-/// Time that a browser has for its request.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Kind of an answer in words.
+const TEXT: &str = "text/plain";
 
 /// Pause between two looks at the port.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -28,7 +37,11 @@ const PAUSE: Duration = Duration::from_millis(10);
 ///
 /// Serves the page with a scene to the browsers of this computer, until Ctrl-C. The page computes by itself: drags the platform, checks the
 /// scene while it is edited, plays its job. The file is read again each time that the browser loads the page; the page writes nothing.
+/// With --board the page may connect to a board, and move it.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Only the page that this program serves gets to the board, one page at a time: requests of other sites are refused. The board's port is open \
+while a page is connected. A page that goes away leaves the machine to the scene's host timeout: it comes to rest on its path.")]
 pub struct UiArgs {
     /// The scene, a TOML file
     #[arg(value_name = "SCENE.toml", default_value = DEFAULT_SCENE)]
@@ -39,14 +52,42 @@ pub struct UiArgs {
     /// The page, as `cargo xtask page` writes it; by default trirrr.html beside the program, or where that command puts it
     #[arg(long, value_name = "FILE.html")]
     pub page: Option<PathBuf>,
+    /// The board to which the page may connect: /dev/tty..., or tcp:HOST:PORT for `trirrr device` or `trirrr bridge`
+    #[arg(long, value_name = "PORT")]
+    pub board: Option<Address>,
+    /// Rate of a serial port
+    #[arg(
+        long,
+        value_name = "BAUD",
+        default_value_t = 921_600,
+        requires = "board"
+    )]
+    pub baud: u32,
+    /// Key file of the board's port, if it is a TCP port that expects a key
+    #[arg(long, value_name = "FILE", requires = "board")]
+    pub key: Option<PathBuf>,
+}
+
+/// Answers to browsers.
+struct Served<'a> {
+    page: String,
+    scene: &'a Path,
+    board: Option<BoardLine>,
 }
 
 /// Serves the page until `stop` is raised.
 ///
 /// # Errors
-/// Refused: there is no page, the scene cannot be read, or has its machine in a file of its own. Failed: the port cannot be opened.
+/// Refused: there is no page, the scene cannot be read, or has its machine in a file of its own, or the key file cannot be. Failed: the port
+/// cannot be opened.
 pub fn command(args: &UiArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let page = page(args.page.as_deref())?;
+    let key = args.key.as_deref().map(read_key).transpose()?;
+    let board = args.board.clone();
+    let served = Served {
+        page: page(args.page.as_deref(), args.board.as_ref())?,
+        scene: &args.scene,
+        board: board.map(|address| BoardLine::new(address, args.baud, key)),
+    };
     let (text, name) = scene_text(&args.scene)?;
     if let Ok(scene) = Scene::draft_set(&text, &name, &[])
         && let Some(machine) = scene.machine_file
@@ -63,23 +104,28 @@ pub fn command(args: &UiArgs, stop: &AtomicBool) -> Result<(), CliError> {
     print(&format!(
         "{name}: open http://{address}/ in a browser; Ctrl-C ends\n"
     ))?;
-    while !stop.load(Ordering::Relaxed) {
-        match listener.accept() {
-            // A browser that goes away in the middle stops nothing.
-            Ok((browser, _)) => {
-                if let Err(error) = answer(&browser, &page, &args.scene) {
-                    say(&format!("a browser was not answered: {error}"));
+    thread::scope(|threads| {
+        while !stop.load(Ordering::Relaxed) {
+            match listener.accept() {
+                Ok((browser, _)) => {
+                    // A browser opens connections ahead of its requests: none waits for another.
+                    threads.spawn(|| {
+                        // A browser that goes away in the middle stops nothing.
+                        if let Err(error) = answer(browser, &served, stop) {
+                            say(&format!("a browser was not answered: {error}"));
+                        }
+                    });
                 }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => thread::sleep(PAUSE),
+                Err(error) => return Err(failed(error)),
             }
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => thread::sleep(PAUSE),
-            Err(error) => return Err(failed(error)),
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
-/// Reads the page, and tells it where its scene is.
-fn page(given: Option<&Path>) -> Result<String, CliError> {
+/// Reads the page, and tells it where its scene is, and the name of the board.
+fn page(given: Option<&Path>, board: Option<&Address>) -> Result<String, CliError> {
     let places = match given {
         Some(file) => vec![file.to_owned()],
         None => usual_places(),
@@ -97,7 +143,13 @@ fn page(given: Option<&Path>) -> Result<String, CliError> {
     })?;
     const BEGIN: &str = "<html lang=\"en\"";
     match text.contains(BEGIN) {
-        true => Ok(text.replacen(BEGIN, &format!("{BEGIN} data-scene=\"scene.toml\""), 1)),
+        true => {
+            let board = board.map(|address| attribute(&address.to_string()));
+            let board = board.map(|name| format!(" data-board=\"{name}\""));
+            let board = board.unwrap_or_default();
+            let begin = format!("{BEGIN} data-scene=\"scene.toml\"{board}");
+            Ok(text.replacen(BEGIN, &begin, 1))
+        }
         false => Err(CliError::Refused(format!(
             "{}: is not the page that `cargo xtask page` writes",
             file.display()
@@ -115,70 +167,52 @@ fn usual_places() -> Vec<PathBuf> {
 }
 
 /// Answers one request.
-fn answer(browser: &TcpStream, page: &str, scene: &Path) -> io::Result<()> {
-    browser.set_nonblocking(false)?;
-    browser.set_read_timeout(Some(PATIENCE))?;
-    browser.set_write_timeout(Some(PATIENCE))?;
-    let mut head = BufReader::new(browser.take(LONGEST_HEAD));
-    let mut request = String::new();
-    head.read_line(&mut request)?;
-    let mut is_local = false;
-    loop {
-        let mut line = String::new();
-        if head.read_line(&mut line)? == 0 || line.trim().is_empty() {
-            break;
+fn answer(mut browser: TcpStream, served: &Served<'_>, stop: &AtomicBool) -> io::Result<()> {
+    let asked = match request::read(&mut browser)? {
+        Head::Request(request) => request,
+        Head::Nothing => return Ok(()),
+        Head::Wrong => {
+            let status = StatusCode::BAD_REQUEST;
+            return request::answer(&mut browser, status, TEXT, "expected GET over HTTP/1.1");
         }
-        is_local |= names_this_computer(&line);
-    }
-    let mut words = request.split_whitespace();
-    let (status, kind, body) = match (words.next(), words.next()) {
-        // Another site may point a name of its own to this address.
-        _ if !is_local => (
-            "403 Forbidden",
-            "text/plain",
-            "only for this computer".into(),
-        ),
-        (Some("GET"), Some("/")) => ("200 OK", "text/html", page.to_owned()),
-        (Some("GET"), Some("/scene.toml")) => match scene_text(scene) {
-            Ok((text, _)) => ("200 OK", "application/toml", text),
-            Err(error) => ("404 Not Found", "text/plain", error.to_string()),
+    };
+    let (status, kind, body) = match asked.uri().path() {
+        _ if !request::is_local(&asked) => {
+            (StatusCode::FORBIDDEN, TEXT, "only for this computer".into())
+        }
+        "/" => (StatusCode::OK, "text/html", served.page.clone()),
+        "/scene.toml" => match scene_text(served.scene) {
+            Ok((text, _)) => (StatusCode::OK, "application/toml", text),
+            Err(error) => (StatusCode::NOT_FOUND, TEXT, error.to_string()),
         },
-        _ => ("404 Not Found", "text/plain", "no such page".into()),
+        BOARD => match (&served.board, create_response(&asked)) {
+            (Some(_), _) if !request::is_own(&asked) => (
+                StatusCode::FORBIDDEN,
+                TEXT,
+                "only for the page that this program serves".into(),
+            ),
+            (Some(board), Ok(upgrade)) => {
+                request::send(&mut browser, &upgrade)?;
+                say(&format!("a page connects to {}", board.address));
+                let why = board.carry(browser, stop);
+                let why = why.map_or(String::new(), |why| format!(": {why}"));
+                say(&format!("the page has left {}{why}", board.address));
+                return Ok(());
+            }
+            (Some(_), Err(error)) => (StatusCode::BAD_REQUEST, TEXT, error.to_string()),
+            (None, _) => (
+                StatusCode::NOT_FOUND,
+                TEXT,
+                "no board: start trirrr ui with --board PORT".into(),
+            ),
+        },
+        _ => (StatusCode::NOT_FOUND, TEXT, "no such page".into()),
     };
-    let mut browser = browser;
-    write!(
-        browser,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n{body}",
-        body.len()
-    )?;
-    browser.flush()
+    request::answer(&mut browser, status, kind, &body)
 }
 
-/// Returns true for a header `Host` with an address or name of this computer.
-fn names_this_computer(header: &str) -> bool {
-    let Some((name, host)) = header.split_once(':') else {
-        return false;
-    };
-    let host = host.trim();
-    let host = host.rsplit_once(':').map_or(host, |(host, _)| host);
-    name.eq_ignore_ascii_case("host") && ["127.0.0.1", "localhost"].contains(&host)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_host_is_this_computer_or_another() {
-        for (header, local) in [
-            ("Host: 127.0.0.1:7340\r\n", true),
-            ("host: localhost\r\n", true),
-            ("Host: example.org:7340\r\n", false),
-            ("Host: 127.0.0.1.example.org\r\n", false),
-            ("Origin: 127.0.0.1:7340\r\n", false),
-            ("\r\n", false),
-        ] {
-            assert_eq!(names_this_computer(header), local, "{header:?}");
-        }
-    }
+/// Text as the value of an attribute.
+fn attribute(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('"', "&quot;");
+    text.replace('<', "&lt;")
 }
