@@ -1,12 +1,11 @@
 // The page in a headless Chromium: node test.mjs PAGE.html BITS TICKS SHOTS
 // BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS. Run by `cargo xtask page`.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
-import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
+import { launch } from "./browser.mjs";
 
 const [file, bits, ticks, shots] = process.argv.slice(2);
 
@@ -22,15 +21,7 @@ const server = createServer((request, response) => {
 await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
 const address = `http://127.0.0.1:${server.address().port}/`;
 
-const profile = mkdtempSync(join(tmpdir(), "trirrr-page-"));
-const context = await chromium.launchPersistentContext(profile, {
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    headless: true,
-    viewport: { width: 1440, height: 1000 },
-    permissions: ["clipboard-read", "clipboard-write"],
-    acceptDownloads: true,
-    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-});
+const { context, close } = await launch();
 
 const faults = [];
 async function open(url, scheme = "light") {
@@ -253,7 +244,6 @@ try {
     failed = false;
 } finally {
     if (failed && faults.length > 0) console.error(faults.join("\n"));
-    await context.close();
+    await close();
     server.close();
-    rmSync(profile, { recursive: true, force: true });
 }

@@ -1,13 +1,15 @@
 //! Core of the page: what `web/page` asks, answered by the crates that boards and host tools use.
 //!
 //! [`Reading`] checks the text of a scene. [`Machine`] answers for a pose: figures, the eight working modes, all assembly modes.
-//! [`PlayedJob`] holds the job of a scene, tick by tick. The page computes no kinematics of its own.
+//! [`PlayedJob`] holds the job of a scene, tick by tick. [`BoardScene`] is what a conversation with the scene's board
+//! has to know. The page computes no kinematics of its own.
 //!
 //! Compiled for `wasm32-unknown-unknown` the crate is the page's module; natively its functions are the same, so that tests and
 //! `examples/bits.rs` call what the page calls. Units are SI, angles radians. Lists of joints are x and y in turns, leg by leg, in the
 //! fixed frame. Errors are sentences.
 
 mod bits;
+mod board;
 mod figures;
 mod job;
 mod machine;
@@ -15,6 +17,7 @@ mod modes;
 mod reading;
 
 pub use bits::{bits_of, planned_moves};
+pub use board::BoardScene;
 pub use figures::{Figures, MotorLimits};
 pub use job::{JobMode, PlayedJob};
 pub use machine::Machine;

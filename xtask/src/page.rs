@@ -1,7 +1,7 @@
 //! `cargo xtask page`: the page as one file, and its test in a headless Chromium.
 //!
-//! The module is compiled for WebAssembly, the generator that fits its wasm-bindgen writes its JavaScript, and esbuild bundles both with the
-//! page's TypeScript into `target/page/trirrr.html`. Tools come from npm by `web/page/package-lock.json`.
+//! The modules are compiled for WebAssembly, the generator that fits their wasm-bindgen writes their JavaScript, and esbuild bundles all with
+//! the page's TypeScript into `target/page/trirrr.html`. Tools come from npm by `web/page/package-lock.json`.
 
 use crate::packages::choose_host;
 use crate::programs::succeed;
@@ -11,10 +11,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Target of the module.
+/// Target of the modules.
 pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Profile of the module.
+/// Modules of the page: package, file, name of the JavaScript. The second is loaded when the user connects a board.
+const MODULES: [(&str, &str, &str); 2] = [
+    ("trirrr-web", "trirrr_web.wasm", "core"),
+    ("trirrr-web-board", "trirrr_web_board.wasm", "board"),
+];
+
+/// Profile of the modules.
 const PROFILE: &str = "web";
 
 /// Ticks of each scene whose bits are compared.
@@ -47,9 +53,14 @@ fn folder() -> PathBuf {
 fn build() -> Result<PathBuf> {
     let mut module = cargo();
     module
-        .args(["build", "--quiet", "--lib", "--package", "trirrr-web"])
+        .args(["build", "--quiet", "--lib"])
+        .args(
+            MODULES
+                .iter()
+                .flat_map(|(package, ..)| ["--package", package]),
+        )
         .args(["--target", TARGET, "--profile", PROFILE]);
-    succeed(&mut module, "the page's module")?;
+    succeed(&mut module, "the page's modules")?;
     let build = folder().join("build");
     // A file that is no longer there would be checked with the others.
     let old = build.join("src");
@@ -57,13 +68,16 @@ fn build() -> Result<PathBuf> {
         fs::remove_dir_all(&old).with_context(|| old.display().to_string())?;
     }
     copy(&root().join("web/page"), &build)?;
-    let module = target_directory().join(TARGET).join(PROFILE);
-    let mut generator = cargo();
-    generator
-        .args(["run", "--quiet", "--package", "trirrr-web-bindgen", "--"])
-        .arg(module.join("trirrr_web.wasm"))
-        .arg(build.join("core"));
-    succeed(&mut generator, "the JavaScript of the module")?;
+    let modules = target_directory().join(TARGET).join(PROFILE);
+    for (_, file, name) in MODULES {
+        let mut generator = cargo();
+        generator
+            .args(["run", "--quiet", "--package", "trirrr-web-bindgen", "--"])
+            .arg(modules.join(file))
+            .arg(build.join("core"))
+            .arg(name);
+        succeed(&mut generator, "the JavaScript of a module")?;
+    }
     let mut install = Command::new("npm");
     // No package runs a script of its own.
     install.args([
@@ -95,8 +109,8 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
     // As the tests are built, so that nothing is compiled twice.
     choose_host(&mut example);
     succeed(
-        example.args(["--example", "bits"]),
-        "the bits of the native core",
+        example.args(["--example", "bits", "--bin", "trirrr"]),
+        "the bits of the native core, and the program with the board",
     )?;
     let native = Command::new(target_directory().join("debug/examples/bits"))
         .arg(ticks.to_string())
@@ -116,7 +130,15 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
         .arg(ticks.to_string())
         .arg(folder())
         .current_dir(folder().join("build"));
-    succeed(&mut browser, "the page in Chromium")
+    succeed(&mut browser, "the page in Chromium")?;
+    let mut board = Command::new("node");
+    board
+        .arg("test-board.mjs")
+        .arg(page)
+        .arg(target_directory().join("debug/trirrr"))
+        .args([root().join("scenes"), folder()])
+        .current_dir(folder().join("build"));
+    succeed(&mut board, "the page and a board, in Chromium")
 }
 
 /// Copies the files of `from`, and leaves what else is in `to`: the tools that npm installed there.

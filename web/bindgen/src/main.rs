@@ -1,4 +1,4 @@
-//! Writes JavaScript and types for the page's module: `trirrr-web-bindgen MODULE.wasm FOLDER`.
+//! Writes JavaScript and types for a module of the page: `trirrr-web-bindgen MODULE.wasm FOLDER NAME`.
 //!
 //! The generator has to be of exactly the version of `wasm-bindgen` that the module was compiled with. As a program of the workspace it is,
 //! by `Cargo.lock`. The command line tool of wasm-bindgen compiles a web server and an HTTP client beside the same library.
@@ -9,12 +9,12 @@ use wasm_bindgen_cli_support::Bindgen;
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let [module, folder] = arguments.as_slice() else {
-        bail!("expected the module and the folder for its JavaScript");
+    let [module, folder, name] = arguments.as_slice() else {
+        bail!("expected the module, the folder for its JavaScript, and its name");
     };
     Bindgen::new()
         .input_path(module)
-        .out_name("core")
+        .out_name(name)
         .web(true)?
         .omit_default_module_path(true)
         .typescript(true)

@@ -2,14 +2,16 @@
 
 import { initSync, Reading, bitsOf, type Machine } from "../core/core.js";
 import type { Answer, JobTable, ModeRow, Trouble } from "./answers";
+import { BoardPanel, placeOf } from "./board";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
 import { number } from "./format";
+import { LivePlots } from "./live";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
 import { Reader } from "./reader";
 import { bytesOf, fragmentOf, sceneOf, unzipped } from "./share";
-import { taken, takenAssemblies, type TakenLimits } from "./taken";
+import { taken, takenAssemblies, type TakenLimits, type TakenSample } from "./taken";
 
 /** Pause in the user's writing after which the scene is read whole, ms. */
 const PAUSE = 250;
@@ -29,6 +31,9 @@ const NO_LIMITS: TakenLimits = {
 };
 
 const STATE_COLUMNS = ["x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"];
+
+const HAND = "Drag the platform, or focus it and use the arrow keys; Q and E turn it, Shift takes larger steps.";
+const FOLLOWING = "The machine is drawn as the board moves it; dashed: as its drives measure it. Disconnect to take it into your hand.";
 
 function page(id: string): HTMLElement {
     const found = document.getElementById(id);
@@ -59,8 +64,16 @@ class Page {
     private readonly time = page("time") as HTMLInputElement;
     private readonly play = page("play") as HTMLButtonElement;
     private readonly reader: Reader;
+    private readonly live = new LivePlots(page("live-plots"));
+    private readonly board: BoardPanel;
 
     constructor(module: WebAssembly.Module) {
+        this.board = new BoardPanel(page, {
+            core: module,
+            scene: () => (this.job ? { text: this.editor.value, file: this.file } : "The scene is refused, or its job is being checked: a board takes a scene that is good."),
+            onFollow: (isFollowing) => this.follow(isFollowing),
+            onSample: (sample) => this.showSample(sample),
+        });
         this.reader = new Reader(
             module,
             (answer) => this.answered(answer),
@@ -113,8 +126,52 @@ class Page {
         addEventListener("hashchange", () => void sceneOf(location.hash).then((text) => text !== undefined && text !== this.editor.value && this.load("", text)));
     }
 
+    /** The scene and the machine on paper are those of the board, or in the user's hand again. */
+    private follow(isFollowing: boolean): void {
+        this.stop();
+        page("drawing").classList.toggle("following", isFollowing);
+        page("live-curves").hidden = !isFollowing;
+        (page("text") as HTMLTextAreaElement).readOnly = isFollowing;
+        for (const id of ["scenes", "open", "reset"]) (page(id) as HTMLButtonElement).disabled = isFollowing;
+        for (const input of [this.time, this.play]) input.disabled = isFollowing || !this.job;
+        for (const input of document.querySelectorAll<HTMLInputElement>("#pose input, #rates input")) input.disabled = isFollowing;
+        page("hand-hint").textContent = isFollowing ? FOLLOWING : HAND;
+        this.live.clear();
+        this.drawing.showMeasured(undefined);
+        page("board-pose").textContent = "";
+    }
+
+    /** Draws the machine as the board moves it, and as its drives measure it. */
+    private showSample(sample: TakenSample): void {
+        const { machine } = this;
+        if (!machine) return;
+        this.isAtJob = true;
+        this.state = [...sample.setpoint];
+        this.show();
+        this.live.add(sample);
+        page("board-pose").textContent = placeOf(sample);
+        if (!sample.measured) {
+            this.drawing.showMeasured(undefined);
+            return;
+        }
+        try {
+            // The pose at which the drives stand: of all that fit their angles, the nearest to the one that is asked for.
+            const { modes } = takenAssemblies(machine.assemblies(sample.measured.angles, sample.setpoint.slice(0, 3)));
+            const here = modes.find(({ isHere }) => isHere);
+            const still = new Array<number>(6).fill(0);
+            this.drawing.showMeasured(here && taken(machine.figures(Float64Array.from([...here.pose, ...still]))));
+        } catch {
+            // No pose fits: there is none to draw.
+            this.drawing.showMeasured(undefined);
+        }
+    }
+
     /** Begins with another scene. */
     private load(name: string, text: string): void {
+        if (this.board.isOpen) {
+            this.setVerdict("disconnect the board to open another scene", true);
+            return;
+        }
         this.stop();
         this.loaded = { name, text };
         this.isAtJob = false;
@@ -197,7 +254,7 @@ class Page {
         this.job = job;
         this.jobModes = undefined;
         const count = job?.columns.t?.length ?? 0;
-        for (const input of [this.time, this.play]) input.disabled = count === 0;
+        for (const input of [this.time, this.play]) input.disabled = count === 0 || this.board.isOpen;
         this.time.max = String(Math.max(count - 1, 0));
         this.drawing.showPath(job?.columns.x, job?.columns.y);
         this.redrawPlots();
@@ -225,6 +282,7 @@ class Page {
 
     /** The user moves the platform: its motion is the one that stands in the inputs, or the first one after the job. */
     private drag(pose: Pose): void {
+        if (this.board.isOpen) return;
         if (this.clock || this.isAtJob) this.state = [...pose, ...MOTION];
         else this.state = [...pose, ...this.state.slice(3)];
         this.stop();
@@ -233,6 +291,7 @@ class Page {
     }
 
     private takeState(state: number[]): void {
+        if (this.board.isOpen) return;
         this.stop();
         this.isAtJob = false;
         this.state = state;
@@ -274,6 +333,7 @@ class Page {
 
     /** Writes the elbow signs of a working mode into the scene. */
     private takeMode(name: string): void {
+        if (this.board.isOpen) return;
         const text = withElbows(this.editor.value, name);
         if (text === undefined) return;
         this.editor.value = text;
@@ -297,7 +357,7 @@ class Page {
 
     private goTo(time: number): void {
         const times = this.job?.columns.t;
-        if (!times) return;
+        if (!times || this.board.isOpen) return;
         this.stop();
         this.showRow(rowAt(times, time));
     }
