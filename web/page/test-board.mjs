@@ -13,17 +13,18 @@ const [file, trirrr, scenes, shots] = process.argv.slice(2);
 /** Longest wait for anything that a machine does, ms: others may use the computer. */
 const LONG = 60_000;
 
-/** Host timeout of the boards, s. */
-const SILENCE_S = 5;
+/** Host timeout of the board that a page leaves, and duration of its job, s. */
+const SILENCE_S = 2.5;
+const JOB_S = 7;
 
 const folder = mkdtempSync(join(tmpdir(), "trirrr-board-"));
 const programs = [];
 
 /** A shipped scene, with patience for a host on a computer that others use, too. */
-const scene = (name) => {
+const scene = (name, silence) => {
     const text = readFileSync(join(scenes, name), "utf8");
     assert.doesNotMatch(text, /^\[service\]/m);
-    return text.replace("[job]", `[service]\nsilence_timeout_s = ${SILENCE_S}.0\n\n[job]`);
+    return text.replace("[job]", `[service]\nsilence_timeout_s = ${silence.toFixed(1)}\n\n[job]`);
 };
 
 /** Starts the program, and waits for a line that `pattern` finds. */
@@ -90,8 +91,7 @@ async function seen(port) {
 }
 
 async function bySocket() {
-    // Slow enough to be held on its way, and longer than the host timeout.
-    const given = scene("plant-odrive.toml").replace("duration_s = 1.0", `duration_s = ${SILENCE_S}.0`);
+    const given = scene("plant-odrive.toml", SILENCE_S).replace("duration_s = 1.0", `duration_s = ${JOB_S}.0`);
     const { address, watched } = await board("short.toml", given);
     const tab = await open(address);
     await tab.click("#connect-served");
@@ -157,9 +157,15 @@ async function bySocket() {
 
     // A page that goes while the machine moves leaves it to the host timeout.
     await tab.click("#run");
-    await state(tab, "running");
+    for (const [least, most] of [[209, 210.5], [213, 220]]) {
+        const isThere = ([least, most]) => {
+            const x = Number(/x ([\d.]+) mm/.exec(document.querySelector("#board-pose").textContent)[1]);
+            return least < x && x < most;
+        };
+        await tab.waitForFunction(isThere, [least, most], { timeout: LONG });
+    }
     await tab.click("#disconnect");
-    await tab.waitForTimeout(1000 * SILENCE_S + 500);
+    await tab.waitForTimeout(1000 * SILENCE_S + 1000);
     await tab.click("#connect-served");
     await state(tab, "holding (host silent)");
     await tab.click("#abort");
@@ -225,7 +231,7 @@ function serial() {
 
 async function bySerial() {
     // Motors of this scene look for their switches first; it computes in fixed point, in units of its own.
-    const { address } = await board("home.toml", scene("pick-home.toml"));
+    const { address } = await board("home.toml", scene("pick-home.toml", 10));
     await context.addInitScript(serial);
     const tab = await open(address);
     await tab.click("#connect-serial");

@@ -3,8 +3,10 @@
 //! Compiled for `wasm32-unknown-unknown` the crate is the page's second module, which is loaded when the user connects a board. It knows
 //! nothing of scenes but what the first module, `web/src/board.rs`, tells it. Units are SI, angles radians. Errors are sentences.
 
+mod hindrance;
 mod scene;
 mod talk;
+mod view;
 
 use scene::TalkScene;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! Conversation with a board in its number type: one client after the other, over the same line.
 
 use crate::scene::TalkScene;
-use crate::{BoardCommand, BoardSample, BoardView, DriveValues};
+use crate::{BoardCommand, BoardView};
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
 use trirrr_client::transport::Frames;
@@ -9,10 +9,10 @@ use trirrr_client::{
     Action, GoalAction, GoalClient, JobClient, JobWork, ManualAction, ManualClient, Patience,
     UserCommand,
 };
-use trirrr_core::setpoint::{Pose, Setpoint};
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    Command, DriveSample, DriveState, Event, Goal, Hello, Identity, Message, PROTOCOL, Recovery,
-    Refusal, Request, State, Status, Telemetry, Transmit,
+    Command, DriveSample, Event, Goal, Hello, Identity, Message, PROTOCOL, Recovery, Refusal,
+    Request, State, Status, Telemetry, Transmit,
 };
 use trirrr_protocol::wire::schema;
 use trirrr_scene::{NumberType, in_number_type, offer};
@@ -31,7 +31,7 @@ const STEP_RAD_S: f64 = 0.5;
 const HELLOS: u32 = 1 << 12;
 
 /// Client that talks.
-enum Talking<N: Transmit> {
+pub(crate) enum Talking<N: Transmit> {
     /// Commands by hand.
     Manual(Box<ManualClient<N>>),
     /// The scene's job.
@@ -41,7 +41,7 @@ enum Talking<N: Transmit> {
 }
 
 /// Next act of a client, whichever it is.
-enum Turn<N: Transmit> {
+enum TalkTurn<N: Transmit> {
     Send(Request<N>),
     Wait(Duration),
     Lost,
@@ -74,24 +74,24 @@ pub(crate) struct BoardTalk<N: Transmit> {
     name: String,
     number: NumberType,
     hello: Hello,
-    work: JobWork<N>,
+    pub(crate) work: JobWork<N>,
     start: Pose<N>,
-    has_homing: bool,
-    units: Units,
+    pub(crate) has_homing: bool,
+    pub(crate) units: Units,
     samples: u16,
-    talking: Talking<N>,
+    pub(crate) talking: Talking<N>,
     frames: Frames,
     /// Of the next client.
     conversation: u32,
     identity: Option<Identity>,
-    status: Option<Status<N>>,
-    sample: Option<Telemetry<N>>,
-    drives: Option<DriveSample<N>>,
+    pub(crate) status: Option<Status<N>>,
+    pub(crate) sample: Option<Telemetry<N>>,
+    pub(crate) drives: Option<DriveSample<N>>,
     /// Pose at the end of the last step, SI.
     aimed: Option<[f64; 3]>,
     is_way_told: bool,
-    is_silent: bool,
-    closed: Option<String>,
+    pub(crate) is_silent: bool,
+    pub(crate) closed: Option<String>,
     notes: Vec<String>,
 }
 
@@ -179,20 +179,20 @@ impl<N: Transmit> BoardTalk<N> {
         self.is_way_told = false;
     }
 
-    fn turn(&mut self, now: Duration) -> Turn<N> {
+    fn turn(&mut self, now: Duration) -> TalkTurn<N> {
         match &mut self.talking {
             Talking::Manual(client) => match client.poll(now) {
-                ManualAction::Send(request) => Turn::Send(request),
-                ManualAction::Wait(until) => Turn::Wait(until),
-                ManualAction::Lost => Turn::Lost,
-                ManualAction::Refused(refusal) => Turn::Closed(self.why_closed(&refusal)),
+                ManualAction::Send(request) => TalkTurn::Send(request),
+                ManualAction::Wait(until) => TalkTurn::Wait(until),
+                ManualAction::Lost => TalkTurn::Lost,
+                ManualAction::Refused(refusal) => TalkTurn::Closed(self.why_closed(&refusal)),
             },
             Talking::Job(client) => match client.poll(now) {
-                Action::Send(request) => Turn::Send(request),
-                Action::Wait(until) => Turn::Wait(until),
-                Action::Lost => Turn::Lost,
-                Action::Finished(Ok(())) => Turn::Over("the job is played to its end".into()),
-                Action::Finished(Err(failure)) => Turn::Over(client.describe(&failure)),
+                Action::Send(request) => TalkTurn::Send(request),
+                Action::Wait(until) => TalkTurn::Wait(until),
+                Action::Lost => TalkTurn::Lost,
+                Action::Finished(Ok(())) => TalkTurn::Over("the job is played to its end".into()),
+                Action::Finished(Err(failure)) => TalkTurn::Over(client.describe(&failure)),
             },
             Talking::Steps(client) => {
                 if let Some(violation) = client.take_refused() {
@@ -201,11 +201,13 @@ impl<N: Transmit> BoardTalk<N> {
                     self.notes.push(format!("no motion to the goal: {why}"));
                 }
                 match client.poll(now) {
-                    GoalAction::Send(request) => Turn::Send(request),
-                    GoalAction::Wait(until) => Turn::Wait(until),
-                    GoalAction::Lost => Turn::Lost,
-                    GoalAction::Finished(Ok(())) => Turn::Over(String::new()),
-                    GoalAction::Finished(Err(failure)) => Turn::Over(failure.describe(&self.units)),
+                    GoalAction::Send(request) => TalkTurn::Send(request),
+                    GoalAction::Wait(until) => TalkTurn::Wait(until),
+                    GoalAction::Lost => TalkTurn::Lost,
+                    GoalAction::Finished(Ok(())) => TalkTurn::Over(String::new()),
+                    GoalAction::Finished(Err(failure)) => {
+                        TalkTurn::Over(failure.describe(&self.units))
+                    }
                 }
             }
         }
@@ -320,82 +322,8 @@ impl<N: Transmit> BoardTalk<N> {
         }
     }
 
-    fn state(&self) -> Option<State> {
+    pub(crate) fn state(&self) -> Option<State> {
         self.status.as_ref().map(|status| status.state)
-    }
-
-    /// Reason why a command would do nothing now.
-    fn hindrance(&self, command: BoardCommand) -> Option<&'static str> {
-        const OFF: &str = "the drives are off: enable them first";
-        const UNHOMED: &str = "the machine does not know where its motors are: home it first";
-        const LOST: &str = "pose unknown after a fault: recover first";
-        let (None, Some(status)) = (&self.closed, &self.status) else {
-            return Some("no board is connected");
-        };
-        if self.is_silent {
-            return Some("the board does not answer");
-        }
-        let state = status.state;
-        let is_free = state == State::Idle && matches!(self.talking, Talking::Manual(_));
-        let has_stop = status.inputs.emergency_stop.is_active();
-        let stop = has_stop.then_some("the emergency stop is pressed, or its wire is broken");
-        let ready = match state {
-            State::Disabled | State::Enabling | State::Disabling => Some(OFF),
-            State::Unhomed | State::Homing => Some(UNHOMED),
-            State::Cleared | State::Recovering => Some(LOST),
-            State::Fault | State::Reacting => Some("a fault is latched: acknowledge it first"),
-            _ if !is_free => Some("the machine moves, or holds a job"),
-            _ if status.inputs.door.is_active() => Some("the door is open"),
-            _ => None,
-        };
-        match command {
-            BoardCommand::Enable => match state {
-                State::Disabled => stop,
-                State::Fault | State::Reacting => Some("a fault is latched: acknowledge it first"),
-                State::Enabling | State::Disabling => Some("the drives are being switched"),
-                _ => Some("the drives are on"),
-            },
-            BoardCommand::Disable => {
-                (state == State::Disabled).then_some("the drives are off already")
-            }
-            BoardCommand::Acknowledge => match state {
-                State::Fault => stop,
-                State::Reacting => Some("the machine comes to rest first"),
-                _ => Some("no fault is latched"),
-            },
-            BoardCommand::Home => match state {
-                State::Unhomed | State::Cleared => None,
-                State::Idle if is_free && self.has_homing => ready,
-                State::Idle if is_free => {
-                    Some("the scene has no homing: the machine knows where its motors are")
-                }
-                _ => ready,
-            },
-            BoardCommand::Run if self.work.items() == 0 => Some("the scene has no job"),
-            BoardCommand::Step if ready.is_none() && status.end.is_none() => {
-                Some("the machine has not said yet where it stands")
-            }
-            BoardCommand::Run | BoardCommand::Step => ready,
-            BoardCommand::Hold => match state {
-                State::Running => None,
-                State::Slowing | State::Holding => Some("the machine holds already"),
-                _ => Some("no job is under way"),
-            },
-            BoardCommand::Resume => match state {
-                State::Slowing | State::Holding => None,
-                _ => Some("nothing is held"),
-            },
-            BoardCommand::Stop => match state {
-                State::Running
-                | State::Slowing
-                | State::Holding
-                | State::Homing
-                | State::Recovering
-                | State::Reacting => None,
-                _ if !matches!(self.talking, Talking::Manual(_)) => None,
-                _ => Some("nothing is under way"),
-            },
-        }
     }
 
     /// Gives a command of the user to whichever client talks.
@@ -418,32 +346,6 @@ impl<N: Transmit> BoardTalk<N> {
         self.aimed
             .or_else(|| Some(self.pose(&self.status.as_ref()?.end?)))
     }
-
-    fn pose(&self, setpoint: &Setpoint<N>) -> [f64; 3] {
-        let position = setpoint.pose.position;
-        let [x, y] = [position.x, position.y].map(|value| value.to_f64() * self.units.length_m);
-        [x, y, N::angle_to_f64(setpoint.pose.angle)]
-    }
-
-    /// Pose, velocity and acceleration, SI.
-    fn setpoint(&self, setpoint: &Setpoint<N>) -> Vec<f64> {
-        let Units {
-            length_m, time_s, ..
-        } = self.units;
-        let rates = |values: nalgebra::Vector3<N>, time: f64| {
-            let [x, y, turn] = <[N; 3]>::from(values).map(N::to_f64);
-            [x * length_m / time, y * length_m / time, turn / time]
-        };
-        let velocity = rates(setpoint.velocity, time_s);
-        let acceleration = rates(setpoint.acceleration, time_s * time_s);
-        [self.pose(setpoint), velocity, acceleration].concat()
-    }
-
-    /// Torque of one unit, N m.
-    fn torque(&self) -> f64 {
-        let speed = self.units.length_m / self.units.time_s;
-        self.units.mass_kg * speed * speed
-    }
 }
 
 impl<N: Transmit> Talk for BoardTalk<N> {
@@ -454,16 +356,16 @@ impl<N: Transmit> Talk for BoardTalk<N> {
                 return Duration::MAX;
             }
             match self.turn(now) {
-                Turn::Send(request) => Frames::append(&request, out),
-                Turn::Wait(until) => return until,
-                Turn::Closed(why) => self.closed = Some(why),
-                Turn::Over(text) => {
+                TalkTurn::Send(request) => Frames::append(&request, out),
+                TalkTurn::Wait(until) => return until,
+                TalkTurn::Closed(why) => self.closed = Some(why),
+                TalkTurn::Over(text) => {
                     if !text.is_empty() {
                         self.notes.push(text);
                     }
                     self.take_hands();
                 }
-                Turn::Lost => {
+                TalkTurn::Lost => {
                     if !std::mem::replace(&mut self.is_silent, true) {
                         self.notes.push("the board does not answer".into());
                     }
@@ -592,56 +494,6 @@ impl<N: Transmit> Talk for BoardTalk<N> {
     }
 
     fn view(&self) -> BoardView {
-        let status = self.status.as_ref();
-        let state = self.state();
-        let shown = status.map(|status| describe::state(status.state, status.acting));
-        let (done, moves) = match &self.talking {
-            Talking::Job(client) => (client.done(), client.moves()),
-            _ => (0, 0),
-        };
-        let sentence = match (&self.closed, &shown) {
-            (Some(why), _) => why.clone(),
-            (None, _) if self.is_silent => "the board does not answer".into(),
-            (None, Some(shown)) => shown.clone(),
-            (None, None) => "waiting for the board".into(),
-        };
-        let hindrances = BoardCommand::ALL.map(|command| {
-            let why = self.hindrance(command).unwrap_or_default();
-            why.to_owned()
-        });
-        let sample = self.sample.as_ref().map(|sample| BoardSample {
-            time: f64::from(sample.tick) / self.units.tick_rate_hz,
-            setpoint: self.setpoint(&sample.setpoint),
-            commanded: DriveValues {
-                angles: sample.angles.map(N::angle_to_f64).into(),
-                rates: (sample.rates.map(|rate| rate.to_f64() / self.units.time_s)).into(),
-                torques: (sample.torques.map(|torque| torque.to_f64() * self.torque())).into(),
-            },
-            measured: self.drives.as_ref().and_then(|drives| {
-                let heard = drives.drives;
-                let is_heard = heard.iter().all(|drive| drive.state != DriveState::Silent);
-                is_heard.then(|| DriveValues {
-                    angles: heard.map(|drive| N::angle_to_f64(drive.angle)).into(),
-                    rates: heard
-                        .map(|drive| drive.rate.to_f64() / self.units.time_s)
-                        .into(),
-                    torques: heard
-                        .map(|drive| drive.torque.to_f64() * self.torque())
-                        .into(),
-                })
-            }),
-        });
-        BoardView {
-            sentence,
-            is_closed: self.closed.is_some(),
-            is_bad: self.closed.is_some() || self.is_silent || state.is_some_and(State::has_fault),
-            is_playing: matches!(self.talking, Talking::Job(_)),
-            is_recovery: state == Some(State::Cleared) && !self.has_homing,
-            done,
-            moves,
-            inputs: status.and_then(|status| describe::inputs(&status.inputs)),
-            hindrances: hindrances.into(),
-            sample,
-        }
+        self.shown()
     }
 }

@@ -33,7 +33,7 @@ const NO_LIMITS: TakenLimits = {
 const STATE_COLUMNS = ["x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"];
 
 const HAND = "Drag the platform, or focus it and use the arrow keys; Q and E turn it, Shift takes larger steps.";
-const FOLLOWING = "The machine is drawn as the board moves it; dashed: as its drives measure it. Disconnect to take it into your hand.";
+const FOLLOWING = "The machine is drawn as the board moves it; dotted: as its drives measure it. Disconnect to take it into your hand.";
 
 function page(id: string): HTMLElement {
     const found = document.getElementById(id);
