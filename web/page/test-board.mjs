@@ -70,7 +70,7 @@ async function open(url) {
 const text = (tab, selector) => tab.textContent(selector);
 const state = (tab, words) => tab.waitForFunction((words) => document.querySelector("#board-state").textContent.startsWith(words), words, { timeout: LONG });
 const logged = (tab, words) => tab.waitForFunction((words) => document.querySelector("#board-log").textContent.includes(words), words, { timeout: LONG });
-const isUsable = (tab, id) => tab.$eval(`#${id}`, (button) => button.getAttribute("aria-disabled") === "false");
+const usable = (tab, id) => tab.waitForFunction((id) => document.getElementById(id).getAttribute("aria-disabled") === "false", id, { timeout: LONG });
 const place = async (tab) => [...(await text(tab, "#board-pose")).matchAll(/[\u2212-]?\d+(\.\d+)?/g)].map(([value]) => Number(value.replace("\u2212", "-")));
 const stands = (tab, x, y) =>
     tab.waitForFunction(
@@ -117,11 +117,11 @@ async function bySocket() {
     await stands(tab, 210, 220);
     // A step by hand, from the keyboard.
     await tab.selectOption("#step-mm", "10");
+    await usable(tab, "step-right");
     await tab.focus("#step-right");
     await tab.keyboard.press("Enter");
     await stands(tab, 220, 220);
-    await state(tab, "idle");
-    assert.ok(await isUsable(tab, "run"));
+    await usable(tab, "run");
 
     // The job: back to its start first, then held by the key, and resumed.
     await tab.click("#run");
