@@ -1,5 +1,5 @@
 // Bundles the page into one file: node build.mjs SCENES OUT.html
-// Run by `cargo xtask page`, beside `node_modules` and `core/`, the module with its JavaScript.
+// Run by `cargo xtask page`, beside `node_modules` and `core/`, the modules with their JavaScript.
 import { build } from "esbuild";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
@@ -24,7 +24,7 @@ const scripts = await build({ ...options, entryPoints: ["src/main.ts"], define: 
 const main = scripts.outputFiles[0].text.replaceAll("</script", "<\\/script");
 const styles = await build({ ...options, entryPoints: ["src/style.css"] });
 const style = styles.outputFiles[0].text;
-const [core, drawings] = ["core", "drawing"].map((name) => ({ module: readFileSync(`core/${name}_bg.wasm`), compressed: readFileSync(`core/${name}.lzma`) }));
+const [core, drawings, board] = ["core", "drawing", "board"].map((name) => ({ module: readFileSync(`core/${name}_bg.wasm`), compressed: readFileSync(`core/${name}.lzma`) }));
 const licence = readFileSync("node_modules/uplot/LICENSE", "utf8").trim();
 
 const page = readFileSync("index.html", "utf8")
@@ -32,6 +32,7 @@ const page = readFileSync("index.html", "utf8")
     .replace("/*style*/", () => style)
     .replace("/*core*/", () => core.compressed.toString("base64"))
     .replace("/*drawings*/", () => drawings.compressed.toString("base64"))
+    .replace("/*board*/", () => board.compressed.toString("base64"))
     .replace("/*main*/", () => main);
 writeFileSync(out, page);
 const kilobytes = (bytes) => `${(bytes / 1000).toFixed(0)} kB`;
@@ -39,4 +40,5 @@ const zipped = (bytes) => kilobytes(gzipSync(bytes, { level: 9 }).length);
 const sizes = ({ module, compressed }) => `${kilobytes(module.length)}, ${kilobytes(compressed.length)} compressed by LZMA, ${zipped(module)} by gzip`;
 console.log(`module ${sizes(core)}`);
 console.log(`reader of drawings ${sizes(drawings)}`);
+console.log(`module for boards ${sizes(board)}`);
 console.log(`page ${kilobytes(Buffer.byteLength(page))}, ${zipped(page)} compressed by gzip`);

@@ -2,12 +2,11 @@
 // BITS is what `examples/bits.rs` printed for TICKS ticks of each scene: its name, a hash, the moves of a path. Screenshots go to SHOTS; FILES is the folder of
 // shipped jobs. Run by `cargo xtask page`.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
-import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
+import { launch } from "./browser.mjs";
 
 const [file, bits, ticks, shots, files] = process.argv.slice(2);
 
@@ -23,15 +22,7 @@ const server = createServer((request, response) => {
 await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
 const address = `http://127.0.0.1:${server.address().port}/`;
 
-const profile = mkdtempSync(join(tmpdir(), "trirrr-page-"));
-const context = await chromium.launchPersistentContext(profile, {
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    headless: true,
-    viewport: { width: 1440, height: 1000 },
-    permissions: ["clipboard-read", "clipboard-write"],
-    acceptDownloads: true,
-    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-});
+const { context, close } = await launch();
 
 const faults = [];
 async function open(url, scheme = "light") {
@@ -339,7 +330,6 @@ try {
     failed = false;
 } finally {
     if (failed && faults.length > 0) console.error(faults.join("\n"));
-    await context.close();
+    await close();
     server.close();
-    rmSync(profile, { recursive: true, force: true });
 }

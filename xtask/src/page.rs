@@ -11,10 +11,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Target of the module.
+/// Target of the modules.
 pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Profile of the module.
+/// Modules of the page: package, file, name of the JavaScript. The first is there at once, the others when the user opens a drawing or
+/// connects a board.
+const MODULES: [(&str, &str, &str); 3] = [
+    ("trirrr-web", "trirrr_web.wasm", "core"),
+    ("trirrr-web-drawing", "trirrr_web_drawing.wasm", "drawing"),
+    ("trirrr-web-board", "trirrr_web_board.wasm", "board"),
+];
+
+/// Profile of the modules.
 const PROFILE: &str = "web";
 
 /// Ticks of each scene whose bits are compared.
@@ -48,7 +56,11 @@ fn build() -> Result<PathBuf> {
     let mut module = cargo();
     module
         .args(["build", "--quiet", "--lib"])
-        .args(["--package", "trirrr-web", "--package", "trirrr-web-drawing"])
+        .args(
+            MODULES
+                .iter()
+                .flat_map(|(package, ..)| ["--package", package]),
+        )
         .args(["--target", TARGET, "--profile", PROFILE]);
     succeed(&mut module, "the page's modules")?;
     let build = folder().join("build");
@@ -58,15 +70,15 @@ fn build() -> Result<PathBuf> {
         fs::remove_dir_all(&old).with_context(|| old.display().to_string())?;
     }
     copy(&root().join("web/page"), &build)?;
-    let module = target_directory().join(TARGET).join(PROFILE);
-    for (file, name) in [("trirrr_web", "core"), ("trirrr_web_drawing", "drawing")] {
+    let modules = target_directory().join(TARGET).join(PROFILE);
+    for (_, file, name) in MODULES {
         let mut generator = cargo();
         generator
             .args(["run", "--quiet", "--package", "trirrr-web-bindgen", "--"])
-            .arg(module.join(file).with_extension("wasm"))
+            .arg(modules.join(file))
             .arg(build.join("core"))
             .arg(name);
-        succeed(&mut generator, "the JavaScript of the modules")?;
+        succeed(&mut generator, "the JavaScript of a module")?;
     }
     let mut install = Command::new("npm");
     // No package runs a script of its own.
@@ -99,8 +111,8 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
     // As the tests are built, so that nothing is compiled twice.
     choose_host(&mut example);
     succeed(
-        example.args(["--example", "bits"]),
-        "the bits of the native core",
+        example.args(["--example", "bits", "--bin", "trirrr"]),
+        "the bits of the native core, and the program with the board",
     )?;
     let native = Command::new(target_directory().join("debug/examples/bits"))
         .arg(ticks.to_string())
@@ -121,7 +133,15 @@ fn test(page: &Path, ticks: u32) -> Result<()> {
         .arg(folder())
         .arg(root().join("scenes/jobs"))
         .current_dir(folder().join("build"));
-    succeed(&mut browser, "the page in Chromium")
+    succeed(&mut browser, "the page in Chromium")?;
+    let mut board = Command::new("node");
+    board
+        .arg("test-board.mjs")
+        .arg(page)
+        .arg(target_directory().join("debug/trirrr"))
+        .args([root().join("scenes"), folder()])
+        .current_dir(folder().join("build"));
+    succeed(&mut board, "the page and a board, in Chromium")
 }
 
 /// Copies the files of `from`, and leaves what else is in `to`: the tools that npm installed there.

@@ -7,11 +7,14 @@
 //!            poll(now) ──> Send, Wait, Lost, Finished
 //! port ────> receive(message, now)
 //! ```
-//! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals. [`transport`]
-//! carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
+//! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals,
+//! [`ManualClient`] sends the commands of a person and nothing else. [`transport`] carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
 //! [`JobRest`] is the rest of a job that was left on its way.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
 //! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
+//!
+//! The feature `transport`, on by default, brings serial ports, TCP and shared keys. Without it the crate takes no operating system: a
+//! page in a browser runs the same clients.
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
@@ -24,6 +27,7 @@ mod failure;
 mod goal_client;
 mod job_client;
 pub mod local;
+mod manual_client;
 pub mod records;
 mod resume;
 pub mod runner;
@@ -34,4 +38,5 @@ pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
 pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand};
+pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};

@@ -93,8 +93,12 @@ pub fn piece<N: Transmit>(
 
 /// Returns the moves of a scene's job in the number type `N` and in `units`, numbered from 0.
 pub fn moves<N: Transmit>(scene: &Scene, units: &Units) -> Vec<AnyMove<N>> {
-    let job = scene.job.in_units(units);
-    let moves = job.moves.iter().zip(0..);
+    moves_in_units(&scene.job.in_units(units).moves)
+}
+
+/// Returns moves that are in the machine's units already in the number type `N`, numbered from 0.
+pub fn moves_in_units<N: Transmit>(moves: &[JobMove]) -> Vec<AnyMove<N>> {
+    let moves = moves.iter().zip(0..);
     moves.map(|(each, number)| offer(each, number)).collect()
 }
 

@@ -1,4 +1,4 @@
-//! Writes JavaScript and types for the page's module, and the module compressed: `trirrr-web-bindgen MODULE.wasm FOLDER NAME`.
+//! Writes JavaScript and types for a module of the page, and the module compressed: `trirrr-web-bindgen MODULE.wasm FOLDER NAME`.
 //!
 //! The generator has to be of exactly the version of `wasm-bindgen` that the module was compiled with. As a program of the workspace it is,
 //! by `Cargo.lock`. The command line tool of wasm-bindgen compiles a web server and an HTTP client beside the same library.

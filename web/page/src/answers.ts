@@ -1,16 +1,21 @@
 // Messages between the page and its worker.
 
 /** A scene to be read whole. */
-export interface Question {
+export interface Question extends Source {
     module?: WebAssembly.Module;
-    /** Reader of drawings, for a job that is one. */
-    drawings?: WebAssembly.Module | undefined;
     id: number;
+}
+
+/** The texts that make a scene. */
+export interface Source {
     text: string;
     file: string;
     /** Text of the file that the scene takes its machine from. */
     machine: string | undefined;
+    /** Job in place of that of the scene. */
     job: JobFile | undefined;
+    /** Reader of drawings, for a job that is one. */
+    drawings: WebAssembly.Module | undefined;
 }
 
 /** What a job's file leaves open, by the names of the core. */

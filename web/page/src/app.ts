@@ -1,10 +1,12 @@
 // The page: a scene, its machine in the user's hand, its job.
 
 import { initSync, isDrawing, machineFile, Reading, bitsOf, type Machine } from "../core/core.js";
-import type { Answer, JobTable, ModeRow, PlantTable, Trouble } from "./answers";
+import type { Answer, JobTable, ModeRow, PlantTable, Source, Trouble } from "./answers";
+import { BoardPanel, placeOf } from "./board";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
 import { number } from "./format";
+import { LivePlots } from "./live";
 import { Panel } from "./panel";
 import { decompressed } from "./lzma";
 import { showPlant } from "./plant";
@@ -12,7 +14,7 @@ import { Plots } from "./plots";
 import { isJob, Program } from "./program";
 import { Reader } from "./reader";
 import { bytesOf, fragmentOf, sceneOf } from "./share";
-import { taken, takenAssemblies, type TakenLimits } from "./taken";
+import { taken, takenAssemblies, type TakenLimits, type TakenSample } from "./taken";
 
 /** Pause in the user's writing after which the scene is read whole, ms. */
 const PAUSE = 250;
@@ -32,6 +34,9 @@ const NO_LIMITS: TakenLimits = {
 };
 
 const STATE_COLUMNS = ["x", "y", "alpha", "vx", "vy", "valpha", "ax", "ay", "aalpha"];
+
+const HAND = "Drag the platform, or focus it and use the arrow keys; Q and E turn it, Shift takes larger steps.";
+const FOLLOWING = "The machine is drawn as the board moves it; dotted: as its drives measure it. Disconnect to take it into your hand.";
 
 function page(id: string): HTMLElement {
     const found = document.getElementById(id);
@@ -67,8 +72,16 @@ class Page {
     private readonly time = page("time") as HTMLInputElement;
     private readonly play = page("play") as HTMLButtonElement;
     private readonly reader: Reader;
+    private readonly live = new LivePlots(page("live-plots"));
+    private readonly board: BoardPanel;
 
     constructor(module: WebAssembly.Module) {
+        this.board = new BoardPanel(page, {
+            core: module,
+            scene: () => (this.job ? this.source() : "The scene is refused, or its job is being checked: a board takes a scene that is good."),
+            onFollow: (isFollowing) => this.follow(isFollowing),
+            onSample: (sample) => this.showSample(sample),
+        });
         this.reader = new Reader(
             module,
             (answer) => this.answered(answer),
@@ -126,8 +139,55 @@ class Page {
         addEventListener("hashchange", () => void sceneOf(location.hash).then((text) => text !== undefined && text !== this.program.scene && this.load("", text)));
     }
 
+    /** The scene and the machine on paper are those of the board, or in the user's hand again. */
+    private follow(isFollowing: boolean): void {
+        this.stop();
+        page("drawing").classList.toggle("following", isFollowing);
+        page("live-curves").hidden = !isFollowing;
+        (page("text") as HTMLTextAreaElement).readOnly = isFollowing;
+        for (const id of ["scenes", "open", "reset", "close-job"]) (page(id) as HTMLButtonElement).disabled = isFollowing;
+        for (const input of [this.time, this.play]) input.disabled = isFollowing || !this.job;
+        for (const input of document.querySelectorAll<HTMLInputElement>("#pose input, #rates input, #inputs input")) input.disabled = isFollowing;
+        page("hand-hint").textContent = isFollowing ? FOLLOWING : HAND;
+        this.live.clear();
+        this.drawing.showMeasured(undefined);
+        page("board-pose").textContent = "";
+    }
+
+    /** Draws the machine as the board moves it, and as its drives measure it. */
+    private showSample(sample: TakenSample): void {
+        const { machine } = this;
+        if (!machine) return;
+        this.isAtJob = true;
+        this.state = [...sample.setpoint];
+        this.show();
+        this.live.add(sample);
+        page("board-pose").textContent = placeOf(sample);
+        if (!sample.measured) {
+            this.drawing.showMeasured(undefined);
+            return;
+        }
+        try {
+            // The pose at which the drives stand: of all that fit their angles, the nearest to the one that is asked for.
+            const { modes } = takenAssemblies(machine.assemblies(sample.measured.angles, sample.setpoint.slice(0, 3)));
+            const here = modes.find(({ isHere }) => isHere);
+            const still = new Array<number>(6).fill(0);
+            this.drawing.showMeasured(here && taken(machine.figures(Float64Array.from([...here.pose, ...still]))));
+        } catch {
+            // No pose fits: there is none to draw.
+            this.drawing.showMeasured(undefined);
+        }
+    }
+
+    /** Texts are those of the board while it is connected. */
+    private isOfBoard(): boolean {
+        if (this.board.isOpen) this.setVerdict("disconnect the board to open another file", true);
+        return this.board.isOpen;
+    }
+
     /** Begins with another scene. */
     private load(name: string, text: string): void {
+        if (this.isOfBoard()) return;
         this.stop();
         this.loaded = { name, text };
         this.isAtJob = false;
@@ -146,6 +206,7 @@ class Page {
 
     /** Takes scenes and jobs of files. */
     private async open(files: Iterable<File> | null | undefined): Promise<void> {
+        if (this.isOfBoard()) return;
         const opened = [...(files ?? [])];
         const scenes = opened.filter((file) => file.name.endsWith(".toml"));
         for (const file of scenes) this.files.set(file.name, await file.text());
@@ -215,9 +276,14 @@ class Page {
         return name === undefined ? undefined : (this.files.get(name) ?? SCENES[name.replace(/\.toml$/, "")]);
     }
 
+    /** The texts as they stand in the page. */
+    private source(): Source {
+        return { text: this.program.scene, file: this.file, machine: this.machineText(), job: this.program.job, drawings: this.drawings() };
+    }
+
     private readWhole(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
-        this.reader.ask(this.program.scene, this.file, this.machineText(), this.program.job, this.drawings());
+        this.reader.ask(this.source());
     }
 
     private takeMachine(machine: Machine): void {
@@ -247,7 +313,7 @@ class Page {
         this.plant = undefined;
         showPlant(page, hasPlant ? "Simulating the motors, gears and friction \u2026" : undefined);
         const count = job?.columns.t?.length ?? 0;
-        for (const input of [this.time, this.play]) input.disabled = count === 0;
+        for (const input of [this.time, this.play]) input.disabled = count === 0 || this.board.isOpen;
         this.time.max = String(Math.max(count - 1, 0));
         // A path without a plan is drawn as the file has it.
         const drawn = (axis: number) => path?.filter((_, index) => index % 2 === axis);
@@ -277,6 +343,7 @@ class Page {
 
     /** The user moves the platform: its motion is the one that stands in the inputs, or the first one after the job. */
     private drag(pose: Pose): void {
+        if (this.board.isOpen) return;
         if (this.clock || this.isAtJob) this.state = [...pose, ...MOTION];
         else this.state = [...pose, ...this.state.slice(3)];
         this.stop();
@@ -285,6 +352,7 @@ class Page {
     }
 
     private takeState(state: number[]): void {
+        if (this.board.isOpen) return;
         this.stop();
         this.isAtJob = false;
         this.state = state;
@@ -327,6 +395,7 @@ class Page {
 
     /** Writes the elbow signs of a working mode into the scene. */
     private takeMode(name: string): void {
+        if (this.board.isOpen) return;
         const text = withElbows(this.program.scene, name);
         if (text === undefined) return;
         this.program.scene = text;
@@ -363,7 +432,7 @@ class Page {
 
     private goTo(time: number): void {
         const times = this.job?.columns.t;
-        if (!times) return;
+        if (!times || this.board.isOpen) return;
         this.stop();
         this.showRow(rowAt(times, time));
     }

@@ -43,6 +43,7 @@ export class Drawing {
     private readonly measured: SVGPolygonElement;
     private readonly ghosts: SVGGElement;
     private readonly ghostLegs: SVGGElement;
+    private readonly measured: SVGGElement;
     private readonly legs: { far: SVGLineElement; near: SVGLineElement; elbow: SVGCircleElement; base: SVGCircleElement; joint: SVGCircleElement; label: SVGTextElement }[] = [];
     private readonly platform: SVGPolygonElement;
     private readonly spoke: SVGLineElement;
@@ -65,6 +66,7 @@ export class Drawing {
         this.breach = shape("circle", svg, { class: "breach" });
         this.ghosts = shape("g", svg, { class: "ghosts" });
         this.ghostLegs = shape("g", svg, { class: "ghost-legs" });
+        this.measured = shape("g", svg, { class: "measured" });
         for (const motor of [1, 2, 3]) {
             const leg = shape("g", svg, { class: `leg m${motor}` });
             const far = shape("line", leg, { class: "distal" });
@@ -130,6 +132,17 @@ export class Drawing {
             const points = [at(figures.base, leg), at(elbows, leg), at(figures.platform, leg)].map((point) => point.join(","));
             shape("polyline", this.ghostLegs, { class: `m${leg + 1}`, points: points.join(" ") });
         }
+    }
+
+    /** Shows the machine as its drives measure it, beside the one that is drawn. */
+    showMeasured(figures: TakenFigures | undefined): void {
+        this.measured.replaceChildren();
+        if (!figures || figures.elbows.length < 6) return;
+        for (const leg of [0, 1, 2]) {
+            const points = [at(figures.base, leg), at(figures.elbows, leg), at(figures.platform, leg)].map((point) => point.join(","));
+            shape("polyline", this.measured, { class: `m${leg + 1}`, points: points.join(" ") });
+        }
+        shape("polygon", this.measured, { points: corners(figures.platform) });
     }
 
     draw(pose: Pose, figures: TakenFigures): void {

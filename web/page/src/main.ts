@@ -1,7 +1,9 @@
-// The one script of the page. Its worker runs the same text, so that the core's JavaScript stands in the file once.
+// The one script of the page. Its workers run the same text, so that the core's JavaScript stands in the file once.
 
 import { begin } from "./app";
+import { TALK, talk } from "./talk";
 import { work } from "./worker";
 
-if (typeof document === "undefined") work();
-else begin();
+if (typeof document !== "undefined") begin();
+else if (self.name === TALK) talk();
+else work();

@@ -1,5 +1,5 @@
 // Asks the worker for the whole reading of a scene; only the newest question is answered.
-import type { Answer, JobFile, ModesAnswer, PlantAnswer, Question } from "./answers";
+import type { Answer, ModesAnswer, PlantAnswer, Question, Source } from "./answers";
 
 export class Reader {
     private worker: Worker | undefined;
@@ -16,9 +16,9 @@ export class Reader {
         private readonly onFailure: (sentence: string) => void,
     ) {}
 
-    ask(text: string, file: string, machine: string | undefined, job: JobFile | undefined, drawings: WebAssembly.Module | undefined): void {
+    ask(source: Source): void {
         this.asked += 1;
-        const question: Question = { id: this.asked, text, file, machine, job, drawings };
+        const question: Question = { id: this.asked, ...source };
         // An older question is of no interest any more, and may take long.
         if (this.isBusy) this.stop();
         if (!this.worker) {

@@ -1,6 +1,7 @@
 // What the core answers, as plain objects. Objects of the core have memory of their own: it is freed here, many times a second, and not when
 // a collector comes to it.
 
+import type { BoardView, DriveValues } from "../core/board.js";
 import type { AssemblyList, AssemblyMode, Figures, MotorLimits, WorkingMode } from "../core/core.js";
 
 interface CoreObject {
@@ -29,4 +30,20 @@ export function taken<T extends CoreObject>(object: T): Taken<T> {
 export function takenAssemblies(list: AssemblyList): TakenAssemblies {
     const { modes, isComplete } = taken(list);
     return { modes: modes.map(taken), isComplete };
+}
+
+export type TakenDrives = Taken<DriveValues>;
+export interface TakenSample {
+    time: number;
+    setpoint: Float64Array;
+    commanded: TakenDrives;
+    measured: TakenDrives | undefined;
+}
+export type TakenView = Omit<Taken<BoardView>, "sample"> & { sample: TakenSample | undefined };
+
+export function takenView(object: BoardView): TakenView {
+    const { sample, ...view } = taken(object);
+    if (!sample) return { ...view, sample: undefined };
+    const { commanded, measured, ...values } = taken(sample);
+    return { ...view, sample: { ...values, commanded: taken(commanded), measured: measured && taken(measured) } };
 }

@@ -1,8 +1,8 @@
 // Reads scenes whole and plays their jobs, away from the thread that draws.
-import { GivenDrawing, initSync, JobInputs, Reading } from "../core/core.js";
-import { initSync as initDrawings, readDrawing } from "../core/drawing.js";
-import type { Answer, JobFile, JobTable, ModesAnswer, PlantAnswer, PlantTable, Question } from "./answers";
+import { initSync, type Reading } from "../core/core.js";
+import type { Answer, JobTable, ModesAnswer, PlantAnswer, PlantTable, Question } from "./answers";
 import { taken } from "./taken";
+import { whole } from "./whole";
 
 /** Most rows of a job's table. */
 const ROWS = 20_000;
@@ -44,34 +44,11 @@ function plantOf(reading: Reading): PlantTable | string {
     }
 }
 
-let hasDrawings = false;
-
-/** Reads a drawing by the module of its own. */
-function drawingOf(text: string, module: WebAssembly.Module): GivenDrawing {
-    if (!hasDrawings) initDrawings({ module });
-    hasDrawings = true;
-    const { numbers, names, reason, word, line } = taken(readDrawing(text));
-    return reason === undefined ? GivenDrawing.read(numbers, names) : GivenDrawing.refused(line, word, reason);
-}
-
-/** Reads the job of the file in place of that of the scene. */
-function withJob(scene: Reading, { file, text, inputs }: JobFile, drawings: WebAssembly.Module | undefined): Reading {
-    const given = Object.assign(new JobInputs(), inputs);
-    try {
-        return scene.withJob(text, file, given, drawings && drawingOf(text, drawings));
-    } finally {
-        given.free();
-        scene.free();
-    }
-}
-
 export function work(): void {
     addEventListener("message", ({ data }: MessageEvent<Question>) => {
-        const { id, text, file, machine, module } = data;
+        const { id, module } = data;
         if (module) initSync({ module });
-        const scene = Reading.whole(text, file, machine);
-        const isOfJob = data.job !== undefined && scene.refusal === undefined;
-        const reading = data.job && isOfJob ? withJob(scene, data.job, data.drawings) : scene;
+        const { reading, isOfJob } = whole(data);
         const { refusal, verdict, warning, notes, breach } = reading;
         const job = refusal === undefined ? table(reading) : undefined;
         const path = isOfJob ? reading.path : undefined;

@@ -1,0 +1,272 @@
+//! Keeps an eye on a machine, and sends the commands that a person gives by hand.
+
+use crate::exchange::{Exchange, Patience, Turn};
+use std::collections::VecDeque;
+use std::time::Duration;
+use trirrr_protocol::message::{
+    Command, Event, Hello, Identity, Message, Refusal, Reply, Request, Status, TelemetryFields,
+    Transmit,
+};
+
+/// Time from one status to the next.
+const STATUS_EVERY: Duration = Duration::from_millis(100);
+
+/// Next act of the owner of the port.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ManualAction<N: Transmit> {
+    /// Send this to the machine.
+    Send(Request<N>),
+    /// Listen; unless something comes, there is nothing to do before this time.
+    Wait(Duration),
+    /// The machine does not answer: open the port anew and call [`ManualClient::reconnected`], or give up.
+    Lost,
+    /// The machine refuses the conversation.
+    Refused(Refusal<N>),
+}
+
+/// Client of a machine that is commanded by hand, without a port and a clock of its own.
+///
+/// It gives no command by itself, but for samples: no machine is switched on or moved before a person asks for it.
+#[derive(Clone, Debug)]
+pub struct ManualClient<N: Transmit> {
+    exchange: Exchange<N>,
+    hello: Hello,
+    /// Ticks from one sample to the next, of the motors and of the drives.
+    samples: u16,
+    identity: Option<Identity>,
+    status: Option<Status<N>>,
+    /// Commands that wait.
+    commands: VecDeque<Command<N>>,
+    /// Refusals of commands that the owner has not taken.
+    refused: VecDeque<Refusal<N>>,
+    look: Duration,
+    greeted: bool,
+    /// Reason for which the machine does not talk.
+    closed: Option<Refusal<N>>,
+}
+
+impl<N: Transmit> ManualClient<N> {
+    /// Creates the client of a machine that is what `hello` says, with a sample of the motors and of the drives every `samples` ticks.
+    /// Another conversation with the machine should have another number `conversation`.
+    pub fn new(hello: Hello, samples: u16, patience: Patience, conversation: u32) -> Self {
+        Self {
+            exchange: Exchange::new(patience, conversation),
+            hello,
+            samples,
+            identity: None,
+            status: None,
+            commands: VecDeque::new(),
+            refused: VecDeque::new(),
+            look: Duration::ZERO,
+            greeted: false,
+            closed: None,
+        }
+    }
+
+    /// Takes a command of the user.
+    pub fn command(&mut self, command: Command<N>) {
+        self.commands.push_back(command);
+    }
+
+    /// Returns the identity of the machine that answered.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// Returns the last status.
+    pub fn status(&self) -> Option<&Status<N>> {
+        self.status.as_ref()
+    }
+
+    /// Takes the reason out for which the oldest of the commands was refused.
+    pub fn take_refused(&mut self) -> Option<Refusal<N>> {
+        self.refused.pop_front()
+    }
+
+    /// Begins the conversation again on a port that was opened anew. Commands that wait are dropped: the user gave them to what was there
+    /// before.
+    pub fn reconnected(&mut self) {
+        self.greeted = false;
+        self.commands.clear();
+        self.exchange.forget();
+    }
+
+    /// Returns the next act at `now`, counted from any start and never going back.
+    pub fn poll(&mut self, now: Duration) -> ManualAction<N> {
+        loop {
+            if let Some(refusal) = self.closed {
+                return ManualAction::Refused(refusal);
+            }
+            match self.exchange.poll(now) {
+                Turn::Send(request) => return ManualAction::Send(request),
+                Turn::Silent => return ManualAction::Lost,
+                // A stop does not wait for the answer to a question.
+                Turn::Wait(until) => {
+                    match self.exchange.has_room().then(|| self.commands.pop_front()) {
+                        Some(Some(command)) => self.exchange.ask(command, now),
+                        _ => return ManualAction::Wait(until),
+                    }
+                }
+                Turn::Free if !self.greeted => self.exchange.greet(self.hello, now),
+                Turn::Free => match self.commands.pop_front() {
+                    Some(command) => self.exchange.ask(command, now),
+                    None if now >= self.look => self.exchange.ask(Command::Status, now),
+                    None => return ManualAction::Wait(self.look),
+                },
+            }
+        }
+    }
+
+    /// Takes a message of the machine.
+    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+        if let Message::Event(event) = message {
+            // An event is a hint: the status says what holds.
+            if let (Event::State { state, acting, .. }, Some(status)) = (event, &mut self.status) {
+                (status.state, status.acting) = (*state, *acting);
+            }
+            self.look = self.look.min(now);
+            return;
+        }
+        let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(identity) => {
+                self.greeted = true;
+                self.identity = Some(identity);
+                self.look = now;
+                // Before whatever waits: a command shows in the samples.
+                self.commands.push_front(Command::Drives {
+                    every: self.samples,
+                });
+                self.commands.push_front(Command::Telemetry {
+                    every: self.samples,
+                    fields: TelemetryFields::ALL,
+                });
+            }
+            Reply::Status(status) => {
+                self.look = now + STATUS_EVERY;
+                self.status = Some(status);
+            }
+            // What it changes, the next status says.
+            Reply::Done => self.look = now,
+            Reply::Refused(refusal) => match (command, refusal) {
+                (Command::Hello(_), refusal) => self.closed = Some(refusal),
+                // The machine was switched off and on, or another client came between. The command is not given again.
+                (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                    self.greeted = false;
+                }
+                // Its image tells nothing of its drives.
+                (Command::Drives { .. }, Refusal::NoFeedback) => {}
+                (_, refusal) => {
+                    self.refused.push_back(refusal);
+                    self.look = now;
+                }
+            },
+            Reply::Section(_) | Reply::Kept { .. } => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::{self, LocalService};
+    use trirrr_protocol::message::State;
+    use trirrr_scene::Scene;
+
+    /// A client and a machine in one program, some ticks on.
+    fn talk(
+        client: &mut ManualClient<f32>,
+        machine: &mut dyn LocalService<f32>,
+        now: &mut Duration,
+        ticks: u32,
+    ) -> Vec<Command<f32>> {
+        let mut sent = Vec::new();
+        for _ in 0..ticks {
+            while let ManualAction::Send(request) = client.poll(*now) {
+                sent.push(request.command);
+                let reply = machine.receive(&request);
+                let sequence = request.sequence;
+                client.receive(&Message::Reply { sequence, reply }, *now);
+            }
+            machine.tick();
+            while machine.work() {}
+            while let Some(message) = machine.outgoing() {
+                client.receive(&message, *now);
+            }
+            *now += Duration::from_millis(10);
+        }
+        sent
+    }
+
+    fn scene() -> Scene {
+        Scene::read("../../scenes/thesis.toml").unwrap()
+    }
+
+    #[test]
+    fn no_machine_is_switched_on_before_a_person_asks_for_it() {
+        let scene = scene();
+        let hello = local::hello::<f32>(&scene);
+        local::with_machine::<f32, _>(&scene, |machine| {
+            let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
+            let mut now = Duration::ZERO;
+            let sent = talk(&mut client, machine, &mut now, 100);
+            let is_quiet = |command: &Command<f32>| {
+                matches!(
+                    command,
+                    Command::Hello(_)
+                        | Command::Status
+                        | Command::Telemetry { .. }
+                        | Command::Drives { .. }
+                )
+            };
+            assert!(sent.iter().all(is_quiet), "{sent:?}");
+            assert_eq!(machine.state(), State::Disabled);
+            assert_eq!(client.take_refused(), None);
+            client.command(Command::Enable);
+            talk(&mut client, machine, &mut now, 100);
+            assert_eq!(machine.state(), State::Idle);
+            assert_eq!(client.status().unwrap().state, State::Idle);
+            // The machine has nothing to resume.
+            client.command(Command::Resume);
+            talk(&mut client, machine, &mut now, 2);
+            assert_eq!(client.take_refused(), Some(Refusal::State(State::Idle)));
+        })
+        .unwrap();
+    }
+
+    #[test]
+    fn a_machine_of_another_scene_ends_the_conversation() {
+        let scene = scene();
+        let mut hello = local::hello::<f32>(&scene);
+        hello.scene ^= 1;
+        local::with_machine::<f32, _>(&scene, |machine| {
+            let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
+            let mut now = Duration::ZERO;
+            talk(&mut client, machine, &mut now, 2);
+            let refused = client.poll(Duration::from_secs(1));
+            let expected = Refusal::Scene {
+                expected: scene.key,
+            };
+            assert_eq!(refused, ManualAction::Refused(expected));
+        })
+        .unwrap();
+    }
+
+    #[test]
+    fn commands_of_a_lost_line_are_not_given_to_the_next() {
+        let scene = scene();
+        let hello = local::hello::<f32>(&scene);
+        local::with_machine::<f32, _>(&scene, |machine| {
+            let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
+            let mut now = Duration::ZERO;
+            talk(&mut client, machine, &mut now, 10);
+            client.command(Command::Enable);
+            client.reconnected();
+            talk(&mut client, machine, &mut now, 100);
+            assert_eq!(machine.state(), State::Disabled);
+        })
+        .unwrap();
+    }
+}
