@@ -51,7 +51,7 @@ impl Host {
         })
     }
 
-    /// Acknowledges a fault before the job.
+    /// Returns the client of the job.
     pub(crate) fn client(&self) -> &JobClient<f32> {
         &self.client
     }

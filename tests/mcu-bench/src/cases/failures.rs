@@ -170,7 +170,6 @@ pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
                 &board, &outputs, "watchdog", &what, since, bound,
             ));
         }
-        // What the last of the boards says: from its bite on.
     }
     let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
     board.hung = Some(Hang::Background);
