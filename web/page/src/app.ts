@@ -270,6 +270,7 @@ class Page {
     }
 
     private redrawPlots(): void {
+        this.live.restyle();
         if (this.job) this.plots.show(this.job, this.limits);
         else this.plots.clear();
     }
