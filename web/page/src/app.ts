@@ -331,6 +331,7 @@ class Page {
     }
 
     private redrawPlots(): void {
+        this.live.restyle();
         if (this.job) this.plots.show(this.job, this.plant, this.limits);
         else this.plots.clear();
     }

@@ -44,10 +44,15 @@ export class LivePlots {
     }
 
     clear(): void {
-        for (const plot of this.plots) plot.destroy();
-        this.plots = [];
+        this.restyle();
         this.times = [];
         this.columns = CURVES.map(() => Array.from({ length: 6 }, () => []));
+    }
+
+    /** Draws anew in the colours that hold now. */
+    restyle(): void {
+        for (const plot of this.plots) plot.destroy();
+        this.plots = [];
         this.place.replaceChildren();
     }
 
