@@ -54,6 +54,9 @@ pub struct FleetArgs {
     /// Ticks from one telemetry sample to the next
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) telemetry: u16,
+    /// Publish sensor_msgs/JointState for zenoh-bridge-ros2dds, too: topic /trirrr/NAME/joint_states
+    #[arg(long)]
+    pub(crate) ros: bool,
     /// Seconds of telemetry that are kept for subscribers that have missed some
     #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub(crate) history: u32,

@@ -117,11 +117,11 @@ fn carry(
         takes_commands: args.control,
         session: u64::from(entropy()) << 32 | u64::from(entropy()),
     };
-    in_number_type!(scene.number, N => play::<N>(args.baud, setup, entry.port, key, zenoh, &keys, stop))
+    in_number_type!(scene.number, N => play::<N>(args, setup, entry.port, key, zenoh, &keys, stop))
 }
 
 fn play<N: ServiceNumber>(
-    baud: u32,
+    args: &FleetArgs,
     setup: MachineSetup,
     port: Option<trirrr_client::transport::Address>,
     key: Option<SharedKey>,
@@ -129,11 +129,11 @@ fn play<N: ServiceNumber>(
     keys: &MachineKeys,
     stop: &AtomicBool,
 ) -> Result<(), ZenohError> {
-    let (scene, outlet) = (setup.scene, Outlet::declare(zenoh, keys)?);
+    let (scene, outlet) = (setup.scene, Outlet::declare(zenoh, keys, args.ros)?);
     let mut worker = Worker::<N>::new(setup, outlet)?;
     let _declared = worker.declare(zenoh, keys)?;
     match port {
-        Some(address) => worker.run(&mut BoardLine::new(address, baud, key), stop),
+        Some(address) => worker.run(&mut BoardLine::new(address, args.baud, key), stop),
         None => local::with_machine::<N, _>(scene, |machine| {
             machine.stir(entropy());
             let mut line = SimulatedLine::new(machine, scene.tick_rate_hz);

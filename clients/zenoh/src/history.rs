@@ -31,6 +31,11 @@ impl<T> History<T> {
         self.next - self.items.len() as u64
     }
 
+    /// The newest item.
+    pub(crate) fn last(&self) -> Option<&T> {
+        self.items.back()
+    }
+
     pub(crate) fn push(&mut self, item: T) {
         if self.items.len() >= self.room {
             self.items.pop_front();

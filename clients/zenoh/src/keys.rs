@@ -11,6 +11,8 @@ pub const IDENTITY: &str = "identity";
 pub const STATE: &str = "state";
 /// Batches of samples, [`records`](crate::records).
 pub const TELEMETRY: &str = "telemetry";
+/// Joints as ROS 2 has them, CDR.
+pub const JOINT_STATES: &str = "joint_states";
 /// Events, JSON.
 pub const EVENTS: &str = "events";
 /// Commands, JSON: the verb follows.

@@ -18,6 +18,7 @@ mod control;
 mod error;
 mod fleet;
 mod history;
+mod joint_states;
 pub mod keys;
 mod line;
 mod machine;

@@ -180,8 +180,11 @@ impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
                 take(message);
             }
         }
-        while let Some((_, answer)) = self.answers.pop_front_if(|(tick, _)| *tick < self.ticks) {
-            take(answer);
+        let heard = |(tick, _): &(u64, _)| *tick < self.ticks;
+        while self.answers.front().is_some_and(heard) {
+            if let Some((_, answer)) = self.answers.pop_front() {
+                take(answer);
+            }
         }
         if self.is_busy {
             self.is_busy = (0..SLICES).all(|_| self.machine.work());

@@ -17,6 +17,7 @@ pub(crate) struct Outlet {
     state: Publisher<'static>,
     telemetry: Publisher<'static>,
     events: Publisher<'static>,
+    joints: Option<Publisher<'static>>,
     alive: Option<LivelinessToken>,
     /// An error was told since the last success.
     is_told: bool,
@@ -27,7 +28,11 @@ impl Outlet {
     ///
     /// # Errors
     /// Failed: the session.
-    pub(crate) fn declare(session: &Session, keys: &MachineKeys) -> Result<Self, ZenohError> {
+    pub(crate) fn declare(
+        session: &Session,
+        keys: &MachineKeys,
+        ros: bool,
+    ) -> Result<Self, ZenohError> {
         let publisher = |part: &str, encoding: Encoding, priority| {
             let key = keys.of(part);
             let declared = session
@@ -51,6 +56,13 @@ impl Outlet {
                 Priority::DataLow,
             )?,
             events: publisher(keys::EVENTS, Encoding::APPLICATION_JSON, Priority::DataHigh)?,
+            joints: match ros {
+                true => {
+                    let cdr = Encoding::APPLICATION_CDR;
+                    Some(publisher(keys::JOINT_STATES, cdr, Priority::DataLow)?)
+                }
+                false => None,
+            },
             session: session.clone(),
             keys: keys.clone(),
             alive: None,
@@ -71,6 +83,14 @@ impl Outlet {
     pub(crate) fn telemetry(&mut self, batch: Vec<u8>) {
         let done = self.telemetry.put(batch).wait();
         self.tell(done);
+    }
+
+    /// Publishes the message of `joints`, if any is asked for.
+    pub(crate) fn joints(&mut self, message: impl FnOnce() -> Vec<u8>) {
+        if let Some(joints) = &self.joints {
+            let done = joints.put(message()).wait();
+            self.tell(done);
+        }
     }
 
     pub(crate) fn event(&mut self, text: &str) {

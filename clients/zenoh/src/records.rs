@@ -134,6 +134,18 @@ pub(crate) fn record<N: Transmit>(
     record
 }
 
+/// Returns angles (rad), rates (rad/s) and torques (N m) of a record.
+pub(crate) fn joints(record: &RecordBytes) -> [[f64; 3]; 3] {
+    [104, 128, 176].map(|start| {
+        [0, 1, 2].map(|motor| {
+            let mut bytes = [0; 8];
+            let at = start + 8 * motor;
+            bytes.copy_from_slice(&record[at..at + 8]);
+            f64::from_le_bytes(bytes)
+        })
+    })
+}
+
 /// Writes a record from its first byte on.
 struct RecordWriter<'a> {
     record: &'a mut RecordBytes,
@@ -227,6 +239,12 @@ mod tests {
             64.0, 68.0, 72.0, 912.0, 960.0, 1008.0, 22.0,
         ];
         assert_eq!(found, expected);
+        let joints = [
+            [10.0, 11.0, 12.0],
+            [26.0, 28.0, 30.0],
+            [912.0, 960.0, 1008.0],
+        ];
+        assert_eq!(super::joints(&record), joints);
         assert_eq!(word(208), 23);
     }
 

@@ -98,6 +98,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 return Some(outcome.answer(client, number));
             }
             Entry::Open => {
+                let _ = self.control.renew(client, now);
                 self.wait(client, number, query);
                 return None;
             }
@@ -316,6 +317,22 @@ impl<N: ServiceNumber> Worker<'_, N> {
             let why = "the machine was switched on anew, or had another client, while the command was open: see its state";
             self.complete(&client, number, Outcome::Unknown(why.into()));
         }
+    }
+
+    /// Ends the task of a client that is gone, while the machine stands. What waits to be started is dropped: nothing moves for nobody.
+    pub(super) fn leave_task(&mut self, status: &Status<N>) {
+        let Some(task) = &mut self.task else {
+            return;
+        };
+        if let Some(number) = task.asked.take() {
+            let owner = task.owner.clone();
+            let why = "control has ended before the machine has decided: see its state";
+            self.complete(&owner, number, Outcome::Unknown(why.into()));
+        }
+        if status.next != status.done || status.planning {
+            self.orders.push_back(Order::own(Command::Stop));
+        }
+        self.drop_task("left by its client, the machine stands");
     }
 
     /// Ends the task before the machine is at its end.

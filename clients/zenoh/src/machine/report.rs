@@ -1,11 +1,10 @@
 //! Texts of identity, state and events.
 
-use super::Worker;
+use super::{Worker, since_1970};
 use crate::command::session_text;
 use crate::records;
 use serde_json::{Value, json};
 use std::ops::Range;
-use std::time::SystemTime;
 use trirrr_client::describe::{self, board};
 use trirrr_protocol::message::State;
 use trirrr_service::ServiceNumber;
@@ -92,12 +91,10 @@ impl<N: ServiceNumber> Worker<'_, N> {
 
     /// Publishes an event.
     pub(super) fn event(&mut self, kind: &str, text: &str) {
-        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let event = json!({
             "session": session_text(self.setup.session),
             "number": self.events.next(),
-            // A clock before 1970 tells no time.
-            "unix_s": since.map_or(0.0, |since| since.as_secs_f64()),
+            "unix_s": since_1970().as_secs_f64(),
             "tick": self.last_tick,
             "kind": kind,
             "text": text,

@@ -135,7 +135,7 @@ fn cuts(request: &Request<f64>, reply: &Reply<f64>, heard: &mut Heard) -> bool {
         // A goal comes again under another number: its pose is the same. Each second one gets through.
         Command::Retarget(_) => {
             heard.retargets.insert(number);
-            if heard.retargets.len() % 2 == 0 {
+            if heard.retargets.len().is_multiple_of(2) {
                 return false;
             }
             true

@@ -9,7 +9,7 @@ use zenoh::{Session, Wait};
 const ANSWER: Duration = Duration::from_secs(2);
 
 /// Longest wait for anything.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
 
 /// Answer to a command.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,7 +141,7 @@ impl Commander {
             assert_eq!(answer.outcome, "refused", "{answer:?}");
             assert!(begin.elapsed() < PATIENCE, "{}: {answer:?}", self.machine);
             if answer.text.contains("take it") {
-                self.accepted("take", json!({ "lease_s": 10 }));
+                self.accepted("take", json!({ "lease_s": 60 }));
             } else if answer.text.contains("holding") {
                 let resumed = self.command("resume", json!({}));
                 executed += u64::from(resumed.is_accepted());

@@ -7,7 +7,7 @@ mod recorder;
 
 use board::Board;
 use commander::{Commander, ask};
-use processes::{fleet, free_endpoint, router};
+use processes::{fleet, free_endpoint, router, router_with};
 use recorder::{Account, Recorder};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ fn open(endpoint: &str) -> Session {
 /// A fleet that is commanded while its router fails.
 struct FleetTest {
     machines: usize,
-    /// Ticks per second of each machine.
+    /// Clients, which share the machines.
     threads: usize,
     restarts: u32,
     /// Time with a router between two failures.
@@ -132,7 +132,7 @@ impl FleetTest {
 fn jog_in_turn(session: &Session, names: &[String], stop: &AtomicBool) -> [u64; 3] {
     let greet = |name: &String| {
         let mut commander = Commander::new(session, name, "tester");
-        commander.accepted("take", json!({ "lease_s": 10 }));
+        commander.accepted("take", json!({ "lease_s": 60 }));
         commander.accepted("enable", json!({}));
         commander.until(|state| state["state"] == "idle");
         (commander, 1_u64, 0_u64)
@@ -151,7 +151,7 @@ fn jog_in_turn(session: &Session, names: &[String], stop: &AtomicBool) -> [u64; 
         let mut state =
             commander.until(|state| state["state"] == "idle" || state["state"] == "holding");
         if state["state"] == "holding" {
-            let owned = commander.command("take", json!({ "lease_s": 10 }));
+            let owned = commander.command("take", json!({ "lease_s": 60 }));
             assert!(owned.is_accepted(), "{owned:?}");
             commander.accepted("resume", json!({}));
             *executed += 1;
@@ -344,4 +344,25 @@ fn a_program_without_control_looks_on_and_says_so() {
     let nobody = ask(&session, "trirrr/thesis/command/stop", Some(&json!({}))).unwrap();
     let text = nobody["text"].as_str().unwrap();
     assert!(text.contains("client is missing"), "{text}");
+}
+
+#[test]
+fn a_router_keeps_commands_away_by_its_configuration() {
+    let folder = tempfile::tempdir().unwrap();
+    let endpoint = free_endpoint();
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/watchers.json5");
+    let _hub = router_with(&endpoint, &["--config", config.to_str().unwrap()]);
+    let session = open(&endpoint);
+    let scene = scene();
+    let arguments = [scene.to_str().unwrap(), "--control"];
+    let _fleet = fleet(&endpoint, &arguments, &folder.path().join("log"));
+    let begin = Instant::now();
+    while ask(&session, "trirrr/thesis/state", None).is_none() {
+        assert!(begin.elapsed() < commander::PATIENCE, "no state");
+    }
+    let hello = json!({ "client": "tester" });
+    assert_eq!(
+        ask(&session, "trirrr/thesis/command/hello", Some(&hello)),
+        None
+    );
 }

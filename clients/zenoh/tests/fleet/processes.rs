@@ -48,8 +48,14 @@ pub(crate) fn free_endpoint() -> String {
 
 /// Starts a router.
 pub(crate) fn router(endpoint: &str) -> Program {
+    router_with(endpoint, &[])
+}
+
+/// Starts a router with other arguments.
+pub(crate) fn router_with(endpoint: &str, arguments: &[&str]) -> Program {
     let mut command = Command::new(env!("CARGO_BIN_EXE_trirrr-zenoh-router"));
-    Program::start(command.args(["--listen", endpoint]), "router")
+    command.args(["--listen", endpoint]).args(arguments);
+    Program::start(&mut command, "router")
 }
 
 /// Starts the program with machines; what it complains of goes to `log`.

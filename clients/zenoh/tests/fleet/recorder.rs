@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use trirrr_zenoh::records::{self, RecordPlace};
 use zenoh::pubsub::Subscriber;
-use zenoh::query::ConsolidationMode;
 use zenoh::{Session, Wait};
 
 /// Samples of one machine.
@@ -18,7 +17,28 @@ struct Recorded {
     first: u64,
     /// Times that each came, and its tick and loss.
     samples: Vec<(u32, Option<RecordPlace>)>,
+    /// Index of the first that has not come.
+    complete: usize,
+    /// A history is asked.
+    is_asking: bool,
     fetched: u64,
+}
+
+/// Word of a machine.
+enum Heard {
+    /// A batch, and true if it was fetched.
+    Batch(Vec<u8>, bool),
+    /// A history has said all that it says.
+    Asked,
+}
+
+/// Says that a history has said all, as soon as the query is dropped.
+struct Asking(String, Sender<(String, Heard)>);
+
+impl Drop for Asking {
+    fn drop(&mut self) {
+        let _ = self.1.send((self.0.clone(), Heard::Asked));
+    }
 }
 
 /// Account of all samples.
@@ -36,40 +56,51 @@ pub(crate) struct Account {
 
 pub(crate) struct Recorder {
     session: Session,
-    batches: Receiver<(String, Vec<u8>)>,
+    sender: Sender<(String, Heard)>,
+    heard: Receiver<(String, Heard)>,
     _subscriber: Subscriber<()>,
     machines: BTreeMap<String, Recorded>,
 }
 
 impl Recorder {
     pub(crate) fn start(session: &Session) -> Self {
-        let (sender, batches) = channel();
+        let (sender, heard) = channel();
+        let batches = sender.clone();
         let subscriber = session
             .declare_subscriber("trirrr/*/telemetry")
             .callback(move |sample| {
                 let name = sample.key_expr().as_str().split('/').nth(1).unwrap();
                 let bytes = sample.payload().to_bytes().into_owned();
-                let _ = sender.send((name.to_owned(), bytes));
+                let _ = batches.send((name.to_owned(), Heard::Batch(bytes, false)));
             })
             .wait()
             .unwrap();
         Self {
             session: session.clone(),
-            batches,
+            sender,
+            heard,
             _subscriber: subscriber,
             machines: BTreeMap::new(),
         }
     }
 
-    /// Takes what has come, and fetches what is missing before it.
+    /// Takes what has come, and asks for what is missing before it.
     pub(crate) fn work(&mut self) {
-        while let Ok((name, bytes)) = self.batches.try_recv() {
-            self.machines.entry(name).or_default().take(&bytes);
+        while let Ok((name, heard)) = self.heard.try_recv() {
+            let recorded = self.machines.entry(name).or_default();
+            match heard {
+                Heard::Batch(bytes, is_fetched) => {
+                    let new = recorded.take(&bytes);
+                    recorded.fetched += if is_fetched { new } else { 0 };
+                }
+                Heard::Asked => recorded.is_asking = false,
+            }
         }
         for (name, recorded) in &mut self.machines {
-            // One range for each machine: the next call has the next.
-            if let Some(range) = recorded.missing() {
-                recorded.fetch(&self.session, name, range);
+            // One range at a time: the next call has the next.
+            if let Some(range) = recorded.missing().filter(|_| !recorded.is_asking) {
+                recorded.is_asking = true;
+                fetch(&self.session, name, recorded, range, &self.sender);
             }
         }
     }
@@ -115,7 +146,7 @@ impl Recorder {
                     let is_next = step == recorded.every && place.lost == before.lost;
                     account.out_of_step += u64::from(!is_next);
                 }
-                before = place.or(before);
+                before = place;
             }
         }
         account
@@ -127,11 +158,13 @@ impl Recorded {
         self.first + self.samples.len() as u64
     }
 
-    fn take(&mut self, bytes: &[u8]) {
+    /// Takes a batch. Returns the number of samples that had not come.
+    fn take(&mut self, bytes: &[u8]) -> u64 {
         let (header, places) = records::read(bytes).expect("a batch of this version");
         self.every = header.every;
         let session = *self.session.get_or_insert(header.session);
         assert_eq!(session, header.session, "the program was started anew");
+        let mut new = 0;
         for place in places {
             if self.samples.is_empty() {
                 self.first = place.number;
@@ -144,42 +177,45 @@ impl Recorded {
                 self.samples.resize(index + 1, (0, None));
             }
             let (times, kept) = &mut self.samples[index];
+            new += u64::from(*times == 0);
             *times += 1;
             *kept = Some(place);
         }
+        let rest = self.samples[self.complete..].iter();
+        self.complete += rest.take_while(|(times, _)| *times > 0).count();
+        new
     }
 
     /// First range that is missing before what has come.
     fn missing(&self) -> Option<Range<u64>> {
-        let is_missing = |(times, _): &(u32, Option<RecordPlace>)| *times == 0;
-        let start = self.samples.iter().position(is_missing)?;
-        let length = self.samples[start..]
-            .iter()
-            .take_while(|s| is_missing(s))
-            .count();
-        let start = self.first + start as u64;
-        Some(start..start + length as u64)
+        let rest = self.samples.get(self.complete..)?;
+        let length = rest.iter().take_while(|(times, _)| *times == 0).count();
+        let start = self.first + self.complete as u64;
+        (length > 0).then(|| start..start + length as u64)
     }
+}
 
-    /// Asks for a range. What does not come stays missing.
-    fn fetch(&mut self, session: &Session, name: &str, range: Range<u64>) {
-        let Range { start, end } = range;
-        let of = self.session.unwrap_or_default();
-        let selector = format!("trirrr/{name}/telemetry?session={of:016x};from={start};to={end}");
-        let replies = session
-            .get(selector)
-            .consolidation(ConsolidationMode::None)
-            .timeout(Duration::from_secs(2))
-            .wait()
-            .unwrap();
-        for reply in replies {
+/// Asks for a range. What does not come stays missing.
+fn fetch(
+    session: &Session,
+    name: &str,
+    recorded: &Recorded,
+    range: Range<u64>,
+    sender: &Sender<(String, Heard)>,
+) {
+    let Range { start, end } = range;
+    let of = recorded.session.unwrap_or_default();
+    let selector = format!("trirrr/{name}/telemetry?session={of:016x};from={start};to={end}");
+    let asking = Asking(name.into(), sender.clone());
+    session
+        .get(selector)
+        .timeout(Duration::from_secs(2))
+        .callback(move |reply| {
             if let Ok(sample) = reply.result() {
-                let bytes = sample.payload().to_bytes();
-                let before = self.samples.iter().filter(|(times, _)| *times > 0).count();
-                self.take(&bytes);
-                let after = self.samples.iter().filter(|(times, _)| *times > 0).count();
-                self.fetched += (after - before) as u64;
+                let bytes = sample.payload().to_bytes().into_owned();
+                let _ = asking.1.send((asking.0.clone(), Heard::Batch(bytes, true)));
             }
-        }
-    }
+        })
+        .wait()
+        .unwrap();
 }
