@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-/// Outcome of a command.
+/// CommandOutcome of a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum CommandOutcome {
     /// The machine has taken it.
     Accepted,
     /// Nothing was done, for this reason.
@@ -13,7 +13,7 @@ pub(crate) enum Outcome {
     Unknown(String),
 }
 
-impl Outcome {
+impl CommandOutcome {
     pub(crate) fn refused(why: impl Into<String>) -> Self {
         Self::Refused(why.into())
     }

@@ -1,6 +1,6 @@
 //! Commands of each client, by their numbers: each is executed once, and a repeated one gets the same answer.
 
-use crate::answer::Outcome;
+use crate::answer::CommandOutcome;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Answers that are kept for each client.
@@ -11,11 +11,11 @@ const CLIENTS: usize = 256;
 
 /// Meaning of a number that has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Entry {
+pub(crate) enum NumberEntry {
     /// It is the next one: execute it, then [`CommandLog::answered`].
     New,
     /// It was executed, with this outcome.
-    Repeated(Outcome),
+    Repeated(CommandOutcome),
     /// It is being executed: its answer goes to this query, too.
     Open,
     /// It is refused, and does not count.
@@ -28,7 +28,7 @@ struct Logged {
     number: u64,
     /// Verb and payload.
     text: String,
-    outcome: Option<Outcome>,
+    outcome: Option<CommandOutcome>,
 }
 
 /// Commands of one client.
@@ -68,23 +68,23 @@ impl CommandLog {
     }
 
     /// Takes note of the command `number` of `client`; `text` is its verb and payload.
-    pub(crate) fn enter(&mut self, client: &str, number: u64, text: &str) -> Entry {
+    pub(crate) fn enter(&mut self, client: &str, number: u64, text: &str) -> NumberEntry {
         self.used += 1;
         let Some(log) = self.clients.get_mut(client) else {
-            return Entry::Wrong(format!("{client} is not known: say hello first"));
+            return NumberEntry::Wrong(format!("{client} is not known: say hello first"));
         };
         log.used = self.used;
         if let Some(logged) = log.kept.iter().find(|logged| logged.number == number) {
             return match &logged.outcome {
-                _ if logged.text != text => Entry::Wrong(format!(
+                _ if logged.text != text => NumberEntry::Wrong(format!(
                     "number {number} was used for another command: are there two clients {client}?"
                 )),
-                Some(outcome) => Entry::Repeated(outcome.clone()),
-                None => Entry::Open,
+                Some(outcome) => NumberEntry::Repeated(outcome.clone()),
+                None => NumberEntry::Open,
             };
         }
         if number != log.next {
-            return Entry::Wrong(format!(
+            return NumberEntry::Wrong(format!(
                 "number {number} is not the next, {} is: are there two clients {client}?",
                 log.next
             ));
@@ -98,11 +98,11 @@ impl CommandLog {
             text: text.into(),
             outcome: None,
         });
-        Entry::New
+        NumberEntry::New
     }
 
     /// Takes note of the outcome of the command `number` of `client`.
-    pub(crate) fn answered(&mut self, client: &str, number: u64, outcome: &Outcome) {
+    pub(crate) fn answered(&mut self, client: &str, number: u64, outcome: &CommandOutcome) {
         let log = self.clients.get_mut(client);
         let kept = log.and_then(|log| log.kept.iter_mut().find(|kept| kept.number == number));
         if let Some(kept) = kept {
@@ -119,22 +119,25 @@ mod tests {
     fn a_number_is_executed_once_and_answered_as_often_as_asked() {
         let mut log = CommandLog::default();
         assert_eq!(log.greet("a"), 1);
-        assert_eq!(log.enter("a", 1, "jog {}"), Entry::New);
-        assert_eq!(log.enter("a", 1, "jog {}"), Entry::Open);
-        let refused = Outcome::refused("no");
+        assert_eq!(log.enter("a", 1, "jog {}"), NumberEntry::New);
+        assert_eq!(log.enter("a", 1, "jog {}"), NumberEntry::Open);
+        let refused = CommandOutcome::refused("no");
         log.answered("a", 1, &refused);
         for _ in 0..3 {
             assert_eq!(
                 log.enter("a", 1, "jog {}"),
-                Entry::Repeated(refused.clone())
+                NumberEntry::Repeated(refused.clone())
             );
         }
-        assert!(matches!(log.enter("a", 1, "home {}"), Entry::Wrong(_)));
-        assert!(matches!(log.enter("a", 3, "jog {}"), Entry::Wrong(_)));
+        assert!(matches!(
+            log.enter("a", 1, "home {}"),
+            NumberEntry::Wrong(_)
+        ));
+        assert!(matches!(log.enter("a", 3, "jog {}"), NumberEntry::Wrong(_)));
         // A hello changes nothing: the client goes on where it is.
         assert_eq!(log.greet("a"), 2);
-        assert_eq!(log.enter("a", 2, "jog {}"), Entry::New);
-        assert!(matches!(log.enter("b", 1, "jog {}"), Entry::Wrong(_)));
+        assert_eq!(log.enter("a", 2, "jog {}"), NumberEntry::New);
+        assert!(matches!(log.enter("b", 1, "jog {}"), NumberEntry::Wrong(_)));
     }
 
     #[test]
@@ -142,15 +145,18 @@ mod tests {
         let mut log = CommandLog::default();
         log.greet("a");
         for number in 1..=2 * KEPT as u64 {
-            assert_eq!(log.enter("a", number, "stop"), Entry::New);
-            log.answered("a", number, &Outcome::Accepted);
+            assert_eq!(log.enter("a", number, "stop"), NumberEntry::New);
+            log.answered("a", number, &CommandOutcome::Accepted);
         }
         for number in 1..=KEPT as u64 {
             let entry = log.enter("a", number, "stop");
-            assert!(matches!(entry, Entry::Wrong(_)), "{number}: {entry:?}");
+            assert!(
+                matches!(entry, NumberEntry::Wrong(_)),
+                "{number}: {entry:?}"
+            );
         }
         let last = log.enter("a", KEPT as u64 + 1, "stop");
-        assert_eq!(last, Entry::Repeated(Outcome::Accepted));
+        assert_eq!(last, NumberEntry::Repeated(CommandOutcome::Accepted));
     }
 
     #[test]
@@ -160,8 +166,8 @@ mod tests {
             log.greet(&client.to_string());
             log.enter("1", 1, "stop");
         }
-        assert!(matches!(log.enter("0", 1, "stop"), Entry::Wrong(_)));
-        assert_eq!(log.enter("1", 1, "stop"), Entry::Open);
+        assert!(matches!(log.enter("0", 1, "stop"), NumberEntry::Wrong(_)));
+        assert_eq!(log.enter("1", 1, "stop"), NumberEntry::Open);
         assert_eq!(log.clients.len(), CLIENTS);
     }
 }

@@ -14,7 +14,7 @@ const CHUNK: usize = 1 << 14;
 /// Slices of work below the tick between two looks at a simulated machine.
 const SLICES: u32 = 256;
 
-/// Wait while a simulated machine has work below the tick, or an answer.
+/// Wait while a simulated machine has work below the tick.
 const SOON: Duration = Duration::from_millis(1);
 
 /// Delay beyond which a simulated machine gives its schedule up: this computer is too slow for it.
@@ -162,9 +162,13 @@ impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
     }
 
     fn receive(&mut self, timeout: Duration, take: &mut dyn FnMut(Message<N>)) -> io::Result<()> {
-        std::thread::sleep(match self.is_busy || !self.answers.is_empty() {
-            true => timeout.min(SOON),
-            false => timeout,
+        // An answer goes behind the next tick.
+        let next = Duration::from_secs_f64(self.ticks as f64 / self.rate_hz);
+        let next = next.saturating_sub(self.start.elapsed());
+        std::thread::sleep(match (self.is_busy, self.answers.is_empty()) {
+            (true, _) => timeout.min(SOON),
+            (false, false) => timeout.min(next),
+            (false, true) => timeout,
         });
         for _ in self.ticks..self.due() {
             let begin = Instant::now();

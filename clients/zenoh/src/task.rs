@@ -1,6 +1,6 @@
 //! Motions that take several requests: a goal, and the job of the scene. Their clients are those of the other host tools.
 
-use crate::answer::Outcome;
+use crate::answer::CommandOutcome;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
 use trirrr_client::{Action, GoalAction, GoalClient, JobClient};
@@ -107,21 +107,21 @@ impl<N: Transmit> Task<N> {
         }
     }
 
-    /// Outcome of the command, as soon as the machine has decided.
-    pub(crate) fn decided(&mut self, units: &Units) -> Option<Outcome> {
+    /// CommandOutcome of the command, as soon as the machine has decided.
+    pub(crate) fn decided(&mut self, units: &Units) -> Option<CommandOutcome> {
         match &mut self.client {
-            TaskClient::Job(client) => (client.offered() > 0).then_some(Outcome::Accepted),
+            TaskClient::Job(client) => (client.offered() > 0).then_some(CommandOutcome::Accepted),
             TaskClient::Goal(client) => {
                 if let Some(violation) = client.take_refused() {
                     let why = describe::violation(&violation, 0, units);
-                    return Some(Outcome::Refused(why));
+                    return Some(CommandOutcome::Refused(why));
                 }
                 let status = client.status()?;
                 if client.is_wanting() {
                     return None;
                 }
                 let taken = *self.taken.get_or_insert(status.tick);
-                (status.tick != taken && !status.planning).then_some(Outcome::Accepted)
+                (status.tick != taken && !status.planning).then_some(CommandOutcome::Accepted)
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Commands of clients, from their numbers to the machine and back.
 
 use super::{RESUMING, Worker, pose_si};
-use crate::answer::Outcome;
+use crate::answer::CommandOutcome;
 use crate::command::{Act, CommandText, Right, session_text};
-use crate::command_log::Entry;
+use crate::command_log::NumberEntry;
 use crate::keys;
 use crate::task::Task;
 use serde_json::json;
@@ -51,7 +51,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
         payload: &[u8],
         query: &Query,
     ) -> Option<String> {
-        let refused = |why: String| Some(Outcome::Refused(why).plain());
+        let refused = |why: String| Some(CommandOutcome::Refused(why).plain());
         let Some(client) = text.client.as_deref() else {
             return refused("client is missing: the name of the client".into());
         };
@@ -77,8 +77,8 @@ impl<N: ServiceNumber> Worker<'_, N> {
         let now = self.now();
         if verb == "renew" {
             let outcome = match self.control.renew(client, now) {
-                Ok(()) => Outcome::Accepted,
-                Err(why) => Outcome::Refused(why),
+                Ok(()) => CommandOutcome::Accepted,
+                Err(why) => CommandOutcome::Refused(why),
             };
             return Some(outcome.plain());
         }
@@ -91,18 +91,20 @@ impl<N: ServiceNumber> Worker<'_, N> {
         };
         let written = format!("{verb} {}", String::from_utf8_lossy(payload));
         match self.log.enter(client, number, &written) {
-            Entry::New => {}
-            Entry::Repeated(outcome) => {
+            NumberEntry::New => {}
+            NumberEntry::Repeated(outcome) => {
                 // Who repeats is there.
                 let _ = self.control.renew(client, now);
                 return Some(outcome.answer(client, number));
             }
-            Entry::Open => {
+            NumberEntry::Open => {
                 let _ = self.control.renew(client, now);
                 self.wait(client, number, query);
                 return None;
             }
-            Entry::Wrong(why) => return Some(Outcome::Refused(why).answer(client, number)),
+            NumberEntry::Wrong(why) => {
+                return Some(CommandOutcome::Refused(why).answer(client, number));
+            }
         }
         self.wait(client, number, query);
         if let Some(outcome) = self.begin(act, client, number) {
@@ -117,26 +119,26 @@ impl<N: ServiceNumber> Worker<'_, N> {
     }
 
     /// Begins a command. Returns the outcome if it is known.
-    fn begin(&mut self, act: Act, client: &str, number: u64) -> Option<Outcome> {
+    fn begin(&mut self, act: Act, client: &str, number: u64) -> Option<CommandOutcome> {
         let now = self.now();
         let leads = self.control.renew(client, now);
         if let (Right::Holder, Err(why)) = (act.right(), leads) {
-            return Some(Outcome::Refused(why));
+            return Some(CommandOutcome::Refused(why));
         }
         let command = match act {
             Act::Take(lease) => {
                 return Some(match self.control.take(client, lease, now) {
                     Ok(()) => {
                         self.event("control", &format!("{client} takes control"));
-                        Outcome::Accepted
+                        CommandOutcome::Accepted
                     }
-                    Err(why) => Outcome::Refused(why),
+                    Err(why) => CommandOutcome::Refused(why),
                 });
             }
             Act::Release => {
                 self.control.release(client);
                 self.event("control", &format!("{client} gives control back"));
-                return Some(Outcome::Accepted);
+                return Some(CommandOutcome::Accepted);
             }
             Act::Enable => Command::Enable,
             Act::Disable => Command::Disable,
@@ -153,9 +155,9 @@ impl<N: ServiceNumber> Worker<'_, N> {
         self.put(client, number, OrderWork::Command(command))
     }
 
-    fn put(&mut self, client: &str, number: u64, work: OrderWork<N>) -> Option<Outcome> {
+    fn put(&mut self, client: &str, number: u64, work: OrderWork<N>) -> Option<CommandOutcome> {
         if !self.is_connected {
-            return Some(Outcome::refused("the line of the machine is lost"));
+            return Some(CommandOutcome::refused("the line of the machine is lost"));
         }
         self.orders.push_back(Order {
             from: Some((client.into(), number)),
@@ -166,7 +168,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
     }
 
     /// Answers the command `number` of `client`, to all who ask.
-    pub(super) fn complete(&mut self, client: &str, number: u64, outcome: Outcome) {
+    pub(super) fn complete(&mut self, client: &str, number: u64, outcome: CommandOutcome) {
         self.log.answered(client, number, &outcome);
         let text = outcome.answer(client, number);
         let waiting = self.queries.remove(&(client.into(), number));
@@ -211,7 +213,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
         }
     }
 
-    fn begin_motion(&mut self, act: Act, client: &str, number: u64) -> Result<(), Outcome> {
+    fn begin_motion(&mut self, act: Act, client: &str, number: u64) -> Result<(), CommandOutcome> {
         let is_left = |task: &Task<N>| task.is_held || task.owner != client;
         if self.task.as_ref().is_some_and(is_left) {
             self.drop_task("another motion was asked for");
@@ -228,11 +230,13 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 state => state,
             };
             let why = describe::refusal(&Refusal::<N>::State(state), 0, &self.units);
-            return Err(Outcome::Refused(why));
+            return Err(CommandOutcome::Refused(why));
         };
         let end = status.end.map(|end| pose_si(&end.pose, &self.units));
         let Some([x, y, alpha]) = end else {
-            return Err(Outcome::refused("the machine does not know its pose"));
+            return Err(CommandOutcome::refused(
+                "the machine does not know its pose",
+            ));
         };
         self.task = Some(match act {
             Act::GoTo([x, y], angle) => self.goal([x, y, angle.unwrap_or(alpha)], client, number),
@@ -277,11 +281,11 @@ impl<N: ServiceNumber> Worker<'_, N> {
         };
         let outcome = match reply {
             Reply::Refused(refusal) => {
-                Outcome::Refused(describe::refusal(&refusal, 0, &self.units))
+                CommandOutcome::Refused(describe::refusal(&refusal, 0, &self.units))
             }
-            _ => Outcome::Accepted,
+            _ => CommandOutcome::Accepted,
         };
-        if outcome == Outcome::Accepted {
+        if outcome == CommandOutcome::Accepted {
             self.executed += u64::from(order.from.is_some());
             match order.work {
                 OrderWork::Command(Command::Resume) => {
@@ -315,7 +319,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
             && let Some((client, number)) = order.from
         {
             let why = "the machine was switched on anew, or had another client, while the command was open: see its state";
-            self.complete(&client, number, Outcome::Unknown(why.into()));
+            self.complete(&client, number, CommandOutcome::Unknown(why.into()));
         }
     }
 
@@ -327,7 +331,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
         if let Some(number) = task.asked.take() {
             let owner = task.owner.clone();
             let why = "control has ended before the machine has decided: see its state";
-            self.complete(&owner, number, Outcome::Unknown(why.into()));
+            self.complete(&owner, number, CommandOutcome::Unknown(why.into()));
         }
         if status.next != status.done || status.planning {
             self.orders.push_back(Order::own(Command::Stop));
@@ -356,8 +360,8 @@ impl<N: ServiceNumber> Worker<'_, N> {
             Err(why) => self.event("motion", &format!("{word}: {why}")),
         }
         if let Some(number) = task.asked {
-            let outcome = end.map_or_else(Outcome::Refused, |()| Outcome::Accepted);
-            self.executed += u64::from(outcome == Outcome::Accepted);
+            let outcome = end.map_or_else(CommandOutcome::Refused, |()| CommandOutcome::Accepted);
+            self.executed += u64::from(outcome == CommandOutcome::Accepted);
             self.complete(&task.owner, number, outcome);
         }
     }

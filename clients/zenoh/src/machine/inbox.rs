@@ -1,7 +1,7 @@
 //! Queries and tokens of clients.
 
 use super::Worker;
-use crate::answer::Outcome;
+use crate::answer::CommandOutcome;
 use crate::command::{self, CommandText};
 use crate::error::ZenohError;
 use crate::keys::{self, MachineKeys};
@@ -22,9 +22,9 @@ const MOST_EVENTS: usize = 1024;
 /// Events in the answer to a query that names no range.
 const LAST_EVENTS: u64 = 100;
 
-/// Part of a machine that a query asks for.
+/// QueriedPart of a machine that a query asks for.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(super) enum QueriedPart {
     Identity,
     State,
     Telemetry,
@@ -34,7 +34,7 @@ pub(super) enum Part {
 
 /// Word of a client.
 pub(super) enum Incoming {
-    Query(Part, Query),
+    Query(QueriedPart, Query),
     /// The liveliness token of a client stands, or has gone.
     Token(String, bool),
 }
@@ -56,11 +56,11 @@ impl<N: ServiceNumber> Worker<'_, N> {
         keys: &MachineKeys,
     ) -> Result<Declared, ZenohError> {
         let parts = [
-            (Part::Identity, keys.of(keys::IDENTITY)),
-            (Part::State, keys.of(keys::STATE)),
-            (Part::Telemetry, keys.of(keys::TELEMETRY)),
-            (Part::Events, keys.of(keys::EVENTS)),
-            (Part::Command, keys.command("*")),
+            (QueriedPart::Identity, keys.of(keys::IDENTITY)),
+            (QueriedPart::State, keys.of(keys::STATE)),
+            (QueriedPart::Telemetry, keys.of(keys::TELEMETRY)),
+            (QueriedPart::Events, keys.of(keys::EVENTS)),
+            (QueriedPart::Command, keys.command("*")),
         ];
         let queryables = parts.map(|(part, key)| {
             let sender = self.sender.clone();
@@ -101,19 +101,19 @@ impl<N: ServiceNumber> Worker<'_, N> {
         }
     }
 
-    fn answer_query(&mut self, part: Part, query: Query) {
+    fn answer_query(&mut self, part: QueriedPart, query: Query) {
         let json = Encoding::APPLICATION_JSON;
         match part {
-            Part::Identity => {
+            QueriedPart::Identity => {
                 let text = self.identity_text();
                 self.outlet
                     .answer(&query, keys::IDENTITY, text.into(), json);
             }
-            Part::State => {
+            QueriedPart::State => {
                 let text = self.state_now();
                 self.outlet.answer(&query, keys::STATE, text.into(), json);
             }
-            Part::Telemetry => {
+            QueriedPart::Telemetry => {
                 let next = self.samples.next();
                 match self.range(&query, next.saturating_sub(1), next) {
                     Ok(range) => {
@@ -121,20 +121,24 @@ impl<N: ServiceNumber> Worker<'_, N> {
                         let bytes = Encoding::APPLICATION_OCTET_STREAM;
                         self.outlet.answer(&query, keys::TELEMETRY, batch, bytes);
                     }
-                    Err(why) => self.outlet.refuse(&query, Outcome::Refused(why).plain()),
+                    Err(why) => self
+                        .outlet
+                        .refuse(&query, CommandOutcome::Refused(why).plain()),
                 }
             }
-            Part::Events => {
+            QueriedPart::Events => {
                 let next = self.events.next();
                 match self.range(&query, next.saturating_sub(LAST_EVENTS), next) {
                     Ok(range) => {
                         let text = self.events_text(self.events.kept(range, MOST_EVENTS));
                         self.outlet.answer(&query, keys::EVENTS, text.into(), json);
                     }
-                    Err(why) => self.outlet.refuse(&query, Outcome::Refused(why).plain()),
+                    Err(why) => self
+                        .outlet
+                        .refuse(&query, CommandOutcome::Refused(why).plain()),
                 }
             }
-            Part::Command => self.take_command(query),
+            QueriedPart::Command => self.take_command(query),
         }
     }
 
@@ -172,7 +176,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
             .map(|payload| payload.to_bytes().into_owned());
         let text = match CommandText::read(payload.as_deref()) {
             Ok(text) => text,
-            Err(why) => return self.reply(&query, &verb, Outcome::Refused(why).plain()),
+            Err(why) => return self.reply(&query, &verb, CommandOutcome::Refused(why).plain()),
         };
         if let Some(answer) = self.command(&verb, &text, &payload.unwrap_or_default(), &query) {
             self.reply(&query, &verb, answer);

@@ -2,7 +2,7 @@
 
 use super::commands::Order;
 use super::{PAUSE, STATUS_EVERY, Worker};
-use crate::answer::Outcome;
+use crate::answer::CommandOutcome;
 use crate::line::MachineLine;
 use crate::task::TaskTurn;
 use std::time::Duration;
@@ -84,7 +84,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
             && let Some(number) = task.asked.take()
         {
             let owner = task.owner.clone();
-            self.executed += u64::from(outcome == Outcome::Accepted);
+            self.executed += u64::from(outcome == CommandOutcome::Accepted);
             self.complete(&owner, number, outcome);
         }
         match turn {

@@ -58,7 +58,9 @@ impl FleetTest {
         let mut hub = router(&endpoint);
         let session = open(&endpoint);
         let mut recorder = Recorder::start(&session);
-        let arguments = ["--control", "--fleet", file.to_str().unwrap()];
+        // A crowded computer fetches late.
+        let arguments = ["--control", "--history", "180", "--fleet"];
+        let arguments = [arguments.as_slice(), &[file.to_str().unwrap()]].concat();
         let _fleet = fleet(&endpoint, &arguments, &folder.path().join("log"));
 
         let names: Vec<String> = (1..=self.machines).map(|i| format!("sim-{i}")).collect();

@@ -90,7 +90,7 @@ impl Recorder {
             let recorded = self.machines.entry(name).or_default();
             match heard {
                 Heard::Batch(bytes, is_fetched) => {
-                    let new = recorded.take(&bytes);
+                    let new = recorded.take(&bytes, is_fetched);
                     recorded.fetched += if is_fetched { new } else { 0 };
                 }
                 Heard::Asked => recorded.is_asking = false,
@@ -158,8 +158,9 @@ impl Recorded {
         self.first + self.samples.len() as u64
     }
 
-    /// Takes a batch. Returns the number of samples that had not come.
-    fn take(&mut self, bytes: &[u8]) -> u64 {
+    /// Takes a batch. Returns the number of samples that had not come. A batch that was fetched reaches over several gaps: what lies between
+    /// them was asked for once more, and is not doubled.
+    fn take(&mut self, bytes: &[u8], is_fetched: bool) -> u64 {
         let (header, places) = records::read(bytes).expect("a batch of this version");
         self.every = header.every;
         let session = *self.session.get_or_insert(header.session);
@@ -177,6 +178,9 @@ impl Recorded {
                 self.samples.resize(index + 1, (0, None));
             }
             let (times, kept) = &mut self.samples[index];
+            if is_fetched && *times > 0 {
+                continue;
+            }
             new += u64::from(*times == 0);
             *times += 1;
             *kept = Some(place);
@@ -186,12 +190,12 @@ impl Recorded {
         new
     }
 
-    /// First range that is missing before what has come.
+    /// Range from the first to the last sample that is missing before what has come.
     fn missing(&self) -> Option<Range<u64>> {
         let rest = self.samples.get(self.complete..)?;
-        let length = rest.iter().take_while(|(times, _)| *times == 0).count();
+        let last = rest.iter().rposition(|(times, _)| *times == 0)?;
         let start = self.first + self.complete as u64;
-        (length > 0).then(|| start..start + length as u64)
+        Some(start..start + last as u64 + 1)
     }
 }
 
