@@ -82,6 +82,13 @@ impl Control {
         }
     }
 
+    /// Returns true if no lease runs: a client whose token is gone may still come back within its own.
+    pub(crate) fn has_ended(&self, now: Duration) -> bool {
+        self.holder
+            .as_ref()
+            .is_none_or(|holder| now >= holder.until)
+    }
+
     /// Returns the client that has control and is there.
     pub(crate) fn present(&self, now: Duration) -> Option<&str> {
         let holder = self.holder.as_ref()?;
@@ -127,6 +134,7 @@ mod tests {
         control.token("a", true);
         control.token("a", false);
         assert_eq!(control.present(at(0.2)), None);
+        assert!(!control.has_ended(at(0.2)) && control.has_ended(at(2.0)));
         assert!(control.renew("a", at(0.2)).is_err());
         control.token("a", true);
         assert_eq!(control.present(at(0.3)), Some("a"));

@@ -195,7 +195,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 self.found((status.state, status.acting));
                 self.status = Some(status);
                 self.surveyed();
-                if status.state == State::Idle && self.control.present(now).is_none() {
+                if status.state == State::Idle && self.control.has_ended(now) {
                     self.leave_task(&status);
                 }
             }
