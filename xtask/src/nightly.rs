@@ -2,6 +2,7 @@
 
 use crate::ci::with_oldest_toolchain;
 use crate::packages::{NIGHTLY_PACKAGES, Package};
+use crate::repository::target_directory;
 use crate::steps::{self, Step};
 use anyhow::{Result, ensure};
 use std::process::Command;
@@ -13,6 +14,30 @@ pub(crate) fn run() -> Result<()> {
         "not installed: cargo install cargo-deny --locked"
     );
     steps::run(steps()?)
+}
+
+/// Checks of `clients/zenoh`, a workspace of its own: its dependencies, its lints, and its tests with those that take long.
+fn zenoh() -> [Step; 4] {
+    let manifest = ["--manifest-path", "clients/zenoh/Cargo.toml"];
+    let build = target_directory().join("zenoh");
+    let step = |name: &str, command: &str, rest: &[&str]| {
+        let mut step = Step::cargo(name, &[&[command], manifest.as_slice()].concat());
+        if matches!(command, "clippy" | "test") {
+            step.command.arg("--target-dir").arg(&build);
+        }
+        step.command.args(rest);
+        step
+    };
+    let rules = ["check", "--config", "clients/zenoh/deny.toml"];
+    let rules = [rules.as_slice(), &["bans", "licenses", "sources"]].concat();
+    let lints = ["--quiet", "--all-targets", "--", "-Dwarnings"];
+    let tests = ["--", "--include-ignored", "--nocapture", "--test-threads=1"];
+    [
+        step("dependencies of machines on Zenoh", "deny", &rules),
+        step("format of machines on Zenoh", "fmt", &["--check"]),
+        step("lints of machines on Zenoh", "clippy", &lints),
+        step("a hundred machines on Zenoh", "test", &tests),
+    ]
 }
 
 fn steps() -> Result<Vec<Step>> {
@@ -277,6 +302,7 @@ fn steps() -> Result<Vec<Step>> {
             &["test", "-p", package],
         ));
     }
+    steps.extend(zenoh());
     // As a user gets them: each archive is unpacked and compiled.
     let archives = ["package", "--quiet", "--allow-dirty"];
     let mut archives = Step::cargo("packages from their archives", &archives);

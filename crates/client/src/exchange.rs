@@ -132,6 +132,14 @@ impl<N: Transmit> Exchange<N> {
         self.open.clear();
     }
 
+    /// Sends the open requests again, under their numbers, on a port that was opened anew: a machine that has executed one repeats
+    /// its answer. A machine that was switched on meanwhile refuses them: the owner says hello.
+    pub fn reopened(&mut self, now: Duration) {
+        for open in &mut self.open {
+            (open.attempts, open.due, open.is_lost) = (0, now, false);
+        }
+    }
+
     fn put(&mut self, sequence: u32, command: Command<N>, now: Duration) {
         self.open.push_back(Open {
             request: Request { sequence, command },
@@ -346,5 +354,11 @@ mod tests {
             assert_eq!(sent(&mut exchange, now), [41]);
         }
         assert_eq!(exchange.poll(now + ANSWER * 8), Turn::Silent);
+        // A port that is opened anew begins again, under the same number.
+        now += ANSWER * 8;
+        exchange.reopened(now);
+        assert_eq!(sent(&mut exchange, now), [41]);
+        assert!(exchange.receive(&reply(41, Reply::Done)).is_some());
+        assert_eq!(exchange.poll(now), Turn::Free);
     }
 }
