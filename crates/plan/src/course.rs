@@ -237,7 +237,10 @@ fn ranges(pieces: &[PathPiece]) -> Vec<Range<usize>> {
 /// Parts into which cells with these `gaps` are divided so that all gaps together become `allowed` with the fewest
 /// cells: a gap goes with the square of a cell's length.
 fn parts(gaps: Vec<f64>, allowed: f64) -> Vec<usize> {
-    let roots: Vec<f64> = gaps.into_iter().map(|gap| libm::cbrt(gap.max(0.0))).collect();
+    let roots: Vec<f64> = gaps
+        .into_iter()
+        .map(|gap| libm::cbrt(gap.max(0.0)))
+        .collect();
     let scale = (roots.iter().sum::<f64>() / allowed).sqrt();
     let parts = |root: f64| (root * scale).ceil().clamp(1.0, PARTS_MAX) as usize;
     roots.into_iter().map(parts).collect()

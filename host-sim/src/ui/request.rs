@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Head of a request.
 pub(super) enum Head {
     /// A whole one.
-    Request(Request),
+    Request(Box<Request>),
     /// Bytes that are none, or not in time.
     Wrong,
     /// Nothing has come. The connection is closed without an answer: a browser opens some ahead of its requests, and would take the answer
@@ -46,7 +46,7 @@ pub(super) fn read(browser: &mut TcpStream) -> io::Result<Head> {
         }
         head.extend_from_slice(&bytes[..length]);
         match Request::try_parse(&head) {
-            Ok(Some((_, request))) => return Ok(Head::Request(request)),
+            Ok(Some((_, request))) => return Ok(Head::Request(Box::new(request))),
             Ok(None) => {}
             Err(_) => return Ok(Head::Wrong),
         }

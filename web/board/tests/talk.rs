@@ -13,7 +13,7 @@ const THESIS: &str = include_str!("../../../scenes/thesis.toml");
 
 /// A page of the scene in `text`.
 fn page(text: &str) -> Board {
-    let scene = Reading::whole(text, "my.toml")
+    let scene = Reading::whole(text, "my.toml", None)
         .board_scene()
         .expect("a scene");
     let Ok(board) = Board::new(
