@@ -1,5 +1,4 @@
-//! Prints a hash over the bits of every shipped scene's job, and the moves of jobs along a path: `bits [TICKS]`. The page's test compares the
-//! hashes with WebAssembly.
+//! Prints a hash over the bits of every shipped scene's job: `bits [TICKS]`. The page's test compares the hashes with WebAssembly.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -20,10 +19,8 @@ fn main() -> Result<(), String> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         let machine = machine_of(&text)?;
         let file = format!("{name}.toml");
-        let moves = trirrr_web::planned_moves(&text, &file, machine.clone())?;
-        let hash = trirrr_web::bits_of(&text, &file, machine, ticks, &moves)?;
-        let moves: String = moves.iter().map(|number| format!(" {number}")).collect();
-        println!("{name} {hash}{moves}");
+        let hash = trirrr_web::bits_of(&text, &file, machine, ticks)?;
+        println!("{name} {hash}");
     }
     Ok(())
 }

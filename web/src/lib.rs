@@ -18,7 +18,7 @@ mod modes;
 mod plant;
 mod reading;
 
-pub use bits::{bits_of, planned_moves};
+pub use bits::bits_of;
 pub use board::BoardScene;
 pub use figures::{Figures, MotorLimits};
 pub use job::{JobMode, PlayedJob};

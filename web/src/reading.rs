@@ -274,12 +274,6 @@ impl Reading {
         SimulatedPlant::of(self.good()?, rows)
     }
 
-    /// The scene of a draft.
-    pub(crate) fn draft_scene(&self) -> Result<&Scene, String> {
-        let refusal = || self.refusal.clone().unwrap_or_default();
-        self.scene.as_ref().ok_or_else(refusal)
-    }
-
     /// The scene, if its job can be played.
     pub(crate) fn good(&self) -> Result<&Scene, String> {
         match (&self.scene, &self.refusal) {

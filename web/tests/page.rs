@@ -9,7 +9,6 @@ use trirrr_scene::record::tick_columns;
 use trirrr_scene::{Scene, SceneError, in_number_type, pipeline};
 use trirrr_web::{
     GivenDrawing, JobInputs, PlayedJob, Problem, Reading, bits_of, is_drawing, machine_file,
-    planned_moves,
 };
 use trirrr_web_drawing::read_drawing;
 
@@ -519,15 +518,13 @@ fn no_text_makes_the_core_panic() {
 }
 
 #[test]
-fn a_hash_is_of_the_moves_that_are_given() {
+fn a_hash_is_of_the_motion() {
+    let hash = |text: &str| bits_of(text, "my.toml", None, 500);
     let path = include_str!("../../scenes/engraving.toml");
-    let moves = planned_moves(path, "engraving.toml", None).expect("a plan");
-    let hash = |moves: &[f64]| bits_of(path, "engraving.toml", None, 500, moves);
-    let planned = hash(&moves).expect("a hash");
-    assert_eq!(hash(&[]).as_ref(), Ok(&planned), "planned again");
-    let mut others = moves.clone();
-    others[18] += 1.0;
-    assert_ne!(hash(&others), Ok(planned), "the first move is longer");
-    assert!(hash(&moves[1..]).is_err());
-    assert_eq!(planned_moves(THESIS, "thesis.toml", None), Ok(Vec::new()));
+    let planned = hash(path).expect("a hash");
+    assert_eq!(hash(path).as_ref(), Ok(&planned), "planned again");
+    let slower = path.replacen("feed_m_s = 0.25", "feed_m_s = 0.2", 1);
+    assert_ne!(slower, path);
+    assert_ne!(hash(&slower), Ok(planned), "another plan");
+    assert!(hash("name = 1").is_err());
 }
