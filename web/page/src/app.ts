@@ -421,14 +421,14 @@ class Page {
         this.showMeasured(time);
     }
 
-    /** Draws the platform where the plant has it at a time of the job. */
+    /** Draws the machine where the plant has it at a time of the job. */
     private showMeasured(time: number): void {
         const { machine, plant } = this;
         const times = plant?.columns.t;
         if (!machine || !times || times.length === 0) return;
         const row = rowAt(times, time);
         const pose = ["x", "y", "alpha"].map((name) => plant.columns[name]?.[row] ?? 0);
-        this.drawing.showMeasured(taken(machine.figures(Float64Array.from([...pose, 0, 0, 0, 0, 0, 0]))).platform);
+        this.drawing.showMeasured(taken(machine.figures(Float64Array.from([...pose, 0, 0, 0, 0, 0, 0]))));
     }
 
     private goTo(time: number): void {

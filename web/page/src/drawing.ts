@@ -40,7 +40,6 @@ export class Drawing {
     private readonly grid: SVGPathElement;
     private readonly path: SVGPolylineElement;
     private readonly breach: SVGCircleElement;
-    private readonly measured: SVGPolygonElement;
     private readonly ghosts: SVGGElement;
     private readonly ghostLegs: SVGGElement;
     private readonly measured: SVGGElement;
@@ -80,7 +79,6 @@ export class Drawing {
         }
         this.handle = shape("g", svg, { class: "platform", tabindex: "0", role: "application", "aria-roledescription": "platform to drag", "aria-label": "Platform. Arrow keys move it, Q and E turn it." });
         this.platform = shape("polygon", this.handle, { class: "body" });
-        this.measured = shape("polygon", this.handle, { class: "measured" });
         this.spoke = shape("line", this.handle, { class: "spoke" });
         this.grip = shape("circle", this.handle, { class: "grip" });
         this.centre = shape("circle", this.handle, { class: "centre" });
@@ -112,11 +110,6 @@ export class Drawing {
         this.path.setAttribute("points", points.join(" "));
     }
 
-    /** Shows the joints of the platform where a plant has them. */
-    showMeasured(platform: ArrayLike<number> | undefined): void {
-        this.measured.setAttribute("points", platform ? corners(platform) : "");
-    }
-
     showGhosts(platforms: ArrayLike<number>[]): void {
         while (this.ghosts.childElementCount > platforms.length) this.ghosts.lastElementChild?.remove();
         platforms.forEach((joints, index) => {
@@ -134,7 +127,7 @@ export class Drawing {
         }
     }
 
-    /** Shows the machine as its drives measure it, beside the one that is drawn. */
+    /** Shows the machine as drives measure it, or where a plant has it, beside the one that is drawn. */
     showMeasured(figures: TakenFigures | undefined): void {
         this.measured.replaceChildren();
         if (!figures || figures.elbows.length < 6) return;
