@@ -5,6 +5,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::time::Instant;
 use tempfile::TempDir;
 
 /// Commands of the tutorial that go on until a user ends them, or need another compiler.
@@ -46,7 +47,10 @@ fn every_step_of_the_tutorial_does_what_it_says() {
         if NOT_ALONE.iter().any(|word| line.contains(word)) {
             continue;
         }
+        let begin = Instant::now();
         let output = run(&folder, line);
+        // For the table of the page, with `--release -- --nocapture`.
+        println!("{:.1} s  {line}", begin.elapsed().as_secs_f64());
         let error = String::from_utf8_lossy(&output.stderr);
         // One command is meant to be refused, and the page says with which words.
         if line.contains("torque_nm=0.5") {

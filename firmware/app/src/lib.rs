@@ -37,6 +37,8 @@ mod log;
 mod memory;
 #[cfg(target_os = "none")]
 pub mod outputs;
+#[cfg(target_os = "none")]
+pub mod pins;
 #[cfg(all(target_os = "none", feature = "ruled-switches"))]
 mod ruled_switches;
 pub mod scene;

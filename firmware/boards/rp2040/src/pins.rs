@@ -4,13 +4,14 @@
 #![allow(dead_code)]
 
 use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
+use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use rp2040_hal::gpio::{
     DynPinId, FunctionNull, FunctionSioInput, FunctionSioOutput, InputOverride, OutputOverride,
     Pin, PinId, PullDown, PullUp, ValidFunction,
 };
 use rp2040_hal::gpio::{FunctionSio, SioInput, SioOutput};
 use rp2040_hal::pac::{UART0, UART1};
+use trirrr_app::pins::NoPin;
 
 /// Serial ports of the chip, of which [`Pins`](crate::board::Pins) takes those of the board file.
 pub(crate) struct Ports {
@@ -92,9 +93,6 @@ where
     }
 }
 
-/// Pin of a function that the scene lacks: it is none, and left alone.
-pub(crate) struct NoPin;
-
 impl BoardPin for NoPin {
     const INVERTED: bool = false;
     type Plain = Self;
@@ -111,29 +109,5 @@ impl BoardPin for NoPin {
 
     fn input(self) -> Self {
         self
-    }
-}
-
-impl ErrorType for NoPin {
-    type Error = Infallible;
-}
-
-impl OutputPin for NoPin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
-
-impl InputPin for NoPin {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(false)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(true)
     }
 }

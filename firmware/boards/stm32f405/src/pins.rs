@@ -12,6 +12,7 @@ use stm32f4xx_hal::hal::digital::{ErrorType, InputPin, OutputPin};
 use stm32f4xx_hal::pac::{
     GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, USART1, USART2, USART3, USART6, gpioa,
 };
+use trirrr_app::pins::NoPin;
 
 /// The ports of the chip, of which [`Pins`](crate::board::Pins) takes those of the board file.
 pub(crate) struct Ports {
@@ -114,9 +115,6 @@ impl<const P: char, const N: u8> BoardPin for Inverted<Pin<P, N>> {
     }
 }
 
-/// Pin of a function that the scene lacks: it is none, and left alone.
-pub(crate) struct NoPin;
-
 impl BoardPin for NoPin {
     const INVERTED: bool = false;
     type Plain = Self;
@@ -133,30 +131,6 @@ impl BoardPin for NoPin {
 
     fn input(self, _: Pull) -> Self {
         self
-    }
-}
-
-impl ErrorType for NoPin {
-    type Error = Infallible;
-}
-
-impl OutputPin for NoPin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
-
-impl InputPin for NoPin {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(false)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(true)
     }
 }
 
