@@ -249,7 +249,8 @@ async function bySerial() {
     // Phone, in the dark.
     await tab.emulateMedia({ colorScheme: "dark" });
     await tab.setViewportSize({ width: 360, height: 780 });
-    assert.equal(await tab.evaluate(() => document.documentElement.scrollWidth), 360);
+    // The curves take their new width a frame later.
+    await tab.waitForFunction(() => document.documentElement.scrollWidth === 360, undefined, { timeout: 10_000 });
     await tab.screenshot({ path: join(shots, "board-360.png"), fullPage: true });
     // The cable is pulled.
     await tab.evaluate(() => globalThis.pull_());
