@@ -15,7 +15,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 const POINTS: usize = 12;
 const POINTS_MAX: usize = 24_000;
 
-/// What a job's file leaves open: the arguments of `trirrr run` of the same names.
+/// Choices that a job's file leaves open: the arguments of `trirrr run` of the same names.
 #[wasm_bindgen]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JobInputs {

@@ -115,7 +115,7 @@ impl SimulatedPlant {
         all.flatten().collect()
     }
 
-    /// What happened on the way: an end before that of the job, saturated motors, lost steps, warnings.
+    /// Notes on the run: an end before that of the job, saturated motors, lost steps, warnings.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.outcome.end.reason().into_iter().collect();

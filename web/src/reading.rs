@@ -80,7 +80,7 @@ impl Reading {
     /// planned. Arguments as in [`draft`](Self::draft).
     pub fn whole(text: &str, file: &str, machine: Option<String>) -> Self {
         let (read, shown) =
-            Scene::parse_shown_from(text, file, &|path| machine_text(&machine, path));
+            Scene::parse_shown(text, file, &[], &|path| machine_text(&machine, path));
         match read {
             Ok(scene) => Self::of_job(scene, DrawnPath::default()),
             Err(error) => Self::refused(&error, shown, text),
@@ -194,7 +194,7 @@ impl Reading {
         self.drawn.breach.map(Vec::from)
     }
 
-    /// What the command line says about a job's file: the place that was found for it, lines that wait for the user.
+    /// Notes of the command line on a job's file: the place that was found for it, lines that wait for the user.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.drawn.notes.clone()

@@ -1,4 +1,4 @@
-//! What was published, by its numbers, for those who have missed something.
+//! Published records by their numbers, for those who have missed some.
 
 use std::collections::VecDeque;
 use std::ops::Range;

@@ -238,37 +238,21 @@ impl Scene {
     pub fn read_refused(file: impl AsRef<Path>, settings: &[Setting]) -> Option<Self> {
         let file = file.as_ref();
         let (text, name) = (text_of(file).ok()?, file.display().to_string());
-        let (read, refused) = Self::parse_shown(&text, &name, settings);
+        let (read, refused) = Self::parse_shown(&text, &name, settings, &on_disk);
         refused.filter(|_| read.is_err())
     }
 
     /// Checks as [`parse_set`](Self::parse_set), and returns the scene of which only the job is refused beside the refusal, to be shown and
-    /// not played: [`read_refused`](Self::read_refused).
+    /// not played: [`read_refused`](Self::read_refused). The file of the machine is taken from `machines`.
     pub fn parse_shown(
         text: &str,
         file: &str,
         settings: &[Setting],
-    ) -> (Result<Self, SceneError>, Option<Self>) {
-        let mut refused = None;
-        let read = Self::parse_in(
-            text,
-            file,
-            settings,
-            &on_disk,
-            ReadDepth::Whole,
-            &mut refused,
-        );
-        (read, refused)
-    }
-
-    /// Checks as [`parse_shown`](Self::parse_shown), and takes the file of the machine from `machines`.
-    pub fn parse_shown_from(
-        text: &str,
-        file: &str,
         machines: &MachineTexts,
     ) -> (Result<Self, SceneError>, Option<Self>) {
         let mut refused = None;
-        let read = Self::parse_in(text, file, &[], machines, ReadDepth::Whole, &mut refused);
+        let whole = ReadDepth::Whole;
+        let read = Self::parse_in(text, file, settings, machines, whole, &mut refused);
         (read, refused)
     }
 

@@ -65,7 +65,7 @@ pub(crate) trait Talk {
     fn halt(&mut self);
     /// Takes the sentences out that came since the last call.
     fn take_notes(&mut self) -> Vec<String>;
-    /// What is known of the machine.
+    /// State of the machine as far as it is known.
     fn view(&self) -> BoardView;
 }
 

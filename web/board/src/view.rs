@@ -1,4 +1,4 @@
-//! What the page shows of a machine, in SI units.
+//! Values that the page shows of a machine, in SI units.
 
 use crate::talk::{BoardTalk, Talking};
 use crate::{BoardCommand, BoardSample, BoardView, DriveValues};
@@ -33,7 +33,7 @@ impl<N: Transmit> BoardTalk<N> {
         self.units.mass_kg * speed * speed
     }
 
-    /// What is known of the machine.
+    /// State of the machine as far as it is known.
     pub(crate) fn shown(&self) -> BoardView {
         let status = self.status.as_ref();
         let state = self.state();

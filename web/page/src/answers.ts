@@ -18,7 +18,7 @@ export interface Source {
     drawings: WebAssembly.Module | undefined;
 }
 
-/** What a job's file leaves open, by the names of the core. */
+/** Choices that a job's file leaves open, by the names of the core. */
 export interface JobInputValues {
     x_mm: number;
     y_mm: number;

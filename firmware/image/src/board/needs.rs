@@ -1,4 +1,4 @@
-//! What a scene takes from its board.
+//! Functions that a scene takes from its board.
 
 use super::role::Role;
 use crate::generate::{DriveError, kind, slots_hz, tool_kind};
