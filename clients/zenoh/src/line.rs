@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
-use trirrr_client::transport::{self, Address, Frames, Link, OpenError, SharedKey};
+use trirrr_client::transport::{Address, Frames, Link, OpenError, SharedKey, open_link};
 use trirrr_protocol::message::{Message, Request, Transmit};
 use trirrr_service::{InterlockReadings, ServiceNumber};
 
@@ -74,10 +74,7 @@ impl<N: Transmit> MachineLine<N> for BoardLine {
     fn open(&mut self) -> Result<(), (String, bool)> {
         // The port is given back first: it opens once only.
         self.link = None;
-        let opened = match &self.key {
-            Some(key) => transport::open_keyed(&self.address, self.baud, key),
-            None => transport::open(&self.address, self.baud),
-        };
+        let opened = open_link(&self.address, self.baud, self.key.as_ref());
         let told = |error: OpenError| (error.to_string(), error.may_pass());
         let mut link = opened.map_err(told)?;
         // A zero ends what the line held.

@@ -6,13 +6,12 @@ pub use args::BridgeArgs;
 
 use crate::failure::CliError;
 use crate::serve::{FrameKind, Hub, Standing, read_key};
-use crate::stream::open_link;
 use crate::terminal::print_line;
 use std::collections::VecDeque;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Frames, Link, OpenError, RawMessage, SharedKey};
+use trirrr_client::transport::{Frames, Link, OpenError, RawMessage, SharedKey, open_link};
 use trirrr_protocol::message::{Command, Message, Request};
 
 /// Time from one look at both sides to the next, while nothing comes.

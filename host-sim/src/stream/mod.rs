@@ -12,7 +12,7 @@ mod work;
 
 pub use args::{PortArgs, StreamArgs};
 pub(crate) use keys::user_command;
-pub(crate) use port::{Port, open_link};
+pub(crate) use port::Port;
 pub use session::StreamEnd;
 
 use crate::failure::CliError;

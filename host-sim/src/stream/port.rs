@@ -6,7 +6,7 @@ use crate::serve::read_key;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{self, Address, Frames, KeyRefusal, Link, OpenError, SharedKey};
+use trirrr_client::transport::{Address, Frames, KeyRefusal, Link, SharedKey, open_link};
 use trirrr_protocol::message::{Message, Reply, Request, Transmit};
 
 /// From one attempt to open a port to the next.
@@ -32,21 +32,6 @@ pub(crate) struct Port {
     damaged: u64,
     /// The far end expects a key: to open the port anew does not help.
     refused: Option<KeyRefusal>,
-}
-
-/// Opens the link to `address`, with `key` where there is one.
-///
-/// # Errors
-/// Reason why it cannot be opened.
-pub(crate) fn open_link(
-    address: &Address,
-    baud: u32,
-    key: Option<&SharedKey>,
-) -> Result<Box<dyn Link>, OpenError> {
-    match key {
-        Some(key) => transport::open_keyed(address, baud, key),
-        None => transport::open(address, baud),
-    }
 }
 
 impl Port {

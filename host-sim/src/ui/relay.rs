@@ -1,11 +1,10 @@
 //! The line of a board behind a WebSocket: bytes of binary messages, both ways.
 
-use crate::stream::open_link;
 use std::io;
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use trirrr_client::transport::{Address, Link, SharedKey};
+use trirrr_client::transport::{Address, Link, SharedKey, open_link};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};

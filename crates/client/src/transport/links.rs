@@ -125,6 +125,21 @@ pub fn open_keyed(
     }
 }
 
+/// Opens the link to `address`, with `key` where there is one.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open_link(
+    address: &Address,
+    baud: u32,
+    key: Option<&SharedKey>,
+) -> Result<Box<dyn Link>, OpenError> {
+    match key {
+        Some(key) => open_keyed(address, baud, key),
+        None => open(address, baud),
+    }
+}
+
 /// Opens the link to a port for watchers at `address`, who send nothing else.
 ///
 /// # Errors

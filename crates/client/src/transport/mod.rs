@@ -30,7 +30,7 @@ pub use frames::Frames;
 #[cfg(feature = "transport")]
 pub use key::{KeyError, SharedKey, entropy};
 #[cfg(feature = "transport")]
-pub use links::{Link, OpenError, open, open_keyed, open_watched};
+pub use links::{Link, OpenError, open, open_keyed, open_link, open_watched};
 #[cfg(feature = "transport")]
 use links::{WRITE_TIMEOUT, closed};
 pub use raw::RawMessage;
